@@ -1,0 +1,1 @@
+"""Calibrates the material parameters of discrete element (DEM) models of bulk solids."""

@@ -1,0 +1,1 @@
+"""A campaign makes DEM runs and never loses one: identity, store, runner."""

@@ -1,0 +1,1 @@
+"""Measurements on particles and images, the same for simulations and photographs."""

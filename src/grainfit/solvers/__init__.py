@@ -1,0 +1,1 @@
+"""Adapters to whatever simulates a bulk test, all behind `grainfit.solvers.base.Solver`."""

@@ -1,0 +1,91 @@
+"""The one small interface behind which every simulated experiment stands.
+
+A *solver* turns values of the free parameters and a seed into responses. Its life is short:
+
+1. it is made once per test of a calibration and is immutable from then on;
+2. `Solver.check` is called once, before anything is run, and says in words what is missing;
+3. `Solver.definition` is called for every run that is wanted. It returns all that decides the
+   run's outcome, as JSON. Its hash is the run's identity: equal definitions are the same run, and
+   a run that is already known is never repeated;
+4. `Solver.run` is called from worker threads, several at a time, each with a folder of its own.
+   It returns the responses or raises `RunFailedError`. It keeps no state between runs.
+"""
+
+from __future__ import annotations
+
+import threading
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+
+@dataclass(frozen=True)
+class Response:
+    """One measured quantity of one run.
+
+    Parameters
+    ----------
+    value : float
+        In SI units, except angles, which are in degrees.
+    standard_error : float
+        Standard error of measuring *this* run; the scatter from seed to seed comes on top.
+    """
+
+    value: float
+    standard_error: float = 0.0
+
+
+@dataclass(frozen=True)
+class Workspace:
+    """Where and under which limits one run happens.
+
+    Parameters
+    ----------
+    folder : Path
+        Exists, is empty, belongs to this run alone, and is kept.
+    timeout : float, optional
+        Longest wall time, s.
+    cancelled : threading.Event
+        Set when the user stops the calibration: the run must end soon.
+    """
+
+    folder: Path
+    timeout: float | None = None
+    cancelled: threading.Event = field(default_factory=threading.Event)
+
+
+class Solver(ABC):
+    """Anything that turns parameter values and a seed into responses."""
+
+    #: Short name shown to the user, as in the calibration file.
+    name: str
+
+    @property
+    @abstractmethod
+    def response_names(self) -> tuple[str, ...] | None:
+        """Names of the responses that a run yields; None when only a run can tell."""
+
+    @abstractmethod
+    def definition(self, parameters: Mapping[str, float], seed: int) -> dict[str, Any]:
+        """Return all that decides the outcome of this run, as JSON-serialisable data."""
+
+    @abstractmethod
+    def run(
+        self, parameters: Mapping[str, float], seed: int, workspace: Workspace
+    ) -> dict[str, Response]:
+        """Simulate once.
+
+        Raises
+        ------
+        RunFailedError
+            The run gave no responses: why, and the tail of the log.
+        """
+
+    def check(self) -> None:
+        """Raise `SolverNotFoundError` or `InputError` when no run could ever succeed."""
+
+    def version(self) -> str:
+        """Version of the program behind it, for people and for the run's identity."""
+        return ""
