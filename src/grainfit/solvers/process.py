@@ -137,7 +137,7 @@ def end_orphan(folder: Path) -> bool:
     note = folder / PROCESS_NAME
     try:
         pid = int(json.loads(note.read_text(encoding="utf-8"))["pid"])
-        if Path(os.readlink(f"/proc/{pid}/cwd")) != folder.resolve():
+        if Path(f"/proc/{pid}/cwd").readlink() != folder.resolve():
             return False
     except (OSError, ValueError, KeyError):
         return False
