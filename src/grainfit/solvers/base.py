@@ -44,7 +44,7 @@ class Workspace:
     Parameters
     ----------
     folder : Path
-        Exists, is empty, belongs to this run alone, and is kept.
+        Exists, is empty, belongs to this run alone, and is kept (only for solvers that use one).
     timeout : float, optional
         Longest wall time, s.
     cancelled : threading.Event
@@ -61,6 +61,8 @@ class Solver(ABC):
 
     #: Short name shown to the user, as in the calibration file.
     name: str
+    #: Whether runs need a folder of their own; in-process functions and tables do not.
+    uses_folder: bool = True
 
     @property
     @abstractmethod

@@ -1,0 +1,58 @@
+"""What a strategy asks for and what it is told."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Literal
+
+from grainfit.solvers.base import Response
+
+Stage = Literal["design", "optimisation", "verification"]
+
+
+@dataclass(frozen=True)
+class Proposal:
+    """A parameter set that a strategy wants simulated once, in every test.
+
+    Parameters
+    ----------
+    parameters : mapping of str to float
+        Values of the free parameters.
+    seed : int
+        Insertion seed.
+    stage : {"design", "optimisation", "verification"}
+        What it is for.
+    """
+
+    parameters: Mapping[str, float]
+    seed: int
+    stage: Stage
+
+
+@dataclass(frozen=True)
+class Evaluation:
+    """What came of a proposal.
+
+    Parameters
+    ----------
+    proposal : Proposal
+        What was asked for.
+    responses : mapping of str to Response
+        Responses of all tests whose run ended well.
+    failures : mapping of str to str
+        Reason by name of the test whose run failed.
+    reused : int
+        How many of its runs were known already.
+    runs : mapping of str to str
+        Identity of the run by name of the test.
+    seconds : float
+        Sum of the wall times of the runs, s.
+    """
+
+    proposal: Proposal
+    responses: Mapping[str, Response]
+    failures: Mapping[str, str] = field(default_factory=dict)
+    reused: int = 0
+    runs: Mapping[str, str] = field(default_factory=dict)
+    seconds: float = 0.0

@@ -1,0 +1,125 @@
+"""The work folder of a calibration: who holds it, where runs happen, what is kept of them.
+
+A run happens in ``runs/IDENTITY.partial``. When it has ended, its record is written beside the
+solver's files as ``run.json`` and the folder is renamed to ``runs/IDENTITY``: a folder of that name
+is always whole, and the store can be made anew from the folders.
+"""
+
+from __future__ import annotations
+
+import fcntl
+import json
+import os
+import shutil
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from grainfit.campaign.store import RunRecord, RunStore
+from grainfit.errors import StoreError
+from grainfit.solvers.process import end_orphan
+
+RECORD_NAME = "run.json"
+
+
+@contextmanager
+def hold(folder: Path) -> Iterator[None]:
+    """Hold a work folder for this process alone.
+
+    Raises
+    ------
+    StoreError
+        The folder cannot be made or written, or another process holds it.
+    """
+    path = folder / "lock"
+    try:
+        (folder / "runs").mkdir(parents=True, exist_ok=True)
+        file = path.open("a+", encoding="utf-8")
+    except OSError as error:
+        raise StoreError(
+            f"the work folder {str(folder)!r} cannot be used: {error.strerror}. "
+            "Choose another with --workdir."
+        ) from error
+    with file:
+        try:
+            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except OSError as error:
+            file.seek(0)
+            raise StoreError(
+                f"the work folder {str(folder)!r} is in use by process {file.read().strip()}. "
+                "Wait for it to end, or choose another folder with --workdir."
+            ) from error
+        file.truncate(0)
+        file.write(f"{os.getpid()}\n")
+        file.flush()
+        yield
+
+
+def is_held(folder: Path) -> bool:
+    """Return whether a process is at work in the folder now."""
+    try:
+        with (folder / "lock").open("r", encoding="utf-8") as file:
+            fcntl.flock(file, fcntl.LOCK_SH | fcntl.LOCK_NB)
+    except BlockingIOError:
+        return True
+    except OSError:
+        return False
+    return False
+
+
+def recover(folder: Path, store: RunStore) -> None:
+    """Put in order what a killed process left: end its solvers, keep every finished run."""
+    store.forget_running()
+    known = store.identities()
+    for path in sorted((folder / "runs").iterdir()):
+        if path.suffix == ".partial":
+            end_orphan(path)
+            shutil.rmtree(path, ignore_errors=True)
+        elif path.name not in known and (record := read_record(path)) is not None:
+            store.save(record)
+
+
+def read_record(folder: Path) -> RunRecord | None:
+    """Read the record kept in a run folder; None when there is none or it is damaged."""
+    try:
+        data = json.loads((folder / RECORD_NAME).read_text(encoding="utf-8"))
+        return RunRecord.from_json(data)
+    except (OSError, ValueError, KeyError, TypeError, AttributeError):
+        return None
+
+
+def run_folder(folder: Path, identity: str) -> Path:
+    """Folder of a run that has ended."""
+    return folder / "runs" / identity
+
+
+def open_run_folder(folder: Path, identity: str) -> Path:
+    """Make a fresh folder for a run to happen in."""
+    partial = folder / "runs" / f"{identity}.partial"
+    shutil.rmtree(partial, ignore_errors=True)
+    partial.mkdir(parents=True)
+    return partial
+
+
+def close_run_folder(folder: Path, record: RunRecord) -> None:
+    """Keep the folder of a run that has ended, with its record in it."""
+    partial = folder / "runs" / f"{record.identity}.partial"
+    write_atomically(partial / RECORD_NAME, json.dumps(record.to_json(), indent=1))
+    final = run_folder(folder, record.identity)
+    shutil.rmtree(final, ignore_errors=True)
+    partial.rename(final)
+
+
+def discard_run_folder(folder: Path, identity: str) -> None:
+    """Remove the folder of a run that did not end."""
+    shutil.rmtree(folder / "runs" / f"{identity}.partial", ignore_errors=True)
+
+
+def write_atomically(path: Path, text: str) -> None:
+    """Write a file so that it is either whole or not there, even after a crash."""
+    temporary = path.with_name(path.name + ".new")
+    with temporary.open("w", encoding="utf-8") as file:
+        file.write(text)
+        file.flush()
+        os.fsync(file.fileno())
+    temporary.replace(path)

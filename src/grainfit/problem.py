@@ -1,0 +1,233 @@
+"""What is calibrated: free parameters, targets, and the two together as a problem."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from grainfit.errors import Fault, InputError
+from grainfit.timestep import RayleighTimeStep
+
+#: Relative tolerance of a target for which neither an uncertainty nor a tolerance is given.
+DEFAULT_RELATIVE_TOLERANCE = 0.02
+
+Scale = Literal["linear", "log"]
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """A free parameter and the interval in which its value is sought.
+
+    Parameters
+    ----------
+    name : str
+        For example ``"particle_particle.rolling_friction"``.
+    minimum, maximum : float
+        The interval, in SI units.
+    scale : {"linear", "log"}
+        ``"log"`` for parameters that span orders of magnitude, such as Young's modulus.
+    unit : str
+        SI unit, for people.
+
+    Raises
+    ------
+    InputError
+        The bounds are not finite, swapped, equal, or not positive on a log scale.
+    """
+
+    name: str
+    minimum: float
+    maximum: float
+    scale: Scale = "linear"
+    unit: str = ""
+
+    def __post_init__(self) -> None:
+        faults = list(_interval_faults(self))
+        if faults:
+            raise InputError(faults)
+
+    def to_unit(self, value: float) -> float:
+        """Position of a value in the interval: 0 at the minimum, 1 at the maximum."""
+        if self.scale == "log":
+            return math.log(value / self.minimum) / math.log(self.maximum / self.minimum)
+        return (value - self.minimum) / (self.maximum - self.minimum)
+
+    def from_unit(self, position: float) -> float:
+        """Value at a position; exactly a bound at 0 and 1; positions outside extrapolate."""
+        if position in (0.0, 1.0):
+            return self.maximum if position else self.minimum
+        if self.scale == "log":
+            return self.minimum * math.exp(position * math.log(self.maximum / self.minimum))
+        return self.minimum + position * (self.maximum - self.minimum)
+
+
+def _interval_faults(parameter: Parameter) -> Sequence[Fault]:
+    name, low, high = parameter.name, parameter.minimum, parameter.maximum
+    if not name:
+        return [Fault("parameter", "has no name.", "Give it one.")]
+    if parameter.scale not in ("linear", "log"):
+        return [Fault(f"{name}.scale", f"is {parameter.scale!r}.", 'Use "linear" or "log".')]
+    faults = [
+        Fault(f"{name}.{bound}", f"is {value}, not a finite number.", "Give a finite number.")
+        for bound, value in (("min", low), ("max", high))
+        if not math.isfinite(value)
+    ]
+    if faults:
+        return faults
+    if low >= high:
+        word = "equal" if low == high else "swapped"
+        return [
+            Fault(name, f"bounds are {word} (min {low:g}, max {high:g}).", "min must be below max.")
+        ]
+    if parameter.scale == "log" and low <= 0:
+        return [Fault(f"{name}.min", f"is {low:g} on a log scale.", "It must be above 0 there.")]
+    return []
+
+
+@dataclass(frozen=True)
+class Target:
+    """A measured value that the simulated response of the same name has to meet.
+
+    Parameters
+    ----------
+    name : str
+        Name of the response.
+    value : float
+        Measured value, above zero; SI units, angles in degrees.
+    uncertainty : float, optional
+        Standard uncertainty of the measured value, same unit.
+    tolerance : float, optional
+        Largest accepted deviation of the expected response, same unit. Without it, the
+        uncertainty; without that, 2 % of the value.
+    weight : float
+        Factor on this target's relative deviation in the misfit (equation 1 of the method has
+        equal weights).
+    unit : str
+        For people.
+    """
+
+    name: str
+    value: float
+    uncertainty: float | None = None
+    tolerance: float | None = None
+    weight: float = 1.0
+    unit: str = ""
+
+    def __post_init__(self) -> None:
+        faults = list(_target_faults(self))
+        if faults:
+            raise InputError(faults)
+
+    @property
+    def accepted_deviation(self) -> float:
+        """Tolerance in force, in the unit of the value."""
+        if self.tolerance is not None:
+            return self.tolerance
+        if self.uncertainty is not None:
+            return self.uncertainty
+        return DEFAULT_RELATIVE_TOLERANCE * self.value
+
+
+def _target_faults(target: Target) -> Sequence[Fault]:
+    if not target.name:
+        return [Fault("target", "has no name.", "Name the response that it is a target of.")]
+    faults = []
+    if not (math.isfinite(target.value) and target.value > 0):
+        faults.append(
+            Fault(
+                f"{target.name}.value",
+                f"is {target.value}.",
+                "Deviations are relative to the target, so it must be a number above 0.",
+            )
+        )
+    for key in ("uncertainty", "tolerance", "weight"):
+        number = getattr(target, key)
+        if number is not None and not (math.isfinite(number) and number > 0):
+            faults.append(
+                Fault(f"{target.name}.{key}", f"is {number}.", "It must be a number above 0.")
+            )
+    return faults
+
+
+@dataclass(frozen=True)
+class Problem:
+    """Free parameters, targets, and what is known of the Rayleigh time step.
+
+    Parameters
+    ----------
+    parameters : sequence of Parameter
+        What is varied.
+    targets : sequence of Target
+        What has to be met.
+    rayleigh : RayleighTimeStep, optional
+        Rayleigh time step of the material; without it, time steps are not part of the problem.
+    rayleigh_weight : float
+        Weight of the Rayleigh criterion (equation 2) among the residuals. 0 by default: as a
+        summand of the misfit it trades accuracy for speed.
+
+    Examples
+    --------
+    >>> problem = Problem([Parameter("friction", 0.1, 0.9)], [Target("angle", 30.0)])
+    >>> problem.from_unit([0.5])
+    {'friction': 0.5}
+    """
+
+    parameters: Sequence[Parameter]
+    targets: Sequence[Target]
+    rayleigh: RayleighTimeStep | None = None
+    rayleigh_weight: float = 0.0
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "parameters", tuple(self.parameters))
+        object.__setattr__(self, "targets", tuple(self.targets))
+        faults = []
+        for words, items in (("parameter", self.parameters), ("target", self.targets)):
+            names = [item.name for item in items]
+            if not names:
+                faults.append(Fault(f"{words}s", "are empty.", f"Give at least one {words}."))
+            faults += [
+                Fault(name, f"is given as a {words} more than once.", "Keep one of them.")
+                for name in sorted({name for name in names if names.count(name) > 1})
+            ]
+        if not (math.isfinite(self.rayleigh_weight) and self.rayleigh_weight >= 0):
+            faults.append(
+                Fault("rayleigh_weight", f"is {self.rayleigh_weight}.", "It must be 0 or above.")
+            )
+        if faults:
+            raise InputError(faults)
+
+    @property
+    def dimension(self) -> int:
+        """Number of free parameters."""
+        return len(self.parameters)
+
+    @cached_property
+    def intervals(self) -> dict[str, tuple[float, float]]:
+        """Bounds by parameter name."""
+        return {p.name: (p.minimum, p.maximum) for p in self.parameters}
+
+    def to_unit(self, values: Mapping[str, float]) -> NDArray[np.float64]:
+        """Map parameter values to a point of the unit cube, shape (d,)."""
+        return np.array([p.to_unit(values[p.name]) for p in self.parameters])
+
+    def from_unit(self, point: ArrayLike) -> dict[str, float]:
+        """Map a point of the unit cube, shape (d,), to parameter values."""
+        positions = np.asarray(point, dtype=float)
+        return {
+            p.name: float(p.from_unit(float(position)))
+            for p, position in zip(self.parameters, positions, strict=True)
+        }
+
+    def rayleigh_time_step(self, values: Mapping[str, float]) -> float | None:
+        """Rayleigh time step at these parameter values, s; None when there is none to speak of."""
+        return None if self.rayleigh is None else self.rayleigh(values)
+
+    def rayleigh_criterion(self, values: Mapping[str, float]) -> float:
+        """Rayleigh criterion (equation 2) at these parameter values; 0 without a time step."""
+        return 0.0 if self.rayleigh is None else self.rayleigh.criterion(values, self.intervals)
