@@ -1,0 +1,208 @@
+"""What a strategy is: the side of the conversation that asks for DEM runs.
+
+The life of a strategy:
+
+1. It is made with a problem, a seed and a budget. Everything it does follows from these and from
+   what it is told, never from a clock or from the number of workers: told the same, it asks the
+   same. A calibration that was interrupted is therefore simply started again, and the runs that
+   are known already are answered from the store.
+2. `Strategy.ask` is called whenever a worker is free. It returns the next proposal, or None: then
+   either a run under way has to come back first, or the strategy has `finished`.
+3. `Strategy.tell` hands it what came of a proposal, in any order; failed runs too.
+4. Once it has finished, `Strategy.answer` is the parameter set it believes in.
+5. The answer is verified with fresh seeds, outside the strategy. If that leaves the tolerance, the
+   strategy is told those runs as well, and `Strategy.reconsider` asks whether it can do better: if
+   so it is unfinished again and life goes on at 2.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections import deque
+from collections.abc import Generator, Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from grainfit.campaign.evaluation import Evaluation, Proposal, Stage
+from grainfit.problem import Problem
+from grainfit.strategies.reachability import OutOfReach
+
+_STAGE_CODES: Mapping[Stage, int] = {"design": 0, "optimisation": 1, "verification": 2}
+
+
+def insertion_seed(seed: int, stage: Stage, number: int) -> int:
+    """Insertion seed of the numbered run of a stage: the same for the same calibration seed."""
+    state = np.random.SeedSequence([seed, _STAGE_CODES[stage], number]).generate_state(1)
+    return 1 + int(state[0]) % (2**31 - 2)
+
+
+@dataclass(frozen=True)
+class MetamodelQuality:
+    """How far a metamodel can be trusted, by leave-one-out.
+
+    Parameters
+    ----------
+    q2 : float
+        Share of the variance of the responses that is predicted; 1 is perfect.
+    coverage : float
+        Share of the runs inside their 95 % interval.
+    noise : float
+        Estimated standard deviation of the response from seed to seed.
+    warnings : tuple of str
+        Why it is not to be trusted, in words; empty when it is.
+    """
+
+    q2: float
+    coverage: float
+    noise: float
+    warnings: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class Answer:
+    """What a strategy believes in.
+
+    Parameters
+    ----------
+    parameters : mapping of str to float
+        Values of the free parameters.
+    predicted, standard_errors : mapping of str to float
+        Expected response and its standard error, by name of the target.
+    out_of_reach : tuple of OutOfReach
+        Targets that no parameter set within the intervals meets.
+    quality : mapping of str to MetamodelQuality
+        By name of the target.
+    """
+
+    parameters: Mapping[str, float]
+    predicted: Mapping[str, float]
+    standard_errors: Mapping[str, float]
+    out_of_reach: tuple[OutOfReach, ...] = ()
+    quality: Mapping[str, MetamodelQuality] = field(default_factory=dict)
+
+
+class Strategy(ABC):
+    """Asks for runs until it knows the answer.
+
+    Parameters
+    ----------
+    problem : Problem
+        What is calibrated.
+    seed : int
+        Decides the design and all insertion seeds.
+    max_evaluations : int, optional
+        Largest number of proposals.
+    """
+
+    #: Name in the calibration file.
+    name: str
+
+    def __init__(self, problem: Problem, seed: int, max_evaluations: int | None = None) -> None:
+        self.problem = problem
+        self.seed = seed
+        self.max_evaluations = max_evaluations
+
+    @property
+    @abstractmethod
+    def finished(self) -> bool:
+        """Whether there is nothing more to ask."""
+
+    @property
+    @abstractmethod
+    def expected_left(self) -> int:
+        """About how many proposals are still to come, for the time left."""
+
+    @property
+    @abstractmethod
+    def notices(self) -> Sequence[str]:
+        """What the user should know by now, oldest first."""
+
+    @abstractmethod
+    def ask(self) -> Proposal | None:
+        """Return the next proposal, or None when there is none at this moment."""
+
+    @abstractmethod
+    def tell(self, evaluation: Evaluation) -> None:
+        """Take note of what came of a proposal."""
+
+    @abstractmethod
+    def answer(self) -> Answer:
+        """Return the best parameter set by expected response."""
+
+    @abstractmethod
+    def reconsider(self) -> bool:
+        """Go on after a verification that left the tolerance; False when it cannot do better."""
+
+
+#: A plan yields batches of proposals and is sent what came of each, in the same order.
+Plan = Generator[list[Proposal], list[Evaluation], None]
+
+
+class BatchStrategy(Strategy):
+    """A strategy that is written down as a plan: batches of proposals, one after the other.
+
+    What is known is kept in the order of the plan, whatever the order in which runs come back.
+    """
+
+    def __init__(self, problem: Problem, seed: int, max_evaluations: int | None = None) -> None:
+        super().__init__(problem, seed, max_evaluations)
+        self.evaluations: list[Evaluation] = []
+        self._plan: Plan | None = None
+        self._batch: list[Proposal] = []
+        self._asked: deque[Proposal] = deque()
+        self._told: dict[int, Evaluation] = {}
+        self._begun = False
+
+    @abstractmethod
+    def plan(self) -> Plan:
+        """Make the batches of the calibration."""
+
+    @property
+    def finished(self) -> bool:
+        """Whether the plan has come to its end."""
+        self._advance()
+        return self._plan is None
+
+    def ask(self) -> Proposal | None:
+        """Return the next proposal of the batch."""
+        self._advance()
+        return self._asked.popleft() if self._asked else None
+
+    def tell(self, evaluation: Evaluation) -> None:
+        """Take note of a member of the batch, or of a run that somebody else asked for."""
+        for position, proposal in enumerate(self._batch):
+            if position not in self._told and proposal == evaluation.proposal:
+                self._told[position] = evaluation
+                return
+        self.evaluations.append(evaluation)
+
+    @property
+    def known(self) -> list[Evaluation]:
+        """All that has come back, that of an unfinished batch last."""
+        return self.evaluations + [self._told[position] for position in sorted(self._told)]
+
+    def follow(self, plan: Plan) -> None:
+        """Take up another plan after the last one has ended."""
+        self._plan, self._begun = plan, True
+        self._receive(next(self._plan, None))
+
+    def _advance(self) -> None:
+        if not self._begun:
+            self.follow(self.plan())
+        while self._plan is not None and not self._asked and len(self._told) == len(self._batch):
+            results = [self._told[position] for position in range(len(self._batch))]
+            self.evaluations += results
+            self._batch, self._told = [], {}
+            try:
+                batch = self._plan.send(results)
+            except StopIteration:
+                batch = None
+            self._receive(batch)
+
+    def _receive(self, batch: list[Proposal] | None) -> None:
+        if batch is None:
+            self._plan = None
+        self._batch = batch or []
+        self._asked = deque(self._batch)
+        self._told = {}

@@ -1,0 +1,185 @@
+"""Which targets no parameter set within the intervals meets, and which bound is in the way."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from math import floor, log10
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import minimize
+
+from grainfit.material import MATERIAL_PARAMETERS
+from grainfit.problem import Target
+from grainfit.sampling import maximin_latin_hypercube
+from grainfit.strategies.metamodels import Metamodels
+
+#: How many standard errors a target must be beyond its tolerance to be called out of reach.
+_CONFIDENCE = 2.0
+_AT_BOUND = 0.01
+#: Share of the missing deviation by which a suggested interval goes beyond the need.
+_MARGIN = 1.15
+
+
+@dataclass(frozen=True)
+class OutOfReach:
+    """A target that the intervals do not allow to meet.
+
+    Parameters
+    ----------
+    target : str
+        Name of the target.
+    value : float
+        Its value.
+    nearest, standard_error : float
+        Nearest expected response within the intervals, and how well it is known.
+    jointly : bool
+        The target could be met alone, but not together with the others.
+    parameter, bound, bound_value : str, {"min", "max"}, float, optional
+        The bound that is in the way.
+    suggestion : float, optional
+        A bound that should do, by linear extrapolation.
+    """
+
+    target: str
+    value: float
+    nearest: float
+    standard_error: float
+    jointly: bool = False
+    parameter: str | None = None
+    bound: Literal["min", "max"] | None = None
+    bound_value: float | None = None
+    suggestion: float | None = None
+
+    @property
+    def shortfall_percent(self) -> float:
+        """Deviation of the nearest response from the target, in percent of the target."""
+        return 100 * (self.nearest - self.value) / self.value
+
+    def __str__(self) -> str:
+        together = " together with the other targets" if self.jointly else ""
+        text = (
+            f"{self.target} = {self.value:g} is out of reach{together}: the nearest within the "
+            f"intervals is {self.nearest:.5g} ({self.shortfall_percent:+.1f} %)."
+        )
+        if self.parameter is None:
+            return f"{text} No single bound is in the way: free another parameter."
+        text += f" The bound in the way is {self.parameter}.{self.bound} = {self.bound_value:g}"
+        if self.suggestion is None:
+            return f"{text}, which is at its physical limit: free another parameter."
+        return f"{text}; try {self.suggestion:g}."
+
+
+def out_of_reach(
+    metamodels: Metamodels, optimum: NDArray[np.float64], seed: int
+) -> tuple[OutOfReach, ...]:
+    """Find the targets that cannot be met within the intervals.
+
+    Parameters
+    ----------
+    metamodels : Metamodels
+        Fitted on the runs so far.
+    optimum : ndarray, shape (d,)
+        Where the misfit is smallest.
+    seed : int
+        Decides the starts of the search for the nearest response.
+    """
+    means, variances = metamodels.predict(optimum)
+    found = []
+    for index, target in enumerate(metamodels.problem.targets):
+        error = float(np.sqrt(variances[0, index]))
+        if not _misses(target, float(means[0, index]), error):
+            continue
+        nearest_point = _nearest(metamodels, index, seed)
+        alone_mean, alone_variance = metamodels.predict(nearest_point)
+        alone, alone_error = float(alone_mean[0, index]), float(np.sqrt(alone_variance[0, index]))
+        if _misses(target, alone, alone_error):
+            found.append(_describe(metamodels, index, nearest_point, alone, alone_error, False))
+        else:
+            found.append(_describe(metamodels, index, optimum, float(means[0, index]), error, True))
+    return tuple(found)
+
+
+def _misses(target: Target, mean: float, error: float) -> bool:
+    return abs(mean - target.value) > target.accepted_deviation + _CONFIDENCE * error
+
+
+def _nearest(metamodels: Metamodels, index: int, seed: int) -> NDArray[np.float64]:
+    """Point at which one response is nearest to its target."""
+    model = metamodels.models[index]
+    target = metamodels.problem.targets[index].value
+    dimension = metamodels.problem.dimension
+
+    def squared(point: NDArray[np.float64]) -> float:
+        return float((model.predict(point[None]).mean[0] / target - 1) ** 2)
+
+    def slope(point: NDArray[np.float64]) -> NDArray[np.float64]:
+        deviation = float(model.predict(point[None]).mean[0]) / target - 1
+        return np.asarray(2 * deviation / target * model.gradient(point))
+
+    starts = maximin_latin_hypercube(8, dimension, seed)
+    ends = [
+        minimize(squared, start, jac=slope, bounds=[(0, 1)] * dimension, method="L-BFGS-B").x
+        for start in starts
+    ]
+    return np.asarray(min(ends, key=squared))
+
+
+def _describe(
+    metamodels: Metamodels,
+    index: int,
+    point: NDArray[np.float64],
+    nearest: float,
+    error: float,
+    jointly: bool,
+) -> OutOfReach:
+    target = metamodels.problem.targets[index]
+    basics = (target.name, target.value, nearest, error, jointly)
+    slopes = metamodels.models[index].gradient(point)
+    missing = target.value - nearest
+    blocked = list(_blocking(point, slopes * np.sign(missing)))
+    if not blocked:
+        return OutOfReach(*basics)
+    axis = max(blocked, key=lambda j: abs(slopes[j]))
+    parameter = metamodels.problem.parameters[axis]
+    upper = bool(point[axis] > 0.5)
+    bound = parameter.maximum if upper else parameter.minimum
+    position = point[axis] + _MARGIN * missing / slopes[axis]
+    value = _round_outward(parameter.from_unit(float(position)), upper)
+    return OutOfReach(
+        *basics,
+        parameter=parameter.name,
+        bound="max" if upper else "min",
+        bound_value=bound,
+        suggestion=_within_physics(parameter.name, value, bound, upper),
+    )
+
+
+def _blocking(point: NDArray[np.float64], gain: NDArray[np.float64]) -> Iterator[int]:
+    """Axes on whose bound the point lies, with the response still improving beyond it."""
+    relevant = 0.1 * np.abs(gain).max()
+    for axis, (position, slope) in enumerate(zip(point, gain, strict=True)):
+        if (position > 1 - _AT_BOUND and slope > relevant) or (
+            position < _AT_BOUND and slope < -relevant
+        ):
+            yield axis
+
+
+def _round_outward(value: float, upward: bool) -> float:
+    """Round to three digits, away from the interval."""
+    if value == 0:
+        return 0.0
+    unit = 10.0 ** (floor(log10(abs(value))) - 2)
+    steps = np.ceil(value / unit) if upward else np.floor(value / unit)
+    return float(f"{steps * unit:.6g}")
+
+
+def _within_physics(name: str, value: float, bound: float, upper: bool) -> float | None:
+    """Physically possible suggestion, or None where the bound is at the limit already."""
+    known = MATERIAL_PARAMETERS.get(name)
+    if known is None:
+        return value
+    possible = min(value, known.highest) if upper else max(value, known.lowest)
+    return None if possible == bound else possible
