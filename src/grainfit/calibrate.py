@@ -1,0 +1,187 @@
+"""The facade: one call that calibrates, from the first run to the verified answer."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from concurrent.futures import Executor
+from contextlib import ExitStack
+from pathlib import Path
+from typing import Any
+
+from threadpoolctl import threadpool_limits
+
+from grainfit.campaign.runner import Campaign, response_name
+from grainfit.campaign.store import RunStore
+from grainfit.campaign.workdir import hold, recover
+from grainfit.conversation import Conversation, ConversationOptions
+from grainfit.errors import Fault, InputError
+from grainfit.problem import Problem
+from grainfit.progress import Progress
+from grainfit.result import Result
+from grainfit.solvers.base import Solver
+from grainfit.solvers.python_callable import PythonCallable
+from grainfit.strategies.staged import Staged, StagedOptions
+
+Simulate = Callable[[dict[str, float], int], Mapping[str, Any]] | Solver | Mapping[str, Solver]
+
+RESULT_NAME = "result.json"
+VERIFICATION_RUNS = 5
+_STRATEGIES = ("staged",)
+
+
+def calibrate(
+    problem: Problem,
+    simulate: Simulate,
+    *,
+    strategy: str = "staged",
+    max_runs: int | None = None,
+    workers: int = 1,
+    seed: int = 1,
+    workdir: str | Path | None = None,
+    name: str = "",
+    design_runs: int | None = None,
+    verification_runs: int = VERIFICATION_RUNS,
+    timeouts: Mapping[str, float] | None = None,
+    executor: Executor | None = None,
+    on_progress: Callable[[Progress], None] | None = None,
+) -> Result:
+    """Find the parameters at which the simulated responses meet their targets.
+
+    Parameters
+    ----------
+    problem : Problem
+        Free parameters and targets.
+    simulate : callable, Solver, or mapping of str to Solver
+        ``simulate(parameters: dict[str, float], seed: int) -> dict[str, float]`` called once per
+        run; or a solver; or one solver for each of several tests, by name of the test: responses
+        are then called ``test.response``.
+    strategy : {"staged"}
+        How runs are chosen.
+    max_runs : int, optional
+        Largest number of DEM runs, verification included.
+    workers : int
+        Number of runs at a time.
+    seed : int
+        Decides the design and all insertion seeds.
+    workdir : path, optional
+        Where runs are kept; started again with the same folder, the calibration goes on and no
+        finished run is repeated. Without it nothing is kept.
+    name : str
+        What the calibration is called.
+    design_runs : int, optional
+        Size of the Latin hypercube; 13 per free parameter by default.
+    verification_runs : int
+        Fresh seeds at the answer, at least 2.
+    timeouts : mapping of str to float, optional
+        Longest wall time of one run by name of the test, s.
+    executor : concurrent.futures.Executor, optional
+        What makes the runs; threads by default.
+    on_progress : callable, optional
+        Called with `Progress` whenever something changes, and a few times a second.
+
+    Returns
+    -------
+    Result
+        Also after Ctrl-C, with status ``interrupted``.
+
+    Raises
+    ------
+    InputError
+        Something about the arguments cannot be used.
+    SolverNotFoundError
+        A solver's program is missing.
+    RunFailedError
+        The first runs all failed, or too few succeeded to go on.
+    StoreError
+        The work folder or its store cannot be used.
+
+    Examples
+    --------
+    >>> from grainfit import Parameter, Problem, Target, calibrate
+    >>> problem = Problem([Parameter("friction", 0.1, 0.9)], [Target("angle", 30.0)])
+    >>> result = calibrate(problem, lambda p, seed: {"angle": 10 + 40 * p["friction"]})
+    >>> result.status, round(result.parameters["friction"], 2)
+    ('calibrated', 0.5)
+    """
+    solvers = _solvers(simulate)
+    _check_arguments(strategy, max_runs, workers, seed, verification_runs)
+    _check_targets(problem, solvers)
+    for solver in solvers.values():
+        solver.check()
+    evaluations = None if max_runs is None else max_runs // len(solvers) - verification_runs
+    chosen = Staged(problem, seed, evaluations, StagedOptions(design_runs))
+    with ExitStack() as stack:
+        # Metamodels are small; threads of linear algebra would only fight the solvers for cores.
+        stack.enter_context(threadpool_limits(limits=1, user_api="blas"))
+        folder = None if workdir is None else Path(workdir)
+        if folder is not None:
+            stack.enter_context(hold(folder))
+        store = RunStore("sqlite://") if folder is None else RunStore.in_folder(folder)
+        stack.callback(store.close)
+        if folder is not None:
+            recover(folder, store)
+        campaign = Campaign(solvers, store, folder, workers, timeouts, executor)
+        stack.callback(campaign.close)
+        options = ConversationOptions(name, workers, max_runs, verification_runs, on_progress)
+        result = Conversation(problem, chosen, campaign, store, options).hold()
+        if folder is not None:
+            result.to_json(folder / RESULT_NAME)
+    return result
+
+
+def _solvers(simulate: Simulate) -> dict[str, Solver]:
+    if isinstance(simulate, Solver):
+        return {simulate.name: simulate}
+    if isinstance(simulate, Mapping):
+        if not simulate or not all(isinstance(s, Solver) for s in simulate.values()):
+            raise InputError(Fault("simulate", "must map names of tests to solvers."))
+        return dict(simulate)
+    if callable(simulate):
+        return {"simulate": PythonCallable(simulate)}
+    raise InputError(
+        Fault("simulate", f"is {simulate!r}.", "Give a function, a solver, or solvers by test.")
+    )
+
+
+def _check_arguments(
+    strategy: str, max_runs: int | None, workers: int, seed: int, verification_runs: int
+) -> None:
+    faults = []
+    if strategy not in _STRATEGIES:
+        faults.append(
+            Fault("strategy", f"{strategy!r} is unknown.", f"Use one of: {', '.join(_STRATEGIES)}.")
+        )
+    for key, value, lowest in (
+        ("max_runs", max_runs, 1),
+        ("workers", workers, 1),
+        ("seed", seed, 0),
+        ("verification_runs", verification_runs, 2),
+    ):
+        if value is None:
+            continue
+        if isinstance(value, bool) or not isinstance(value, int) or value < lowest:
+            faults.append(
+                Fault(key, f"is {value!r}.", f"It must be a whole number, {lowest} or above.")
+            )
+    if faults:
+        raise InputError(faults)
+
+
+def _check_targets(problem: Problem, solvers: Mapping[str, Solver]) -> None:
+    known: set[str] = set()
+    for test, solver in solvers.items():
+        if solver.response_names is None:
+            return
+        known |= {response_name(test, name, len(solvers)) for name in solver.response_names}
+    missing = [target.name for target in problem.targets if target.name not in known]
+    if missing:
+        raise InputError(
+            [
+                Fault(
+                    name,
+                    "is a target, but no test yields such a response.",
+                    f"There are: {', '.join(sorted(known))}.",
+                )
+                for name in missing
+            ]
+        )

@@ -1,0 +1,142 @@
+"""What comes out of a calibration."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+from typing import Any, Literal
+
+from grainfit.campaign.workdir import write_atomically
+from grainfit.strategies.base import MetamodelQuality
+from grainfit.strategies.reachability import OutOfReach
+
+Status = Literal["calibrated", "out_of_tolerance", "unreachable", "interrupted"]
+
+
+@dataclass(frozen=True)
+class ResponseResult:
+    """A response at the answer against its target.
+
+    Parameters
+    ----------
+    target, tolerance : float
+        Measured value and largest accepted deviation.
+    unit : str
+        Unit of all numbers here.
+    predicted, std_error : float
+        Expected response by the metamodel, and its standard error.
+    verified_mean, verified_std_error : float, optional
+        Mean of the verification runs (fresh seeds at the answer) and its standard error.
+    verified_interval : float, optional
+        Half of the 95 % confidence interval of that mean.
+    deviation_percent : float
+        Deviation of the verified mean (before verification: of the prediction) from the target.
+    within_tolerance : bool
+        Whether that deviation is accepted.
+    """
+
+    target: float
+    tolerance: float
+    unit: str
+    predicted: float
+    std_error: float
+    verified_mean: float | None
+    verified_std_error: float | None
+    verified_interval: float | None
+    deviation_percent: float
+    within_tolerance: bool
+
+
+@dataclass(frozen=True)
+class RunCounts:
+    """DEM runs that the calibration rests on.
+
+    ``reused`` of the ``total`` were known before this start (from an interrupted start or another
+    calibration) and were not simulated again; ``failed`` of them gave no responses.
+    """
+
+    design: int = 0
+    optimisation: int = 0
+    verification: int = 0
+    failed: int = 0
+    reused: int = 0
+    total: int = 0
+
+
+@dataclass(frozen=True)
+class RunSummary:
+    """One parameter set that was simulated."""
+
+    stage: str
+    parameters: Mapping[str, float]
+    seed: int
+    responses: Mapping[str, float]
+    failures: Mapping[str, str]
+    runs: Mapping[str, str]
+
+
+@dataclass(frozen=True)
+class Result:
+    """The outcome of a calibration.
+
+    Parameters
+    ----------
+    status : {"calibrated", "out_of_tolerance", "unreachable", "interrupted"}
+        ``calibrated``: the mean of the verification runs meets every target within tolerance.
+    parameters : mapping of str to float
+        The calibrated values, SI. Empty when interrupted before there was an answer.
+    responses : mapping of str to ResponseResult
+        By name of the target.
+    runs : RunCounts
+        How many DEM runs it took.
+    rayleigh_time_step : float, optional
+        Rayleigh time step of the calibrated material, s.
+    rayleigh_time_step_before : float, optional
+        Rayleigh time step in the middle of the intervals, s.
+    rayleigh_time_step_limits : pair of float, optional
+        Smallest and largest Rayleigh time step within the intervals, s.
+    wall_seconds : float
+        Duration of this start, s.
+    name, strategy, seed, version : str, str, int, str
+        How to repeat it.
+    units : mapping of str to str
+        Units of the parameters.
+    out_of_reach : sequence of OutOfReach
+        Targets that the intervals do not allow to meet.
+    metamodels : mapping of str to MetamodelQuality
+        By name of the target.
+    notices : sequence of str
+        What the user should know.
+    history : sequence of RunSummary
+        Every parameter set that was simulated, in order.
+    """
+
+    status: Status
+    parameters: Mapping[str, float]
+    responses: Mapping[str, ResponseResult]
+    runs: RunCounts
+    rayleigh_time_step: float | None
+    rayleigh_time_step_before: float | None
+    rayleigh_time_step_limits: tuple[float, float] | None
+    wall_seconds: float
+    name: str
+    strategy: str
+    seed: int
+    version: str
+    units: Mapping[str, str] = field(default_factory=dict)
+    out_of_reach: tuple[OutOfReach, ...] = ()
+    metamodels: Mapping[str, MetamodelQuality] = field(default_factory=dict)
+    notices: tuple[str, ...] = ()
+    history: tuple[RunSummary, ...] = ()
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the result as plain data."""
+        return asdict(self)
+
+    def to_json(self, path: str | Path) -> None:
+        """Write the result to a JSON file, whole or not at all."""
+        write_atomically(
+            Path(path), json.dumps(self.to_dict(), indent=2, ensure_ascii=False) + "\n"
+        )

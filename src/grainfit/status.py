@@ -1,0 +1,129 @@
+"""How far the calibration in a work folder is, read from outside while it may be running."""
+
+from __future__ import annotations
+
+import json
+from collections import Counter
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from grainfit.calibrate import RESULT_NAME
+from grainfit.campaign.store import CalibrationRecord, RequestRecord, RunRecord, RunStore
+from grainfit.campaign.workdir import is_held
+from grainfit.errors import StoreError
+
+
+@dataclass(frozen=True)
+class FailedRun:
+    """A run that gave no responses."""
+
+    folder: str
+    reason: str
+    log_tail: str
+
+
+@dataclass(frozen=True)
+class WorkdirStatus:
+    """State of a work folder.
+
+    Parameters
+    ----------
+    name : str
+        Name of the calibration that was started last; empty when there is none.
+    state : str
+        ``running``, or how it ended; ``interrupted`` also when its process died.
+    finished, asked : mapping of str to int
+        Number of DEM runs by stage.
+    running : int
+        Runs under way.
+    failed : tuple of FailedRun
+        Runs of this calibration that failed.
+    kept : int
+        Finished runs in the store, those of other calibrations included.
+    result : mapping, optional
+        What result.json holds, when there is one.
+    """
+
+    name: str
+    state: str
+    finished: Mapping[str, int]
+    asked: Mapping[str, int]
+    running: int
+    failed: tuple[FailedRun, ...]
+    kept: int
+    result: Mapping[str, Any] | None
+
+
+def read_status(folder: Path) -> WorkdirStatus:
+    """Read the state of a work folder.
+
+    Raises
+    ------
+    StoreError
+        The folder is not a work folder.
+    """
+    if not (folder / "runs.sqlite").is_file():
+        raise StoreError(
+            f"{str(folder)!r} is not a work folder of grainfit: it has no runs.sqlite. "
+            "Name the folder that 'grainfit run' wrote."
+        )
+    store = RunStore.in_folder(folder)
+    try:
+        runs = {record.identity: record for record in store.runs()}
+        calibration = store.latest_calibration()
+        requests = store.requests(calibration.identity) if calibration else []
+    finally:
+        store.close()
+    held = is_held(folder)
+    return WorkdirStatus(
+        name=calibration.name if calibration else "",
+        state=_state(calibration, held),
+        finished=_by_stage(requests, runs, ("finished", "failed")),
+        asked=_by_stage(requests, None, ()),
+        running=sum(record.status == "running" for record in runs.values()) if held else 0,
+        failed=tuple(_failures(folder, requests, runs)),
+        kept=sum(record.status == "finished" for record in runs.values()),
+        result=None if held else _read_result(folder),
+    )
+
+
+def _state(calibration: CalibrationRecord | None, held: bool) -> str:
+    if held:
+        return "running"
+    if calibration is None:
+        return "not started"
+    return "interrupted" if calibration.status == "running" else calibration.status
+
+
+def _by_stage(
+    requests: list[RequestRecord],
+    runs: Mapping[str, RunRecord] | None,
+    states: tuple[str, ...],
+) -> Mapping[str, int]:
+    return Counter(
+        request.stage
+        for request in requests
+        for identity in request.runs.values()
+        if runs is None or (identity in runs and runs[identity].status in states)
+    )
+
+
+def _failures(
+    folder: Path, requests: list[RequestRecord], runs: Mapping[str, RunRecord]
+) -> list[FailedRun]:
+    wanted = {identity for request in requests for identity in request.runs.values()}
+    return [
+        FailedRun(str(folder / "runs" / record.identity), record.reason, record.log_tail)
+        for record in runs.values()
+        if record.status == "failed" and record.identity in wanted
+    ]
+
+
+def _read_result(folder: Path) -> Mapping[str, Any] | None:
+    try:
+        data = json.loads((folder / RESULT_NAME).read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return None
+    return data if isinstance(data, dict) else None
