@@ -1,0 +1,101 @@
+"""Files, folders, programs and Python functions that a calibration file names."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from grainfit.calibration_file.kinds import Kind, Schema, Text
+from grainfit.calibration_file.places import Place, show
+from grainfit.errors import InputError
+from grainfit.solvers.python_file import PythonFile
+
+
+@dataclass(frozen=True)
+class Located(Kind):
+    """A file or a folder; a relative path starts at the folder of the calibration file."""
+
+    is_folder: bool = False
+
+    def read(self, value: Any, place: Place) -> Path | None:
+        """Read a path to something that exists."""
+        text = Text().read(value, place)
+        if text is None:
+            return None
+        path = place.findings.folder / text
+        try:
+            exists = path.is_dir() if self.is_folder else path.is_file()
+        except (OSError, ValueError):
+            exists = False
+        if exists:
+            return path
+        note_not_there(text, place.findings.folder, place, "folder" if self.is_folder else "file")
+        return None
+
+    def schema(self) -> Schema:
+        """Return the JSON Schema of a path."""
+        return Text().schema()
+
+
+def note_not_there(text: str, folder: Path, place: Place, word: str = "file") -> None:
+    """Note that a file or a folder does not exist."""
+    place.fault(
+        f"is {show(text)}, but there is no such {word}.", f"Relative paths start at {folder}."
+    )
+
+
+@dataclass(frozen=True)
+class Function(Kind):
+    """A Python function, ``"file.py:function"``, which is looked for but not executed."""
+
+    def read(self, value: Any, place: Place) -> str | None:
+        """Read a reference to a function; in the result, the path of its file is absolute."""
+        text = Text().read(value, place)
+        return None if text is None else find_function(text, place.findings.folder, place)
+
+    def schema(self) -> Schema:
+        """Return the JSON Schema of a reference."""
+        return {"type": "string", "pattern": r"\.py:\w+$"}
+
+
+def find_function(reference: str, folder: Path, place: Place) -> str | None:
+    """Return a reference to a function with an absolute path; None after noting that it is not.
+
+    Parameters
+    ----------
+    reference : str
+        ``"file.py:function"``.
+    folder : Path
+        Where relative paths start.
+    place : Place
+        Of the reference.
+    """
+    try:
+        function = PythonFile(reference, folder)
+        if not function.path.is_file():
+            note_not_there(reference, folder, place)
+            return None
+        function.check()
+    except InputError as error:
+        for fault in error.faults:
+            place.fault(f"is {show(reference)}: {fault.message}", fault.remedy)
+        return None
+    return f"{function.path}:{function.function}"
+
+
+@dataclass(frozen=True)
+class Program(Kind):
+    """A program: its name, when it is on the search path, or its path."""
+
+    def read(self, value: Any, place: Place) -> str | None:
+        """Read a program; a relative path with a slash starts at the calibration file."""
+        text = Text().read(value, place)
+        if text is None or "/" not in text:
+            return text
+        path = Located().read(text, place)
+        return None if path is None else str(path)
+
+    def schema(self) -> Schema:
+        """Return the JSON Schema of a program."""
+        return Text().schema()

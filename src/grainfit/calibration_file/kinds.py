@@ -1,0 +1,255 @@
+"""The kinds of value that a key of the calibration file can have.
+
+A kind does two things: it reads a value, noting every fault, and it describes the values that it
+accepts as JSON Schema. So the reader and the published schema cannot disagree on the keys.
+"""
+
+from __future__ import annotations
+
+import difflib
+import math
+import re
+from abc import ABC, abstractmethod
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Any
+
+from grainfit.calibration_file.places import Place, kind_of, show
+from grainfit.units import UnitError, how_to_write, to_unit
+
+Schema = dict[str, Any]
+
+NAME_PATTERN = r"[A-Za-z_][A-Za-z0-9_]{0,63}"
+_NAME_REMEDY = "Use up to 64 letters (a to z), digits and _, not starting with a digit."
+_LONGEST_TEXT = 200
+# Between these, no product, square or ratio of two quantities overflows or vanishes.
+_SMALLEST, _LARGEST = 1e-30, 1e30
+
+
+class Kind(ABC):
+    """What a value of the calibration file can be."""
+
+    @abstractmethod
+    def read(self, value: Any, place: Place) -> Any:
+        """Return the value as the program uses it; None after noting what is wrong with it."""
+
+    @abstractmethod
+    def schema(self) -> Schema:
+        """Return the JSON Schema of the accepted values."""
+
+
+def note_wrong_kind(value: Any, place: Place, expected: str, remedy: str = "") -> None:
+    """Note that a value is, for example, a list where a number is expected."""
+    place.fault(f"is {show(value)}, {kind_of(value)}; it must be {expected}.", remedy)
+
+
+@dataclass(frozen=True)
+class Text(Kind):
+    """One line of text."""
+
+    def read(self, value: Any, place: Place) -> str | None:
+        """Read one line of text."""
+        if not isinstance(value, str):
+            note_wrong_kind(value, place, "a text", 'Write it in quotes: "...".')
+        elif not value.strip() or len(value) > _LONGEST_TEXT or not value.isprintable():
+            place.fault(f"is {show(value)}.", f"Write one line of 1 to {_LONGEST_TEXT} characters.")
+        else:
+            return value
+        return None
+
+    def schema(self) -> Schema:
+        """Return the JSON Schema of one line of text."""
+        return {"type": "string", "minLength": 1, "maxLength": _LONGEST_TEXT}
+
+
+@dataclass(frozen=True)
+class Name(Kind):
+    """A text that names something, in file names, templates and tables too."""
+
+    def read(self, value: Any, place: Place) -> str | None:
+        """Read a name."""
+        if not isinstance(value, str):
+            note_wrong_kind(value, place, "a text", 'Write it in quotes: "...".')
+        elif note_bad_name(value, place):
+            return value
+        return None
+
+    def schema(self) -> Schema:
+        """Return the JSON Schema of a name."""
+        return {"type": "string", "pattern": f"^{NAME_PATTERN}$"}
+
+
+def note_bad_name(name: str, place: Place) -> bool:
+    """Return whether a text can be a name, and note it when it cannot."""
+    good = re.fullmatch(NAME_PATTERN, name) is not None
+    if not good:
+        place.fault(f"{show(name)} cannot be a name.", _NAME_REMEDY)
+    return good
+
+
+@dataclass(frozen=True)
+class Choice(Kind):
+    """One of a few words."""
+
+    options: tuple[str, ...]
+
+    def read(self, value: Any, place: Place) -> str | None:
+        """Read one of the words."""
+        if isinstance(value, str) and value in self.options:
+            return value
+        place.fault(f"is {show(value)}.", suggest(value, self.options, "Possible here"))
+        return None
+
+    def schema(self) -> Schema:
+        """Return the JSON Schema of the words."""
+        return {"enum": list(self.options)}
+
+
+def suggest(wrong: object, known: Iterable[str], otherwise: str) -> str:
+    """Return a sentence that names what was probably meant, or all there is."""
+    options = list(known)
+    close = difflib.get_close_matches(str(wrong)[:64], options, n=1)
+    if close:
+        return f'Did you mean "{close[0]}"?'
+    return f"{otherwise}: {', '.join(options)}."
+
+
+@dataclass(frozen=True)
+class Flag(Kind):
+    """True or false."""
+
+    def read(self, value: Any, place: Place) -> bool | None:
+        """Read true or false."""
+        if isinstance(value, bool):
+            return value
+        note_wrong_kind(value, place, "true or false", "Write true or false, without quotes.")
+        return None
+
+    def schema(self) -> Schema:
+        """Return the JSON Schema of true and false."""
+        return {"type": "boolean"}
+
+
+@dataclass(frozen=True)
+class Whole(Kind):
+    """A whole number."""
+
+    lowest: int
+    highest: int = 2**31 - 1
+
+    def read(self, value: Any, place: Place) -> int | None:
+        """Read a whole number."""
+        if not isinstance(value, int) or isinstance(value, bool):
+            note_wrong_kind(value, place, "a whole number", f"For example {max(self.lowest, 4)}.")
+        elif not self.lowest <= value <= self.highest:
+            place.fault(f"is {show(value)}.", f"It must be from {self.lowest} to {self.highest}.")
+        else:
+            return value
+        return None
+
+    def schema(self) -> Schema:
+        """Return the JSON Schema of the whole numbers in range."""
+        return {"type": "integer", "minimum": self.lowest, "maximum": self.highest}
+
+
+@dataclass(frozen=True)
+class Quantity(Kind):
+    """A number with a unit.
+
+    Parameters
+    ----------
+    unit : str or None
+        SI unit (degrees for angles) that plain numbers are in; ``""`` when dimensionless; None
+        when only the user's own model knows, so that nothing can be converted.
+    lowest, highest : float
+        Inclusive limits.
+    above_zero : bool
+        Zero and negative values are faults.
+    """
+
+    unit: str | None
+    lowest: float = -math.inf
+    highest: float = math.inf
+    above_zero: bool = False
+
+    def read(self, value: Any, place: Place) -> float | None:
+        """Read a plain number or a quantity with a unit; the result is in `unit`."""
+        number = self._number(value, place)
+        if number is None:
+            return None
+        if not math.isfinite(number):
+            place.fault(f"is {number}.", "Give a finite number.")
+        elif number and not _SMALLEST <= abs(number) <= _LARGEST:
+            place.fault(f"is {show(value)}.", "No DEM quantity is of such size.")
+        elif self.above_zero and number <= 0:
+            place.fault(f"is {show(value)}.", "It must be above 0.")
+        elif not self.lowest <= number <= self.highest:
+            place.fault(f"is {show(value)}.", f"It must be {self._limits()}.")
+        else:
+            return number
+        return None
+
+    def _number(self, value: Any, place: Place) -> float | None:
+        if isinstance(value, (int, float)) and not isinstance(value, bool):
+            try:
+                return float(value)
+            except OverflowError:
+                return math.inf
+        if not isinstance(value, str):
+            remedy = how_to_write(self.unit) if self.unit is not None else ""
+            note_wrong_kind(value, place, self._words(), remedy)
+            return None
+        if self.unit is None:
+            place.fault(
+                f"is {show(value)}, and nothing says which unit your model takes.",
+                'Write a plain number, or name the unit beside it, such as unit = "J/m^3".',
+            )
+            return None
+        try:
+            return to_unit(value, self.unit)
+        except UnitError as error:
+            place.fault(error.message, error.remedy)
+            return None
+
+    def _words(self) -> str:
+        return f"a number or a quantity in {self.unit}" if self.unit else "a number"
+
+    def _limits(self) -> str:
+        unit = f" {self.unit}" if self.unit else ""
+        if math.isinf(self.highest):
+            return f"at least {self.lowest:g}{unit}"
+        return f"from {self.lowest:g} to {self.highest:g}{unit}"
+
+    def schema(self) -> Schema:
+        """Return the JSON Schema of a number, or of a text when the quantity has a unit."""
+        number: Schema = {"type": "number"}
+        if self.above_zero:
+            number["exclusiveMinimum"] = 0
+        if math.isfinite(self.lowest):
+            number["minimum"] = self.lowest
+        if math.isfinite(self.highest):
+            number["maximum"] = self.highest
+        return {"anyOf": [number, {"type": "string", "pattern": r"^\s*[+-]?[0-9.]"}]}
+
+
+@dataclass(frozen=True)
+class ListOf(Kind):
+    """A list of values of one kind."""
+
+    kind: Kind
+    shortest: int = 1
+
+    def read(self, value: Any, place: Place) -> tuple[Any, ...] | None:
+        """Read all entries; None when one of them is faulty."""
+        if not isinstance(value, list):
+            note_wrong_kind(value, place, "a list", "Write it in square brackets: [...].")
+            return None
+        entries = tuple(self.kind.read(entry, place.at(i)) for i, entry in enumerate(value))
+        if len(entries) < self.shortest:
+            place.fault(f"has {len(entries)} entries.", f"Give at least {self.shortest}.")
+            return None
+        return None if None in entries else entries
+
+    def schema(self) -> Schema:
+        """Return the JSON Schema of the list."""
+        return {"type": "array", "items": self.kind.schema(), "minItems": self.shortest}

@@ -1,0 +1,97 @@
+"""What a calibration file says, once it has been read: plain data in SI units."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, ClassVar
+
+from grainfit.material import ParticleSizes
+from grainfit.problem import Parameter, Target
+
+
+@dataclass(frozen=True)
+class TestSpecification:
+    """One bulk test of a calibration file.
+
+    Parameters
+    ----------
+    name : str
+        As given, or else the type.
+    type : str
+        ``"heap"``, ``"command"``, ``"python"`` or ``"table"``.
+    options : mapping of str to object
+        Everything else that the file says of the test, by key; only what is given.
+    targets : tuple of Target
+        Named by response.
+    """
+
+    # Keeps pytest from taking it for a class of tests.
+    __test__: ClassVar[bool] = False
+
+    name: str
+    type: str
+    options: Mapping[str, Any]
+    targets: tuple[Target, ...]
+
+
+@dataclass(frozen=True)
+class StrategyOptions:
+    """What a calibration file says of the search; None where it leaves the default.
+
+    Parameters
+    ----------
+    name : str
+        Name of the strategy.
+    max_runs : int, optional
+        Budget of DEM runs.
+    seed : int, optional
+        Seed of the design and of the runs' seeds.
+    workers : int, optional
+        Runs at once.
+    design_runs, verification_runs : int, optional
+        Runs of the design, and at the answer.
+    rayleigh_weight : float, optional
+        Weight of the Rayleigh criterion in the misfit.
+    """
+
+    name: str = "staged"
+    max_runs: int | None = None
+    seed: int | None = None
+    workers: int | None = None
+    design_runs: int | None = None
+    verification_runs: int | None = None
+    rayleigh_weight: float | None = None
+
+
+@dataclass(frozen=True)
+class CalibrationFile:
+    """What a calibration file says, free of faults.
+
+    Parameters
+    ----------
+    name : str
+        For people only; never part of a path.
+    path : Path
+        The file.
+    sizes : ParticleSizes or None
+        Particle diameters, when given.
+    fixed : mapping of str to float
+        Values of the parameters that are not free, by dotted name (``particle.density``) or by the
+        bare name of an own parameter.
+    parameters : tuple of Parameter
+        The free parameters, in the order of the file.
+    tests : tuple of TestSpecification
+        At least one.
+    strategy : StrategyOptions
+        How to search.
+    """
+
+    name: str
+    path: Path
+    sizes: ParticleSizes | None
+    fixed: Mapping[str, float]
+    parameters: tuple[Parameter, ...]
+    tests: tuple[TestSpecification, ...]
+    strategy: StrategyOptions

@@ -1,0 +1,192 @@
+"""Material parameters in the calibration file: fixed or free, and particle sizes."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from typing import Any
+
+from grainfit.calibration_file.kinds import (
+    Choice,
+    Kind,
+    ListOf,
+    Quantity,
+    Schema,
+    Text,
+    note_wrong_kind,
+)
+from grainfit.calibration_file.places import Place, show
+from grainfit.calibration_file.tables import Key, Table, Values
+from grainfit.material import MaterialParameter, ParticleSizes
+from grainfit.problem import Parameter
+from grainfit.units import is_unit
+
+_SCALE = Key(
+    "scale",
+    Choice(("linear", "log")),
+    'Of the design: "log" for a parameter that spans orders of magnitude.',
+)
+# None of these can be part of a quantity, and all of them are ways to write an interval.
+_INTERVAL_SIGNS = re.compile(r"\.\.|…|–|—|±|\+/?-|\bto\b|\s-\s|[;\[{]|,\s")
+
+
+def _interval_keys(quantity: Quantity) -> tuple[Key, ...]:
+    return (
+        Key("min", quantity, "Lower bound.", required=True),
+        Key("max", quantity, "Upper bound.", required=True),
+        _SCALE,
+    )
+
+
+def _note_bad_bounds(values: Values, place: Place) -> bool:
+    low, high = values.get("min"), values.get("max")
+    if low is None or high is None:
+        return True
+    if low >= high:
+        word = "equal" if low == high else "swapped"
+        place.fault(f"bounds are {word} (min {low:g}, max {high:g}).", "min must be below max.")
+        return True
+    if values.get("scale") == "log" and low <= 0:
+        place.at("min").fault(f"is {low:g} on a log scale.", "It must be above 0 there.")
+        return True
+    return "scale" in values and values["scale"] is None
+
+
+@dataclass(frozen=True)
+class FixedOrFree(Kind):
+    """One of the 14 material parameters: a quantity when fixed, an interval when free."""
+
+    parameter: MaterialParameter
+
+    @property
+    def _quantity(self) -> Quantity:
+        return Quantity(self.parameter.unit, self.parameter.lowest, self.parameter.highest)
+
+    @property
+    def _interval(self) -> Table:
+        return Table(_interval_keys(self._quantity), self._free)
+
+    def _free(self, values: Values, place: Place) -> Parameter | None:
+        if _note_bad_bounds(values, place):
+            return None
+        return Parameter(
+            self.parameter.name,
+            values["min"],
+            values["max"],
+            values.get("scale", "linear"),
+            self.parameter.unit,
+        )
+
+    def read(self, value: Any, place: Place) -> float | Parameter | None:
+        """Read a fixed value, in SI, or the interval of a free parameter."""
+        if isinstance(value, dict):
+            free: Parameter | None = self._interval.read(value, place)
+            return free
+        if isinstance(value, list) or (isinstance(value, str) and _INTERVAL_SIGNS.search(value)):
+            place.fault(f"is {show(value)}.", "An interval is written { min = ..., max = ... }.")
+            return None
+        return self._quantity.read(value, place)
+
+    def schema(self) -> Schema:
+        """Return the JSON Schema of both forms."""
+        return {"anyOf": [*self._quantity.schema()["anyOf"], self._interval.schema()]}
+
+
+@dataclass(frozen=True)
+class OwnParameter(Kind):
+    """A parameter of the user's own model, of any name: a number, or an interval when free."""
+
+    def _interval(self, quantity: Quantity) -> Table:
+        unit = Key("unit", Text(), "Unit that the model takes the parameter in, for example J/m^3.")
+        return Table((*_interval_keys(quantity), unit), self._free)
+
+    @staticmethod
+    def _free(values: Values, place: Place) -> Parameter | None:
+        if _note_bad_bounds(values, place):
+            return None
+        return Parameter(
+            place.key,
+            values["min"],
+            values["max"],
+            values.get("scale", "linear"),
+            values.get("unit") or "",
+        )
+
+    def read(self, value: Any, place: Place) -> float | Parameter | None:
+        """Read a fixed number or the interval of a free parameter."""
+        if isinstance(value, dict):
+            free: Parameter | None = self._interval(own_quantity(value)).read(value, place)
+            return free
+        return Quantity(None).read(value, place)
+
+    def schema(self) -> Schema:
+        """Return the JSON Schema of both forms."""
+        return {"anyOf": [{"type": "number"}, self._interval(Quantity(None)).schema()]}
+
+
+def own_quantity(table: dict[str, Any], *, above_zero: bool = False) -> Quantity:
+    """Return the quantity that a table of the user's own model holds, by its key ``unit``."""
+    unit = table.get("unit")
+    known = isinstance(unit, str) and is_unit(unit)
+    return Quantity(unit if known else None, above_zero=above_zero)
+
+
+@dataclass(frozen=True)
+class Diameters(Kind):
+    """The particle diameter, or a discrete distribution of diameters."""
+
+    def read(self, value: Any, place: Place) -> ParticleSizes | None:
+        """Read one diameter or a list of diameters with mass fractions."""
+        if isinstance(value, list):
+            return self._distribution(value, place)
+        if isinstance(value, dict):
+            note_wrong_kind(
+                value,
+                place,
+                "a length, or a list",
+                'Write diameter = "10 mm", or a list: '
+                '[{ value = "8 mm", mass_fraction = 0.3 }, { value = ..., mass_fraction = ... }].',
+            )
+            return None
+        diameter = _DIAMETER.read(value, place)
+        return None if diameter is None else ParticleSizes((diameter,))
+
+    @staticmethod
+    def _distribution(value: list[Any], place: Place) -> ParticleSizes | None:
+        classes = _SIZE_CLASSES.read(value, place)
+        if classes is None or any(
+            None in (c.get("value"), c.get("mass_fraction")) for c in classes
+        ):
+            return None
+        diameters = tuple(c["value"] for c in classes)
+        fractions = tuple(c["mass_fraction"] for c in classes)
+        if len(set(diameters)) < len(diameters):
+            place.fault("has the same diameter twice.", "Add up their mass fractions.")
+        elif abs(sum(fractions) - 1) > 1e-6:
+            place.fault(
+                f"mass fractions sum to {sum(fractions):.6g}.", "They must sum to 1 (or 100 %)."
+            )
+        else:
+            return ParticleSizes(diameters, fractions)
+        return None
+
+    def schema(self) -> Schema:
+        """Return the JSON Schema of both forms."""
+        return {"anyOf": [*_DIAMETER.schema()["anyOf"], _SIZE_CLASSES.schema()]}
+
+
+_DIAMETER = Quantity("m", lowest=1e-7, highest=1.0)
+_SIZE_CLASSES = ListOf(
+    Table(
+        (
+            Key("value", _DIAMETER, "Diameter of this class.", required=True, example='"8 mm"'),
+            Key(
+                "mass_fraction",
+                Quantity("", highest=1.0, above_zero=True),
+                "Share of the mass in this class, as a sieve gives it; all sum to 1.",
+                required=True,
+                example="0.3",
+            ),
+        )
+    )
+)

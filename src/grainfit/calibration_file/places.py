@@ -1,0 +1,114 @@
+"""Where in the calibration file something is, and what is wrong there."""
+
+from __future__ import annotations
+
+import re
+import reprlib
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from grainfit.errors import Fault
+
+#: Keys and list positions that lead from the top of the file to a value.
+KeyPath = tuple[str | int, ...]
+
+_BARE_KEY = re.compile(r"[A-Za-z0-9_-]{1,64}")
+
+
+@dataclass(frozen=True)
+class FileFault(Fault):
+    """A fault of a calibration file.
+
+    Parameters
+    ----------
+    key, message, remedy : str
+        As in `Fault`.
+    line : int, optional
+        Line of the key in the file, counted from 1; of what surrounds it when a key is missing.
+    """
+
+    line: int | None = None
+
+    def __str__(self) -> str:
+        return super().__str__() if self.line is None else f"line {self.line}, {super().__str__()}"
+
+
+@dataclass
+class Findings:
+    """Collects every fault of one file.
+
+    Parameters
+    ----------
+    folder : Path
+        Where the file is: its relative paths start there.
+    lines : mapping of path to int
+        Line of each key, as far as known.
+    """
+
+    folder: Path
+    lines: Mapping[KeyPath, int] = field(default_factory=dict)
+    faults: list[FileFault] = field(default_factory=list)
+
+    def line_of(self, path: KeyPath) -> int | None:
+        """Line of a key, or of the nearest table around it that has one."""
+        for length in range(len(path), 0, -1):
+            if path[:length] in self.lines:
+                return self.lines[path[:length]]
+        return None
+
+
+@dataclass(frozen=True)
+class Place:
+    """A spot in the file that is being read."""
+
+    findings: Findings
+    path: KeyPath = ()
+
+    def at(self, *parts: str | int) -> Place:
+        """Return the place of a key, or of a position in a list, below this one."""
+        return Place(self.findings, self.path + parts)
+
+    @property
+    def key(self) -> str:
+        """The last key on the way here."""
+        return next((part for part in reversed(self.path) if isinstance(part, str)), "")
+
+    def fault(self, message: str, remedy: str = "") -> None:
+        """Note that something is wrong here."""
+        self.findings.faults.append(
+            FileFault(dotted(self.path), message, remedy, self.findings.line_of(self.path))
+        )
+
+
+def dotted(path: KeyPath) -> str:
+    """Write a path as people do: ``test[0].targets.bulk_density.value``."""
+    text = ""
+    for part in path:
+        if isinstance(part, int):
+            text += f"[{part}]"
+        else:
+            text += ("." if text else "") + (part if _BARE_KEY.fullmatch(part) else show(part))
+    return text
+
+
+def show(value: object) -> str:
+    """Write any value in one short line that is safe to print."""
+    if isinstance(value, bool):
+        return str(value).lower()
+    printer = reprlib.Repr()
+    printer.maxstring = 60
+    printer.maxlevel = 2
+    return " ".join(printer.repr(value).split())
+
+
+def kind_of(value: object) -> str:
+    """Say what a TOML value is."""
+    words: tuple[tuple[type | tuple[type, ...], str], ...] = (
+        (bool, "a truth value"),
+        ((int, float), "a number"),
+        (str, "a text"),
+        (list, "a list"),
+        (dict, "a table"),
+    )
+    return next((text for types, text in words if isinstance(value, types)), "a date or time")

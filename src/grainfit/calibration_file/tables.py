@@ -1,0 +1,177 @@
+"""Tables of the calibration file: which keys there are, and what is wrong with a table."""
+
+from __future__ import annotations
+
+import difflib
+import tomllib
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from grainfit.calibration_file.kinds import (
+    NAME_PATTERN,
+    Kind,
+    Schema,
+    note_bad_name,
+    note_wrong_kind,
+    suggest,
+)
+from grainfit.calibration_file.places import Place
+
+#: What was read of a table by key; None where the value was faulty.
+Values = dict[str, Any]
+#: Makes a result of the values of a table.
+Finish = Callable[[Values, Place], Any]
+
+
+@dataclass(frozen=True)
+class Key:
+    """One key of a table.
+
+    Parameters
+    ----------
+    name : str
+        As written in the file.
+    kind : Kind
+        What its value can be.
+    description : str
+        For the editor's completion.
+    required : bool
+        Whether its absence is a fault.
+    example : str
+        A good value, as TOML.
+    """
+
+    name: str
+    kind: Kind
+    description: str
+    required: bool = False
+    example: str = ""
+
+    def note_missing(self, place: Place) -> None:
+        """Note that this key is missing in the table at a place."""
+        remedy = f"Add it, for example: {self.name} = {self.example}" if self.example else ""
+        place.at(self.name).fault("is missing.", remedy)
+
+    def schema(self) -> Schema:
+        """Return the JSON Schema of the value, with description and example."""
+        schema = {"description": self.description, **self.kind.schema()}
+        if self.example:
+            schema["examples"] = [tomllib.loads(f"value = {self.example}")["value"]]
+        return schema
+
+
+def _as_read(values: Values, place: Place) -> Any:  # noqa: ARG001
+    return values
+
+
+@dataclass(frozen=True)
+class Table(Kind):
+    """A table with known keys.
+
+    Parameters
+    ----------
+    keys : tuple of Key
+        All keys that it can have.
+    finish : callable
+        Makes the result of the values read, and notes what is wrong with several of them
+        together. Absent keys are absent from the values; faulty ones are None.
+    homes : mapping of str to str
+        Keys that belong elsewhere, to where: for the remedy.
+    """
+
+    keys: tuple[Key, ...]
+    finish: Finish = _as_read
+    homes: Mapping[str, str] | None = None
+
+    def read(self, value: Any, place: Place) -> Any:
+        """Read every known key, and note the unknown and the missing ones."""
+        if not isinstance(value, dict):
+            note_wrong_kind(value, place, "a table", self._table_remedy(place))
+            return None
+        kinds = {key.name: key.kind for key in self.keys}
+        unknown = [name for name in value if name not in kinds]
+        for name in unknown:
+            place.at(name).fault("is not a known key.", self._meant(name))
+        # A misspelt key is one fault, not a second one for the key that it was to be.
+        meant = {self._close(name) for name in unknown}
+        for key in self.keys:
+            if key.required and key.name not in value and key.name not in meant:
+                key.note_missing(place)
+        values = {
+            name: kinds[name].read(entry, place.at(name))
+            for name, entry in value.items()
+            if name in kinds
+        }
+        # What was meant is there, only not readable.
+        values.update({name: None for name in meant if name and name not in values})
+        return self.finish(values, place)
+
+    def _close(self, name: str) -> str:
+        names = [key.name for key in self.keys]
+        return next(iter(difflib.get_close_matches(name[:64], names, n=1)), "")
+
+    def _meant(self, name: str) -> str:
+        if self.homes and name in self.homes and not self._close(name):
+            return f"It belongs in {self.homes[name]}."
+        return suggest(name, (key.name for key in self.keys), "Keys here")
+
+    @staticmethod
+    def _table_remedy(place: Place) -> str:
+        return f"Write [{place.key}] and its keys below." if len(place.path) == 1 else ""
+
+    def schema(self) -> Schema:
+        """Return the JSON Schema of the table."""
+        schema: Schema = {
+            "type": "object",
+            "properties": {key.name: key.schema() for key in self.keys},
+            "additionalProperties": False,
+        }
+        required = [key.name for key in self.keys if key.required]
+        if required:
+            schema["required"] = required
+        return schema
+
+
+@dataclass(frozen=True)
+class Named(Kind):
+    """A table whose keys are names that the user chooses.
+
+    Parameters
+    ----------
+    entry : Kind
+        What every value is.
+    shortest : int
+        Number of entries that it needs.
+    reserved : tuple of str
+        Names that are taken.
+    """
+
+    entry: Kind
+    shortest: int = 0
+    reserved: tuple[str, ...] = ()
+
+    def read(self, value: Any, place: Place) -> Values | None:
+        """Read every entry; those that are faulty are None."""
+        if not isinstance(value, dict):
+            note_wrong_kind(value, place, "a table", f"Write [{place.key}] and its keys below.")
+            return None
+        return {name: self._entry(name, entry, place.at(name)) for name, entry in value.items()}
+
+    def _entry(self, name: str, value: Any, place: Place) -> Any:
+        if name in self.reserved:
+            place.fault(f'"{name}" means something else already.', "Choose another name.")
+            return None
+        return self.entry.read(value, place) if note_bad_name(name, place) else None
+
+    def schema(self) -> Schema:
+        """Return the JSON Schema of the table."""
+        names: Schema = {"pattern": f"^{NAME_PATTERN}$"}
+        if self.reserved:
+            names["not"] = {"enum": list(self.reserved)}
+        return {
+            "type": "object",
+            "propertyNames": names,
+            "additionalProperties": self.entry.schema(),
+            "minProperties": self.shortest,
+        }

@@ -1,0 +1,163 @@
+"""Targets in the calibration file: what was measured in the laboratory, and how well."""
+
+from __future__ import annotations
+
+import math
+import statistics
+from dataclasses import dataclass
+from typing import Any
+
+from grainfit.calibration_file.kinds import Kind, ListOf, Quantity, Schema, Text, note_wrong_kind
+from grainfit.calibration_file.parameters import own_quantity
+from grainfit.calibration_file.places import Place, show
+from grainfit.calibration_file.tables import Key, Table, Values
+from grainfit.problem import Target
+from grainfit.units import percentage
+
+_SMALLEST_SHARE, _LARGEST_SHARE = 1e-9, 10.0
+
+
+@dataclass(frozen=True)
+class Deviation(Kind):
+    """A deviation from a target: absolute in its unit, or relative as a percentage.
+
+    What is read is a pair: the number, and whether it is a share of the target's value.
+    """
+
+    unit: str | None
+
+    @property
+    def _absolute(self) -> Quantity:
+        return Quantity(self.unit, above_zero=True)
+
+    def read(self, value: Any, place: Place) -> tuple[float, bool] | None:
+        """Read a deviation above zero."""
+        share = percentage(value) if isinstance(value, str) else None
+        if share is None:
+            absolute = self._absolute.read(value, place)
+            return None if absolute is None else (absolute, False)
+        if not _SMALLEST_SHARE <= share <= _LARGEST_SHARE:
+            place.fault(f"is {show(value)}.", "It must be above 0 % and at most 1000 %.")
+            return None
+        return share, True
+
+    def schema(self) -> Schema:
+        """Return the JSON Schema of both forms."""
+        return self._absolute.schema()
+
+
+@dataclass(frozen=True)
+class TargetTable(Kind):
+    """The target of one response.
+
+    Parameters
+    ----------
+    unit : str or None
+        SI unit of the response (degrees for angles); None when only the user's own model knows.
+    """
+
+    unit: str | None = None
+
+    def read(self, value: Any, place: Place) -> Target | None:
+        """Read a measured value, or repeated measurements, with what belongs to it."""
+        if not isinstance(value, dict):
+            note_wrong_kind(
+                value, place, "a table", f"Write {place.key} = {{ value = {_as_toml(value)} }}."
+            )
+            return None
+        target: Target | None = self._table(value).read(value, place)
+        return target
+
+    def _table(self, value: dict[str, Any]) -> Table:
+        if self.unit is not None:
+            return Table(_target_keys(Quantity(self.unit, above_zero=True)), self._target)
+        return Table((*_target_keys(own_quantity(value, above_zero=True)), _OWN_UNIT), self._target)
+
+    def _target(self, values: Values, place: Place) -> Target | None:
+        value, uncertainty = _measured(values, place)
+        if value is None or None in values.values():
+            return None
+        given = values.get("uncertainty")
+        return Target(
+            place.key,
+            value,
+            uncertainty=_absolute(given, value) if given else uncertainty,
+            tolerance=_absolute(values.get("tolerance"), value),
+            weight=values.get("weight", 1.0),
+            unit=self.unit if self.unit is not None else values.get("unit", ""),
+        )
+
+    def schema(self) -> Schema:
+        """Return the JSON Schema of the target's table."""
+        schema = self._table({}).schema()
+        schema["oneOf"] = [{"required": ["value"]}, {"required": ["measurements"]}]
+        return schema
+
+
+_OWN_UNIT = Key("unit", Text(), "Unit of the response as your model yields it, for people.")
+
+
+def _target_keys(quantity: Quantity) -> tuple[Key, ...]:
+    deviation = Deviation(quantity.unit)
+    return (
+        Key("value", quantity, "Measured value."),
+        Key(
+            "measurements",
+            ListOf(quantity, shortest=2),
+            "Instead of value and uncertainty: repeated measurements, at least 2. "
+            "Their mean is the value, the standard error of the mean its uncertainty.",
+        ),
+        Key(
+            "uncertainty",
+            deviation,
+            'Standard uncertainty of the measured value; "1 %" means 1 % of it.',
+        ),
+        Key(
+            "tolerance",
+            deviation,
+            "Largest accepted deviation of the calibrated response. "
+            "By default the uncertainty; without one, 2 % of the value.",
+        ),
+        Key(
+            "weight",
+            Quantity("", above_zero=True),
+            "Weight of this target's relative deviation against the others'; 1 by default.",
+        ),
+    )
+
+
+def _measured(values: Values, place: Place) -> tuple[float | None, float | None]:
+    """Return value and uncertainty, from one value or from measurements; note what is wrong."""
+    if "measurements" not in values:
+        if "value" not in values:
+            place.at("value").fault(
+                "is missing.", "Give the measured value, or a list of measurements."
+            )
+        return values.get("value"), None
+    for key in ("value", "uncertainty"):
+        if key in values:
+            place.at(key).fault(
+                "is given beside measurements.", f"The measurements say it: remove {key}."
+            )
+    measurements = values["measurements"]
+    if measurements is None:
+        return None, None
+    if len(set(measurements)) == 1:
+        place.at("measurements").fault(
+            f"are all {measurements[0]:g}, so that nothing is known of their scatter.",
+            "Give value and uncertainty instead.",
+        )
+        return None, None
+    error = statistics.stdev(measurements) / math.sqrt(len(measurements))
+    return statistics.fmean(measurements), error
+
+
+def _absolute(deviation: tuple[float, bool] | None, value: float) -> float | None:
+    if deviation is None:
+        return None
+    number, is_share = deviation
+    return number * value if is_share else number
+
+
+def _as_toml(value: object) -> str:
+    return f'"{value}"' if isinstance(value, str) and len(value) < 40 else "..."

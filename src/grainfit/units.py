@@ -1,0 +1,186 @@
+"""Quantities with units at the border of the program: inside, all is SI, and angles in degrees."""
+
+from __future__ import annotations
+
+import functools
+import math
+import re
+
+import pint
+
+from grainfit.errors import GrainfitError
+
+#: No sensible quantity is longer.
+LONGEST_QUANTITY = 60
+
+_NUMBER = r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?"
+_QUANTITY = re.compile(rf"(?P<number>{_NUMBER})\s*(?P<unit>.*)", re.DOTALL)
+# Units have this small grammar of their own, and only single names ever reach pint: its expression
+# parser also calculates, and 9^9^9^9 takes for ever.
+_FACTOR = re.compile(
+    r"\s*(?P<operator>[*·/]?)\s*(?P<name>[A-Za-zµμΩÅ_]+|°[CF]?|%)(?:(?:\^|\*\*)?(?P<power>[+-]?[0-9]))?\s*"
+)
+_SUPERSCRIPTS = str.maketrans("⁰¹²³⁴⁵⁶⁷⁸⁹⁻", "0123456789-")
+_SIGNS = {"%": "percent", "°": "degree", "°C": "degC", "°F": "degF"}
+_EXAMPLES = {
+    "m": "10 mm",
+    "Pa": "0.36 MPa",
+    "kg/m^3": "2100 kg/m^3",
+    "m/s": "0.05 m/s",
+    "s": "10 min",
+    "deg": "22 deg",
+}
+
+
+class UnitError(GrainfitError, ValueError):
+    """A text is not a quantity of the expected unit.
+
+    Parameters
+    ----------
+    message : str
+        What is wrong, with the text.
+    remedy : str
+        What to write instead.
+    """
+
+    def __init__(self, message: str, remedy: str) -> None:
+        super().__init__(f"{message} {remedy}")
+        self.message = message
+        self.remedy = remedy
+
+
+def to_unit(text: str, unit: str) -> float:
+    """Convert a quantity such as ``"0.36 MPa"`` to a number in the given unit.
+
+    Parameters
+    ----------
+    text : str
+        A number and its unit, which is made of names, powers, ``*`` and ``/``: ``kg/m^3``,
+        ``kg/m3``, ``m s^-1``, ``%``, ``°``.
+    unit : str
+        The unit of the result; ``""`` when dimensionless. An angle is not dimensionless here.
+
+    Returns
+    -------
+    float
+        Finite number, in ``unit``.
+
+    Raises
+    ------
+    UnitError
+        The text is not a quantity, lacks a unit, or is of another dimension than ``unit``.
+
+    Examples
+    --------
+    >>> to_unit("0.36 MPa", "Pa")
+    360000.0
+    >>> to_unit("22 deg", "deg")
+    22.0
+    """
+    number, written_unit = _split(text, unit)
+    if unit and not written_unit:
+        raise UnitError(f"{text!r} has no unit.", how_to_write(unit))
+    value = _convert(number, written_unit, unit, text) if written_unit else number
+    if not math.isfinite(value):
+        raise UnitError(f"{text!r} is too large.", how_to_write(unit))
+    return value
+
+
+def percentage(text: str) -> float | None:
+    """Return 0.01 for ``"1 %"``; None for a text that is no percentage.
+
+    Examples
+    --------
+    >>> percentage("1 %")
+    0.01
+    """
+    match = _QUANTITY.fullmatch(text[: LONGEST_QUANTITY + 1].strip())
+    if match is None or match["unit"] != "%":
+        return None
+    return float(match["number"]) / 100
+
+
+def is_unit(text: str) -> bool:
+    """Whether quantities can be converted to this unit."""
+    try:
+        _parse(text)
+    except _NotAUnitError:
+        return False
+    return True
+
+
+def how_to_write(unit: str) -> str:
+    """Return a sentence that says how a quantity of this unit is written."""
+    if not unit:
+        return "It has no unit: write a plain number, for example 0.5."
+    return f'Write it in {unit}, for example "{_EXAMPLES.get(unit, f"1.5 {unit}")}".'
+
+
+class _NotAUnitError(Exception):
+    pass
+
+
+def _split(text: str, unit: str) -> tuple[float, str]:
+    if len(text) > LONGEST_QUANTITY:
+        raise UnitError(f"{text[:20]!r}... is too long for a quantity.", how_to_write(unit))
+    match = _QUANTITY.fullmatch(text.strip())
+    if match is None:
+        raise UnitError(f"{text!r} is not a quantity.", how_to_write(unit))
+    if match["unit"].startswith(","):
+        raise UnitError(f"{text!r} has a decimal comma.", "Write a decimal point.")
+    return float(match["number"]), match["unit"]
+
+
+def _convert(number: float, written: str, expected: str, text: str) -> float:
+    target = _parse(expected)
+    remedy = how_to_write(expected)
+    try:
+        unit = _parse(written)
+        # Base units are compared, not dimensions: to pint an angle is a pure number.
+        if _base(unit) != _base(target):
+            message = f"cannot be converted to {expected}" if expected else "does not belong here"
+            raise UnitError(f"{text!r} has the unit {written}, which {message}.", remedy)
+        value = _registry().Quantity(number, unit).to(target).magnitude
+    except _NotAUnitError as error:
+        raise UnitError(
+            f"{error} in {text!r} is not a known unit.", how_to_write(expected)
+        ) from None
+    except (pint.PintError, ArithmeticError):
+        raise UnitError(
+            f"{text!r} cannot be converted to {expected}.", how_to_write(expected)
+        ) from None
+    # Conversion costs the last digit: 9 mm shall be 0.009 m, not 0.009000000000000001 m.
+    return float(f"{value:.15g}")
+
+
+@functools.cache
+def _registry() -> pint.UnitRegistry[float]:
+    return pint.UnitRegistry(cache_folder=None)
+
+
+def _base(unit: pint.Unit) -> object:
+    return _registry().get_base_units(unit)[1]
+
+
+@functools.lru_cache(maxsize=256)
+def _parse(text: str) -> pint.Unit:
+    """Build a unit from its factors, from left to right."""
+    registry = _registry()
+    unit = registry.Unit("")
+    text = text.translate(_SUPERSCRIPTS)
+    position = 1 if text.startswith("1/") else 0
+    while position < len(text):
+        factor = _FACTOR.match(text, position)
+        if factor is None:
+            raise _NotAUnitError(repr(text))
+        power = int(factor["power"] or 1) * (-1 if factor["operator"] == "/" else 1)
+        unit = unit * _named(factor["name"]) ** power
+        position = factor.end()
+    return unit
+
+
+def _named(name: str) -> pint.Unit:
+    try:
+        return _registry().Unit(_SIGNS.get(name, name))
+    except (pint.PintError, ValueError, TypeError, AttributeError):
+        raise _NotAUnitError(repr(name)) from None

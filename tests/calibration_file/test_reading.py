@@ -1,0 +1,220 @@
+"""What a good file says is what the program gets, in SI units."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+import re
+import statistics
+from pathlib import Path
+
+import pytest
+
+from grainfit.bulk_tests.heap import HeapTest
+from grainfit.calibration_file import (
+    CalibrationFile,
+    StrategyOptions,
+    load_calibration_file,
+    starter_file,
+)
+from grainfit.calibration_file.bulk_tests import HEAP_OPTIONS, HEAP_TARGETS
+from grainfit.material import MATERIAL_PARAMETERS, ParticleSizes
+from grainfit.problem import Parameter, Target
+
+EXAMPLES = Path(__file__).parents[2] / "examples"
+GLASS_BEADS = (EXAMPLES / "glass_beads" / "calibration.toml").read_text(encoding="utf-8")
+
+OWN_MODEL = """
+name = "my powder"
+
+[parameters]
+cohesion = { min = 0, max = 7e4, unit = "J/m^3" }
+adhesion = { min = "1 kJ/m^2", max = "2 kJ/m^2", unit = "J/m^2" }
+gap = 3
+
+[[test]]
+type = "python"
+function = "model.py:simulate"
+targets.angle_10rpm = { value = 36.0, uncertainty = 0.5 }
+targets.torque = { value = "50 N*cm", unit = "N*m", tolerance = "10 %", weight = 2 }
+"""
+
+
+def load(text: str, folder: Path) -> CalibrationFile:
+    path = folder / "file.toml"
+    path.write_text(text, encoding="utf-8")
+    return load_calibration_file(path)
+
+
+def replaced(old: str, new: str) -> str:
+    assert GLASS_BEADS.count(old) == 1
+    return GLASS_BEADS.replace(old, new)
+
+
+def test_the_glass_beads() -> None:
+    path = EXAMPLES / "glass_beads" / "calibration.toml"
+    file = load_calibration_file(path)
+    assert file.path == path
+    assert file.sizes == ParticleSizes((0.010,))
+    assert file.fixed == {
+        "particle.youngs_modulus": 3.6e5,
+        "particle.poissons_ratio": 0.22,
+        "wall.youngs_modulus": 2.11e11,
+        "wall.poissons_ratio": 0.30,
+        "wall.density": 7700.0,
+        "particle_particle.sliding_friction": 0.18,
+        "particle_particle.restitution": 0.79,
+        "particle_particle.rolling_damping": 0.25,
+        "particle_wall.sliding_friction": 0.27,
+        "particle_wall.rolling_friction": 0.005,
+        "particle_wall.restitution": 0.82,
+        "particle_wall.rolling_damping": 0.25,
+    }
+    assert file.parameters == (
+        Parameter("particle.density", 1407.0, 2793.0, unit="kg/m^3"),
+        Parameter("particle_particle.rolling_friction", 0.449, 0.891),
+    )
+    [test] = file.tests
+    assert (test.name, test.type, dict(test.options)) == ("heap", "heap", {"solver": "lammps"})
+    assert test.targets == (
+        Target("bulk_density", 1500.0, uncertainty=15.0, unit="kg/m^3"),
+        Target("angle_of_repose", 22.0, uncertainty=0.5, unit="deg"),
+    )
+    assert file.strategy == StrategyOptions()
+
+
+def test_the_narrow_interval_is_the_only_difference_of_its_example() -> None:
+    wide = load_calibration_file(EXAMPLES / "glass_beads" / "calibration.toml")
+    narrow = load_calibration_file(EXAMPLES / "glass_beads" / "narrow_interval.toml")
+    assert narrow.parameters[0] == Parameter("particle.density", 1995.0, 2205.0, unit="kg/m^3")
+    assert (narrow.fixed, narrow.parameters[1:], narrow.tests) == (
+        wide.fixed,
+        wide.parameters[1:],
+        wide.tests,
+    )
+
+
+def test_every_example_loads() -> None:
+    files = sorted(EXAMPLES.rglob("*.toml"))
+    assert files
+    for path in files:
+        load_calibration_file(path)
+
+
+def test_units_sizes_scale_and_geometry(tmp_path: Path) -> None:
+    text = replaced(
+        'diameter = "10 mm"',
+        'diameter = [{ value = "8 mm", mass_fraction = "30 %" }, '
+        "{ value = 0.01, mass_fraction = 0.7 }]",
+    )
+    text = text.replace(
+        'youngs_modulus = "0.36 MPa"',
+        'youngs_modulus = { min = "0.1 MPa", max = "1e8 Pa", scale = "log" }',
+    ).replace(
+        'solver = "lammps"',
+        'solver = "liggghts"\nname = "small"\nranks = 2\ntimeout = "10 min"\nviews = 8\n'
+        'cylinder_radius = "7 cm"\nlift_speed = "3 m/min"\n[strategy]\nmax_runs = 50\nseed = 0\n',
+    )
+    text, _, targets = text.partition("targets.")
+    text = text.replace("[strategy]", f"targets.{targets}[strategy]")
+    file = load(text, tmp_path)
+    assert file.sizes == ParticleSizes((0.008, 0.010), (0.3, 0.7))
+    assert Parameter("particle.youngs_modulus", 1e5, 1e8, "log", "Pa") in file.parameters
+    [test] = file.tests
+    assert test.name == "small"
+    assert test.options == {
+        "solver": "liggghts",
+        "ranks": 2,
+        "timeout": 600.0,
+        "views": 8,
+        "cylinder_radius": 0.07,
+        "lift_speed": 0.05,
+    }
+    assert file.strategy == StrategyOptions("staged", max_runs=50, seed=0)
+
+
+def test_measurements_give_value_and_uncertainty(tmp_path: Path) -> None:
+    angles = [21.6, 22.4, 22.9, math.degrees(0.38)]
+    text = replaced(
+        '{ value = "22 deg", uncertainty = "0.5 deg" }',
+        '{ measurements = ["21.6 deg", 22.4, "22.9°", "0.38 rad"] }',
+    )
+    [_, target] = load(text, tmp_path).tests[0].targets
+    assert target.value == pytest.approx(statistics.fmean(angles), rel=1e-12)
+    assert target.uncertainty == pytest.approx(statistics.stdev(angles) / 2, rel=1e-12)
+
+
+def test_own_model_keeps_its_own_units(tmp_path: Path) -> None:
+    # Reading a file must not execute what it names.
+    code = "raise SystemExit('executed')\ndef simulate(parameters, seed): ..."
+    (tmp_path / "model.py").write_text(code, encoding="utf-8")
+    file = load(OWN_MODEL, tmp_path)
+    assert file.sizes is None
+    assert file.fixed == {"gap": 3.0}
+    assert file.parameters == (
+        Parameter("cohesion", 0.0, 7e4, unit="J/m^3"),
+        Parameter("adhesion", 1000.0, 2000.0, unit="J/m^2"),
+    )
+    [test] = file.tests
+    assert test.options == {"function": f"{tmp_path}/model.py:simulate"}
+    [angle, torque] = test.targets
+    assert angle == Target("angle_10rpm", 36.0, uncertainty=0.5)
+    assert (torque.value, torque.tolerance, torque.weight) == pytest.approx((0.5, 0.05, 2.0))
+    assert torque.unit == "N*m"
+
+
+def test_relative_paths_start_at_the_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "calibration").mkdir()
+    code = "def simulate(parameters, seed): ..."
+    (tmp_path / "calibration" / "model.py").write_text(code, encoding="utf-8")
+    (tmp_path / "calibration" / "file.toml").write_text(OWN_MODEL, encoding="utf-8")
+    monkeypatch.chdir(tmp_path)
+    file = load_calibration_file("calibration/file.toml")
+    function = file.tests[0].options["function"]
+    assert function == f"{tmp_path}/calibration/model.py:simulate"
+
+
+def test_byte_order_mark_and_windows_line_ends_are_read(tmp_path: Path) -> None:
+    path = tmp_path / "file.toml"
+    path.write_bytes(b"\xef\xbb\xbf" + GLASS_BEADS.replace("\n", "\r\n").encode())
+    assert load_calibration_file(path).name == "glass beads"
+
+
+@pytest.mark.parametrize("solver", ["lammps", "liggghts"])
+def test_the_starter_file_loads(tmp_path: Path, solver: str) -> None:
+    file = load(starter_file(solver, schema="calibration.schema.json"), tmp_path)
+    assert len(file.parameters) == 2
+    assert file.tests[0].options["solver"] == solver
+
+
+OPTIONS_OF_THE_STARTER = re.findall(r"^# (\w+ = .*)$", starter_file(), re.MULTILINE)
+
+
+@pytest.mark.parametrize("option", OPTIONS_OF_THE_STARTER)
+def test_every_option_of_the_starter_file_is_good(tmp_path: Path, option: str) -> None:
+    key = option.partition(" =")[0]
+    before, after = starter_file().split(f"# {option}\n")
+    if f"\n{key} = " in (section := before[before.rindex("\n[") :]):
+        before = before.removesuffix(section) + re.sub(rf"\n{key} = .*", "", section)
+    text = f"{before}{option}\n{after}"
+    assert load(text, tmp_path) != load(starter_file(), tmp_path)
+
+
+def test_the_defaults_in_the_starter_file_are_those_of_the_heap_test() -> None:
+    setup = HeapTest(ParticleSizes((0.010,))).setup
+    text = starter_file()
+    for key in ("cylinder_radius", "strike_off_height", "plate_radius", "rim_height"):
+        assert f'# {key} = "{getattr(setup, key) * 1000:g} mm"' in text
+    assert f'# lift_speed = "{setup.lift_speed:g} m/s"' in text
+
+
+def test_the_file_knows_the_heap_test() -> None:
+    options = {f.name for f in dataclasses.fields(HeapTest) if f.init} - {"sizes"}
+    assert {key.name for key in HEAP_OPTIONS} == options
+    units = {key.name: key.kind.unit for key in HEAP_TARGETS.keys}
+    assert units == HeapTest.response_units
+
+
+def test_the_file_knows_every_material_parameter() -> None:
+    file = load_calibration_file(EXAMPLES / "glass_beads" / "calibration.toml")
+    assert set(file.fixed) | {p.name for p in file.parameters} == set(MATERIAL_PARAMETERS)

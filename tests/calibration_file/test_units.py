@@ -1,0 +1,140 @@
+from __future__ import annotations
+
+import contextlib
+import math
+import time
+
+import pint
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from grainfit.units import UnitError, is_unit, percentage, to_unit
+
+
+@pytest.mark.parametrize(
+    ("text", "unit", "expected"),
+    [
+        ("10 mm", "m", 0.01),
+        ("9mm", "m", 0.009),
+        ("1e-2 m", "m", 0.01),
+        (".5 cm", "m", 0.005),
+        ("0.36 MPa", "Pa", 3.6e5),
+        ("211 GPa", "Pa", 2.11e11),
+        ("2.1 g/cm^3", "kg/m^3", 2100.0),
+        ("2100 kg/m3", "kg/m^3", 2100.0),
+        ("2100 kg/m³", "kg/m^3", 2100.0),
+        ("2100 kg m^-3", "kg/m^3", 2100.0),
+        ("2100 kg·m⁻³", "kg/m^3", 2100.0),
+        ("2100 kg*m**-3", "kg/m^3", 2100.0),
+        ("3 m/min", "m/s", 0.05),
+        ("10 min", "s", 600.0),
+        ("300 1/min", "1/s", 5.0),
+        ("50 °C", "degC", 50.0),
+        ("82 %", "", 0.82),
+        ("0.5", "", 0.5),
+    ],
+)
+def test_quantities_are_converted(text: str, unit: str, expected: float) -> None:
+    assert to_unit(text, unit) == expected
+
+
+def test_angles_are_in_degrees() -> None:
+    assert to_unit("22 deg", "deg") == 22.0
+    assert to_unit("22°", "deg") == 22.0
+    assert to_unit("1 rad", "deg") == pytest.approx(math.degrees(1), rel=1e-14)
+
+
+@pytest.mark.parametrize(
+    ("text", "unit"),
+    [
+        ("10 kg", "m"),
+        ("10 m^2", "m"),
+        ("20 deg", ""),  # pint takes an angle for a pure number; a friction angle is not one
+        ("0.4 rad", ""),
+        ("22 %", "deg"),
+        ("22 m/m", "deg"),
+        ("1 rpm", "Hz"),
+    ],
+)
+def test_another_dimension_is_refused(text: str, unit: str) -> None:
+    with pytest.raises(UnitError) as caught:
+        to_unit(text, unit)
+    assert text in caught.value.message
+    assert (unit or "no unit") in caught.value.remedy
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["", " ", "mm", "ten mm", "nan m", "inf m", "1 nan", "1e999 m", "١ m", "1..2 m", "10", "m 10"],
+)
+def test_what_is_no_length_is_refused(text: str) -> None:
+    with pytest.raises(UnitError):
+        to_unit(text, "m")
+
+
+def test_decimal_comma_is_named() -> None:
+    with pytest.raises(UnitError, match="decimal point"):
+        to_unit("0,36 MPa", "Pa")
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "1 9**9**9**9",
+        "1 m^9^9^9^9",
+        "9^9^9^9 m",
+        "1 __import__('os').system('false')",
+        "1 m" + "*m" * 10_000,
+        "1 yottametre^9/yottametre",
+        "1 " + "(" * 50,
+        "1 m\x00",
+    ],
+)
+def test_hostile_text_is_refused_at_once(text: str) -> None:
+    started = time.perf_counter()
+    with pytest.raises(UnitError) as caught:
+        to_unit(text, "m")
+    assert time.perf_counter() - started < 1.0
+    assert len(str(caught.value)) < 300
+
+
+@given(st.text(max_size=80), st.sampled_from(["m", "", "deg", "kg/m^3"]))
+def test_any_text_gives_a_finite_number_or_a_unit_error(text: str, unit: str) -> None:
+    for quantity in (text, f"1 {text}"):
+        with contextlib.suppress(UnitError):
+            assert math.isfinite(to_unit(quantity, unit))
+
+
+@given(
+    st.text("kgmPadersinµ°%^*/-0123456789 ()_,.", max_size=30), st.sampled_from(["m", "", "deg"])
+)
+def test_any_unit_like_text_gives_a_finite_number_or_a_unit_error(text: str, unit: str) -> None:
+    with contextlib.suppress(UnitError):
+        assert math.isfinite(to_unit(f"2 {text}", unit))
+
+
+def test_every_unit_there_is_converts_or_is_refused() -> None:
+    for name in dir(pint.UnitRegistry()):
+        for text in (f"2 {name}", f"2 {name}^9/{name}", f"2 {name}^-9"):
+            for unit in ("m", "", "deg", "K"):
+                with contextlib.suppress(UnitError):
+                    assert math.isfinite(to_unit(text, unit))
+
+
+@given(st.floats(1e-6, 1e6))
+def test_conversion_keeps_fifteen_digits(length: float) -> None:
+    assert to_unit(f"{length!r} mm", "m") == pytest.approx(length / 1000, rel=1e-14)
+
+
+def test_percentages() -> None:
+    assert percentage("1 %") == 0.01
+    assert percentage("2.5%") == 0.025
+    assert percentage("1 mm") is None
+    assert percentage("%") is None
+
+
+def test_units_are_recognised() -> None:
+    assert is_unit("J/m^3")
+    assert not is_unit("bananas")
+    assert not is_unit("9^9^9")
