@@ -1,0 +1,202 @@
+"""The command line: parse, call, print."""
+
+from __future__ import annotations
+
+import signal
+import sys
+from pathlib import Path
+from typing import Annotated, Any, NoReturn
+
+import typer
+from rich.console import Console
+
+from grainfit import console as show
+from grainfit.assemble import Assembly, assemble
+from grainfit.calibrate import calibrate
+from grainfit.calibration_file import load_calibration_file, starter_file
+from grainfit.campaign.single import simulate_once
+from grainfit.errors import Fault, GrainfitError, InputError
+from grainfit.plan import describe_plan
+from grainfit.remeasure import measure_path
+from grainfit.status import read_status
+
+EXIT_CODES = {"calibrated": 0, "out_of_tolerance": 3, "unreachable": 3, "interrupted": 130}
+_BAD_INPUT = 1
+_INTERRUPTED = 130
+_USAGE_ERROR = 2
+
+app = typer.Typer(
+    name="grainfit",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+    rich_markup_mode="rich",
+    context_settings={"help_option_names": ["-h", "--help"]},
+    help="""Calibrate the material parameters of DEM models of bulk solids.
+
+    You give laboratory measurements and an interval for every unknown parameter; grainfit runs
+    the simulated tests, finds the parameters that reproduce the measurements, and verifies them.
+
+    [bold]First steps:[/bold]  grainfit new my_material.toml  →  edit it  →
+    grainfit check my_material.toml  →  grainfit run my_material.toml
+    """,
+)
+_out = Console()
+_err = Console(stderr=True)
+
+CalibrationPath = Annotated[
+    Path, typer.Argument(metavar="FILE", help="Calibration file (TOML).", show_default=False)
+]
+Workdir = Annotated[
+    Path | None,
+    typer.Option(
+        "--workdir",
+        metavar="DIR",
+        help="Where runs and results are kept. Default: the file's name with .grainfit, here.",
+    ),
+]
+
+
+@app.command()
+def run(
+    file: CalibrationPath,
+    workdir: Workdir = None,
+    strategy: Annotated[
+        str | None, typer.Option(help="How runs are chosen: staged. [default: from the file]")
+    ] = None,
+    max_runs: Annotated[
+        int | None, typer.Option(metavar="N", help="Largest number of DEM runs, all included.")
+    ] = None,
+    seed: Annotated[
+        int | None, typer.Option(metavar="N", help="Decides the design and all insertion seeds.")
+    ] = None,
+    workers: Annotated[
+        int | None,
+        typer.Option(metavar="N", help="Runs at a time. [default: cores / ranks per run]"),
+    ] = None,
+) -> None:
+    """Calibrate: simulate, fit, verify, and write result.json.
+
+    Stop it at any time with Ctrl-C and start the same command again: no finished run is repeated.
+
+    Exit code: 0 calibrated, 1 bad input or a missing solver, 3 finished outside the tolerance or
+    out of reach, 130 interrupted.
+    """
+    assembly = _assemble(file)
+    options = assembly.options(strategy=strategy, max_runs=max_runs, seed=seed, workers=workers)
+    folder = workdir or default_workdir(file)
+    with show.LiveProgress(_err) as progress:
+        result = calibrate(
+            assembly.problem,
+            assembly.solvers,
+            workdir=folder,
+            name=assembly.name,
+            timeouts=assembly.timeouts,
+            on_progress=progress.update,
+            **options,
+        )
+    show.print_result(_out, result, folder)
+    raise typer.Exit(EXIT_CODES[result.status])
+
+
+@app.command()
+def check(file: CalibrationPath) -> None:
+    """Validate a calibration file and show the plan. Nothing is simulated."""
+    assembly = _assemble(file)
+    plan = describe_plan(assembly)
+    show.print_plan(_out, plan)
+    if plan.problems:
+        raise typer.Exit(_BAD_INPUT)
+
+
+@app.command()
+def new(
+    file: Annotated[Path, typer.Argument(metavar="FILE")] = Path("calibration.toml"),
+) -> None:
+    """Write a commented calibration file to start from."""
+    try:
+        with file.open("x", encoding="utf-8") as target:
+            target.write(starter_file())
+    except FileExistsError:
+        raise InputError(
+            Fault("", f"{str(file)!r} exists already.", "Choose another name.")
+        ) from None
+    except OSError as error:
+        raise InputError(Fault("", f"{str(file)!r} cannot be written: {error.strerror}.")) from None
+    _out.print(f"Wrote {file}. Edit it, then: grainfit check {file}", highlight=False, markup=False)
+
+
+@app.command()
+def status(
+    workdir: Annotated[Path, typer.Argument(metavar="DIR", help="Work folder of a calibration.")],
+) -> None:
+    """Show how far a calibration is and what came of it. Disturbs nothing."""
+    show.print_status(_out, read_status(workdir))
+
+
+@app.command()
+def simulate(
+    file: CalibrationPath,
+    settings: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--set",
+            metavar="NAME=VALUE",
+            help="A parameter's value, units allowed: particle.density=2300. Repeat as needed.",
+        ),
+    ] = None,
+    seed: Annotated[int, typer.Option(metavar="N", help="Insertion seed.")] = 1,
+    workdir: Workdir = None,
+) -> None:
+    """Make one DEM run of every test and show its responses and its folder.
+
+    Free parameters that are not set take the middle of their interval.
+    """
+    assembly = _assemble(file)
+    folder = workdir or default_workdir(file)
+    values = assembly.values(settings or [])
+    with _err.status("simulating"):
+        evaluation, folders = simulate_once(
+            assembly.solvers, values, seed, folder, assembly.timeouts
+        )
+    show.print_run(_out, evaluation, folders)
+    if evaluation.failures:
+        raise typer.Exit(_BAD_INPUT)
+
+
+@app.command()
+def measure(
+    path: Annotated[
+        Path, typer.Argument(metavar="DIR-or-DUMP", help="A run folder, or a dump of particles.")
+    ],
+) -> None:
+    """Measure the responses on the particles that a run left behind, again."""
+    show.print_measurement(_out, measure_path(path))
+
+
+def default_workdir(file: Path) -> Path:
+    """Work folder of a calibration file when none is named."""
+    return Path(f"{file.stem}.grainfit")
+
+
+def _assemble(file: Path) -> Assembly:
+    return assemble(load_calibration_file(file))
+
+
+def _stop(_signal: int, _frame: Any) -> NoReturn:
+    raise KeyboardInterrupt
+
+
+def main() -> None:
+    """Run the command line; every error that grainfit knows ends in one clear message."""
+    signal.signal(signal.SIGTERM, _stop)
+    try:
+        app()
+    except SystemExit as stop:
+        sys.exit(_BAD_INPUT if stop.code == _USAGE_ERROR else stop.code)
+    except KeyboardInterrupt:
+        _err.print("Interrupted. Finished runs are kept; start again to go on.")
+        sys.exit(_INTERRUPTED)
+    except GrainfitError as error:
+        show.print_error(_err, error)
+        sys.exit(_BAD_INPUT)

@@ -1,0 +1,248 @@
+"""What the command line shows: progress while it runs, tables at the end, errors in one line."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Mapping
+from math import isfinite
+from pathlib import Path
+from types import TracebackType
+
+from rich.console import Console
+from rich.live import Live
+from rich.markup import escape
+from rich.table import Table
+from rich.text import Text
+
+from grainfit.campaign.evaluation import Evaluation
+from grainfit.errors import GrainfitError, InputError, RunFailedError
+from grainfit.plan import Plan
+from grainfit.progress import Progress
+from grainfit.result import ResponseResult, Result
+from grainfit.solvers.base import Response
+from grainfit.status import WorkdirStatus
+
+_STATUS_WORDS = {
+    "calibrated": ("green", "calibrated: every target is met within its tolerance"),
+    "out_of_tolerance": ("yellow", "finished outside the tolerance"),
+    "unreachable": ("red", "out of reach within the given intervals"),
+    "interrupted": ("yellow", "interrupted: start the same command again to go on"),
+}
+#: Without a terminal, a line of progress after this many seconds.
+_LINE_SECONDS = 15.0
+
+
+class LiveProgress:
+    """One live line of progress in a terminal, plain lines in a log file."""
+
+    def __init__(self, console: Console) -> None:
+        self._console = console
+        self._live = Live(console=console, refresh_per_second=4, transient=True)
+        self._last_line = ("", float("-inf"))
+        self._notices = 0
+        self._started = time.monotonic()
+
+    def __enter__(self) -> LiveProgress:
+        if self._console.is_terminal:
+            self._live.start()
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self._live.stop()
+
+    def update(self, progress: Progress) -> None:
+        """Show where the calibration stands now."""
+        for notice in progress.notices[self._notices :]:
+            self._console.print(Text(notice, style="yellow"))
+        self._notices = len(progress.notices)
+        line = self._describe(progress)
+        if self._console.is_terminal:
+            self._live.update(Text(line))
+            return
+        stage, shown = self._last_line
+        now = time.monotonic()
+        if stage != progress.stage or now - shown > _LINE_SECONDS:
+            self._console.print(line, highlight=False, markup=False, soft_wrap=True)
+            self._last_line = (progress.stage, now)
+
+    def _describe(self, progress: Progress) -> str:
+        parts = [
+            f"{progress.stage}: {progress.done} done",
+            f"{progress.running} running",
+            f"{progress.failed} failed",
+            f"about {progress.left} to come",
+        ]
+        if progress.best_deviation is not None:
+            parts.append(f"best run within {progress.best_deviation:.1%}")
+        parts.append(f"{_duration(time.monotonic() - self._started)} elapsed")
+        if progress.seconds_left is not None:
+            parts.append(f"about {_duration(progress.seconds_left)} left")
+        return ", ".join(parts)
+
+
+def _duration(seconds: float) -> str:
+    minutes, rest = divmod(round(seconds), 60)
+    hours, minutes = divmod(minutes, 60)
+    if hours:
+        return f"{hours} h {minutes:02d} min"
+    return f"{minutes} min {rest:02d} s" if minutes else f"{rest} s"
+
+
+def _number(value: float | None, unit: str = "") -> str:
+    if value is None or not isfinite(value):
+        return "-"
+    return f"{value:.4g} {unit}".rstrip()
+
+
+def print_result(console: Console, result: Result, folder: Path) -> None:
+    """Print the outcome: parameters, responses against targets, time step, cost."""
+    colour, words = _STATUS_WORDS[result.status]
+    title = f"{result.name}: {words}" if result.name else words
+    console.print(Text(title, style=f"bold {colour}"))
+    for notice in result.notices:
+        console.print(Text(f"  {notice}", style="yellow"))
+    for name, quality in result.metamodels.items():
+        for warning in quality.warnings:
+            console.print(Text(f"  metamodel of {name}: {warning}", style="yellow"))
+    if result.parameters:
+        console.print(_parameter_table(result))
+        console.print(_response_table(result))
+        console.print(_time_step_line(result), highlight=False)
+    runs = result.runs
+    console.print(
+        f"DEM runs: {runs.total} = {runs.design} design + {runs.optimisation} optimisation + "
+        f"{runs.verification} verification; {runs.failed} failed, {runs.reused} reused. "
+        f"Wall time {_duration(result.wall_seconds)}.",
+        highlight=False,
+    )
+    console.print(
+        f"Result: {folder / 'result.json'}", highlight=False, markup=False, soft_wrap=True
+    )
+
+
+def _parameter_table(result: Result) -> Table:
+    table = Table("parameter", "value", title_justify="left")
+    table.columns[1].justify = "right"
+    for name, value in result.parameters.items():
+        table.add_row(escape(name), _number(value, result.units.get(name, "")))
+    return table
+
+
+def _response_table(result: Result) -> Table:
+    table = Table("response", "target", "predicted", "verified", "deviation", "")
+    for column in table.columns[1:5]:
+        column.justify = "right"
+    for name, response in result.responses.items():
+        table.add_row(*_response_cells(name, response))
+    if any(response.verified_mean is not None for response in result.responses.values()):
+        table.caption = "± tolerance of the target, 95 % confidence of predicted and verified"
+    return table
+
+
+def _response_cells(name: str, response: ResponseResult) -> tuple[str, ...]:
+    verified = "-"
+    if response.verified_mean is not None and response.verified_interval is not None:
+        verified = f"{response.verified_mean:.5g} ± {response.verified_interval:.2g}"
+    return (
+        escape(f"{name}, {response.unit}" if response.unit else name),
+        f"{response.target:.5g} ± {response.tolerance:.3g}",
+        f"{response.predicted:.5g} ± {1.96 * response.std_error:.2g}",
+        verified,
+        f"{response.deviation_percent:+.2f} %",
+        "[green]met[/green]" if response.within_tolerance else "[red]missed[/red]",
+    )
+
+
+def _time_step_line(result: Result) -> str:
+    if result.rayleigh_time_step is None or result.rayleigh_time_step_before is None:
+        return "No Rayleigh time step: the material's density, stiffness or size is not known."
+    change = result.rayleigh_time_step / result.rayleigh_time_step_before
+    return (
+        f"Rayleigh time step: {result.rayleigh_time_step:.4g} s, {change:.2f} times that of the "
+        f"middle of the intervals ({result.rayleigh_time_step_before:.4g} s)."
+    )
+
+
+def print_plan(console: Console, plan: Plan) -> None:
+    """Print what a calibration file asks for."""
+    console.print(Text(plan.name, style="bold"))
+    free = Table("free parameter", "from", "to", "scale")
+    for parameter in plan.parameters:
+        free.add_row(
+            escape(parameter.name),
+            _number(parameter.minimum, parameter.unit),
+            _number(parameter.maximum, parameter.unit),
+            parameter.scale,
+        )
+    console.print(free)
+    targets = Table("response", "target", "tolerance")
+    for target in plan.targets:
+        targets.add_row(
+            escape(target.name),
+            _number(target.value, target.unit),
+            f"± {_number(target.accepted_deviation, target.unit)}",
+        )
+    console.print(targets)
+    for line in plan.lines:
+        console.print(line, highlight=False, markup=False)
+    for problem in plan.problems:
+        console.print(Text(problem, style="red"))
+
+
+def print_status(console: Console, status: WorkdirStatus) -> None:
+    """Print how far a work folder is."""
+    console.print(Text(f"{status.name or 'no calibration'}: {status.state}", style="bold"))
+    for stage, asked in status.asked.items():
+        console.print(
+            f"{stage}: {status.finished.get(stage, 0)} of {asked} runs asked for have ended",
+            highlight=False,
+        )
+    console.print(
+        f"{status.running} running, {len(status.failed)} failed, {status.kept} finished runs kept",
+        highlight=False,
+    )
+    for failure in status.failed:
+        console.print(Text(f"failed: {failure.reason} ({failure.folder})", style="red"))
+    if status.result is not None and status.state != "running":
+        for name, value in status.result.get("parameters", {}).items():
+            console.print(f"{name} = {value:.5g}", highlight=False, markup=False)
+
+
+def print_run(console: Console, evaluation: Evaluation, folders: Mapping[str, Path]) -> None:
+    """Print the responses of a single run."""
+    table = Table("response", "value", "standard error of this run")
+    for name, response in evaluation.responses.items():
+        table.add_row(escape(name), _number(response.value), _number(response.standard_error))
+    if evaluation.responses:
+        console.print(table)
+    for test, reason in evaluation.failures.items():
+        console.print(Text(f"{test} failed: {reason}", style="red"))
+    words = "known already" if evaluation.reused else f"{_duration(evaluation.seconds)}"
+    console.print(f"Wall time: {words}", highlight=False)
+    for folder in folders.values():
+        console.print(f"Run folder: {folder}", highlight=False, markup=False, soft_wrap=True)
+
+
+def print_measurement(console: Console, responses: Mapping[str, Response]) -> None:
+    """Print measured responses."""
+    table = Table("response", "value", "standard error")
+    for name, response in responses.items():
+        table.add_row(escape(name), _number(response.value), _number(response.standard_error))
+    console.print(table)
+
+
+def print_error(console: Console, error: GrainfitError) -> None:
+    """Print what is wrong, every fault in a line of its own."""
+    if isinstance(error, InputError):
+        for fault in error.faults:
+            where = f"{error.source}: " if error.source else ""
+            console.print(Text(f"{where}{fault}", style="red"), soft_wrap=True)
+        return
+    console.print(Text(str(error), style="red"), soft_wrap=True)
+    if isinstance(error, RunFailedError) and error.log_tail:
+        console.print(Text(error.log_tail), soft_wrap=True)

@@ -1,0 +1,98 @@
+"""What a calibration will do and cost, told before anything is run."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+from grainfit.assemble import Assembly, ParametersFor
+from grainfit.bulk_tests.heap import HeapTest
+from grainfit.bulk_tests.heap.cost import estimate_cost
+from grainfit.calibrate import VERIFICATION_RUNS
+from grainfit.errors import GrainfitError
+from grainfit.material import MATERIAL_PARAMETERS
+from grainfit.problem import Parameter, Problem, Target
+from grainfit.solvers.base import Solver
+from grainfit.solvers.deck_solver import DeckSolver
+from grainfit.strategies.staged import DESIGN_RUNS_PER_PARAMETER
+
+
+@dataclass(frozen=True)
+class Plan:
+    """A calibration as `grainfit check` shows it.
+
+    Parameters
+    ----------
+    name : str
+        Name of the calibration.
+    parameters, targets : sequence
+        What is free, and what has to be met.
+    lines : tuple of str
+        Solvers, time step, cost, and what will be executed.
+    problems : tuple of str
+        What keeps it from running; empty when nothing does.
+    """
+
+    name: str
+    parameters: Sequence[Parameter]
+    targets: Sequence[Target]
+    lines: tuple[str, ...]
+    problems: tuple[str, ...]
+
+
+def describe_plan(assembly: Assembly) -> Plan:
+    """Say what a calibration will do; starts no simulation and none of the user's code."""
+    problems: list[str] = []
+    lines: list[str] = []
+    for test, solver in assembly.solvers.items():
+        try:
+            solver.check()
+            lines.append(f"Test {test}: {solver.name} {solver.version()}".rstrip() + " is ready.")
+            lines += _cost_lines(solver, assembly.problem)
+        except GrainfitError as error:
+            problems.append(f"Test {test}: {error}")
+    lines += _rayleigh_lines(assembly.problem)
+    lines += _run_lines(assembly)
+    problem = assembly.problem
+    return Plan(assembly.name, problem.parameters, problem.targets, tuple(lines), tuple(problems))
+
+
+def _rayleigh_lines(problem: Problem) -> Iterator[str]:
+    if problem.rayleigh is not None:
+        smallest, largest = problem.rayleigh.limits(problem.intervals)
+        yield f"Rayleigh time step within the intervals: {smallest:.4g} to {largest:.4g} s."
+
+
+def _cost_lines(solver: Solver, problem: Problem) -> Iterator[str]:
+    if isinstance(solver, ParametersFor):
+        solver = solver.solver
+    if not (isinstance(solver, DeckSolver) and isinstance(solver.test, HeapTest)):
+        return
+    middle = problem.from_unit([0.5] * problem.dimension)
+    material = solver.all_parameters(
+        {name: value for name, value in middle.items() if name in MATERIAL_PARAMETERS}
+    )
+    cost = estimate_cost(solver.test, solver.name, material, solver.ranks)
+    yield (
+        f"  In the middle of the intervals: {solver.test.setup.particle_count} particles, time "
+        f"step {cost.time_step:.3g} s ({solver.test.time_step_fraction:.0%} of the Rayleigh time "
+        f"step), about {cost.steps:,} steps, about {cost.wall_seconds:.0f} s a run."
+    )
+
+
+def _run_lines(assembly: Assembly) -> Iterator[str]:
+    dimension = assembly.problem.dimension
+    strategy = assembly.strategy
+    design = strategy.design_runs or DESIGN_RUNS_PER_PARAMETER * dimension
+    verification = strategy.verification_runs or VERIFICATION_RUNS
+    tests = len(assembly.solvers)
+    yield (
+        f"DEM runs: {design * tests} for the design, usually {(dimension + 2) * tests} to "
+        f"{4 * (dimension + 2) * tests} for the optimisation, {verification * tests} for the "
+        f"verification; {assembly.workers} at a time."
+    )
+    if dimension > len(assembly.problem.targets):
+        yield (
+            f"Note: {dimension} free parameters and {len(assembly.problem.targets)} targets: many "
+            "parameter sets will fit equally well. Fix a parameter or measure another response."
+        )
