@@ -245,4 +245,6 @@ def print_error(console: Console, error: GrainfitError) -> None:
         return
     console.print(Text(str(error), style="red"), soft_wrap=True)
     if isinstance(error, RunFailedError) and error.log_tail:
-        console.print(Text(error.log_tail), soft_wrap=True)
+        console.print("Last lines of its log:")
+        for line in error.log_tail.splitlines():
+            console.print(Text(f"  | {line}"), soft_wrap=True)

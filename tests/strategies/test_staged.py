@@ -45,9 +45,7 @@ def converse(strategy: Staged, function: Function, shuffle: bool = False) -> lis
                 p,
                 {
                     name: Response(value)
-                    for name, value in function(
-                        p.parameters, np.random.default_rng(p.seed)
-                    ).items()
+                    for name, value in function(p.parameters, np.random.default_rng(p.seed)).items()
                 },
             )
             for p in asked
