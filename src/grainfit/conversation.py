@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import asdict, dataclass
 from importlib.metadata import version
 from typing import Any
@@ -12,7 +13,7 @@ from grainfit.campaign.evaluation import Evaluation, Proposal
 from grainfit.campaign.identity import run_identity
 from grainfit.campaign.runner import Campaign
 from grainfit.campaign.store import RequestRecord, RunStore
-from grainfit.errors import RunFailedError
+from grainfit.errors import GrainfitError, RunFailedError, StoreError
 from grainfit.misfit import relative_deviation
 from grainfit.problem import Problem
 from grainfit.progress import Progress
@@ -84,6 +85,11 @@ class Conversation:
         except KeyboardInterrupt:
             self._campaign.cancel()
             answer, status = self._best_so_far(), "interrupted"
+        except GrainfitError:
+            self._campaign.cancel()
+            with suppress(StoreError):
+                self._store.end_calibration(self._identity, "failed")
+            raise
         result = self._result(answer, status)
         self._store.end_calibration(self._identity, status)
         return result

@@ -16,7 +16,7 @@ from grainfit.campaign import workdir
 from grainfit.campaign.evaluation import Evaluation, Proposal
 from grainfit.campaign.identity import run_identity
 from grainfit.campaign.store import RunRecord, RunStore
-from grainfit.errors import GrainfitError, RunFailedError
+from grainfit.errors import GrainfitError, RunFailedError, StoreError
 from grainfit.solvers.base import Response, Solver, Workspace
 
 #: How often a run is tried when the machine, not the simulation, is at fault.
@@ -155,6 +155,9 @@ class Campaign:
             outcome = self._attempt(record, solver, proposal)
             if outcome is not None:
                 self._ended.put(outcome)
+        except OSError as error:
+            reason = f"the work folder {str(self._folder)!r} cannot be written: {error}"
+            self._ended.put(StoreError(f"{reason}. Make room there and start again."))
         except BaseException as error:
             self._ended.put(error)
 
