@@ -23,11 +23,13 @@ def run_process(
     command: Sequence[str],
     workspace: Workspace,
     environment: Mapping[str, str] | None = None,
+    log_name: str = LOG_NAME,
 ) -> float:
     """Run a command in the workspace's folder to its end; return the wall time, s.
 
-    Standard output and error go to ``solver.log`` in the folder. No shell is involved. The process
-    leads its own group, so that a time-out or Ctrl-C ends all of its MPI ranks too.
+    Standard output and error go to a log in the folder, ``solver.log`` unless another name is
+    given. No shell is involved. The process leads its own group, so that a time-out or Ctrl-C ends
+    all of its MPI ranks too.
 
     Raises
     ------
@@ -35,7 +37,7 @@ def run_process(
         The program cannot be started, ends with a non-zero code, is killed by a signal, takes
         longer than the workspace allows, or is cancelled.
     """
-    log_path = workspace.folder / LOG_NAME
+    log_path = workspace.folder / log_name
     started = time.monotonic()
     with log_path.open("wb") as log:
         try:
@@ -48,13 +50,15 @@ def run_process(
                 env={**os.environ, "OMP_NUM_THREADS": "1", **(environment or {})},
                 start_new_session=True,
             )
-        except OSError as error:
+        # ValueError: an argument that no program can be given, such as one with a zero byte.
+        except (OSError, ValueError) as error:
+            reason = getattr(error, "strerror", None) or error
             raise RunFailedError(
-                f"cannot start {command[0]!r}: {error.strerror or error}", kind="machine"
+                f"cannot start {command[0]!r}: {reason}", kind="machine"
             ) from error
-        _note_process(workspace.folder, process.pid)
         try:
-            _wait(process, workspace, started)
+            _note_process(workspace.folder, process.pid)
+            _wait(process, workspace, started, log_path)
         finally:
             end_process_group(process.pid)
             process.wait()
@@ -63,7 +67,9 @@ def run_process(
     return time.monotonic() - started
 
 
-def _wait(process: subprocess.Popen[bytes], workspace: Workspace, started: float) -> None:
+def _wait(
+    process: subprocess.Popen[bytes], workspace: Workspace, started: float, log_path: Path
+) -> None:
     delay = _POLL_SECONDS / 10
     while process.poll() is None:
         if workspace.cancelled.is_set():
@@ -71,7 +77,7 @@ def _wait(process: subprocess.Popen[bytes], workspace: Workspace, started: float
         if workspace.timeout is not None and time.monotonic() - started > workspace.timeout:
             raise RunFailedError(
                 f"took longer than its time-out of {workspace.timeout:g} s and was ended",
-                log_tail(workspace.folder / LOG_NAME),
+                log_tail(log_path),
             )
         time.sleep(delay)
         delay = min(delay * 2, _POLL_SECONDS)
@@ -139,7 +145,7 @@ def end_orphan(folder: Path) -> bool:
         pid = int(json.loads(note.read_text(encoding="utf-8"))["pid"])
         if Path(f"/proc/{pid}/cwd").readlink() != folder.resolve():
             return False
-    except (OSError, ValueError, KeyError):
+    except (OSError, ValueError, KeyError, TypeError):
         return False
     end_process_group(pid)
     return True

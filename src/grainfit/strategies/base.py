@@ -34,7 +34,8 @@ _STAGE_CODES: Mapping[Stage, int] = {"design": 0, "optimisation": 1, "verificati
 def insertion_seed(seed: int, stage: Stage, number: int) -> int:
     """Insertion seed of the numbered run of a stage: the same for the same calibration seed."""
     state = np.random.SeedSequence([seed, _STAGE_CODES[stage], number]).generate_state(1)
-    return 1 + int(state[0]) % (2**31 - 2)
+    # Some generators, such as that of LAMMPS, take no seed above 900,000,000.
+    return 1 + int(state[0]) % 899_999_999
 
 
 @dataclass(frozen=True)

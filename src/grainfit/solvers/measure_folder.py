@@ -1,0 +1,40 @@
+"""Program that evaluates a run's folder with the user's own function, in a process of its own.
+
+    python -P measure_folder.py FILE.py FUNCTION OUTPUT.json
+
+It is started in the run's folder and uses the standard library only: it must start fast.
+"""
+
+import importlib.util
+import json
+import sys
+from pathlib import Path
+from typing import Any
+
+
+def _plain(found: Any) -> Any:
+    """Turn NumPy's numbers and grainfit's responses into what JSON knows."""
+    if hasattr(found, "item"):
+        return found.item()
+    if hasattr(found, "value") and hasattr(found, "standard_error"):
+        return {"value": found.value, "standard_error": found.standard_error}
+    raise TypeError(f"a response cannot be of type {type(found).__name__}")
+
+
+def main() -> None:
+    """Call the function with the current folder and write what it returns."""
+    file, function, output = sys.argv[1:]
+    # Modules of the user's beside the file can be imported, as if the file were run itself.
+    sys.path.insert(0, str(Path(file).parent))
+    specification = importlib.util.spec_from_file_location("evaluation", file)
+    if specification is None or specification.loader is None:
+        raise ImportError(f"{file} is not a Python file")
+    module = importlib.util.module_from_spec(specification)
+    sys.modules["evaluation"] = module
+    specification.loader.exec_module(module)
+    found = getattr(module, function)(Path.cwd())
+    Path(output).write_text(json.dumps(found, default=_plain), encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,134 @@
+"""The folder in which a user keeps a model of their own: what is in it, and copies for runs."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import shutil
+import stat
+from collections.abc import Callable, Iterator
+from pathlib import Path, PurePosixPath
+
+from grainfit.errors import Fault, InputError
+
+#: The folder is copied for every run.
+LARGEST_FOLDER_BYTES = 200_000_000
+_SKIPPED_FOLDERS = frozenset({"__pycache__"})
+
+
+class ModelFolder:
+    """A user's folder, of which every run gets a copy.
+
+    All regular files are part of the model, in subfolders too. Not part of it are: names that
+    start with a dot, ``__pycache__``, work folders of calibrations, and the files that grainfit or
+    the run writes anew (`ignored`). A link to a file counts as a file of its own with the contents
+    of what it points to; links to folders, broken links and special files are faults.
+
+    Parameters
+    ----------
+    path : Path
+        The folder.
+    ignored : callable
+        Says of a name, relative to the folder, whether it is written anew in every run.
+    """
+
+    def __init__(self, path: Path, ignored: Callable[[str], bool]) -> None:
+        self.path = path
+        self._ignored = ignored
+
+    def check(self) -> None:
+        """Raise `InputError` unless the folder exists, is of bearable size and can be copied."""
+        if not self.path.is_dir():
+            raise InputError(
+                Fault("folder", "does not exist.", "Give the folder of your model."), str(self.path)
+            )
+        faults = [
+            Fault(name, problem, "Put a copy of the files there instead.")
+            for name, problem in self._unusable()
+        ]
+        sizes = {name: (self.path / name).stat().st_size for name in self.files()}
+        total = sum(sizes.values())
+        if total > LARGEST_FOLDER_BYTES:
+            largest = max(sizes, key=lambda name: sizes[name])
+            faults.append(
+                Fault(
+                    "folder",
+                    f"holds {total / 1e6:.0f} MB (most of all {largest}, "
+                    f"{sizes[largest] / 1e6:.0f} MB) and is copied for every run.",
+                    f"Leave only what a run reads, at most {LARGEST_FOLDER_BYTES / 1e6:.0f} MB.",
+                )
+            )
+        if faults:
+            raise InputError(faults, str(self.path))
+
+    def files(self) -> list[str]:
+        """Names of the model's files, relative to the folder, sorted."""
+        return sorted(
+            name
+            for name, path in self._walk()
+            if not self._ignored(name) and path.is_file() and not path.is_dir()
+        )
+
+    def hashes(self) -> dict[str, str]:
+        """SHA-256 of the contents of each file, by name.
+
+        Raises
+        ------
+        InputError
+            A file cannot be read.
+        """
+        return {name: hashlib.sha256(self.read(name)).hexdigest() for name in self.files()}
+
+    def read(self, name: str) -> bytes:
+        """Contents of a file of the model.
+
+        Raises
+        ------
+        InputError
+            The file cannot be read.
+        """
+        try:
+            return (self.path / name).read_bytes()
+        except OSError as error:
+            raise InputError(
+                Fault(name, f"cannot be read: {error.strerror}."), str(self.path)
+            ) from error
+
+    def copy(self, target: Path) -> None:
+        """Copy the model's files, with their permissions, into a folder."""
+        for name in self.files():
+            destination = target / name
+            destination.parent.mkdir(parents=True, exist_ok=True)
+            shutil.copy(self.path / name, destination)
+
+    def _unusable(self) -> Iterator[tuple[str, str]]:
+        for name, path in self._walk():
+            if self._ignored(name):
+                continue
+            try:
+                mode = path.stat().st_mode
+            except OSError:
+                yield name, "is a broken link."
+                continue
+            if stat.S_ISDIR(mode):
+                yield name, "is a link to a folder."
+            elif not stat.S_ISREG(mode):
+                yield name, "is not a regular file."
+
+    def _walk(self) -> Iterator[tuple[str, Path]]:
+        """All that is not a folder itself; links to folders are not entered."""
+        for parent, folders, files in os.walk(self.path):
+            base = Path(parent)
+            links = [name for name in folders if (base / name).is_symlink()]
+            folders[:] = [name for name in folders if not _is_skipped(base / name)]
+            for name in files + links:
+                if not name.startswith("."):
+                    path = base / name
+                    yield str(PurePosixPath(path.relative_to(self.path))), path
+
+
+def _is_skipped(folder: Path) -> bool:
+    if folder.name.startswith(".") or folder.name in _SKIPPED_FOLDERS:
+        return True
+    # A calibration that works inside the model's folder must not copy its own runs.
+    return (folder / "runs").is_dir() and (folder / "runs.sqlite").exists()

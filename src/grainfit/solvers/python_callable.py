@@ -1,0 +1,192 @@
+"""A Python function as a solver."""
+
+from __future__ import annotations
+
+import functools
+import hashlib
+import inspect
+import json
+import sys
+import traceback
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from types import CodeType
+from typing import Any
+
+from grainfit.errors import Fault, GrainfitError, InputError, RunFailedError
+from grainfit.solvers.base import Response, Solver, Workspace
+from grainfit.solvers.exchange import finite_parameters, read_responses
+from grainfit.solvers.python_file import PythonFile
+
+Function = Callable[[dict[str, float], int], Mapping[str, Any]]
+
+_TRACEBACK_LINES = 20
+
+
+class PythonCallable(Solver):
+    """A Python function that simulates: called in this process, perhaps from several threads.
+
+    Such a function can be neither ended from outside nor timed out: cancelling takes effect before
+    its next call. Simulations that take long or may crash belong in a `Command`.
+
+    Parameters
+    ----------
+    function : callable
+        ``function(parameters: dict[str, float], seed: int) -> dict``: responses by name, each a
+        number, a pair of value and standard error, or a `Response`.
+    response_names : sequence of str, optional
+        Responses that every run must yield; others are then left out.
+    name : str
+        Shown to the user.
+    identity : str, optional
+        What the function computes, in a word of the user's (``"funnel model 3"``): runs of equal
+        identity, parameters and seed are the same run and are not repeated. By default it is the
+        function's module, qualified name and a hash of its source code; where there is no source
+        (an interactive session), of its byte code; where there is neither, the name alone. Values
+        that the function takes from elsewhere (globals, a closure, other functions) are not seen:
+        give an identity when they change.
+
+    Raises
+    ------
+    InputError
+        The function cannot be called.
+    """
+
+    uses_folder = False
+
+    def __init__(
+        self,
+        function: Function,
+        response_names: Sequence[str] | None = None,
+        name: str = "python",
+        identity: str | None = None,
+    ) -> None:
+        if not callable(function):
+            raise InputError(
+                Fault(
+                    "simulate",
+                    f"{function!r} cannot be called.",
+                    "Give a function of the parameters by name and a seed.",
+                )
+            )
+        self.name = name
+        self._function = function
+        self._response_names = None if response_names is None else tuple(response_names)
+        self._identity = identity
+
+    @classmethod
+    def from_file(
+        cls,
+        reference: str,
+        response_names: Sequence[str] | None = None,
+        name: str = "python",
+        folder: Path | None = None,
+    ) -> PythonCallable:
+        """Take a function from a file, ``"path/to/file.py:function"``.
+
+        The file is executed when the first run starts, not before. The whole file decides the
+        identity of runs.
+
+        Raises
+        ------
+        InputError
+            The reference has another form.
+        """
+        return cls(PythonFile(reference, folder), response_names, name)
+
+    @property
+    def response_names(self) -> tuple[str, ...] | None:
+        """Names of the responses, if they were given."""
+        return self._response_names
+
+    def check(self) -> None:
+        """Raise `InputError` when a file is to define the function and does not."""
+        if isinstance(self._function, PythonFile):
+            self._function.check()
+
+    def definition(self, parameters: Mapping[str, float], seed: int) -> dict[str, Any]:
+        """Return the function's identity, the parameters and the seed."""
+        return {
+            "solver": self.name,
+            "function": self._function_identity,
+            "parameters": finite_parameters(parameters),
+            "seed": int(seed),
+        }
+
+    @functools.cached_property
+    def _function_identity(self) -> Any:
+        if self._identity is not None:
+            return self._identity
+        if isinstance(self._function, PythonFile):
+            return self._function.identity()
+        return _identity(self._function)
+
+    def run(
+        self, parameters: Mapping[str, float], seed: int, workspace: Workspace
+    ) -> dict[str, Response]:
+        """Call the function once.
+
+        Raises
+        ------
+        RunFailedError
+            The function raised an exception, or did not return finite responses.
+        """
+        values = finite_parameters(parameters)
+        if workspace.cancelled.is_set():
+            raise RunFailedError("stopped by the user", kind="cancelled")
+        try:
+            found = self._function(values, int(seed))
+        except RunFailedError:
+            raise
+        # A function that ends the process it is in would end the whole calibration.
+        except (Exception, SystemExit) as error:
+            tail = "".join(traceback.format_exc()).splitlines()[-_TRACEBACK_LINES:]
+            raise RunFailedError(_one_line(error), "\n".join(tail), "evaluation") from error
+        return read_responses(found, self._response_names, "the function")
+
+
+def _one_line(error: BaseException) -> str:
+    text = " ".join(str(error).split())
+    # Errors that grainfit raises on purpose speak for themselves.
+    return text if isinstance(error, GrainfitError) else f"{type(error).__name__}: {text}"
+
+
+def _identity(function: Any) -> dict[str, Any]:
+    """Name and code of a function, a method, a partial, or an object that can be called."""
+    if isinstance(function, functools.partial):
+        given = json.dumps([function.args, function.keywords], default=_type_name, sort_keys=True)
+        return {**_identity(function.func), "given": given}
+    described = function if hasattr(function, "__qualname__") else type(function)
+    return {
+        "function": f"{described.__module__}.{described.__qualname__}",
+        "source": _source_hash(function),
+    }
+
+
+def _type_name(value: Any) -> str:
+    return f"{type(value).__module__}.{type(value).__qualname__}"
+
+
+def _source_hash(function: Any) -> str | None:
+    routine = inspect.unwrap(function)
+    if not inspect.isroutine(routine):
+        routine = type(routine).__call__
+    try:
+        return hashlib.sha256(inspect.getsource(routine).encode()).hexdigest()
+    except (OSError, TypeError):
+        code = getattr(routine, "__code__", None)
+    return None if code is None else hashlib.sha256(repr(_instructions(code)).encode()).hexdigest()
+
+
+def _instructions(code: CodeType) -> tuple[Any, ...]:
+    """Byte code and constants, without file names and line numbers."""
+    # Byte code means another thing in another version of Python.
+    version = sys.version_info[:2]
+    return (version, code.co_code.hex(), code.co_names, [_constant(c) for c in code.co_consts])
+
+
+def _constant(constant: Any) -> Any:
+    if isinstance(constant, CodeType):
+        return _instructions(constant)
+    # The order of a set differs from process to process.
+    return sorted(map(repr, constant)) if isinstance(constant, frozenset) else repr(constant)

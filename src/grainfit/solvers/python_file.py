@@ -1,0 +1,128 @@
+"""A Python function in a file of the user's, referred to as ``"path/to/file.py:function"``."""
+
+from __future__ import annotations
+
+import ast
+import hashlib
+import sys
+import threading
+from functools import cached_property
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+from grainfit.errors import Fault, InputError
+
+
+class PythonFile:
+    """A function in a file, read without executing anything and loaded only when first called.
+
+    Parameters
+    ----------
+    reference : str
+        ``"path/to/file.py:function"``.
+    folder : Path, optional
+        Where relative paths start; the current folder by default.
+
+    Raises
+    ------
+    InputError
+        The reference has another form.
+    """
+
+    def __init__(self, reference: str, folder: Path | None = None) -> None:
+        path, colon, function = reference.rpartition(":")
+        if not (colon and path.endswith(".py") and function.isidentifier()):
+            raise InputError(
+                Fault(
+                    "function",
+                    f"{reference!r} does not name a function in a file.",
+                    'Write the file and the function in it: "model.py:simulate".',
+                )
+            )
+        self.path = ((folder or Path()) / path).absolute()
+        self.function = function
+        self._lock = threading.Lock()
+        self._loaded: Any = None
+
+    @cached_property
+    def source(self) -> bytes:
+        """Contents of the file, as first read: what is hashed is what is executed.
+
+        Raises
+        ------
+        InputError
+            The file cannot be read.
+        """
+        try:
+            return self.path.read_bytes()
+        except OSError as error:
+            raise InputError(
+                Fault("", f"cannot be read: {error.strerror}.", "Give the path of a Python file."),
+                str(self.path),
+            ) from error
+
+    def identity(self) -> dict[str, str]:
+        """Name of the file, name of the function, and hash of the whole file."""
+        return {
+            "file": self.path.name,
+            "function": self.function,
+            "source": hashlib.sha256(self.source).hexdigest(),
+        }
+
+    def check(self) -> None:
+        """Raise `InputError` unless the file is Python and has the function at its top level.
+
+        Nothing in the file is executed.
+        """
+        try:
+            tree = ast.parse(self.source, str(self.path))
+        except (SyntaxError, ValueError) as error:
+            line = getattr(error, "lineno", None)
+            raise InputError(
+                Fault(f"line {line}" if line else "", f"is not valid Python: {error.args[0]}."),
+                str(self.path),
+            ) from error
+        names = _top_level_names(tree)
+        # A star import can bring in any name.
+        if self.function not in names and "*" not in names:
+            raise InputError(
+                Fault("", f"has no function {self.function!r}.", _available(tree)), str(self.path)
+            )
+
+    def __call__(self, *arguments: Any) -> Any:
+        """Call the function, executing its file before the first call."""
+        with self._lock:
+            if self._loaded is None:
+                self._loaded = getattr(self._execute(), self.function)
+        return self._loaded(*arguments)
+
+    def _execute(self) -> ModuleType:
+        module = ModuleType(f"grainfit_user_{hashlib.sha256(self.source).hexdigest()[:16]}")
+        module.__file__ = str(self.path)
+        # Data classes and pickle look their module up.
+        sys.modules[module.__name__] = module
+        # At the end, so that modules beside the file are found and nothing installed is hidden.
+        if str(self.path.parent) not in sys.path:
+            sys.path.append(str(self.path.parent))
+        exec(compile(self.source, str(self.path), "exec"), module.__dict__)
+        return module
+
+
+def _top_level_names(tree: ast.Module) -> set[str]:
+    names: set[str] = set()
+    for node in ast.walk(tree):
+        if isinstance(node, (ast.FunctionDef, ast.ClassDef)):
+            names.add(node.name)
+        elif isinstance(node, (ast.Import, ast.ImportFrom)):
+            names.update(alias.asname or alias.name for alias in node.names)
+        elif isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store):
+            names.add(node.id)
+    return names
+
+
+def _available(tree: ast.Module) -> str:
+    functions = [node.name for node in tree.body if isinstance(node, ast.FunctionDef)]
+    if not functions:
+        return "It defines no functions."
+    return f"It defines: {', '.join(functions)}."

@@ -1,0 +1,1 @@
+"""Tests that others can run against what they write for grainfit."""

@@ -1,0 +1,273 @@
+"""Solver processes: their end, however it comes, leaves nothing behind."""
+
+from __future__ import annotations
+
+import json
+import signal
+import subprocess
+import sys
+import threading
+import time
+from pathlib import Path
+
+import pytest
+
+from grainfit.errors import RunFailedError
+from grainfit.solvers.base import Workspace
+from grainfit.solvers.process import LOG_NAME, PROCESS_NAME, end_orphan, log_tail, run_process
+
+PYTHON = sys.executable
+
+#: Starts a child that ignores SIGTERM, notes both process numbers, and waits for ever.
+STUBBORN_FAMILY = """
+import os, signal, subprocess, sys, time
+child = subprocess.Popen([sys.executable, "-c",
+    "import signal, time; signal.signal(signal.SIGTERM, signal.SIG_IGN);"
+    "open('child_ready', 'w').close(); time.sleep(600)"])
+while not os.path.exists("child_ready"):
+    time.sleep(0.01)
+with open("pids.new", "w") as file:
+    file.write(f"{os.getpid()} {child.pid}")
+os.rename("pids.new", "pids")
+time.sleep(600)
+"""
+
+
+def python(code: str) -> list[str]:
+    return [PYTHON, "-c", code]
+
+
+def is_running(pid: int) -> bool:
+    try:
+        status = Path(f"/proc/{pid}/stat").read_text()
+    except OSError:
+        return False
+    return status.rpartition(")")[2].split()[0] != "Z"
+
+
+def wait_for(condition, seconds: float = 10.0) -> bool:
+    deadline = time.monotonic() + seconds
+    while time.monotonic() < deadline:
+        if condition():
+            return True
+        time.sleep(0.01)
+    return False
+
+
+def pids_in(folder: Path) -> list[int]:
+    assert wait_for((folder / "pids").exists)
+    return [int(pid) for pid in (folder / "pids").read_text().split()]
+
+
+def test_output_goes_to_the_log_and_the_wall_time_is_returned(tmp_path):
+    code = "import sys, time; print('out'); print('err', file=sys.stderr); time.sleep(0.2)"
+
+    seconds = run_process(python(code), Workspace(tmp_path))
+
+    assert set((tmp_path / LOG_NAME).read_text().split()) == {"out", "err"}
+    assert 0.2 <= seconds < 10
+    assert not (tmp_path / PROCESS_NAME).exists()
+
+
+def test_log_can_have_another_name(tmp_path):
+    run_process(python("print('hello')"), Workspace(tmp_path), log_name="other.log")
+
+    assert (tmp_path / "other.log").read_text() == "hello\n"
+    assert not (tmp_path / LOG_NAME).exists()
+
+
+def test_works_in_the_folder_and_knows_the_environment(tmp_path):
+    folder = tmp_path / "a 'quoted' \"folder\""
+    folder.mkdir()
+    code = (
+        "import os, pathlib;"
+        "pathlib.Path('here').write_text(os.environ['WORD'] + os.environ['OMP_NUM_THREADS'])"
+    )
+
+    run_process(python(code), Workspace(folder), {"WORD": "x $HOME; "})
+
+    assert (folder / "here").read_text() == "x $HOME; 1"
+
+
+def test_arguments_reach_the_program_as_they_are(tmp_path):
+    arguments = ["a b", "$(touch hacked)", "; touch hacked", "'\"", "*", ""]
+    code = "import json, sys; json.dump(sys.argv[1:], open('arguments', 'w'))"
+
+    run_process([*python(code), *arguments], Workspace(tmp_path))
+
+    assert json.loads((tmp_path / "arguments").read_text()) == arguments
+    assert not (tmp_path / "hacked").exists()
+
+
+def test_reads_nothing_from_the_terminal(tmp_path):
+    run_process(python("import sys; assert sys.stdin.read() == ''"), Workspace(tmp_path, 30))
+
+
+@pytest.mark.parametrize("code", [1, 3, 255])
+def test_exit_code_is_a_failure_of_the_simulation(tmp_path, code):
+    with pytest.raises(RunFailedError, match=f"ended with exit code {code}") as caught:
+        run_process(python(f"print('the reason'); raise SystemExit({code})"), Workspace(tmp_path))
+
+    assert caught.value.kind == "simulation"
+    assert caught.value.log_tail == "the reason"
+
+
+@pytest.mark.parametrize(
+    ("number", "kind"),
+    [
+        (signal.SIGSEGV, "simulation"),
+        (signal.SIGABRT, "simulation"),
+        (signal.SIGFPE, "simulation"),
+        (signal.SIGKILL, "machine"),
+        (signal.SIGTERM, "machine"),
+    ],
+)
+def test_death_by_a_signal_is_named(tmp_path, number, kind):
+    code = (
+        "import os, resource; resource.setrlimit(resource.RLIMIT_CORE, (0, 0));"
+        f"print('before', flush=True); os.kill(os.getpid(), {int(number)})"
+    )
+
+    with pytest.raises(RunFailedError, match=f"was killed by {number.name}") as caught:
+        run_process(python(code), Workspace(tmp_path))
+
+    assert caught.value.kind == kind
+    assert caught.value.log_tail == "before"
+
+
+@pytest.mark.parametrize(
+    "command",
+    [["no-such-program-anywhere"], ["/no/such/program"], ["./missing"], [PYTHON, "zero\0byte"]],
+)
+def test_program_that_cannot_be_started(tmp_path, command):
+    with pytest.raises(RunFailedError, match="cannot start") as caught:
+        run_process(command, Workspace(tmp_path))
+
+    assert caught.value.kind == "machine"
+    assert not (tmp_path / PROCESS_NAME).exists()
+
+
+def test_time_out_ends_the_whole_family(tmp_path):
+    started = time.monotonic()
+    with pytest.raises(RunFailedError, match="time-out of 1 s") as caught:
+        run_process(python(STUBBORN_FAMILY), Workspace(tmp_path, timeout=1.0))
+
+    assert caught.value.kind == "simulation"
+    assert 1.0 <= time.monotonic() - started < 6.0
+    leader, child = pids_in(tmp_path)
+    assert not is_running(leader)
+    assert wait_for(lambda: not is_running(child))
+
+
+def test_cancelling_ends_the_whole_family(tmp_path):
+    workspace = Workspace(tmp_path)
+    canceller = threading.Thread(target=lambda: (pids_in(tmp_path), workspace.cancelled.set()))
+    canceller.start()
+    with pytest.raises(RunFailedError) as caught:
+        run_process(python(STUBBORN_FAMILY), workspace)
+    canceller.join()
+
+    assert caught.value.kind == "cancelled"
+    leader, child = pids_in(tmp_path)
+    assert not is_running(leader)
+    assert wait_for(lambda: not is_running(child))
+
+
+def test_child_left_behind_by_a_program_that_ended_well_is_ended_too(tmp_path):
+    code = (
+        "import subprocess, sys;"
+        "child = subprocess.Popen([sys.executable, '-c', 'import time; time.sleep(600)']);"
+        "open('pids', 'w').write(str(child.pid))"
+    )
+
+    run_process(python(code), Workspace(tmp_path, timeout=30))
+
+    (child,) = pids_in(tmp_path)
+    assert wait_for(lambda: not is_running(child))
+
+
+def test_program_that_ignores_the_request_to_end_is_killed(tmp_path):
+    code = "import signal, time; signal.signal(signal.SIGTERM, signal.SIG_IGN); time.sleep(600)"
+    started = time.monotonic()
+
+    with pytest.raises(RunFailedError, match="time-out"):
+        run_process(python(code), Workspace(tmp_path, timeout=1.0))
+
+    assert time.monotonic() - started < 6.0
+
+
+def test_process_is_ended_when_its_note_cannot_be_written(tmp_path):
+    # A folder in the note's place makes writing it fail, as a full disk would.
+    (tmp_path / PROCESS_NAME).mkdir()
+
+    with pytest.raises(OSError, match=PROCESS_NAME):
+        run_process(python("import time; time.sleep(600)"), Workspace(tmp_path, timeout=30))
+
+    assert wait_for(lambda: not _working_in(tmp_path))
+
+
+def _working_in(folder: Path) -> list[str]:
+    found = []
+    for process in Path("/proc").glob("[0-9]*"):
+        try:
+            if (process / "cwd").readlink() == folder:
+                found.append(process.name)
+        except OSError:
+            continue
+    return found
+
+
+def test_tail_of_a_log(tmp_path):
+    log = tmp_path / "log"
+    log.write_bytes(b"\n".join(b"line %d" % i for i in range(10_000)) + b"\nbroken \xff text\n")
+
+    tail = log_tail(log, lines=3).splitlines()
+
+    assert tail == ["line 9998", "line 9999", "broken \ufffd text"]
+    assert log_tail(tmp_path / "none") == ""
+    log.write_bytes(b"")
+    assert log_tail(log) == ""
+
+
+def test_orphan_of_a_killed_calibration_is_ended(tmp_path):
+    folder = tmp_path / "run"
+    folder.mkdir()
+    # A calibration of its own, killed while its solver runs.
+    code = f"""
+from pathlib import Path
+from grainfit.solvers.base import Workspace
+from grainfit.solvers.process import run_process
+run_process([{PYTHON!r}, "-c", {STUBBORN_FAMILY!r}], Workspace(Path({str(folder)!r})))
+"""
+    calibration = subprocess.Popen(python(code))
+    pids = pids_in(folder)
+    calibration.kill()
+    calibration.wait()
+    assert all(is_running(pid) for pid in pids)
+
+    assert end_orphan(folder)
+
+    assert wait_for(lambda: not any(is_running(pid) for pid in pids))
+
+
+def test_process_that_works_elsewhere_is_not_taken_for_an_orphan(tmp_path):
+    elsewhere, folder = tmp_path / "elsewhere", tmp_path / "run"
+    elsewhere.mkdir()
+    folder.mkdir()
+    other = subprocess.Popen(python("import time; time.sleep(600)"), cwd=elsewhere)
+    try:
+        (folder / PROCESS_NAME).write_text(json.dumps({"pid": other.pid}))
+
+        assert not end_orphan(folder)
+        assert other.poll() is None
+    finally:
+        other.kill()
+        other.wait()
+
+
+@pytest.mark.parametrize("note", [None, "", "{", "{}", '{"pid": "x"}', '{"pid": 999999999}', "[]"])
+def test_no_orphan_without_a_readable_note(tmp_path, note):
+    if note is not None:
+        (tmp_path / PROCESS_NAME).write_text(note)
+
+    assert not end_orphan(tmp_path)
