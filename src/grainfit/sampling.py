@@ -1,0 +1,196 @@
+"""Designs of computer experiments: the maximin Latin hypercube."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from grainfit.errors import Fault, InputError
+
+_Floats = NDArray[np.float64]
+
+#: Exponent of the phi_p criterion as a power of two: repeated squaring is far cheaper than `**`.
+_SQUARINGS = 4
+_P = 2 * 2**_SQUARINGS
+#: First temperature, times n d: a relative change of the criterion. The more elements there are to
+#: swap, the less a single swap can change. Found by trial, with the ratio of first to last.
+_HOTTEST = 3.0
+_COOLING = 400.0
+_CANDIDATES = 64
+_MOST_STEPS = 6_000
+_MOST_WORK = 5e8
+_MOST_POINTS = 3_000
+
+
+def maximin_latin_hypercube(n: int, d: int, seed: int) -> _Floats:
+    """Spread points evenly over the unit cube: a Latin hypercube with a large smallest distance.
+
+    Every column cut into `n` strata holds one point in the middle of each (a *centred* Latin
+    hypercube, as usual for deterministic coverage); the strata are paired so that the smallest
+    Euclidean distance between any two points becomes as large as the search can make it. The
+    search is simulated annealing on the phi_p criterion [1]_ over swaps of two elements of one
+    column [2]_: at each step, one point, preferably of a close pair, is offered many swaps at
+    once and takes one with its heat-bath probability.
+
+    Parameters
+    ----------
+    n : int
+        Number of points, at least 1. The search stores all pairs: beyond 3,000 points the Latin
+        hypercube is left as it was drawn.
+    d : int
+        Dimension, at least 1.
+    seed : int
+        The same seed gives the same points; not negative.
+
+    Returns
+    -------
+    ndarray, shape (n, d)
+        Points in the open unit cube.
+
+    Raises
+    ------
+    InputError
+        An argument is not a whole number or is too small.
+
+    References
+    ----------
+    .. [1] M. D. Morris, T. J. Mitchell: Exploratory designs for computational experiments.
+       J. Statistical Planning and Inference 43 (1995) 381-402.
+    .. [2] R. Jin, W. Chen, A. Sudjianto: An efficient algorithm for constructing optimal design
+       of computer experiments. J. Statistical Planning and Inference 134 (2005) 268-287.
+
+    Examples
+    --------
+    >>> points = maximin_latin_hypercube(26, 2, seed=1)
+    >>> points.shape
+    (26, 2)
+    >>> bool(smallest_distance(points) > 0.15)
+    True
+    """
+    _require_whole_numbers({"n": (n, 1), "d": (d, 1), "seed": (seed, 0)})
+    random = np.random.default_rng(seed)
+    levels = random.permuted(np.tile(np.arange(n, dtype=float), (d, 1)), axis=1)
+    # In one dimension, or with two points, all Latin hypercubes are equally good.
+    if 2 < n <= _MOST_POINTS and d > 1:
+        levels = _anneal(levels, random)
+    return np.ascontiguousarray((levels.T + 0.5) / n)
+
+
+def smallest_distance(points: _Floats) -> float:
+    """Smallest Euclidean distance between any two of the points, shape (n, d); inf for one."""
+    return float(np.sqrt(_squared_distances(np.asarray(points, dtype=float).T).min()))
+
+
+def _require_whole_numbers(arguments: dict[str, tuple[Any, int]]) -> None:
+    faults = [
+        Fault(name, f"{value!r} is not a whole number of at least {lowest}.")
+        for name, (value, lowest) in arguments.items()
+        if isinstance(value, bool) or not isinstance(value, int | np.integer) or value < lowest
+    ]
+    if faults:
+        raise InputError(faults)
+
+
+def _squared_distances(columns: _Floats) -> _Floats:
+    squared = np.zeros((columns.shape[1], columns.shape[1]))
+    for column in columns:
+        squared += np.subtract.outer(column, column) ** 2
+    np.fill_diagonal(squared, np.inf)
+    return squared
+
+
+def _weights(squared: _Floats) -> _Floats:
+    """Terms of the phi_p criterion, distance**-p, from squared distances."""
+    weights = np.reciprocal(squared)
+    for _ in range(_SQUARINGS):
+        np.multiply(weights, weights, out=weights)
+    return weights
+
+
+def _anneal(levels: _Floats, random: np.random.Generator) -> _Floats:
+    """Best Latin hypercube met while annealing; `levels` are whole numbers, shape (d, n).
+
+    Squared distances of whole numbers are whole numbers: updating them makes no
+    rounding errors.
+    """
+    d, n = levels.shape
+    squared = _squared_distances(levels)
+    weights = _weights(squared)
+    steps = int(min(max(200, 7 * n * d), _MOST_STEPS, _MOST_WORK / n**2))
+    best, best_key = levels.copy(), (squared.min(), -weights.sum())
+    hottest = _HOTTEST / (n * d)
+    for temperature in np.geomspace(hottest, hottest / _COOLING, steps):
+        if _swap(levels, squared, weights, temperature, random):
+            closest = squared.min()
+            if closest >= best_key[0]:
+                key = (closest, -weights.sum())
+                if key > best_key:
+                    best, best_key = levels.copy(), key
+    return best
+
+
+def _swap(
+    levels: _Floats,
+    squared: _Floats,
+    weights: _Floats,
+    temperature: float,
+    random: np.random.Generator,
+) -> bool:
+    """Make one heat-bath step in place; return whether anything changed."""
+    d, n = levels.shape
+    row_sums = weights.sum(axis=1)
+    cumulated = row_sums.cumsum()
+    point = min(int(cumulated.searchsorted(random.random() * cumulated[-1])), n - 1)
+    columns, partners = _candidates(n, d, random)
+    of_point, of_partner = _squared_distances_after(levels, squared, point, columns, partners)
+    weights_of_point, weights_of_partner = _weights(of_point), _weights(of_partner)
+
+    change = weights_of_point.sum(axis=1) + weights_of_partner.sum(axis=1)
+    change -= row_sums[point] + row_sums[partners]
+    change[partners == point] = 0.0
+    # Every pair counts twice in the row sums, hence the factor; phi_p is the p-th root.
+    logarithm = np.log(np.maximum(1.0 + 2.0 * change / cumulated[-1], 1e-12)) / _P
+    # The smallest of exponential variates divided by probabilities is a draw from them.
+    draw = logarithm / temperature + np.log(random.standard_exponential(len(partners)))
+    chosen = int(draw.argmin())
+    partner = int(partners[chosen])
+    if partner == point:
+        return False
+
+    column = levels[columns[chosen]]
+    column[point], column[partner] = column[partner], column[point]
+    for row, new, new_weights in (
+        (point, of_point[chosen], weights_of_point[chosen]),
+        (partner, of_partner[chosen], weights_of_partner[chosen]),
+    ):
+        squared[row] = squared[:, row] = new
+        weights[row] = weights[:, row] = new_weights
+    return True
+
+
+def _candidates(
+    n: int, d: int, random: np.random.Generator
+) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    """Columns and partners of the swaps to choose from: all when they are few."""
+    few = n * d <= _CANDIDATES
+    numbers = np.arange(n * d) if few else random.integers(n * d, size=_CANDIDATES)
+    return np.divmod(numbers, n)
+
+
+def _squared_distances_after(
+    levels: _Floats,
+    squared: _Floats,
+    point: int,
+    columns: NDArray[np.intp],
+    partners: NDArray[np.intp],
+) -> tuple[_Floats, _Floats]:
+    """Squared distances of the point, and of each partner, to all points after each swap."""
+    old, new = levels[columns, point], levels[columns, partners]
+    change = (new + old)[:, None] - 2 * levels[columns]
+    change *= (new - old)[:, None]
+    # The two that swap keep their distance.
+    change[:, point] = 0.0
+    change[np.arange(len(partners)), partners] = 0.0
+    return squared[point] + change, squared[partners] - change
