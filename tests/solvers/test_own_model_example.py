@@ -58,7 +58,7 @@ def test_rebound_height_and_contact_time_follow_the_closed_forms(solver, tmp_pat
 def test_seed_is_another_throw_of_the_same_bead(solver, tmp_path):
     heights = [
         throw(solver, tmp_path / str(number), seed)["rebound_height"]
-        for number, seed in enumerate((1, 1, 2_000_000_000))
+        for number, seed in enumerate((1, 1, 900_000_000))
     ]
 
     assert heights[0] == heights[1] != heights[2]
