@@ -1,0 +1,199 @@
+"""The particles that a run left behind: read from a dump, written for ParaView."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from grainfit.errors import NotMeasurableError
+
+_NEEDED = ("x", "y", "z", "radius", "mass")
+_FRAME = b"ITEM: TIMESTEP"
+
+
+@dataclass(frozen=True)
+class Particles:
+    """Spheres at rest.
+
+    Parameters
+    ----------
+    positions : ndarray of shape (n, 3)
+        Centres, m.
+    radii : ndarray of shape (n,)
+        Radii, m.
+    masses : ndarray of shape (n,)
+        Masses, kg.
+
+    Raises
+    ------
+    NotMeasurableError
+        A value is one that no particle can have: a simulation that went astray leaves such values.
+    """
+
+    positions: NDArray[np.float64]
+    radii: NDArray[np.float64]
+    masses: NDArray[np.float64]
+
+    def __post_init__(self) -> None:
+        n = len(self.radii)
+        if self.positions.shape != (n, 3) or self.masses.shape != (n,):
+            raise NotMeasurableError(
+                f"particles: {len(self.positions)} positions, {n} radii and {len(self.masses)} "
+                "masses do not belong together."
+            )
+        for name, values, possible in (
+            ("position", self.positions, np.isfinite(self.positions).all(axis=1)),
+            ("radius", self.radii, np.isfinite(self.radii) & (self.radii > 0)),
+            ("mass", self.masses, np.isfinite(self.masses) & (self.masses > 0)),
+        ):
+            if not possible.all():
+                first = int(np.argmin(possible))
+                raise NotMeasurableError(
+                    f"particles: {n - int(possible.sum())} of {n} have an impossible {name} "
+                    f"(number {first + 1}: {values[first]}); the simulation went astray."
+                )
+
+    def __len__(self) -> int:
+        return len(self.radii)
+
+    @property
+    def diameter(self) -> float:
+        """Median particle diameter, m."""
+        return 2 * float(np.median(self.radii))
+
+    def select(self, which: NDArray[np.bool_]) -> Particles:
+        """Return only the particles for which the mask of shape (n,) is true."""
+        return Particles(self.positions[which], self.radii[which], self.masses[which])
+
+
+def read_dump(path: Path) -> Particles:
+    """Read the last frame of a text dump of LAMMPS or LIGGGHTS (``dump custom``).
+
+    The frame needs the columns ``x y z radius mass``, in any order and among any others. Particles
+    are returned in the order of their ``id`` where there is one, so that the order in which several
+    MPI ranks wrote them does not matter.
+
+    Parameters
+    ----------
+    path : Path
+        The dump file.
+
+    Returns
+    -------
+    Particles
+        In the units of the dump (SI); possibly none, if the dump says so.
+
+    Raises
+    ------
+    NotMeasurableError
+        There is no such file, it is not a text dump, it is truncated, its header lacks a column,
+        or a value is not a number that a particle can have.
+    """
+    path = Path(path)
+    try:
+        content = path.read_bytes()
+    except OSError as error:
+        raise NotMeasurableError(f"{path}: cannot be read ({error.strerror or error}).") from error
+    try:
+        return _parse_frame(content)
+    except NotMeasurableError as error:
+        raise NotMeasurableError(f"{path}: {error}") from None
+
+
+def _parse_frame(content: bytes) -> Particles:
+    start = content.rfind(_FRAME)
+    if start < 0:
+        raise NotMeasurableError(
+            "is not a text dump of LAMMPS or LIGGGHTS (no 'ITEM: TIMESTEP' in it)."
+        )
+    first_line = content.count(b"\n", 0, start) + 1
+    lines = content[start:].decode("ascii", errors="replace").splitlines()
+    count = _particle_count(lines)
+    header = next((i for i, line in enumerate(lines) if line.startswith("ITEM: ATOMS")), None)
+    if header is None:
+        raise NotMeasurableError("is truncated: no 'ITEM: ATOMS' in its last frame.")
+    columns = lines[header].split()[2:]
+    missing = [name for name in _NEEDED if name not in columns]
+    if missing:
+        raise NotMeasurableError(
+            f"line {first_line + header} lacks the column(s) {' '.join(missing)}; "
+            "dump 'id type x y z radius mass'."
+        )
+    rows = [line for line in lines[header + 1 :] if line.strip()]
+    if len(rows) != count:
+        raise NotMeasurableError(
+            f"is truncated or damaged: its last frame announces {count} particles and has "
+            f"{len(rows)} lines of them."
+        )
+    if not content.endswith(b"\n"):
+        raise NotMeasurableError("is truncated: its last line has no end.")
+    table = _parse_rows(rows, columns, first_line + header + 1)
+    return Particles(table[:, :3].copy(), table[:, 3].copy(), table[:, 4].copy())
+
+
+def _particle_count(lines: list[str]) -> int:
+    for line, following in pairwise(lines):
+        if line.startswith("ITEM: NUMBER OF ATOMS"):
+            try:
+                return int(following)
+            except ValueError:
+                raise NotMeasurableError(
+                    f"the number of atoms {following.strip()!r} is not a whole number."
+                ) from None
+    raise NotMeasurableError("is truncated: no 'ITEM: NUMBER OF ATOMS' in its last frame.")
+
+
+def _parse_rows(rows: list[str], columns: list[str], first_line: int) -> NDArray[np.float64]:
+    """Parse the needed columns, shape (n, 5), sorted by id where there is one."""
+    if not rows:
+        return np.empty((0, len(_NEEDED)))
+    for number, row in enumerate(rows):
+        if len(row.split()) != len(columns):
+            raise NotMeasurableError(
+                f"line {first_line + number} has {len(row.split())} values for "
+                f"{len(columns)} columns."
+            )
+    wanted = [columns.index(name) for name in _NEEDED]
+    if "id" in columns:
+        wanted.append(columns.index("id"))
+    try:
+        table = np.loadtxt(rows, usecols=wanted, ndmin=2, comments=None)
+    except ValueError as error:
+        raise NotMeasurableError(f"holds something that is not a number: {error}.") from None
+    if "id" in columns:
+        table = table[np.argsort(table[:, -1], kind="stable")]
+    return table[:, : len(_NEEDED)]
+
+
+def write_vtk(path: Path, particles: Particles) -> None:
+    """Write particles as a VTK file that ParaView opens (point data: radius and mass).
+
+    Show them there with the filter *Glyph*: sphere, scale array ``radius``, scale factor 2.
+
+    Parameters
+    ----------
+    path : Path
+        File to write; ends in ``.vtk``.
+    particles : Particles
+        What to write.
+
+    References
+    ----------
+    VTK User's Guide, "VTK File Formats": legacy format, binary (big-endian) polygonal data.
+    """
+    n = len(particles)
+    vertices = np.column_stack([np.ones(n, dtype=">i4"), np.arange(n, dtype=">i4")])
+    with Path(path).open("wb") as file:
+        file.write(b"# vtk DataFile Version 3.0\ngrainfit particles\nBINARY\nDATASET POLYDATA\n")
+        file.write(f"POINTS {n} double\n".encode())
+        file.write(particles.positions.astype(">f8").tobytes())
+        file.write(f"\nVERTICES {n} {2 * n}\n".encode())
+        file.write(vertices.astype(">i4").tobytes())
+        file.write(f"\nPOINT_DATA {n}\n".encode())
+        for name, values in (("radius", particles.radii), ("mass", particles.masses)):
+            file.write(f"SCALARS {name} double 1\nLOOKUP_TABLE default\n".encode())
+            file.write(values.astype(">f8").tobytes() + b"\n")

@@ -1,0 +1,115 @@
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from grainfit.errors import NotMeasurableError
+from grainfit.measurement.particles import Particles, read_dump, write_vtk
+
+COLUMNS = "id type x y z radius mass"
+ROWS = ("2 1 0.5 0.25 0.125 0.005 0.001", "1 1 -1e-2 2e-2 3e-2 0.004 0.0005")
+
+
+def frame(rows: tuple[str, ...] = ROWS, columns: str = COLUMNS, step: int = 0) -> str:
+    return (
+        f"ITEM: TIMESTEP\n{step}\nITEM: NUMBER OF ATOMS\n{len(rows)}\n"
+        "ITEM: BOX BOUNDS ff ff ff\n-1 1\n-1 1\n-1 1\n"
+        f"ITEM: ATOMS {columns}\n" + "".join(f"{row}\n" for row in rows)
+    )
+
+
+@pytest.fixture
+def dump(tmp_path: Path) -> Path:
+    return tmp_path / "heap.dump"
+
+
+def test_particles_come_in_the_order_of_their_id(dump: Path) -> None:
+    dump.write_text(frame())
+    particles = read_dump(dump)
+    np.testing.assert_array_equal(particles.positions, [[-0.01, 0.02, 0.03], [0.5, 0.25, 0.125]])
+    np.testing.assert_array_equal(particles.radii, [0.004, 0.005])
+    np.testing.assert_array_equal(particles.masses, [0.0005, 0.001])
+    assert particles.diameter == pytest.approx(0.009)
+
+
+def test_columns_may_stand_in_any_order_among_others(dump: Path) -> None:
+    row = "0.001 Gl 0.5 7 0.25 0.125 nan 0.005"
+    dump.write_text(frame((row,), "mass element x id y z fx radius"))
+    particles = read_dump(dump)
+    np.testing.assert_array_equal(particles.positions, [[0.5, 0.25, 0.125]])
+    assert particles.radii[0] == 0.005
+    assert particles.masses[0] == 0.001
+
+
+def test_last_frame_counts(dump: Path) -> None:
+    dump.write_text(frame() + frame(("1 1 9 9 9 0.1 0.2",), step=10))
+    np.testing.assert_array_equal(read_dump(dump).positions, [[9, 9, 9]])
+
+
+def test_dump_without_particles_is_read(dump: Path) -> None:
+    dump.write_text(frame(()))
+    assert len(read_dump(dump)) == 0
+
+
+@pytest.mark.parametrize(
+    ("content", "reason"),
+    [
+        ("", "not a text dump"),
+        ("\x00\x01garbage\n", "not a text dump"),
+        ("ITEM: TIMESTEP\n", "truncated: no 'ITEM: NUMBER OF ATOMS'"),
+        ("ITEM: TIMESTEP\n0\nITEM: NUMBER OF ATOMS\nmany\n", "'many' is not a whole number"),
+        ("ITEM: TIMESTEP\n0\nITEM: NUMBER OF ATOMS\n2\n", "truncated: no 'ITEM: ATOMS'"),
+        (frame()[:-40], "announces 2 particles and has 1 lines"),
+        (frame()[:-3], "last line has no end"),
+        (frame() + frame(step=10)[:-40], "announces 2 particles and has 1 lines"),
+        (frame() + "3 1 0 0 0 1 1\n", "announces 2 particles and has 3 lines"),
+        (frame(("1 1 0 0 0 0.005",)), "line 10 has 6 values for 7 columns"),
+        (frame(("1 1 0 0 zero 0.005 0.001",)), "not a number.*zero"),
+        (frame(("1 1 0 0 nan 0.005 0.001",)), "1 of 1 have an impossible position"),
+        (frame(("1 1 0 0 -inf 0.005 0.001",)), "impossible position"),
+        (frame(("1 1 0 0 0 0 0.001",)), "impossible radius"),
+        (frame(("1 1 0 0 0 0.005 -1",)), "impossible mass"),
+        (frame(("1 1 0 0 0 0.005",), "id type x y z radius"), "line 9 lacks .*mass"),
+        (frame(("1 1 0 0 0",), "id type xs ys zs"), "lacks .*x y z radius mass"),
+    ],
+)
+def test_bad_dump_says_which_file_and_what_is_wrong(dump: Path, content: str, reason: str) -> None:
+    dump.write_text(content)
+    with pytest.raises(NotMeasurableError, match=f"^{re.escape(str(dump))}: .*{reason}"):
+        read_dump(dump)
+
+
+def test_missing_dump_is_named(dump: Path) -> None:
+    with pytest.raises(NotMeasurableError, match=r"heap\.dump: cannot be read"):
+        read_dump(dump)
+
+
+def test_particles_that_do_not_belong_together_are_refused() -> None:
+    with pytest.raises(NotMeasurableError, match="do not belong together"):
+        Particles(np.zeros((3, 3)), np.ones(2), np.ones(3))
+
+
+def test_vtk_file_holds_positions_radii_and_masses(tmp_path: Path) -> None:
+    rng = np.random.default_rng(0)
+    particles = Particles(rng.normal(size=(5, 3)), rng.uniform(1, 2, 5), rng.uniform(1, 2, 5))
+    path = tmp_path / "heap.vtk"
+    write_vtk(path, particles)
+    content = path.read_bytes()
+    lines = content.split(b"\n", 4)
+    assert lines[0].startswith(b"# vtk DataFile Version")
+    assert lines[2:4] == [b"BINARY", b"DATASET POLYDATA"]
+
+    def values(header: bytes, count: int, kind: str = ">f8") -> np.ndarray:
+        start = content.index(header) + len(header)
+        return np.frombuffer(content, kind, count, start)
+
+    positions = values(b"POINTS 5 double\n", 15).reshape(5, 3)
+    np.testing.assert_array_equal(positions, particles.positions)
+    vertices = values(b"VERTICES 5 10\n", 10, ">i4").reshape(5, 2)
+    np.testing.assert_array_equal(vertices, [[1, 0], [1, 1], [1, 2], [1, 3], [1, 4]])
+    for name, expected in (("radius", particles.radii), ("mass", particles.masses)):
+        header = f"SCALARS {name} double 1\nLOOKUP_TABLE default\n".encode()
+        np.testing.assert_array_equal(values(header, 5), expected)
