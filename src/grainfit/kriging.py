@@ -1,0 +1,786 @@
+"""Kriging: one metamodel of one response over the free parameters, fitted to few noisy runs.
+
+The response is a linear trend, plus a Gaussian process with an anisotropic Matérn 5/2
+covariance, plus the scatter from run to run. What the data cannot settle is not guessed: the
+common variance is integrated out (Student's t), and ranges and share of noise are averaged over
+their posterior distribution (restricted likelihood times weak priors) instead of being fixed at
+its maximum, which makes the intervals of few noisy runs far too narrow.
+
+The kernel and the contrasts come from gpmp; likelihood and predictor are written out here because
+gpmp's NumPy back end differentiates the likelihood numerically and factorises again with every
+prediction.
+"""
+
+from __future__ import annotations
+
+import math
+import os
+from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy import linalg, optimize, stats
+from scipy.spatial.distance import cdist
+from threadpoolctl import threadpool_limits
+
+from grainfit.errors import Fault, InputError
+
+# gpmp chooses its back end and its verbosity at import; the user's own choice goes first.
+os.environ.setdefault("GPMP_BACKEND", "numpy")
+os.environ.setdefault("GPMP_LOG_LEVEL", "WARNING")
+
+import gpmp.num as gnp
+from gpmp.core.linalg import qr_nullspace
+from gpmp.kernel import matern52_kernel
+
+FloatArray = NDArray[np.float64]
+
+_MINIMUM_RUNS = 3
+# A linear trend must leave as many degrees of freedom as it takes, and at least these, or a
+# constant one is taken: with fewer runs, least-squares slopes predict worse than none.
+_FREE_CONTRASTS = 3
+# Weak priors: a response changes smoothly over the unit cube, and what the trend leaves may be
+# all noise or hardly any. Ranges grow with the square root of the dimension, as distances do.
+_RANGE_MEDIAN = 3.0
+_RANGE_SPREAD = 1.0
+_NOISE_LOGIT_MEAN = 1.0
+_NOISE_LOGIT_SPREAD = 2.0
+_LOG_RANGE_LIMITS = (math.log(0.02), math.log(100.0))
+_NOISE_LOGIT_LIMITS = (-20.0, 8.0)
+# The share of a known noise in what the trend leaves is kept below one: something must remain.
+_LARGEST_KNOWN_SHARE = 0.98
+# With more hyperparameters the mirror images cost more time than they are worth.
+_MIRRORED_UP_TO = 8
+_LARGEST_BLOCK = 4096
+_POOR_Q2 = 0.5
+_NORMAL_QUANTILE = float(stats.norm.ppf(0.975))
+
+
+@dataclass(frozen=True)
+class Prediction:
+    """What the metamodel says at some points.
+
+    ``mean`` plus or minus 1.96 times a standard deviation is a 95 % interval: the variances
+    account for the uncertainty of the metamodel's own variance, ranges and noise.
+
+    Attributes
+    ----------
+    mean : ndarray, shape (m,)
+        Expected response.
+    variance_of_mean : ndarray, shape (m,)
+        Uncertainty of the expected response.
+    variance_of_new_run : ndarray, shape (m,)
+        Uncertainty of the response of one more run there: the same plus the scatter of runs.
+    """
+
+    mean: FloatArray
+    variance_of_mean: FloatArray
+    variance_of_new_run: FloatArray
+
+    @property
+    def standard_error(self) -> FloatArray:
+        """Square root of the variance of the mean, shape (m,)."""
+        return np.asarray(np.sqrt(self.variance_of_mean))
+
+    @property
+    def new_run_standard_deviation(self) -> FloatArray:
+        """Square root of the variance of a new run, shape (m,)."""
+        return np.asarray(np.sqrt(self.variance_of_new_run))
+
+
+@dataclass(frozen=True)
+class LeaveOneOut:
+    """How well each run is predicted from the others, at the same hyperparameters.
+
+    Attributes
+    ----------
+    predicted : ndarray, shape (n,)
+        Response predicted from the other runs.
+    standard_deviation : ndarray, shape (n,)
+        Standard deviation of that prediction, for a run.
+    q2 : float
+        Share of the variance of the runs that is predicted; NaN if the runs are all equal.
+    coverage : float
+        Share of the runs inside their 95 % interval.
+    """
+
+    predicted: FloatArray
+    standard_deviation: FloatArray
+    q2: float
+    coverage: float
+
+
+def _correlation(distance: FloatArray) -> FloatArray:
+    """Matérn 5/2 correlation of a scaled distance."""
+    return np.asarray(gnp.to_np(matern52_kernel(gnp.asarray(distance))))
+
+
+def _correlation_slope(distance: FloatArray) -> FloatArray:
+    """Negative derivative of the correlation, divided by the distance (finite at zero)."""
+    scaled = math.sqrt(10.0) * distance
+    return np.asarray(10.0 / 3.0 * (1.0 + scaled) * np.exp(-scaled))
+
+
+def _weighted_squares(weights: FloatArray, points: FloatArray, ranges: FloatArray) -> FloatArray:
+    """Sum over all pairs of points of weight times squared difference over range, per column."""
+    squares = 2.0 * (weights.sum(axis=1) @ points**2)
+    cross = 2.0 * np.einsum("ij,ij->j", points, weights @ points)
+    return np.asarray((squares - cross) / ranges**2)
+
+
+@dataclass(frozen=True)
+class _Trend:
+    """Constant, or constant and the columns of the points that can be told apart."""
+
+    columns: tuple[int, ...]
+
+    @classmethod
+    def choose(cls, points: FloatArray, linear: bool) -> _Trend:
+        n, d = points.shape
+        if not linear or n < d + 1 + max(d + 1, _FREE_CONTRASTS):
+            return cls(())
+        centred = points - points.mean(axis=0)
+        _, triangle, order = linalg.qr(centred, mode="economic", pivoting=True)
+        size = np.abs(np.diag(triangle))
+        columns = tuple(sorted(int(j) for j in order[size > 1e-6 * math.sqrt(n)]))
+        trend = cls(columns)
+        # A trend that hangs on a single run could not be judged by leaving that run out.
+        basis, _ = np.linalg.qr(trend.matrix(points))
+        return trend if float((basis**2).sum(axis=1).max()) < 1 - 1e-6 else cls(())
+
+    def matrix(self, points: FloatArray) -> FloatArray:
+        return np.column_stack([np.ones(len(points)), points[:, list(self.columns)] - 0.5])
+
+    def slopes(self, coefficients: FloatArray, d: int) -> FloatArray:
+        slopes = np.zeros(d)
+        slopes[list(self.columns)] = coefficients[1:]
+        return slopes
+
+
+@dataclass(frozen=True)
+class _Contrasts:
+    """The part of the runs that the trend says nothing about, and the least-squares trend."""
+
+    complement: FloatArray
+    least_squares: FloatArray
+
+    @classmethod
+    def of(cls, trend_matrix: FloatArray) -> _Contrasts:
+        basis, complement, triangle = (
+            np.asarray(gnp.to_np(part)) for part in qr_nullspace(gnp.asarray(trend_matrix))
+        )
+        return cls(complement, linalg.solve_triangular(triangle, basis.T))
+
+    @property
+    def degrees_of_freedom(self) -> int:
+        return int(self.complement.shape[1])
+
+
+@dataclass(frozen=True)
+class _Hyperparameters:
+    """One set, in units of the standardised response."""
+
+    ranges: FloatArray
+    signal_variance: float
+    noise_variance: float
+    weight: float
+
+
+class _Covariance(NamedTuple):
+    """Covariance of the contrasts, up to the common variance, and what it is made of."""
+
+    matrix: FloatArray
+    correlation: FloatArray
+    distance: FloatArray
+    ranges: FloatArray
+    noise_share: float
+    mean_correlation: float
+
+
+class _Posterior:
+    """Restricted likelihood, variance integrated out, times the priors.
+
+    The covariance of the runs is a common variance times
+    ``(1 - u) ((1 - p) R / r + p I) + u N``: R the correlation, r its mean in the contrasts, so
+    that p is the share of noise in what the trend leaves; N the known noise and u its share.
+    """
+
+    def __init__(
+        self,
+        points: FloatArray,
+        values: FloatArray,
+        contrasts: _Contrasts,
+        known_noise: FloatArray,
+    ) -> None:
+        self.points = points
+        self.contrasts = contrasts
+        self.values = contrasts.complement.T @ values
+        self.projector = contrasts.complement @ contrasts.complement.T
+        residual_variance = float(self.values @ self.values) / len(self.values)
+        self.known_share = min(float(known_noise.mean()) / residual_variance, _LARGEST_KNOWN_SHARE)
+        relative = known_noise / known_noise.mean() if self.known_share > 0 else known_noise
+        self.known = self.known_share * (contrasts.complement.T * relative) @ contrasts.complement
+        d = points.shape[1]
+        median = _RANGE_MEDIAN * math.sqrt(d)
+        self.centre = np.append(np.full(d, math.log(median)), _NOISE_LOGIT_MEAN)
+        self.spread = np.append(np.full(d, _RANGE_SPREAD), _NOISE_LOGIT_SPREAD)
+        self.bounds = [_LOG_RANGE_LIMITS] * d + [_NOISE_LOGIT_LIMITS]
+
+    def _covariance(self, theta: FloatArray) -> _Covariance:
+        ranges = np.exp(theta[:-1])
+        noise_share = 1.0 / (1.0 + math.exp(-theta[-1]))
+        scaled = self.points / ranges
+        distance = cdist(scaled, scaled)
+        correlation = _correlation(distance)
+        mean_correlation = float((self.projector * correlation).sum()) / len(self.values)
+        complement = self.contrasts.complement
+        signal = (1.0 - noise_share) / mean_correlation
+        covariance = complement.T @ correlation @ complement * signal
+        covariance[np.diag_indices_from(covariance)] += noise_share
+        covariance = (1.0 - self.known_share) * covariance + self.known
+        return _Covariance(covariance, correlation, distance, ranges, noise_share, mean_correlation)
+
+    def __call__(self, theta: FloatArray) -> tuple[float, FloatArray]:
+        """Negative logarithm of the posterior density and its gradient."""
+        covariance, correlation, distance, ranges, noise_share, mean = self._covariance(theta)
+        try:
+            factor = linalg.cholesky(covariance, lower=True, check_finite=False)
+        except linalg.LinAlgError:
+            return 1e25, np.zeros_like(theta)
+        root = linalg.solve_triangular(
+            factor, self.contrasts.complement.T, lower=True, check_finite=False
+        )
+        whitened = linalg.solve_triangular(factor, self.values, lower=True, check_finite=False)
+        freedom = len(self.values)
+        sum_of_squares = float(whitened @ whitened)
+        coefficients = root.T @ whitened
+        sensitivity = root.T @ root - freedom / sum_of_squares * np.outer(
+            coefficients, coefficients
+        )
+        own = 1.0 - self.known_share
+        on_signal = float((sensitivity * correlation).sum()) / mean
+        weights = (sensitivity - on_signal / freedom * self.projector) * _correlation_slope(
+            distance
+        )
+        of_ranges = (0.5 * own * (1.0 - noise_share) / mean) * _weighted_squares(
+            weights, self.points, ranges
+        )
+        of_noise = (
+            0.5
+            * own
+            * noise_share
+            * (1.0 - noise_share)
+            * (float(np.sum(sensitivity * self.projector)) - on_signal)
+        )
+        offset = (theta - self.centre) / self.spread
+        value = (
+            float(np.log(np.diag(factor)).sum())
+            + 0.5 * freedom * math.log(sum_of_squares)
+            + 0.5 * float(offset @ offset)
+        )
+        return value, np.append(of_ranges, of_noise) + offset / self.spread
+
+    def maximum(self) -> FloatArray:
+        """Best of three local searches: from long, middling and short ranges."""
+        best = min((self._search(shift) for shift in (0.0, -1.5, -3.0)), key=lambda found: found[0])
+        return best[1]
+
+    def _search(self, shift: float) -> tuple[float, FloatArray]:
+        """Lowest value and its place, from the best of some shares of noise."""
+        ranges = self.centre[:-1] + shift
+        starts = [np.append(ranges, logit) for logit in (-6.0, -3.0, 0.0)]
+        start = min(starts, key=lambda theta: self(theta)[0])
+        found = optimize.minimize(self, start, jac=True, method="L-BFGS-B", bounds=self.bounds)
+        # Rounded, lest rounding errors decide between two searches that ended at one place.
+        return round(float(found.fun), 6), np.asarray(found.x, dtype=float)
+
+    def _curvature(self, theta: FloatArray) -> FloatArray:
+        step = 1e-3
+        rows = [
+            (self(theta + shift)[1] - self(theta - shift)[1]) / (2 * step)
+            for shift in step * np.eye(len(theta))
+        ]
+        return np.asarray((np.array(rows) + np.array(rows).T) / 2)
+
+    def support(self) -> list[tuple[FloatArray, float]]:
+        """Points and weights that stand for the posterior distribution.
+
+        The rows of a Hadamard matrix, stretched by the curvature at the maximum, have the mean
+        and the covariance of the normal approximation, their mirror images added also its third
+        moments; the weights put right where the posterior is not normal.
+        """
+        mode = self.maximum()
+        lowest = self(mode)[0]
+        eigenvalues, vectors = np.linalg.eigh(self._curvature(mode))
+        # Rounding aside, the posterior is nowhere much flatter than the prior.
+        floor = 0.5 / self.spread.max() ** 2
+        stretch = vectors / np.sqrt(np.maximum(eigenvalues, floor))
+        p = len(mode)
+        directions = linalg.hadamard(2 ** math.ceil(math.log2(p)))[:, :p].astype(float)
+        if p <= _MIRRORED_UP_TO:
+            directions = np.vstack([directions, -directions])
+        low, high = np.array(self.bounds).T
+        thetas = [np.clip(mode + stretch @ direction, low, high) for direction in directions]
+        depth = np.array([self(theta)[0] for theta in thetas]) - lowest - 0.5 * p
+        # Limited, lest one point that beats the local maximum stands alone.
+        weights = np.exp(-np.clip(depth, -3.0, None))
+        kept = weights > 1e-4 * weights.max()
+        weights /= weights[kept].sum()
+        return [(thetas[i], float(weights[i])) for i in np.flatnonzero(kept)]
+
+    def hyperparameters(self) -> list[_Hyperparameters]:
+        """The weighted sets to predict with, with their estimated variances."""
+        found = []
+        for theta, weight in self.support():
+            parts = self._covariance(theta)
+            factor = linalg.cholesky(parts.matrix, lower=True)
+            whitened = linalg.solve_triangular(factor, self.values, lower=True)
+            variance = float(whitened @ whitened) / len(self.values) * (1.0 - self.known_share)
+            noise = variance * parts.noise_share
+            signal = (variance - noise) / parts.mean_correlation
+            found.append(_Hyperparameters(parts.ranges, signal, noise, weight))
+        return found
+
+
+class _Component:
+    """The Kriging predictor of one set of hyperparameters, factorised once."""
+
+    def __init__(
+        self,
+        hyperparameters: _Hyperparameters,
+        trend: _Trend,
+        points: FloatArray,
+        values: FloatArray,
+        known_noise: FloatArray,
+        contrasts: _Contrasts | None = None,
+    ) -> None:
+        self.hyperparameters = hyperparameters
+        self.trend = trend
+        self.points = points
+        self.values = values
+        self.known_noise = known_noise
+        contrasts = contrasts or _Contrasts.of(trend.matrix(points))
+        covariance = self._covariance(points)
+        covariance[np.diag_indices_from(covariance)] += hyperparameters.noise_variance + known_noise
+        complement, least_squares = contrasts.complement, contrasts.least_squares
+        factor = linalg.cholesky(complement.T @ covariance @ complement, lower=True)
+        self._root = linalg.solve_triangular(factor, complement.T, lower=True)
+        self._coefficients = self._root.T @ (self._root @ values)
+        self._least_squares = least_squares
+        across = covariance @ least_squares.T
+        self._trend_coefficients = least_squares @ (values - covariance @ self._coefficients)
+        self._trend_covariance = least_squares @ across
+        self._root_of_trend = self._root @ across
+
+    def _covariance(self, points: FloatArray) -> FloatArray:
+        ranges = self.hyperparameters.ranges
+        distance = cdist(self.points / ranges, points / ranges)
+        return self.hyperparameters.signal_variance * _correlation(distance)
+
+    def predict(self, points: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Mean and variance of the mean."""
+        trend = self.trend.matrix(points).T
+        covariance = self._covariance(points)
+        mean = self._trend_coefficients @ trend + self._coefficients @ covariance
+        explained = self._root @ covariance - self._root_of_trend @ trend
+        variance = (
+            self.hyperparameters.signal_variance
+            - 2.0 * np.einsum("ij,ij->j", trend, self._least_squares @ covariance)
+            + np.einsum("ij,ij->j", trend, self._trend_covariance @ trend)
+            - np.einsum("ij,ij->j", explained, explained)
+        )
+        return mean, np.maximum(variance, 0.0)
+
+    def gradient(self, point: FloatArray) -> FloatArray:
+        ranges = self.hyperparameters.ranges
+        away = (point - self.points) / ranges
+        slope = _correlation_slope(np.sqrt((away**2).sum(axis=1)))
+        pull = self.hyperparameters.signal_variance * slope * self._coefficients
+        slopes = self.trend.slopes(self._trend_coefficients, len(point))
+        return np.asarray(slopes - pull @ away / ranges)
+
+    def leave_one_out(self) -> tuple[FloatArray, FloatArray]:
+        """Virtual formulas (Dubrule 1983): mean, and variance of a run."""
+        precision = (self._root**2).sum(axis=0)
+        return self.values - self._coefficients / precision, 1.0 / precision
+
+    def condition(
+        self, points: FloatArray, values: FloatArray | None, known_noise: FloatArray
+    ) -> _Component:
+        added = self.predict(points)[0] if values is None else values
+        return _Component(
+            self.hyperparameters,
+            self.trend,
+            np.vstack([self.points, points]),
+            np.append(self.values, added),
+            np.append(self.known_noise, known_noise),
+        )
+
+
+def _checked(name: str, array: ArrayLike, shape: tuple[int | None, ...]) -> FloatArray:
+    """The array as finite floats of that shape (``None``: any length)."""
+    try:
+        checked = np.asarray(array, dtype=float)
+    except (TypeError, ValueError):
+        raise InputError(Fault(name, "is not an array of numbers.")) from None
+    fits = len(checked.shape) == len(shape) and all(
+        want is None or want == got for want, got in zip(shape, checked.shape, strict=True)
+    )
+    if not fits:
+        wanted = " x ".join("any" if length is None else str(length) for length in shape)
+        raise InputError(Fault(name, f"has the shape {checked.shape}, needed is {wanted}."))
+    if not np.isfinite(checked).all():
+        where = tuple(int(i) for i in np.argwhere(~np.isfinite(checked))[0])
+        raise InputError(
+            Fault(name, f"has the value {checked[where]} at {where}.", "Leave failed runs out.")
+        )
+    return checked
+
+
+def _checked_noise(noise_variance: ArrayLike | None, n: int) -> FloatArray:
+    if noise_variance is None:
+        return np.zeros(n)
+    checked = _checked("noise_variance", noise_variance, (n,))
+    if (checked < 0).any():
+        raise InputError(Fault("noise_variance", f"has the negative value {checked.min():g}."))
+    return checked
+
+
+def _checked_points(points: ArrayLike, d: int | None) -> FloatArray:
+    checked = _checked("points", points, (None, d))
+    if checked.size and (checked.min() < -1.0 or checked.max() > 2.0):
+        raise InputError(
+            Fault(
+                "points",
+                f"reach from {checked.min():g} to {checked.max():g}.",
+                "Give points of the unit cube (0 to 1 over each interval).",
+            )
+        )
+    return checked
+
+
+class Kriging:
+    """Kriging metamodel of one response over the unit cube of the free parameters.
+
+    Made by `fit`. It never changes: `condition` returns another one.
+
+    References
+    ----------
+    Stein (1999), *Interpolation of Spatial Data*: Matérn covariance, restricted likelihood.
+    Rue, Martino & Chopin (2009), J. R. Stat. Soc. B 71, 319-392: averaging over hyperparameters
+    on a small design around the maximum of their posterior distribution.
+    Dubrule (1983), Math. Geol. 15, 687-699: leave-one-out without fitting again.
+
+    Examples
+    --------
+    >>> x = np.linspace(0, 1, 12)[:, None]
+    >>> metamodel = Kriging.fit(x, np.sin(3 * x[:, 0]))
+    >>> bool(abs(metamodel.predict([[0.33]]).mean[0] - math.sin(0.99)) < 1e-3)
+    True
+    """
+
+    def __init__(
+        self,
+        components: list[_Component],
+        *,
+        offset: float,
+        scale: float,
+        degrees_of_freedom: int,
+        judged_by: Kriging | None = None,
+    ) -> None:
+        self._components = components
+        self._weights = np.array([c.hyperparameters.weight for c in components])
+        self._offset = offset
+        self._scale = scale
+        self._degrees_of_freedom = degrees_of_freedom
+        # Runs under way have no value, so the metamodel is judged by the runs before them.
+        self._judged_by = judged_by
+
+    @classmethod
+    def fit(
+        cls,
+        points: ArrayLike,
+        values: ArrayLike,
+        noise_variance: ArrayLike | None = None,
+        *,
+        linear_trend: bool = True,
+    ) -> Kriging:
+        """Fit a metamodel to runs.
+
+        Parameters
+        ----------
+        points : array_like, shape (n, d)
+            Points of the runs in the unit cube; repeated points are welcome.
+        values : array_like, shape (n,)
+            Their responses.
+        noise_variance : array_like, shape (n,), optional
+            Known part of each response's variance (for example its measurement's squared
+            standard error). The scatter from run to run is estimated and comes on top.
+        linear_trend : bool
+            Linear trend; otherwise, or with too few runs for it, a constant one.
+
+        Returns
+        -------
+        Kriging
+
+        Raises
+        ------
+        InputError
+            If there are fewer than 3 runs, a value is not finite, the shapes do not agree or
+            the points are far outside the unit cube.
+        """
+        points = _checked_points(points, None)
+        n, d = points.shape
+        values = _checked("values", values, (n,))
+        if n < _MINIMUM_RUNS or d < 1:
+            raise InputError(
+                Fault(
+                    "points",
+                    f"{n} runs of {d} free parameters cannot be fitted.",
+                    f"Give at least {_MINIMUM_RUNS} runs of at least one parameter.",
+                )
+            )
+        known_noise = _checked_noise(noise_variance, n)
+        trend = _Trend.choose(points, linear_trend)
+        contrasts = _Contrasts.of(trend.matrix(points))
+        offset = float(values.mean())
+        left_over = contrasts.complement.T @ (values - offset)
+        scale = math.sqrt(float(left_over @ left_over) / contrasts.degrees_of_freedom)
+        # Below this, what the trend leaves is rounding of the values.
+        rounding = 1e-10 * float(np.ptp(values)) + 1e-13 * float(np.abs(values).max())
+        exact = scale <= rounding
+        if exact:
+            scale = rounding or 1e-12
+        standardised = (values - offset) / scale
+        known_noise = known_noise / scale**2
+        if exact:
+            # Nothing can be estimated; the tiny scale keeps all variances above zero.
+            median = np.full(d, _RANGE_MEDIAN * math.sqrt(d))
+            sets = [_Hyperparameters(median, 0.5, 0.5, 1.0)]
+        else:
+            # The matrices are small: threads only wait for one another, and for the DEM runs.
+            with threadpool_limits(limits=1, user_api="blas"):
+                sets = _Posterior(points, standardised, contrasts, known_noise).hyperparameters()
+        return cls(
+            [_Component(s, trend, points, standardised, known_noise, contrasts) for s in sets],
+            offset=offset,
+            scale=scale,
+            degrees_of_freedom=contrasts.degrees_of_freedom,
+        )
+
+    @property
+    def d(self) -> int:
+        """Number of free parameters."""
+        return int(self._components[0].points.shape[1])
+
+    @property
+    def n(self) -> int:
+        """Number of runs that have a value."""
+        if self._judged_by is not None:
+            return self._judged_by.n
+        return len(self._components[0].points)
+
+    @property
+    def ranges(self) -> FloatArray:
+        """Range of each parameter in the unit cube, shape (d,); short means strong curvature.
+
+        Geometric mean over the posterior distribution; the scale of the Matérn 5/2 correlation
+        in gpmp's convention, ``t = sqrt(10) distance / range``.
+        """
+        logarithms = np.array([np.log(c.hyperparameters.ranges) for c in self._components])
+        return np.asarray(np.exp(self._weights @ logarithms))
+
+    @property
+    def noise_standard_deviation(self) -> float:
+        """Estimated scatter of the response from run to run, in the response's unit."""
+        variances = np.array([c.hyperparameters.noise_variance for c in self._components])
+        return float(self._scale * math.sqrt(self._weights @ variances))
+
+    @property
+    def _inflation(self) -> float:
+        """Makes 1.96 standard deviations a 95 % interval although the variance is estimated."""
+        quantile = float(stats.t.ppf(0.975, self._degrees_of_freedom))
+        return (quantile / _NORMAL_QUANTILE) ** 2
+
+    def _combine(self, means: FloatArray, variances: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Mean and variance of the weighted mixture of the components."""
+        mean = self._weights @ means
+        within = self._inflation * (self._weights @ variances)
+        return mean, within + self._weights @ (means - mean) ** 2
+
+    def predict(self, points: ArrayLike) -> Prediction:
+        """Predict the response at points; nothing is fitted again.
+
+        Parameters
+        ----------
+        points : array_like, shape (m, d)
+            Points in the unit cube.
+
+        Returns
+        -------
+        Prediction
+
+        Raises
+        ------
+        InputError
+            If the points have another shape or are not finite.
+        """
+        points = _checked("points", points, (None, self.d))
+        blocks = [
+            self._predict_block(points[start : start + _LARGEST_BLOCK])
+            for start in range(0, max(len(points), 1), _LARGEST_BLOCK)
+        ]
+        mean, variance = (np.concatenate(parts) for parts in zip(*blocks, strict=True))
+        noise = np.array([c.hyperparameters.noise_variance for c in self._components])
+        known = float(self._components[0].known_noise.mean())
+        scatter = self._inflation * float(self._weights @ noise) + known
+        return Prediction(
+            self._offset + self._scale * mean,
+            self._scale**2 * variance,
+            self._scale**2 * (variance + scatter),
+        )
+
+    def _predict_block(self, points: FloatArray) -> tuple[FloatArray, FloatArray]:
+        parts = [component.predict(points) for component in self._components]
+        means, variances = (np.array(part) for part in zip(*parts, strict=True))
+        return self._combine(means, variances)
+
+    def gradient(self, point: ArrayLike) -> FloatArray:
+        """Gradient of the predicted mean.
+
+        Parameters
+        ----------
+        point : array_like, shape (d,)
+            Point in the unit cube.
+
+        Returns
+        -------
+        ndarray, shape (d,)
+            Change of the mean per unit of each coordinate.
+
+        Raises
+        ------
+        InputError
+            If the point has another shape or is not finite.
+        """
+        point = _checked("point", point, (self.d,))
+        gradients = np.array([component.gradient(point) for component in self._components])
+        return np.asarray(self._scale * (self._weights @ gradients))
+
+    def leave_one_out(self) -> LeaveOneOut:
+        """Prediction of each run from the others, without fitting again.
+
+        Hyperparameters and their weights stay those of all runs. Runs under way do not count.
+
+        Returns
+        -------
+        LeaveOneOut
+        """
+        return self._judged_by.leave_one_out() if self._judged_by else self._leave_one_out
+
+    @cached_property
+    def _leave_one_out(self) -> LeaveOneOut:
+        parts = [component.leave_one_out() for component in self._components]
+        means, variances = (np.array(part) for part in zip(*parts, strict=True))
+        mean, variance = self._combine(means, variances)
+        values = self._components[0].values
+        deviation = np.sqrt(variance)
+        spread = float(((values - values.mean()) ** 2).sum())
+        constant = float(np.ptp(values)) == 0.0
+        return LeaveOneOut(
+            predicted=self._offset + self._scale * mean,
+            standard_deviation=self._scale * deviation,
+            q2=math.nan if constant else 1.0 - float(((values - mean) ** 2).sum()) / spread,
+            coverage=float(np.mean(np.abs(values - mean) <= _NORMAL_QUANTILE * deviation)),
+        )
+
+    def condition(self, points: ArrayLike, values: ArrayLike | None) -> Kriging:
+        """Add runs at the same hyperparameters.
+
+        Parameters
+        ----------
+        points : array_like, shape (m, d)
+            Points of the added runs.
+        values : array_like, shape (m,), or None
+            Their responses; None for runs that are under way: the mean stays what it is and the
+            variance shrinks to what it will be.
+
+        Returns
+        -------
+        Kriging
+
+        Raises
+        ------
+        InputError
+            As `fit`.
+        """
+        points = _checked_points(points, self.d)
+        added = None
+        if values is not None:
+            added = (_checked("values", values, (len(points),)) - self._offset) / self._scale
+        known_noise = np.full(len(points), float(self._components[0].known_noise.mean()))
+        return Kriging(
+            [c.condition(points, added, known_noise) for c in self._components],
+            offset=self._offset,
+            scale=self._scale,
+            degrees_of_freedom=self._degrees_of_freedom,
+            judged_by=(self._judged_by or self) if values is None else None,
+        )
+
+    def warnings(self) -> list[str]:
+        """Why the metamodel should not be trusted, in plain language; empty if it can be.
+
+        Returns
+        -------
+        list of str
+        """
+        quality = self.leave_one_out()
+        if math.isnan(quality.q2):
+            return [
+                f"All {self.n} runs gave the same value: the response does not depend on the free "
+                "parameters, or it is not measured."
+            ]
+        found = [self._warning_of_few_runs(), self._warning_of_q2(), self._warning_of_coverage()]
+        return [text for text in found if text]
+
+    def _warning_of_few_runs(self) -> str:
+        needed = 2 * (self.d + 1)
+        if self.n >= needed:
+            return ""
+        return (
+            f"Only {self.n} runs for {self.d} free parameters: at least {needed} are needed to "
+            "tell a trend from chance."
+        )
+
+    def _warning_of_q2(self) -> str:
+        quality = self.leave_one_out()
+        if quality.q2 >= _POOR_Q2:
+            return ""
+        values = (self._judged_by or self)._components[0].values
+        spread = self._scale * float(values.std())
+        noise = self.noise_standard_deviation
+        if noise**2 >= (1.0 - _POOR_Q2) * spread**2:
+            return (
+                f"Q2 = {quality.q2:.2f}: the response varies by {spread:.3g} (standard deviation) "
+                f"over the runs and scatters by {noise:.3g} from run to run; within these "
+                "intervals it hardly depends on the free parameters, or too few runs show how. "
+                "Widen the intervals, make more runs, or choose another test."
+            )
+        return (
+            f"Q2 = {quality.q2:.2f}: a run left out is predicted hardly better than by the mean "
+            f"of the others, and the scatter from run to run ({noise:.3g}, of {spread:.3g} over "
+            "the runs) does not explain it. More runs are needed, or narrower intervals."
+        )
+
+    def _warning_of_coverage(self) -> str:
+        quality = self.leave_one_out()
+        inside = round(quality.coverage * self.n)
+        if float(stats.binom.cdf(inside, self.n, 0.95)) >= 0.01:
+            return ""
+        return (
+            f"Only {100 * quality.coverage:.0f} % of the runs lie inside their 95 % intervals when "
+            "they are left out: the metamodel is surer than it should be. Look for outliers among "
+            "the runs, or make more."
+        )
