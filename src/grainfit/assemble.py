@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from grainfit.bulk_tests.heap import HeapTest
+from grainfit.bulk_tests.heap.cost import estimate_cost
 from grainfit.calibration_file import CalibrationFile, StrategyOptions, TestSpecification
 from grainfit.calibration_file.kinds import Quantity, suggest
 from grainfit.calibration_file.places import Findings, Place
@@ -17,6 +18,7 @@ from grainfit.material import MATERIAL_PARAMETERS
 from grainfit.problem import Problem
 from grainfit.solvers.base import Response, Solver, Workspace
 from grainfit.solvers.command import Command
+from grainfit.solvers.deck_solver import DeckSolver
 from grainfit.solvers.lammps import Lammps
 from grainfit.solvers.liggghts import Liggghts
 from grainfit.solvers.python_callable import PythonCallable
@@ -25,6 +27,9 @@ from grainfit.timestep import RayleighTimeStep
 from grainfit.units import is_unit
 
 _DECK_SOLVERS = {"lammps": Lammps, "liggghts": Liggghts}
+#: A run that takes this much longer than estimated hangs, however slow and busy the machine is.
+_PATIENCE = 100.0
+_PATIENCE_SECONDS = 600.0
 _RAYLEIGH = ("particle.density", "particle.youngs_modulus", "particle.poissons_ratio")
 
 
@@ -59,8 +64,13 @@ class Assembly:
 
     @property
     def timeouts(self) -> dict[str, float]:
-        """Longest wall time of a run by name of the test, s, where there is one."""
-        return {t.name: t.options["timeout"] for t in self.file.tests if "timeout" in t.options}
+        """Longest wall time of a run by name of the test, s, where there is one.
+
+        A heap test has one even when the file gives none: a solver that hangs must not stop the
+        calibration for ever.
+        """
+        given = {t.name: t.options["timeout"] for t in self.file.tests if "timeout" in t.options}
+        return _default_timeouts(self) | given
 
     @property
     def workers(self) -> int:
@@ -176,6 +186,18 @@ def _rayleigh(file: CalibrationFile) -> RayleighTimeStep | None:
         return None
     fixed = {name: file.fixed[name] for name in _RAYLEIGH if name in file.fixed}
     return RayleighTimeStep(file.sizes.smallest_radius, fixed)
+
+
+def _default_timeouts(assembly: Assembly) -> dict[str, float]:
+    middle = assembly.problem.from_unit([0.5] * assembly.problem.dimension)
+    material = {name: v for name, v in middle.items() if name in MATERIAL_PARAMETERS}
+    timeouts = {}
+    for name, solver in assembly.solvers.items():
+        deck = solver.solver if isinstance(solver, ParametersFor) else solver
+        if isinstance(deck, DeckSolver) and isinstance(deck.test, HeapTest):
+            cost = estimate_cost(deck.test, deck.name, deck.all_parameters(material), deck.ranks)
+            timeouts[name] = _PATIENCE_SECONDS + _PATIENCE * cost.wall_seconds
+    return timeouts
 
 
 def _heap(file: CalibrationFile, test: TestSpecification) -> Solver:
