@@ -196,7 +196,8 @@ class Conversation:
         evaluations = self._evaluations
         left = self._strategy.expected_left
         if self._stage == "verification":
-            left = max(0, self._options.verification_runs - len(self._verification))
+            verified = sum(e.proposal.stage == "verification" for e in evaluations)
+            left = self._verification_asked - verified
         else:
             left += self._options.verification_runs
         simulated = [e.seconds for e in evaluations if not e.reused]

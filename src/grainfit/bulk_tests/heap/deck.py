@@ -1,0 +1,291 @@
+"""Write the input of the heap test for a solver into a run folder."""
+
+from __future__ import annotations
+
+import hashlib
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from jinja2 import Environment, PackageLoader, StrictUndefined
+
+from grainfit.bulk_tests import contact
+from grainfit.bulk_tests.heap import mesh
+from grainfit.bulk_tests.heap.packing import Column, random_column
+from grainfit.bulk_tests.heap.setup import HeapSetup
+from grainfit.material import ParticleSizes
+from grainfit.timestep import rayleigh_time_step
+
+_TEMPLATES = {"lammps": "in.lammps.j2", "liggghts": "in.liggghts.j2"}
+_PARTICLES = "particles.data"
+_ROLLING_INERTIA = 7 / 5
+
+
+@dataclass(frozen=True)
+class HeapDeck:
+    """All that decides the input of one run, apart from the seed.
+
+    Parameters
+    ----------
+    setup : HeapSetup
+        Geometry and procedure.
+    sizes : ParticleSizes
+        Particle size distribution.
+    material : mapping of str to float
+        All 14 material parameters by dotted name.
+    plate_sliding_friction, plate_rolling_friction : float
+        Between particles and the plate; everything else of that contact is the wall's.
+    time_step : float
+        s.
+    """
+
+    setup: HeapSetup
+    sizes: ParticleSizes
+    material: Mapping[str, float]
+    plate_sliding_friction: float
+    plate_rolling_friction: float
+    time_step: float
+
+    def write(self, folder: Path, solver: str, seed: int) -> Path:
+        """Write every file that the solver reads; return the one to start with."""
+        setup = self.setup
+        column = random_column(self.sizes, setup.particle_count, setup.cylinder_radius, seed)
+        self._write_particles(folder / _PARTICLES, column, solver)
+        values = self._common_values(column.height)
+        if solver == "lammps":
+            values |= self._lammps_values()
+        else:
+            values |= self._liggghts_values()
+            self._write_meshes(folder, column.height)
+        deck = folder / _TEMPLATES[solver].removesuffix(".j2")
+        template = _environment().get_template(_TEMPLATES[solver])
+        deck.write_text(template.render(values), encoding="utf-8")
+        return deck
+
+    def _cylinder_top(self, column_height: float) -> float:
+        return column_height + 1.25 * max(self.sizes.diameters)
+
+    def _write_meshes(self, folder: Path, column_height: float) -> None:
+        setup = self.setup
+        mesh.write_cylinder(
+            folder / "cylinder.stl",
+            setup.cylinder_radius,
+            setup.cylinder_gap,
+            self._cylinder_top(column_height),
+            edge=0.95 * self.sizes.sauter_diameter,
+        )
+        mesh.write_plate(folder / "plate.stl", setup.plate_radius, setup.rim_height)
+
+    def _box_bottom(self) -> float:
+        return -3 * max(self.sizes.diameters)
+
+    def _write_particles(self, path: Path, column: Column, solver: str) -> None:
+        largest = max(self.sizes.diameters)
+        side = self.setup.plate_radius + 1.5 * largest
+        top = self._cylinder_top(column.height) + self.setup.lift_height + 2 * largest
+        types = 3 if solver == "liggghts" else len(self.sizes.diameters)
+        header = (
+            f"Random column of particles: id type diameter density x y z\n\n"
+            f"{len(column.positions)} atoms\n{types} atom types\n\n"
+            f"{-side!r} {side!r} xlo xhi\n{-side!r} {side!r} ylo yhi\n"
+            f"{self._box_bottom()!r} {top!r} zlo zhi\n\nAtoms\n"
+        )
+        kinds = column.size_indices + 1 if solver == "lammps" else np.ones_like(column.size_indices)
+        diameters = np.array(self.sizes.diameters)[column.size_indices]
+        density = self.material["particle.density"]
+        rows = (
+            f"{number} {kind} {diameter!r} {density!r} {x:.12g} {y:.12g} {z:.12g}"
+            for number, (kind, diameter, (x, y, z)) in enumerate(
+                zip(kinds.tolist(), diameters.tolist(), column.positions.tolist(), strict=True), 1
+            )
+        )
+        path.write_text(header + "\n" + "\n".join(rows) + "\n", encoding="ascii")
+
+    def _steps(self, time: float) -> int:
+        return max(1, round(time / self.time_step))
+
+    def _common_values(self, column_height: float) -> dict[str, Any]:
+        setup = self.setup
+        shares = zip(self.sizes.number_fractions, self.sizes.diameters, strict=True)
+        mass = setup.particle_count * sum(share * self._mass(d / 2) for share, d in shares)
+        return {
+            "particle_count": setup.particle_count,
+            "skin": 0.3 * self.sizes.sauter_diameter,
+            "time_step": self.time_step,
+            "gravity": setup.gravity,
+            "cylinder_radius": setup.cylinder_radius,
+            "cylinder_bottom": setup.cylinder_gap,
+            "cylinder_top": self._cylinder_top(column_height),
+            "plate_radius": setup.plate_radius,
+            "rim_height": setup.rim_height,
+            "box_bottom": self._box_bottom(),
+            "strike_off_height": setup.strike_off_height,
+            "lift_speed": setup.lift_speed,
+            "largest_radius": max(self.sizes.diameters) / 2,
+            "energy_at_rest": mass * setup.quiet_speed**2 / 2,
+            # All particles falling through the whole column at once would not reach this.
+            "energy_limit": mass * setup.gravity * column_height,
+            "check_steps": self._steps(setup.check_interval),
+            "fill_steps": self._steps(setup.fill_time),
+            "fill_step_limit": self._steps(setup.fill_time + setup.settling_time_limit),
+            "lift_steps": self._steps(setup.lift_height / setup.lift_speed),
+            "heap_step_limit": self._steps(setup.settling_time_limit),
+        }
+
+    def _mass(self, radius: float) -> float:
+        return self.material["particle.density"] * 4 / 3 * math.pi * radius**3
+
+    def _friction_sets(self) -> dict[str, tuple[float, float]]:
+        """Sliding and rolling friction of the two kinds of wall."""
+        return {
+            "cylinder": (
+                self.material["particle_wall.sliding_friction"],
+                self.material["particle_wall.rolling_friction"],
+            ),
+            "plate": (self.plate_sliding_friction, self.plate_rolling_friction),
+        }
+
+    def _liggghts_values(self) -> dict[str, Any]:
+        material = self.material
+
+        def matrix(particle: float, cylinder: float, plate: float) -> list[list[float]]:
+            # Walls never meet walls; LIGGGHTS wants a value all the same.
+            return [
+                [particle, cylinder, plate],
+                [cylinder, cylinder, cylinder],
+                [plate, cylinder, plate],
+            ]
+
+        def same_walls(name: str) -> list[list[float]]:
+            wall = material[f"particle_wall.{name}"]
+            return matrix(material[f"particle_particle.{name}"], wall, wall)
+
+        walls = self._friction_sets()
+        sliding, rolling = zip(*walls.values(), strict=True)
+        return {
+            "youngs_moduli": _particle_and_walls(material, "youngs_modulus"),
+            "poissons_ratios": _particle_and_walls(material, "poissons_ratio"),
+            "contact_matrices": {
+                "coefficientRestitution": same_walls("restitution"),
+                "coefficientFriction": matrix(
+                    material["particle_particle.sliding_friction"], *sliding
+                ),
+                "coefficientRollingFriction": matrix(
+                    material["particle_particle.rolling_friction"], *rolling
+                ),
+                "coefficientRollingViscousDamping": same_walls("rolling_damping"),
+            },
+        }
+
+    def _lammps_values(self) -> dict[str, Any]:
+        material = self.material
+        radii = [diameter / 2 for diameter in self.sizes.diameters]
+        pairs = [
+            {"i": i + 1, "j": j + 1, "rolling": self._pair_rolling(radii[i], radii[j])}
+            for i in range(len(radii))
+            for j in range(i, len(radii))
+        ]
+        between = _lammps_contact(material, "particle")
+        walls = []
+        for region, (sliding, rolling) in self._friction_sets().items():
+            wall = _lammps_contact(material, "wall") | {
+                "region": region,
+                "sliding_friction": sliding,
+                "rolling_friction": rolling,
+                "rolling": [self._wall_rolling(radius, rolling) for radius in radii],
+            }
+            walls.append(wall)
+        if self.setup.rim_height > 0:
+            walls.append(walls[-1] | {"region": "rim"})
+        return {
+            "sizes": len(radii),
+            "poissons_ratio": material["particle.poissons_ratio"],
+            "particle_particle": between
+            | {
+                "sliding_friction": material["particle_particle.sliding_friction"],
+                "rolling_friction": material["particle_particle.rolling_friction"],
+            },
+            "pairs": pairs,
+            "walls": walls,
+        }
+
+    def _pair_rolling(self, radius: float, other: float) -> contact.RollingSpring:
+        masses = self._mass(radius), self._mass(other)
+        inertias = [
+            _ROLLING_INERTIA * mass * r**2 for mass, r in zip(masses, (radius, other), strict=True)
+        ]
+        return contact.rolling_spring(
+            contact.particle_moduli(self.material, "particle"),
+            _reduced(radius, other),
+            2 * _reduced(*masses) * self.setup.gravity,
+            _reduced(*inertias),
+            self.material["particle_particle.rolling_friction"],
+            self.material["particle_particle.rolling_damping"],
+        )
+
+    def _wall_rolling(self, radius: float, rolling_friction: float) -> contact.RollingSpring:
+        mass = self._mass(radius)
+        return contact.rolling_spring(
+            contact.particle_moduli(self.material, "wall"),
+            radius,
+            mass * self.setup.gravity,
+            _ROLLING_INERTIA * mass * radius**2,
+            rolling_friction,
+            self.material["particle_wall.rolling_damping"],
+        )
+
+
+def heap_time_step(sizes: ParticleSizes, material: Mapping[str, float], fraction: float) -> float:
+    """Return the time step of a heap test, s: a fraction of the Rayleigh time step."""
+    return fraction * rayleigh_time_step(
+        sizes.smallest_radius,
+        material["particle.density"],
+        material["particle.youngs_modulus"],
+        material["particle.poissons_ratio"],
+    )
+
+
+@cache
+def deck_fingerprint() -> str:
+    """Return a hash of the deck templates: a changed deck is another run."""
+    loader = _environment().loader
+    assert loader is not None
+    digest = hashlib.sha256()
+    for name in sorted(_TEMPLATES.values()):
+        digest.update(loader.get_source(_environment(), name)[0].encode())
+    return digest.hexdigest()[:16]
+
+
+@cache
+def _environment() -> Environment:
+    return Environment(
+        loader=PackageLoader("grainfit.bulk_tests.heap", "decks"),
+        undefined=StrictUndefined,
+        keep_trailing_newline=True,
+        autoescape=False,
+    )
+
+
+def _reduced(one: float, other: float) -> float:
+    return one * other / (one + other)
+
+
+def _particle_and_walls(material: Mapping[str, float], name: str) -> Sequence[float]:
+    wall = material[f"wall.{name}"]
+    return material[f"particle.{name}"], wall, wall
+
+
+def _lammps_contact(material: Mapping[str, float], body: str) -> dict[str, float]:
+    """Coefficients of ``hertz/material`` and ``mindlin`` of a particle against a body."""
+    moduli = contact.particle_moduli(material, body)
+    return {
+        # LAMMPS works out E* of two particles of this material, against a wall too.
+        "modulus": 2 * (1 - material["particle.poissons_ratio"] ** 2) * moduli.young,
+        "restitution": material[f"particle_{body}.restitution"],
+        "tangential_stiffness": contact.tangential_stiffness(moduli),
+        "tangential_damping": contact.tangential_damping_ratio(moduli),
+    }

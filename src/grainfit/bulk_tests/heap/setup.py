@@ -1,0 +1,228 @@
+"""Geometry and procedure of a heap test with every default worked out, and what is impossible."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+
+from grainfit.bulk_tests.heap.packing import column_height, mean_particle_volume
+from grainfit.errors import Fault, InputError
+from grainfit.material import ParticleSizes
+
+#: The defaults are those of a test of 10 mm beads on Earth; other sizes follow by Froude's law.
+_REFERENCE_DIAMETER = 0.010
+_REFERENCE_GRAVITY = 9.81
+
+#: Solid fraction for working out the number of particles: a settled bed is looser, so that it
+#: rises above the strike-off height.
+_FILLING_MONOSIZE = 0.66
+_FILLING_POLYDISPERSE = 0.70
+_MOST_PARTICLES = 1_000_000
+_NARROWEST_CYLINDER = 4.0
+
+_LENGTHS = (
+    "cylinder_radius",
+    "plate_radius",
+    "strike_off_height",
+    "bulk_density_bottom",
+    "bulk_density_top",
+    "lift_height",
+)
+_POSITIVE = (*_LENGTHS, "lift_speed", "gravity", "settling_time_limit", "time_step_fraction")
+_NOT_NEGATIVE = ("rim_height", "plate_sliding_friction", "plate_rolling_friction")
+
+
+@dataclass(frozen=True)
+class HeapSetup:
+    """Geometry and procedure of one heap test; lengths in m, times in s, heights from the plate.
+
+    Parameters
+    ----------
+    particle_count : int
+        Particles rained in.
+    cylinder_radius, cylinder_gap : float
+        Inner radius, and height of the lower end before lifting.
+    column_height : float
+        Height of the column of particles before it falls.
+    plate_radius, rim_height : float
+        Plate under the cylinder; without rim, particles fall off its edge.
+    strike_off_height : float
+        Particles with their centre above are taken away before the lift.
+    bulk_density_bottom, bulk_density_top : float
+        The bulk density is that of the bed between these heights.
+    lift_speed, lift_height : float
+        Speed, m/s, and longest way of the cylinder.
+    gravity : float
+        m/s^2.
+    quiet_speed : float
+        A bed is at rest when its kinetic energy is less than if every particle had this speed, m/s.
+    check_interval : float
+        Simulated time between two looks at the kinetic energy.
+    fill_time : float
+        Shortest simulated time of the fill stage: the particles have fallen by then.
+    settling_time_limit : float
+        Longest simulated time in which a bed may come to rest.
+    """
+
+    particle_count: int
+    cylinder_radius: float
+    cylinder_gap: float
+    column_height: float
+    plate_radius: float
+    rim_height: float
+    strike_off_height: float
+    bulk_density_bottom: float
+    bulk_density_top: float
+    lift_speed: float
+    lift_height: float
+    gravity: float
+    quiet_speed: float
+    check_interval: float
+    fill_time: float
+    settling_time_limit: float
+
+
+def plan_setup(sizes: ParticleSizes, options: Mapping[str, float | None]) -> HeapSetup:
+    """Work out every default of a heap test.
+
+    Parameters
+    ----------
+    sizes : ParticleSizes
+        The length scale of all defaults is the Sauter diameter.
+    options : mapping of str to float or None
+        The options of `HeapTest`; None stands for the default.
+
+    Raises
+    ------
+    InputError
+        The test is impossible; names every option at fault.
+    """
+    given = {name: value for name, value in options.items() if value is not None}
+    faults = [*_value_faults(given)]
+    if faults:
+        raise InputError(faults)
+    diameter = sizes.sauter_diameter
+    gravity = given["gravity"]
+    froude_speed = math.sqrt(diameter / _REFERENCE_DIAMETER * gravity / _REFERENCE_GRAVITY)
+    froude_time = math.sqrt(diameter / _REFERENCE_DIAMETER * _REFERENCE_GRAVITY / gravity)
+    radius = given.get("cylinder_radius", 6 * diameter)
+    strike_off = given.get("strike_off_height", 10.5 * diameter)
+    default_count = _particles_to_fill(sizes, radius, strike_off)
+    count = int(given.get("particle_count", default_count))
+    faults = [*_cylinder_faults(sizes, radius, count)]
+    if faults:
+        raise InputError(faults)
+    height = column_height(sizes, count, radius)
+    fall_time = math.sqrt(2 * height / gravity)
+    setup = HeapSetup(
+        particle_count=count,
+        cylinder_radius=radius,
+        cylinder_gap=0.15 * min(sizes.diameters),
+        column_height=height,
+        plate_radius=given.get("plate_radius", 16 * diameter),
+        rim_height=given["rim_height"],
+        strike_off_height=strike_off,
+        bulk_density_bottom=given.get("bulk_density_bottom", diameter),
+        bulk_density_top=given.get("bulk_density_top", 9 * diameter),
+        lift_speed=given.get("lift_speed", 0.05 * froude_speed),
+        lift_height=given.get("lift_height", 10 * diameter),
+        gravity=gravity,
+        quiet_speed=0.004 * froude_speed,
+        check_interval=0.05 * froude_time,
+        fill_time=1.7 * fall_time,
+        settling_time_limit=given.get("settling_time_limit", 10 * fall_time),
+    )
+    faults = [*_geometry_faults(setup, sizes)]
+    if faults:
+        raise InputError(faults)
+    return setup
+
+
+def _particles_to_fill(sizes: ParticleSizes, radius: float, height: float) -> int:
+    filling = _FILLING_MONOSIZE if len(sizes.diameters) == 1 else _FILLING_POLYDISPERSE
+    volume = math.pi * radius**2 * height
+    return math.ceil(filling * volume / mean_particle_volume(sizes) / 10) * 10
+
+
+def _value_faults(options: Mapping[str, float]) -> Iterator[Fault]:
+    for name, value in options.items():
+        if not math.isfinite(value):
+            yield Fault(name, f"{value} is not a number.")
+        elif name in _POSITIVE and value <= 0:
+            yield Fault(name, f"{value:g} must be above 0.")
+        elif name in _NOT_NEGATIVE and value < 0:
+            yield Fault(name, f"{value:g} must not be negative.")
+        elif name in ("particle_count", "views") and (value < 1 or value != int(value)):
+            yield Fault(name, f"{value:g} must be a whole number above 0.")
+    fraction = options.get("time_step_fraction", 0.0)
+    if 1 < fraction < math.inf:
+        yield Fault(
+            "time_step_fraction",
+            f"{fraction:g} is above 1: no DEM simulation is stable above the Rayleigh time step.",
+            "Use 0.12, or less.",
+        )
+
+
+def _cylinder_faults(sizes: ParticleSizes, radius: float, count: int) -> Iterator[Fault]:
+    largest = max(sizes.diameters)
+    if 2 * radius < _NARROWEST_CYLINDER * largest:
+        yield Fault(
+            "cylinder_radius",
+            f"a cylinder of {2 * radius:g} m diameter is narrower than {_NARROWEST_CYLINDER:g} of "
+            f"the largest particles ({largest:g} m).",
+            f"Use at least {_NARROWEST_CYLINDER / 2 * largest:g} m.",
+        )
+    if count > _MOST_PARTICLES:
+        yield Fault(
+            "particle_count",
+            f"{count} particles are needed, more than {_MOST_PARTICLES}.",
+            "Use a smaller cylinder or larger particles.",
+        )
+
+
+def _geometry_faults(setup: HeapSetup, sizes: ParticleSizes) -> Iterator[Fault]:
+    if setup.plate_radius <= setup.cylinder_radius:
+        yield Fault(
+            "plate_radius",
+            f"a plate of {setup.plate_radius:g} m radius does not carry a cylinder of "
+            f"{setup.cylinder_radius:g} m radius.",
+            "Make the plate wider or the cylinder narrower.",
+        )
+    if setup.bulk_density_top - setup.bulk_density_bottom < max(sizes.diameters):
+        yield Fault(
+            "bulk_density_top",
+            f"between {setup.bulk_density_bottom:g} m and {setup.bulk_density_top:g} m there is "
+            "less than one particle diameter to measure the bulk density in.",
+        )
+    if setup.bulk_density_top > setup.strike_off_height:
+        yield Fault(
+            "bulk_density_top",
+            f"{setup.bulk_density_top:g} m is above the strike-off height "
+            f"{setup.strike_off_height:g} m.",
+            "Measure lower or strike off higher.",
+        )
+    if setup.rim_height >= setup.strike_off_height:
+        yield Fault(
+            "rim_height",
+            f"{setup.rim_height:g} m is not below the strike-off height "
+            f"{setup.strike_off_height:g} m.",
+        )
+    if setup.lift_height < setup.strike_off_height / 4:
+        yield Fault(
+            "lift_height",
+            f"{setup.lift_height:g} m leaves the cylinder in the heap.",
+            f"Use about the strike-off height, {setup.strike_off_height:g} m.",
+        )
+    yield from _filling_faults(setup, sizes)
+
+
+def _filling_faults(setup: HeapSetup, sizes: ParticleSizes) -> Iterator[Fault]:
+    needed = _particles_to_fill(sizes, setup.cylinder_radius, setup.strike_off_height)
+    if setup.particle_count < 0.95 * needed:
+        yield Fault(
+            "particle_count",
+            f"{setup.particle_count} particles do not fill the cylinder up to the strike-off "
+            f"height {setup.strike_off_height:g} m.",
+            f"Use {needed} (the default) or a lower strike-off height.",
+        )

@@ -1,0 +1,148 @@
+"""A DEM program that runs the deck of a built-in bulk test."""
+
+from __future__ import annotations
+
+import math
+from abc import abstractmethod
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any, ClassVar
+
+from grainfit.bulk_tests.base import BulkTest
+from grainfit.errors import Fault, InputError, NotMeasurableError, RunFailedError
+from grainfit.material import MATERIAL_PARAMETERS
+from grainfit.solvers.base import Response, Solver, Workspace
+from grainfit.solvers.process import LOG_NAME, log_tail, run_process
+
+
+class DeckSolver(Solver):
+    """Common ground of the DEM programs.
+
+    Parameters
+    ----------
+    test : BulkTest
+        What is simulated.
+    material : mapping of str to float
+        Those of the 14 material parameters that are fixed, by dotted name.
+    ranks : int
+        MPI ranks of one run. Several runs at once use a machine better than several ranks.
+    executable : str, optional
+        The program, where it is not found by its usual name.
+
+    Raises
+    ------
+    InputError
+        A parameter is unknown or physically impossible, or the number of ranks is below one.
+    """
+
+    #: Log that the program itself writes into the run folder.
+    _own_log: ClassVar[str]
+
+    def __init__(
+        self,
+        test: BulkTest,
+        material: Mapping[str, float],
+        ranks: int = 1,
+        executable: str | None = None,
+    ) -> None:
+        if ranks < 1:
+            raise InputError(Fault("ranks", f"{ranks} must be at least 1."))
+        _require_possible(material)
+        self.test = test
+        self.material = dict(material)
+        self.ranks = ranks
+        self.executable = executable
+
+    @property
+    def response_names(self) -> tuple[str, ...]:
+        """Names of the test's responses."""
+        return tuple(self.test.response_units)
+
+    def definition(self, parameters: Mapping[str, float], seed: int) -> dict[str, Any]:
+        """Return solver, version, ranks, test, all 14 material parameters and the seed."""
+        return {
+            "solver": self.name,
+            "version": self.version(),
+            # Another number of ranks sums forces in another order: another sample of a heap.
+            "ranks": self.ranks,
+            "test": self.test.definition(),
+            "material": self.all_parameters(parameters),
+            "seed": seed,
+        }
+
+    def all_parameters(self, parameters: Mapping[str, float]) -> dict[str, float]:
+        """Return all 14 material parameters, given the values of the free ones.
+
+        Raises
+        ------
+        InputError
+            A name is not one of the 14, a value is physically impossible, or one is missing.
+        """
+        values = {**self.material, **parameters}
+        _require_possible(values)
+        missing = [name for name in MATERIAL_PARAMETERS if name not in values]
+        if missing:
+            raise InputError([Fault(name, "has no value.") for name in missing])
+        return {name: float(values[name]) for name in MATERIAL_PARAMETERS}
+
+    def run(
+        self, parameters: Mapping[str, float], seed: int, workspace: Workspace
+    ) -> dict[str, Response]:
+        """Write the deck, run the program, measure.
+
+        Raises
+        ------
+        RunFailedError
+            The program failed, the simulation went wrong, or a response cannot be measured.
+        """
+        folder = workspace.folder
+        deck = self.test.write_deck(folder, self.name, self.all_parameters(parameters), seed)
+        try:
+            run_process(self._command(deck), workspace)
+        except RunFailedError as error:
+            message = _error_line(folder / LOG_NAME) or _error_line(folder / self._own_log)
+            if error.kind != "simulation" or not message:
+                raise
+            raise RunFailedError(f"{self.name}: {message}", error.log_tail) from error
+        try:
+            return self.test.measure(folder)
+        except NotMeasurableError as error:
+            tail = log_tail(folder / self._own_log)
+            raise RunFailedError(str(error), tail, kind="evaluation") from error
+
+    @abstractmethod
+    def _command(self, deck: Path) -> list[str]:
+        """Return the command that runs a deck in its own folder."""
+
+
+def _error_line(log: Path) -> str:
+    """Return the program's own error message, or an empty text."""
+    try:
+        lines = log.read_text(encoding="utf-8", errors="replace").splitlines()
+    except OSError:
+        return ""
+    return next((line.strip() for line in lines if line.startswith("ERROR")), "")
+
+
+def _require_possible(material: Mapping[str, float]) -> None:
+    faults = list(_impossible(material))
+    if faults:
+        raise InputError(faults)
+
+
+def _impossible(material: Mapping[str, float]) -> Iterator[Fault]:
+    for name, value in material.items():
+        if name not in MATERIAL_PARAMETERS:
+            yield Fault(
+                name,
+                "is not a material parameter.",
+                f"Use one of {', '.join(MATERIAL_PARAMETERS)}.",
+            )
+            continue
+        known = MATERIAL_PARAMETERS[name]
+        if not (math.isfinite(value) and known.lowest <= value <= known.highest):
+            yield Fault(
+                name,
+                f"{value:g} is outside {known.lowest:g} to {known.highest:g} {known.unit}".rstrip()
+                + ".",
+            )

