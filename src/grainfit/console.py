@@ -8,6 +8,7 @@ from math import isfinite
 from pathlib import Path
 from types import TracebackType
 
+from rich import box
 from rich.console import Console
 from rich.live import Live
 from rich.markup import escape
@@ -93,6 +94,11 @@ def _duration(seconds: float) -> str:
     return f"{minutes} min {rest:02d} s" if minutes else f"{rest} s"
 
 
+def _table(*columns: str) -> Table:
+    """A table without boxes: it fits into 80 columns, and its text can be copied."""
+    return Table(*columns, box=box.SIMPLE, show_edge=False, pad_edge=False, expand=False)
+
+
 def _number(value: float | None, unit: str = "") -> str:
     if value is None or not isfinite(value):
         return "-"
@@ -126,7 +132,7 @@ def print_result(console: Console, result: Result, folder: Path) -> None:
 
 
 def _parameter_table(result: Result) -> Table:
-    table = Table("parameter", "value", title_justify="left")
+    table = _table("parameter", "value")
     table.columns[1].justify = "right"
     for name, value in result.parameters.items():
         table.add_row(escape(name), _number(value, result.units.get(name, "")))
@@ -134,7 +140,7 @@ def _parameter_table(result: Result) -> Table:
 
 
 def _response_table(result: Result) -> Table:
-    table = Table("response", "target", "predicted", "verified", "deviation", "")
+    table = _table("response", "target", "predicted", "verified", "deviation", "")
     for column in table.columns[1:5]:
         column.justify = "right"
     for name, response in result.responses.items():
@@ -171,7 +177,7 @@ def _time_step_line(result: Result) -> str:
 def print_plan(console: Console, plan: Plan) -> None:
     """Print what a calibration file asks for."""
     console.print(Text(plan.name, style="bold"))
-    free = Table("free parameter", "from", "to", "scale")
+    free = _table("free parameter", "from", "to", "scale")
     for parameter in plan.parameters:
         free.add_row(
             escape(parameter.name),
@@ -180,7 +186,7 @@ def print_plan(console: Console, plan: Plan) -> None:
             parameter.scale,
         )
     console.print(free)
-    targets = Table("response", "target", "tolerance")
+    targets = _table("response", "target", "tolerance")
     for target in plan.targets:
         targets.add_row(
             escape(target.name),
@@ -215,7 +221,7 @@ def print_status(console: Console, status: WorkdirStatus) -> None:
 
 def print_run(console: Console, evaluation: Evaluation, folders: Mapping[str, Path]) -> None:
     """Print the responses of a single run."""
-    table = Table("response", "value", "standard error of this run")
+    table = _table("response", "value", "standard error of this run")
     for name, response in evaluation.responses.items():
         table.add_row(escape(name), _number(response.value), _number(response.standard_error))
     if evaluation.responses:
@@ -230,7 +236,7 @@ def print_run(console: Console, evaluation: Evaluation, folders: Mapping[str, Pa
 
 def print_measurement(console: Console, responses: Mapping[str, Response]) -> None:
     """Print measured responses."""
-    table = Table("response", "value", "standard error")
+    table = _table("response", "value", "standard error")
     for name, response in responses.items():
         table.add_row(escape(name), _number(response.value), _number(response.standard_error))
     console.print(table)
