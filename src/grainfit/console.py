@@ -140,25 +140,23 @@ def _parameter_table(result: Result) -> Table:
 
 
 def _response_table(result: Result) -> Table:
-    table = _table("response", "target", "predicted", "verified", "deviation", "")
-    for column in table.columns[1:5]:
+    table = _table("response", "target", "expected", "deviation", "")
+    for column in table.columns[1:4]:
         column.justify = "right"
     for name, response in result.responses.items():
         table.add_row(*_response_cells(name, response))
-    if any(response.verified_mean is not None for response in result.responses.values()):
-        table.caption = "± tolerance of the target, 95 % confidence of predicted and verified"
+    table.caption = "± tolerance of the target, 95 % confidence of the expected response"
     return table
 
 
 def _response_cells(name: str, response: ResponseResult) -> tuple[str, ...]:
-    verified = "-"
+    expected = f"predicted {response.predicted:.5g} ± {1.96 * response.std_error:.2g}"
     if response.verified_mean is not None and response.verified_interval is not None:
-        verified = f"{response.verified_mean:.5g} ± {response.verified_interval:.2g}"
+        expected = f"{response.verified_mean:.5g} ± {response.verified_interval:.2g}"
     return (
-        escape(f"{name}, {response.unit}" if response.unit else name),
-        f"{response.target:.5g} ± {response.tolerance:.3g}",
-        f"{response.predicted:.5g} ± {1.96 * response.std_error:.2g}",
-        verified,
+        escape(name),
+        f"{response.target:.5g} ± {response.tolerance:.3g} {response.unit}".rstrip(),
+        expected,
         f"{response.deviation_percent:+.2f} %",
         "[green]met[/green]" if response.within_tolerance else "[red]missed[/red]",
     )
