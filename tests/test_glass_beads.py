@@ -94,7 +94,8 @@ def test_kill_dash_nine_in_mid_run_loses_no_finished_simulation(tmp_path: Path) 
     file = example(tmp_path, "calibration.toml")
     text = file.read_text() + "\n[strategy]\ndesign_runs = 5\nmax_runs = 8\nverification_runs = 2\n"
     # A small heap: this is about runs, not about heaps.
-    file.write_text(text.replace('solver = "lammps"', 'solver = "lammps"\nparticle_count = 1000'))
+    small = 'solver = "lammps"\ncylinder_radius = "50 mm"'
+    file.write_text(text.replace('solver = "lammps"', small))
     runs = tmp_path / "work" / "runs"
     process = subprocess.Popen(
         command("run", file, "--workdir", tmp_path / "work", "--workers", "2"),
