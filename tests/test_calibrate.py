@@ -7,12 +7,14 @@ import subprocess
 import sys
 import textwrap
 import time
+from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 import grainfit as gf
+from grainfit.solvers.python_callable import PythonCallable
 
 
 def drum(parameters: dict[str, float], seed: int) -> dict[str, float]:
@@ -192,6 +194,155 @@ def test_ctrl_c_ends_with_an_interrupted_result_and_a_restart_goes_on(tmp_path: 
     again = gf.calibrate(problem(), interrupting, workdir=tmp_path)
     assert again.status == "calibrated"
     assert made <= again.runs.total + 1
+
+
+def test_a_relative_work_folder_is_the_same_place_throughout(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+
+    def wandering(parameters: dict[str, float], seed: int) -> dict[str, float]:
+        os.chdir(Path(__file__).parent)
+        return drum(parameters, seed)
+
+    gf.calibrate(problem(), wandering, workdir="here")
+    assert (tmp_path / "here" / "result.json").is_file()
+
+
+def test_what_failed_all_runs_can_be_mended_and_started_again(tmp_path: Path) -> None:
+    broken = True
+
+    def model(parameters: dict[str, float], seed: int) -> dict[str, float]:
+        if broken:
+            raise ImportError("no module named drum")
+        return drum(parameters, seed)
+
+    with pytest.raises(gf.RunFailedError, match="no module named drum"):
+        gf.calibrate(problem(), model, workdir=tmp_path)
+    broken = False
+    assert gf.calibrate(problem(), model, workdir=tmp_path).status == "calibrated"
+
+
+def test_a_target_that_is_added_later_is_found_in_the_runs_that_are_known(tmp_path: Path) -> None:
+    both = problem()
+    one = gf.Problem(both.parameters, both.targets[:1])
+    solver = PythonCallable(drum, ["angle_10rpm"])
+    gf.calibrate(one, solver, workdir=tmp_path)
+    solver = PythonCallable(drum, ["angle_10rpm", "angle_30rpm"])
+    result = gf.calibrate(both, solver, workdir=tmp_path)
+    assert result.status == "calibrated"
+    assert result.runs.reused >= 26
+
+
+def test_a_target_that_no_run_yields_stops_early_and_says_what_there_is() -> None:
+    misspelt = gf.Problem(problem().parameters, [gf.Target("angel_10rpm", 36.0)])
+    calls = []
+
+    def counted(parameters: dict[str, float], seed: int) -> dict[str, float]:
+        calls.append(seed)
+        return drum(parameters, seed)
+
+    with pytest.raises(gf.RunFailedError, match=r"give angel_10rpm.*angle_10rpm, angle_30rpm"):
+        gf.calibrate(misspelt, counted)
+    assert len(calls) <= 4
+
+
+@pytest.mark.parametrize("seed", [4, 5, 6])
+def test_the_budget_holds_with_verification_and_second_thoughts(seed: int) -> None:
+    def rough(parameters: dict[str, float], seed: int) -> dict[str, float]:
+        random = np.random.default_rng(seed)
+        return {"y": 10 + 8 * parameters["x"] ** 2 + 1.5 * random.standard_normal()}
+
+    tight = gf.Problem([gf.Parameter("x", 0, 1)], [gf.Target("y", 12.0, tolerance=0.1)])
+    result = gf.calibrate(tight, rough, seed=seed, max_runs=40)
+    assert result.runs.total <= 40
+    response = result.responses["y"]
+    assert response.verified_mean is not None, "what is reported has been verified"
+    at_answer = [
+        run
+        for run in result.history
+        if run.stage == "verification" and run.parameters == result.parameters
+    ]
+    values = [run.responses["y"] for run in at_answer]
+    assert response.verified_mean in (
+        pytest.approx(np.mean(values)),
+        pytest.approx(np.mean(values[-5:])),
+    )
+
+
+def test_a_target_far_beyond_a_log_interval_is_out_of_reach_without_a_guess() -> None:
+    far = gf.Problem([gf.Parameter("x", 1e-3, 1e3, "log")], [gf.Target("y", 1000.0)])
+    result = gf.calibrate(far, lambda p, seed: {"y": 6 + np.log10(p["x"]) + 1e-3 * (seed % 7)})
+    assert result.status == "unreachable"
+    assert result.out_of_reach[0].suggestion is None
+
+
+def test_verification_runs_that_fail_are_told_and_confirm_nothing() -> None:
+    def drum_that_breaks_late(parameters: dict[str, float], seed: int) -> dict[str, float]:
+        seen.append(seed)
+        if len(seen) > 29:
+            raise RuntimeError("worn out")
+        return drum(parameters, seed)
+
+    seen: list[int] = []
+    result = gf.calibrate(problem(), drum_that_breaks_late)
+    assert result.status == "out_of_tolerance"
+    assert any("worn out" in notice for notice in result.notices)
+    assert not any(response.within_tolerance for response in result.responses.values())
+
+
+def test_tests_that_never_both_succeed_end_with_the_reason() -> None:
+    def either(parameters: dict[str, float], seed: int) -> dict[str, float]:
+        responses = drum(parameters, seed)
+        del responses["angle_10rpm" if seed % 2 else "angle_30rpm"]
+        return responses
+
+    with pytest.raises(gf.RunFailedError, match="no parameter set gave all responses"):
+        gf.calibrate(problem(), either)
+
+
+def test_an_unexpected_error_in_one_run_costs_that_run_alone() -> None:
+    class Fragile(PythonCallable):
+        def run(
+            self, parameters: Mapping[str, float], seed: int, workspace: gf.Workspace
+        ) -> dict[str, gf.Response]:
+            if parameters["cohesion"] > 6e4:
+                raise ZeroDivisionError("division by zero")
+            return super().run(parameters, seed, workspace)
+
+    result = gf.calibrate(problem(), Fragile(drum))
+    assert result.status == "calibrated"
+    assert result.runs.failed > 0
+
+
+def test_a_rayleigh_weight_works_at_the_bounds_of_a_wide_interval() -> None:
+    rayleigh = gf.RayleighTimeStep(
+        0.005, {"particle.density": 2100.0, "particle.poissons_ratio": 0.2}
+    )
+    wide = gf.Problem(
+        [gf.Parameter("particle.youngs_modulus", 1e3, 1e13)],
+        [gf.Target("y", 5.0)],
+        rayleigh,
+        rayleigh_weight=0.1,
+    )
+    result = gf.calibrate(wide, lambda p, seed: {"y": 4 + p["particle.youngs_modulus"] / 1e13})
+    assert result.status in ("calibrated", "out_of_tolerance", "unreachable")
+
+
+def test_a_result_that_cannot_be_written_is_returned_all_the_same(tmp_path: Path) -> None:
+    (tmp_path / "result.json").mkdir()
+    result = gf.calibrate(problem(), drum, workdir=tmp_path)
+    assert result.status == "calibrated"
+    assert any("cannot be written" in notice for notice in result.notices)
+
+
+def test_constant_responses_are_valid_json(tmp_path: Path) -> None:
+    gf.calibrate(problem(), lambda p, seed: {"angle_10rpm": 36, "angle_30rpm": 44}).to_json(
+        tmp_path / "result.json"
+    )
+    text = (tmp_path / "result.json").read_text()
+    assert "NaN" not in text
+    assert json.loads(text)["status"] == "calibrated"
 
 
 SCRIPT = textwrap.dedent(

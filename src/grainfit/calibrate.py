@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from concurrent.futures import Executor
 from contextlib import ExitStack
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -20,7 +20,7 @@ from grainfit.progress import Progress
 from grainfit.result import Result
 from grainfit.solvers.base import Solver
 from grainfit.solvers.python_callable import PythonCallable
-from grainfit.strategies.staged import Staged, StagedOptions
+from grainfit.strategies.staged import Staged, StagedOptions, smallest_design
 
 Simulate = Callable[[dict[str, float], int], Mapping[str, Any]] | Solver | Mapping[str, Solver]
 
@@ -42,7 +42,6 @@ def calibrate(
     design_runs: int | None = None,
     verification_runs: int = VERIFICATION_RUNS,
     timeouts: Mapping[str, float] | None = None,
-    executor: Executor | None = None,
     on_progress: Callable[[Progress], None] | None = None,
 ) -> Result:
     """Find the parameters at which the simulated responses meet their targets.
@@ -74,8 +73,6 @@ def calibrate(
         Fresh seeds at the answer, at least 2.
     timeouts : mapping of str to float, optional
         Longest wall time of one run by name of the test, s.
-    executor : concurrent.futures.Executor, optional
-        What makes the runs; threads by default.
     on_progress : callable, optional
         Called with `Progress` whenever something changes, and a few times a second.
 
@@ -104,28 +101,67 @@ def calibrate(
     ('calibrated', 0.5)
     """
     solvers = _solvers(simulate)
-    _check_arguments(strategy, max_runs, workers, seed, verification_runs)
+    _check_arguments(strategy, max_runs, workers, seed, verification_runs, design_runs)
     _check_targets(problem, solvers)
+    _check_timeouts(timeouts or {}, solvers)
     for solver in solvers.values():
         solver.check()
-    evaluations = None if max_runs is None else max_runs // len(solvers) - verification_runs
-    chosen = Staged(problem, seed, evaluations, StagedOptions(design_runs))
+    options = ConversationOptions(name, workers, max_runs, verification_runs, on_progress)
+    chosen = make_strategy(problem, len(solvers), seed, max_runs, design_runs, verification_runs)
     with ExitStack() as stack:
         # Metamodels are small; threads of linear algebra would only fight the solvers for cores.
         stack.enter_context(threadpool_limits(limits=1, user_api="blas"))
-        folder = None if workdir is None else Path(workdir)
+        # Runs happen in folders of their own: a relative path would mean another place there.
+        folder = None if workdir is None else Path(workdir).absolute()
         if folder is not None:
             stack.enter_context(hold(folder))
         store = RunStore("sqlite://") if folder is None else RunStore.in_folder(folder)
         stack.callback(store.close)
         if folder is not None:
             recover(folder, store)
-        campaign = Campaign(solvers, store, folder, workers, timeouts, executor)
+        campaign = Campaign(solvers, store, folder, workers, timeouts)
         stack.callback(campaign.close)
-        options = ConversationOptions(name, workers, max_runs, verification_runs, on_progress)
         result = Conversation(problem, chosen, campaign, store, options).hold()
-        if folder is not None:
-            result.to_json(folder / RESULT_NAME)
+        return result if folder is None else _keep(result, folder / RESULT_NAME)
+
+
+def make_strategy(
+    problem: Problem,
+    tests: int,
+    seed: int = 1,
+    max_runs: int | None = None,
+    design_runs: int | None = None,
+    verification_runs: int = VERIFICATION_RUNS,
+) -> Staged:
+    """Make the strategy of a calibration; see `calibrate` for the arguments.
+
+    Raises
+    ------
+    InputError
+        The design is too small, or the budget too small for the design and the verification.
+    """
+    if max_runs is None:
+        return Staged(problem, seed, None, StagedOptions(design_runs))
+    smallest = (smallest_design(problem.dimension, design_runs) + verification_runs) * tests
+    if max_runs < smallest:
+        raise InputError(
+            Fault(
+                "max_runs",
+                f"{max_runs} runs are too few for the design and the verification.",
+                f"Allow at least {smallest}.",
+            )
+        )
+    evaluations = max_runs // tests - verification_runs
+    return Staged(problem, seed, evaluations, StagedOptions(design_runs))
+
+
+def _keep(result: Result, path: Path) -> Result:
+    """Write the result; when that fails, the caller gets it all the same."""
+    try:
+        result.to_json(path)
+    except OSError as error:
+        notice = f"{str(path)!r} cannot be written: {error.strerror}."
+        return replace(result, notices=(*result.notices, notice))
     return result
 
 
@@ -144,7 +180,12 @@ def _solvers(simulate: Simulate) -> dict[str, Solver]:
 
 
 def _check_arguments(
-    strategy: str, max_runs: int | None, workers: int, seed: int, verification_runs: int
+    strategy: str,
+    max_runs: int | None,
+    workers: int,
+    seed: int,
+    verification_runs: int,
+    design_runs: int | None,
 ) -> None:
     faults = []
     if strategy not in _STRATEGIES:
@@ -156,6 +197,7 @@ def _check_arguments(
         ("workers", workers, 1),
         ("seed", seed, 0),
         ("verification_runs", verification_runs, 2),
+        ("design_runs", design_runs, 1),
     ):
         if value is None:
             continue
@@ -163,6 +205,21 @@ def _check_arguments(
             faults.append(
                 Fault(key, f"is {value!r}.", f"It must be a whole number, {lowest} or above.")
             )
+    if faults:
+        raise InputError(faults)
+
+
+def _check_timeouts(timeouts: Mapping[str, float], solvers: Mapping[str, Solver]) -> None:
+    faults = [
+        Fault(f"timeouts.{test}", "is no test.", f"There are: {', '.join(solvers)}.")
+        for test in timeouts
+        if test not in solvers
+    ]
+    faults += [
+        Fault(f"timeouts.{test}", f"is {seconds} s.", "It must be above 0.")
+        for test, seconds in timeouts.items()
+        if not seconds > 0
+    ]
     if faults:
         raise InputError(faults)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import signal
 import sys
 from pathlib import Path
@@ -145,7 +146,9 @@ def simulate(
             help="A parameter's value, units allowed: particle.density=2300. Repeat as needed.",
         ),
     ] = None,
-    seed: Annotated[int, typer.Option(metavar="N", help="Insertion seed.")] = 1,
+    seed: Annotated[
+        int, typer.Option(metavar="N", min=1, max=900_000_000, help="Insertion seed.")
+    ] = 1,
     workdir: Workdir = None,
 ) -> None:
     """Make one DEM run of every test and show its responses and its folder.
@@ -190,13 +193,25 @@ def _stop(_signal: int, _frame: Any) -> NoReturn:
 def main() -> None:
     """Run the command line; every error that grainfit knows ends in one clear message."""
     signal.signal(signal.SIGTERM, _stop)
+    code = _exit_code()
+    if code == _INTERRUPTED:
+        # A function of the user's that still runs in a thread would hold up the end of Python.
+        sys.stdout.flush()
+        sys.stderr.flush()
+        os._exit(code)
+    sys.exit(code)
+
+
+def _exit_code() -> int:
     try:
         app()
     except SystemExit as stop:
-        sys.exit(_BAD_INPUT if stop.code == _USAGE_ERROR else stop.code)
+        code = stop.code if isinstance(stop.code, int) else 0
+        return _BAD_INPUT if code == _USAGE_ERROR else code
     except KeyboardInterrupt:
         _err.print("Interrupted. Finished runs are kept; start again to go on.")
-        sys.exit(_INTERRUPTED)
+        return _INTERRUPTED
     except GrainfitError as error:
         show.print_error(_err, error)
-        sys.exit(_BAD_INPUT)
+        return _BAD_INPUT
+    return 0

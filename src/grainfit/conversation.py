@@ -6,18 +6,18 @@ import time
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import asdict, dataclass
-from importlib.metadata import version
 from typing import Any
 
 from grainfit.campaign.evaluation import Evaluation, Proposal
 from grainfit.campaign.identity import run_identity
 from grainfit.campaign.runner import Campaign
 from grainfit.campaign.store import RequestRecord, RunStore
-from grainfit.errors import GrainfitError, RunFailedError, StoreError
+from grainfit.errors import RunFailedError, StoreError
 from grainfit.misfit import relative_deviation
+from grainfit.outcome import About, make_result
 from grainfit.problem import Problem
 from grainfit.progress import Progress
-from grainfit.result import ResponseResult, Result, RunCounts, RunSummary, Status
+from grainfit.result import Result, Status
 from grainfit.strategies.base import Answer, Strategy, insertion_seed
 from grainfit.verification import (
     ROUNDS,
@@ -27,8 +27,10 @@ from grainfit.verification import (
     verified_responses,
 )
 
-#: With this many failures and not one success there is no use in going on.
+#: With this many failures that are alike, or this many of any kind, and not one success, there is
+#: no use in going on.
 _HOPELESS = 3
+_HOPELESS_WHATEVER = 8
 
 
 @dataclass(frozen=True)
@@ -59,7 +61,7 @@ class Conversation:
         self._store = store
         self._options = options
         self._evaluations: list[Evaluation] = []
-        self._verification: list[Evaluation] = []
+        self._answer_from = 0
         self._verification_asked = 0
         self._stage = "design"
         self._requested = 0
@@ -85,24 +87,27 @@ class Conversation:
         except KeyboardInterrupt:
             self._campaign.cancel()
             answer, status = self._best_so_far(), "interrupted"
-        except GrainfitError:
+        except BaseException:
             self._campaign.cancel()
             with suppress(StoreError):
                 self._store.end_calibration(self._identity, "failed")
             raise
-        result = self._result(answer, status)
         self._store.end_calibration(self._identity, status)
-        return result
+        about = About(self._options.name, self._identity, time.monotonic() - self._started, status)
+        verification = [] if answer is None else self._verification_of(answer)
+        return make_result(
+            about, self._problem, self._strategy, answer, self._evaluations, verification
+        )
 
     def _converse(self) -> tuple[Answer, Status]:
         self._run_strategy()
         answer = self._strategy.answer()
-        while not self._verify(answer) and self._strategy.reconsider():
+        while not self._verify(answer) and self._strategy.reconsider(self._left()):
             self._run_strategy()
             earlier, answer = answer, self._strategy.answer()
             if answer.parameters == earlier.parameters:
                 break
-        if meets_targets(self._problem, self._verified()):
+        if meets_targets(self._problem, self._verified(answer)):
             return answer, "calibrated"
         return answer, "unreachable" if answer.out_of_reach else "out_of_tolerance"
 
@@ -124,16 +129,26 @@ class Conversation:
 
     def _verify(self, answer: Answer) -> bool:
         """Run fresh seeds at the answer until the verdict is clear; return whether it is met."""
-        self._verification = []
+        self._answer_from = len(self._evaluations)
         for _ in range(ROUNDS):
-            if not self._affordable(self._options.verification_runs):
+            left = self._left()
+            if left is not None and left < 0:
                 break
-            self._verification += self._verification_round(answer)
-            if not needs_more_runs(self._problem, self._verified()):
+            self._verification_round(answer)
+            if not needs_more_runs(self._problem, self._verified(answer)):
                 break
-        return meets_targets(self._problem, self._verified())
+        return meets_targets(self._problem, self._verified(answer))
 
-    def _verification_round(self, answer: Answer) -> list[Evaluation]:
+    def _verification_of(self, answer: Answer) -> list[Evaluation]:
+        """Runs that verify this answer: made since it was chosen, and at its parameters."""
+        return [
+            evaluation
+            for evaluation in self._evaluations[self._answer_from :]
+            if evaluation.proposal.stage == "verification"
+            and evaluation.proposal.parameters == answer.parameters
+        ]
+
+    def _verification_round(self, answer: Answer) -> None:
         waiting = []
         for _ in range(self._options.verification_runs):
             self._verification_asked += 1
@@ -148,13 +163,13 @@ class Conversation:
         ended.sort(key=lambda evaluation: order[evaluation.proposal.seed])
         for evaluation in ended:
             self._strategy.tell(evaluation)
-        return ended
 
-    def _affordable(self, evaluations: int) -> bool:
+    def _left(self) -> int | None:
+        """Proposals that the budget allows besides one round of verification."""
         if self._options.max_runs is None:
-            return True
-        made = len(self._evaluations) + evaluations
-        return made * self._campaign.tests <= self._options.max_runs
+            return None
+        affordable = self._options.max_runs // self._campaign.tests
+        return affordable - len(self._evaluations) - self._options.verification_runs
 
     def _start(self, proposal: Proposal) -> None:
         self._stage = proposal.stage
@@ -176,19 +191,31 @@ class Conversation:
         return evaluations
 
     def _stop_when_hopeless(self) -> None:
-        if len(self._evaluations) < _HOPELESS or any(e.responses for e in self._evaluations):
+        """Stop when a target has not been yielded once and nothing speaks for a change."""
+        count = len(self._evaluations)
+        missing = [
+            target.name
+            for target in self._problem.targets
+            if not any(target.name in e.responses for e in self._evaluations)
+        ]
+        reasons = {tuple(e.failures.values()) for e in self._evaluations}
+        alike = _HOPELESS if len(reasons) == 1 else _HOPELESS_WHATEVER
+        if not missing or count < alike:
             return
-        reasons = [reason for e in self._evaluations for reason in e.failures.values()]
-        log = next(iter(self._evaluations[-1].runs.values()))
-        record = self._store.find(log)
+        last = self._evaluations[-1]
+        why = "; ".join(last.failures.values()) or (
+            f"there was only {', '.join(sorted(last.responses)) or 'nothing'}"
+        )
+        failed = [self._store.find(last.runs[test]) for test in last.failures]
+        self._campaign.forget_failures(self._evaluations)
         raise RunFailedError(
-            f"the first {len(self._evaluations)} runs all failed, so going on is pointless. "
-            f"The last one: {reasons[-1]}",
-            record.log_tail if record else "",
+            f"the first {count} runs all failed to give {', '.join(missing)}, so going on is "
+            f"pointless. The last one: {why}",
+            failed[0].log_tail if failed and failed[0] else "",
         )
 
-    def _verified(self) -> dict[str, Verified]:
-        return verified_responses(self._problem, self._verification)
+    def _verified(self, answer: Answer) -> dict[str, Verified]:
+        return verified_responses(self._problem, self._verification_of(answer))
 
     def _show(self) -> None:
         if self._options.on_progress is None:
@@ -228,89 +255,3 @@ class Conversation:
             for e in self._evaluations
             if names <= e.responses.keys()
         ]
-
-    def _result(self, answer: Answer | None, status: Status) -> Result:
-        problem = self._problem
-        middle = problem.from_unit([0.5] * problem.dimension)
-        rayleigh = problem.rayleigh
-        parameters = dict(answer.parameters) if answer else {}
-        return Result(
-            status=status,
-            parameters=parameters,
-            responses=self._responses(answer) if answer else {},
-            runs=self._counts(),
-            rayleigh_time_step=problem.rayleigh_time_step(parameters) if answer else None,
-            rayleigh_time_step_before=problem.rayleigh_time_step(middle),
-            rayleigh_time_step_limits=rayleigh.limits(problem.intervals) if rayleigh else None,
-            wall_seconds=time.monotonic() - self._started,
-            name=self._options.name,
-            strategy=self._strategy.name,
-            seed=self._strategy.seed,
-            version=version("grainfit"),
-            units={parameter.name: parameter.unit for parameter in problem.parameters},
-            out_of_reach=answer.out_of_reach if answer else (),
-            metamodels=answer.quality if answer else {},
-            notices=(*self._strategy.notices, *(_edge_notices(problem, answer) if answer else ())),
-            history=tuple(_summary(evaluation) for evaluation in self._evaluations),
-        )
-
-    def _responses(self, answer: Answer) -> dict[str, ResponseResult]:
-        verified = self._verified()
-        results = {}
-        for target in self._problem.targets:
-            known = verified.get(target.name)
-            best = known.mean if known else answer.predicted[target.name]
-            results[target.name] = ResponseResult(
-                target=target.value,
-                tolerance=target.accepted_deviation,
-                unit=target.unit,
-                predicted=answer.predicted[target.name],
-                std_error=answer.standard_errors[target.name],
-                verified_mean=known.mean if known else None,
-                verified_std_error=known.standard_error if known else None,
-                verified_interval=known.half_width if known else None,
-                deviation_percent=100 * relative_deviation(best, target),
-                within_tolerance=abs(best - target.value) <= target.accepted_deviation,
-            )
-        return results
-
-    def _counts(self) -> RunCounts:
-        def runs(stage: str) -> int:
-            return sum(len(e.runs) for e in self._evaluations if e.proposal.stage == stage)
-
-        return RunCounts(
-            design=runs("design"),
-            optimisation=runs("optimisation"),
-            verification=runs("verification"),
-            failed=sum(len(e.failures) for e in self._evaluations),
-            reused=sum(e.reused for e in self._evaluations),
-            total=sum(len(e.runs) for e in self._evaluations),
-        )
-
-
-def _edge_notices(problem: Problem, answer: Answer) -> list[str]:
-    """Say when the answer lies on a bound of an interval."""
-    notices = []
-    for parameter in problem.parameters:
-        position = parameter.to_unit(answer.parameters[parameter.name])
-        for bound, value, near in (
-            ("min", parameter.minimum, position < 0.01),
-            ("max", parameter.maximum, position > 0.99),
-        ):
-            if near:
-                notices.append(
-                    f"{parameter.name} lies on its bound {bound} = {value:g}: "
-                    "a wider interval may fit better."
-                )
-    return notices
-
-
-def _summary(evaluation: Evaluation) -> RunSummary:
-    return RunSummary(
-        evaluation.proposal.stage,
-        dict(evaluation.proposal.parameters),
-        evaluation.proposal.seed,
-        {name: response.value for name, response in evaluation.responses.items()},
-        dict(evaluation.failures),
-        dict(evaluation.runs),
-    )

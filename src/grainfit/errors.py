@@ -64,7 +64,7 @@ class StoreError(GrainfitError):
     """The run store cannot be used (locked by another process, newer version, damaged)."""
 
 
-FailureKind = Literal["machine", "simulation", "evaluation", "cancelled"]
+FailureKind = Literal["machine", "timeout", "simulation", "evaluation", "cancelled"]
 
 
 class RunFailedError(GrainfitError):
@@ -76,8 +76,9 @@ class RunFailedError(GrainfitError):
         One line for people.
     log_tail : str
         The last lines of the solver's output.
-    kind : {"machine", "simulation", "evaluation", "cancelled"}
-        Whose fault it was: the machine's (worth another try), the simulation's (the same run
+    kind : {"machine", "timeout", "simulation", "evaluation", "cancelled"}
+        Whose fault it was: the machine's (worth another try), the time-out's (worth another try at
+        the next start, perhaps with a longer one), the simulation's (the same run
         would fail again), the evaluation's (the run ended but could not be measured), or nobody's
         (the user stopped it).
     """

@@ -8,13 +8,13 @@ from dataclasses import dataclass
 from grainfit.assemble import Assembly, ParametersFor
 from grainfit.bulk_tests.heap import HeapTest
 from grainfit.bulk_tests.heap.cost import estimate_cost
-from grainfit.calibrate import VERIFICATION_RUNS
-from grainfit.errors import GrainfitError
+from grainfit.calibrate import VERIFICATION_RUNS, make_strategy
+from grainfit.errors import GrainfitError, InputError
 from grainfit.material import MATERIAL_PARAMETERS
 from grainfit.problem import Parameter, Problem, Target
 from grainfit.solvers.base import Solver
 from grainfit.solvers.deck_solver import DeckSolver
-from grainfit.strategies.staged import DESIGN_RUNS_PER_PARAMETER
+from grainfit.verification import ROUNDS
 
 
 @dataclass(frozen=True)
@@ -52,7 +52,10 @@ def describe_plan(assembly: Assembly) -> Plan:
         except GrainfitError as error:
             problems.append(f"Test {test}: {error}")
     lines += _rayleigh_lines(assembly.problem)
-    lines += _run_lines(assembly)
+    try:
+        lines += _run_lines(assembly)
+    except InputError as error:
+        problems += [str(fault) for fault in error.faults]
     problem = assembly.problem
     return Plan(assembly.name, problem.parameters, problem.targets, tuple(lines), tuple(problems))
 
@@ -83,13 +86,20 @@ def _cost_lines(solver: Solver, problem: Problem) -> Iterator[str]:
 def _run_lines(assembly: Assembly) -> Iterator[str]:
     dimension = assembly.problem.dimension
     strategy = assembly.strategy
-    design = strategy.design_runs or DESIGN_RUNS_PER_PARAMETER * dimension
     verification = strategy.verification_runs or VERIFICATION_RUNS
     tests = len(assembly.solvers)
+    design = make_strategy(
+        assembly.problem,
+        tests,
+        max_runs=strategy.max_runs,
+        design_runs=strategy.design_runs,
+        verification_runs=verification,
+    ).design_runs
     yield (
-        f"DEM runs: {design * tests} for the design, usually {(dimension + 2) * tests} to "
-        f"{4 * (dimension + 2) * tests} for the optimisation, {verification * tests} for the "
-        f"verification; {assembly.workers} at a time."
+        f"DEM runs: {design * tests} for the design, usually {(dimension + 1) * tests} to "
+        f"{4 * (dimension + 1) * tests} for the optimisation, and {verification * tests} for the "
+        f"verification (up to {ROUNDS * verification * tests} where it is a close call); "
+        f"{assembly.workers} at a time."
     )
     if dimension > len(assembly.problem.targets):
         yield (

@@ -99,8 +99,8 @@ class Result:
         Smallest and largest Rayleigh time step within the intervals, s.
     wall_seconds : float
         Duration of this start, s.
-    name, strategy, seed, version : str, str, int, str
-        How to repeat it.
+    name, identity, strategy, seed, version : str, str, str, int, str
+        What was calibrated, and how to repeat it.
     units : mapping of str to str
         Units of the parameters.
     out_of_reach : sequence of OutOfReach
@@ -122,6 +122,7 @@ class Result:
     rayleigh_time_step_limits: tuple[float, float] | None
     wall_seconds: float
     name: str
+    identity: str
     strategy: str
     seed: int
     version: str
@@ -138,5 +139,6 @@ class Result:
     def to_json(self, path: str | Path) -> None:
         """Write the result to a JSON file, whole or not at all."""
         write_atomically(
-            Path(path), json.dumps(self.to_dict(), indent=2, ensure_ascii=False) + "\n"
+            Path(path),
+            json.dumps(self.to_dict(), indent=2, ensure_ascii=False, allow_nan=False) + "\n",
         )

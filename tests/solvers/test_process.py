@@ -152,7 +152,7 @@ def test_time_out_ends_the_whole_family(tmp_path):
     with pytest.raises(RunFailedError, match="time-out of 1 s") as caught:
         run_process(python(STUBBORN_FAMILY), Workspace(tmp_path, timeout=1.0))
 
-    assert caught.value.kind == "simulation"
+    assert caught.value.kind == "timeout"
     assert 1.0 <= time.monotonic() - started < 6.0
     leader, child = pids_in(tmp_path)
     assert not is_running(leader)

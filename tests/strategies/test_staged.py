@@ -167,7 +167,7 @@ def test_too_few_successes_end_with_the_reason() -> None:
 
 @pytest.mark.parametrize(
     ("budget", "design", "word"),
-    [(None, 3, "too few"), (3, None, "max_runs"), (10, 26, "max_runs")],
+    [(None, 3, "too few"), (3, None, "max_evaluations"), (10, 26, "max_evaluations")],
 )
 def test_impossible_budgets_are_refused(budget: int | None, design: int | None, word: str) -> None:
     with pytest.raises(InputError, match=word):

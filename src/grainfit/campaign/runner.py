@@ -7,8 +7,9 @@ import queue
 import tempfile
 import threading
 import time
-from collections.abc import Callable, Mapping
-from concurrent.futures import Executor, ThreadPoolExecutor
+import traceback
+from collections.abc import Callable, Iterable, Mapping
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
@@ -19,6 +20,7 @@ from grainfit.campaign.store import RunRecord, RunStore
 from grainfit.errors import GrainfitError, RunFailedError, StoreError
 from grainfit.solvers.base import Response, Solver, Workspace
 
+_TAIL_CHARACTERS = 2000
 #: How often a run is tried when the machine, not the simulation, is at fault.
 ATTEMPTS = 2
 
@@ -49,8 +51,6 @@ class Campaign:
         How many runs happen at a time.
     timeouts : mapping of str to float, optional
         Longest wall time of one run, s, by name of the test.
-    executor : Executor, optional
-        What the runs are given to; a pool of ``workers`` threads by default.
     """
 
     def __init__(
@@ -60,7 +60,6 @@ class Campaign:
         folder: Path | None,
         workers: int = 1,
         timeouts: Mapping[str, float] | None = None,
-        executor: Executor | None = None,
     ) -> None:
         self._solvers = dict(solvers)
         self._store = store
@@ -68,7 +67,7 @@ class Campaign:
         self._folder = Path(self._temporary.name) if self._temporary else folder or Path()
         self._workers = workers
         self._timeouts = dict(timeouts or {})
-        self._executor = executor or ThreadPoolExecutor(workers, thread_name_prefix="run")
+        self._executor = ThreadPoolExecutor(workers, thread_name_prefix="run")
         self._cancelled = threading.Event()
         self._ended: queue.SimpleQueue[RunRecord | BaseException] = queue.SimpleQueue()
         self._pending: list[_Pending] = []
@@ -97,7 +96,7 @@ class Campaign:
             definition = solver.definition(proposal.parameters, proposal.seed)
             identity = identities[test] = run_identity(definition)
             known = self._store.find(identity)
-            if known is not None and _is_final(known):
+            if known is not None and _is_final(known, solver):
                 entry.records[test] = known
                 entry.reused += 1
                 continue
@@ -134,6 +133,12 @@ class Campaign:
         for entry in self._pending:
             for test in entry.waiting.pop(record.identity, []):
                 entry.records[test] = record
+
+    def forget_failures(self, evaluations: Iterable[Evaluation]) -> None:
+        """Let failed runs be made again at the next start: what made them fail may be mended."""
+        for evaluation in evaluations:
+            for test in evaluation.failures:
+                self._store.forget(evaluation.runs[test])
 
     def cancel(self) -> None:
         """End the runs under way; what has finished stays."""
@@ -200,6 +205,12 @@ class Campaign:
             outcome = replace(record, status="failed", reason=str(error), kind="simulation")
         except OSError as error:
             outcome = replace(record, status="failed", reason=str(error), kind="machine")
+        except Exception as error:
+            reason = f"unexpected {type(error).__name__}: {error}"
+            tail = "".join(traceback.format_exception(error))[-_TAIL_CHARACTERS:]
+            outcome = replace(
+                record, status="failed", reason=reason, kind="evaluation", log_tail=tail
+            )
         return replace(outcome, seconds=time.monotonic() - started, ended=time.time())
 
 
@@ -208,9 +219,12 @@ def response_name(test: str, name: str, tests: int) -> str:
     return name if tests == 1 else f"{test}.{name}"
 
 
-def _is_final(record: RunRecord) -> bool:
+def _is_final(record: RunRecord, solver: Solver) -> bool:
     """Whether it would be a waste to make the run again."""
-    return record.status == "finished" or (record.status == "failed" and record.kind != "machine")
+    if record.status == "finished":
+        # An own model may yield a response now that it did not yield then.
+        return set(solver.response_names or ()) <= record.responses.keys()
+    return record.status == "failed" and record.kind not in ("machine", "timeout")
 
 
 def _refuse_non_finite(responses: Mapping[str, Response]) -> None:

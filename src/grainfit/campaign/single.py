@@ -41,6 +41,7 @@ def simulate_once(
     folders : dict of str to Path
         Run folder by name of the test, for those solvers that use one.
     """
+    folder = folder.absolute()
     for solver in solvers.values():
         solver.check()
     with hold(folder):

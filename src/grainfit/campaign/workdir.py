@@ -11,15 +11,19 @@ import fcntl
 import json
 import os
 import shutil
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import TextIO
 
 from grainfit.campaign.store import RunRecord, RunStore
 from grainfit.errors import StoreError
 from grainfit.solvers.process import end_orphan
 
 RECORD_NAME = "run.json"
+#: A look at whether a folder is held takes its lock for a moment; nobody is refused for that.
+_LOCK_SECONDS = 1.0
 
 
 @contextmanager
@@ -41,18 +45,33 @@ def hold(folder: Path) -> Iterator[None]:
             "Choose another with --workdir."
         ) from error
     with file:
-        try:
-            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except OSError as error:
+        if not _lock(file, folder):
             file.seek(0)
             raise StoreError(
                 f"the work folder {str(folder)!r} is in use by process {file.read().strip()}. "
                 "Wait for it to end, or choose another folder with --workdir."
-            ) from error
+            )
         file.truncate(0)
         file.write(f"{os.getpid()}\n")
         file.flush()
         yield
+
+
+def _lock(file: TextIO, folder: Path) -> bool:
+    deadline = time.monotonic() + _LOCK_SECONDS
+    while True:
+        try:
+            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            return True
+        except BlockingIOError:
+            if time.monotonic() > deadline:
+                return False
+            time.sleep(0.02)
+        except OSError as error:
+            raise StoreError(
+                f"the work folder {str(folder)!r} cannot be locked: {error.strerror}. "
+                "Choose one on a local disk with --workdir."
+            ) from error
 
 
 def is_held(folder: Path) -> bool:
@@ -75,8 +94,11 @@ def recover(folder: Path, store: RunStore) -> None:
         if path.suffix == ".partial":
             end_orphan(path)
             shutil.rmtree(path, ignore_errors=True)
-        elif path.name not in known and (record := read_record(path)) is not None:
-            store.save(record)
+        elif path.name not in known:
+            record = read_record(path)
+            # Failures that the store has forgotten are to be made again.
+            if record is not None and record.status == "finished":
+                store.save(record)
 
 
 def read_record(folder: Path) -> RunRecord | None:

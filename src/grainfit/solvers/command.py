@@ -69,7 +69,7 @@ class Command(Solver):
         path is absolute, and a function in it, ``measure(folder: Path) -> dict`` of response
         name to a number, a pair of value and standard error, or a `Response`.
     response_names : sequence of str, optional
-        Responses that every run must yield; others are then left out.
+        Responses that every run must yield.
     name : str
         Shown to the user.
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from numbers import Real
 from typing import Any
 
@@ -45,7 +46,7 @@ def read_responses(
         Should be a mapping of response name to a number, a pair of value and standard error, a
         mapping with ``value`` and perhaps ``standard_error``, or a `Response`.
     expected : sequence of str, optional
-        Responses that must be there; others are left out. None takes all there are.
+        Responses that must be there; others are kept where they can be read. None: all must.
     origin : str
         Where the responses come from, for the message.
 
@@ -62,8 +63,19 @@ def read_responses(
     if missing:
         there = ", ".join(map(str, found))
         raise _unusable(f"{origin} gave no response {', '.join(missing)}; there are: {there}")
-    names = found if expected is None else expected
-    return {_response_name(name, origin): _response(name, found[name], origin) for name in names}
+    names = list(found) if expected is None else list(expected)
+    responses = {_response_name(n, origin): _response(n, found[n], origin) for n in names}
+    return responses | _others(found, responses)
+
+
+def _others(found: Mapping[Any, Any], expected: Mapping[str, Response]) -> dict[str, Response]:
+    """Keep what else the model gave, if it is a response: it may be a target one day."""
+    others = {}
+    for name in found:
+        if isinstance(name, str) and name and name not in expected:
+            with suppress(RunFailedError):
+                others[name] = _response(name, found[name], "the model")
+    return others
 
 
 def _response_name(name: Any, origin: str) -> str:

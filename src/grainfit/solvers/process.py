@@ -78,6 +78,7 @@ def _wait(
             raise RunFailedError(
                 f"took longer than its time-out of {workspace.timeout:g} s and was ended",
                 log_tail(log_path),
+                "timeout",
             )
         time.sleep(delay)
         delay = min(delay * 2, _POLL_SECONDS)

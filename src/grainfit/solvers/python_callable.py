@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+import dis
 import functools
 import hashlib
 import inspect
 import json
 import sys
 import traceback
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from types import CodeType
 from typing import Any
+
+import numpy as np
 
 from grainfit.errors import Fault, GrainfitError, InputError, RunFailedError
 from grainfit.solvers.base import Response, Solver, Workspace
@@ -42,9 +45,13 @@ class PythonCallable(Solver):
         What the function computes, in a word of the user's (``"funnel model 3"``): runs of equal
         identity, parameters and seed are the same run and are not repeated. By default it is the
         function's module, qualified name and a hash of its source code; where there is no source
-        (an interactive session), of its byte code; where there is neither, the name alone. Values
-        that the function takes from elsewhere (globals, a closure, other functions) are not seen:
-        give an identity when they change.
+        (an interactive session), of its byte code; where there is neither, the name alone. With it
+        goes the plain data that the function holds: enclosing variables, default arguments,
+        arguments of a `functools.partial`, and attributes of the object that it is or is a method
+        of, as far as they are numbers, strings, None, NumPy arrays, or lists, tuples, dicts and
+        sets of these. So a list that the function itself appends to makes it another function;
+        variables that it declares ``nonlocal`` and assigns to are left out. Globals, other
+        functions and other objects are not seen: give an identity when they change.
 
     Raises
     ------
@@ -154,17 +161,97 @@ def _one_line(error: BaseException) -> str:
 def _identity(function: Any) -> dict[str, Any]:
     """Name and code of a function, a method, a partial, or an object that can be called."""
     if isinstance(function, functools.partial):
-        given = json.dumps([function.args, function.keywords], default=_type_name, sort_keys=True)
-        return {**_identity(function.func), "given": given}
+        return {
+            **_identity(function.func),
+            "given": _data_hash([function.args, function.keywords]),
+        }
     described = function if hasattr(function, "__qualname__") else type(function)
-    return {
+    identity = {
         "function": f"{described.__module__}.{described.__qualname__}",
         "source": _source_hash(function),
     }
+    held = [data for layer in _layers(function) if (data := _held_data(layer))]
+    return {**identity, "data": _data_hash(held)} if held else identity
 
 
-def _type_name(value: Any) -> str:
-    return f"{type(value).__module__}.{type(value).__qualname__}"
+def _layers(function: Any) -> Iterator[Any]:
+    """The function, what its decorators wrapped, and the object that it belongs to."""
+    if not inspect.isroutine(function) and not isinstance(function, type):
+        yield function
+        function = type(function).__call__
+    while function is not None:
+        yield function
+        function = getattr(function, "__wrapped__", None)
+
+
+def _held_data(layer: Any) -> dict[str, Any]:
+    """Values that a function holds, or attributes of an object, by name."""
+    if not inspect.isroutine(layer):
+        return dict(getattr(layer, "__dict__", {}))
+    code = getattr(layer, "__code__", None)
+    names = code.co_freevars if code is not None else ()
+    cells = dict(zip(names, getattr(layer, "__closure__", None) or (), strict=True))
+    changing = _assigned(code) if code is not None else set()
+    owner = getattr(layer, "__self__", None) if inspect.ismethod(layer) else None
+    held = {
+        "closure": {
+            name: _cell_contents(cell) for name, cell in cells.items() if name not in changing
+        },
+        "defaults": getattr(layer, "__defaults__", None),
+        "keyword defaults": getattr(layer, "__kwdefaults__", None),
+        "object": None if isinstance(owner, type) else dict(getattr(owner, "__dict__", {})),
+    }
+    return {name: values for name, values in held.items() if values}
+
+
+def _assigned(code: CodeType) -> set[str]:
+    """Enclosing variables that the code assigns to: they are what it did, not what it is."""
+    found = {
+        str(step.argval)
+        for step in dis.get_instructions(code)
+        if step.opname in ("STORE_DEREF", "DELETE_DEREF") and step.argval in code.co_freevars
+    }
+    inner = [constant for constant in code.co_consts if isinstance(constant, CodeType)]
+    return found.union(*(_assigned(part) & set(code.co_freevars) for part in inner))
+
+
+def _cell_contents(cell: Any) -> Any:
+    try:
+        return cell.cell_contents
+    except ValueError:
+        # A variable that has no value yet.
+        return None
+
+
+def _data_hash(value: Any) -> str:
+    return hashlib.sha256(json.dumps(_plain(value)).encode()).hexdigest()
+
+
+def _plain(value: Any, outer: tuple[int, ...] = ()) -> Any:
+    """Data as JSON that is the same in every process; of anything else the type's name."""
+    if value is None:
+        return None
+    if isinstance(value, (np.ndarray, np.generic)):
+        return _plain_array(np.asarray(value), outer)
+    for kind in (bool, int, float, complex, str, bytes):
+        if isinstance(value, kind):
+            return [kind.__name__, kind.__repr__(value)]
+    if not isinstance(value, (list, tuple, Mapping, set, frozenset)) or id(value) in outer:
+        return f"{type(value).__module__}.{type(value).__qualname__}"
+    outer = (*outer, id(value))
+    if isinstance(value, (list, tuple)):
+        return ["sequence", [_plain(item, outer) for item in value]]
+    items = value.items() if isinstance(value, Mapping) else value
+    return ["unordered", sorted((_plain(item, outer) for item in items), key=json.dumps)]
+
+
+def _plain_array(array: np.ndarray[Any, Any], outer: tuple[int, ...]) -> Any:
+    # The bytes of an array of objects are addresses.
+    if array.dtype.hasobject:
+        content = _plain(array.tolist(), outer) if array.ndim else _plain(array.item(), outer)
+    else:
+        content = hashlib.sha256(array.tobytes()).hexdigest()
+    return ["array", str(array.dtype), list(array.shape), content]
 
 
 def _source_hash(function: Any) -> str | None:

@@ -44,8 +44,9 @@ class MetamodelQuality:
 
     Parameters
     ----------
-    q2 : float
-        Share of the variance of the responses that is predicted; 1 is perfect.
+    q2 : float or None
+        Share of the variance of the responses that is predicted; 1 is perfect. None when the
+        responses are all equal.
     coverage : float
         Share of the runs inside their 95 % interval.
     noise : float
@@ -54,7 +55,7 @@ class MetamodelQuality:
         Why it is not to be trusted, in words; empty when it is.
     """
 
-    q2: float
+    q2: float | None
     coverage: float
     noise: float
     warnings: tuple[str, ...] = ()
@@ -132,8 +133,14 @@ class Strategy(ABC):
         """Return the best parameter set by expected response."""
 
     @abstractmethod
-    def reconsider(self) -> bool:
-        """Go on after a verification that left the tolerance; False when it cannot do better."""
+    def reconsider(self, affordable: int | None = None) -> bool:
+        """Go on after a verification that left the tolerance; False when it cannot do better.
+
+        Parameters
+        ----------
+        affordable : int, optional
+            Largest number of further proposals that leaves room for another verification.
+        """
 
 
 #: A plan yields batches of proposals and is sent what came of each, in the same order.

@@ -65,12 +65,12 @@ def _criterion_slope(metamodels: Metamodels, point: Array, axis: int) -> float:
     if problem.rayleigh is None or problem.rayleigh_weight == 0:
         return 0.0
     low, high = point.copy(), point.copy()
-    low[axis] -= _DIFFERENCE
-    high[axis] += _DIFFERENCE
+    low[axis] = max(0.0, point[axis] - _DIFFERENCE)
+    high[axis] = min(1.0, point[axis] + _DIFFERENCE)
     rise = problem.rayleigh_criterion(problem.from_unit(high)) - problem.rayleigh_criterion(
         problem.from_unit(low)
     )
-    return rise / (2 * _DIFFERENCE)
+    return float(rise / (high[axis] - low[axis]))
 
 
 def difference_points(metamodels: Metamodels, point: Array) -> Array:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from scipy.optimize import minimize
 
 from grainfit.material import MATERIAL_PARAMETERS
-from grainfit.problem import Target
+from grainfit.problem import Parameter, Target
 from grainfit.sampling import maximin_latin_hypercube
 from grainfit.strategies.metamodels import Metamodels
 
@@ -21,6 +21,8 @@ _CONFIDENCE = 2.0
 _AT_BOUND = 0.01
 #: Share of the missing deviation by which a suggested interval goes beyond the need.
 _MARGIN = 1.15
+#: How many interval widths from its middle a linear extrapolation is worth saying.
+_FARTHEST = 3.0
 
 
 @dataclass(frozen=True)
@@ -40,7 +42,7 @@ class OutOfReach:
     parameter, bound, bound_value : str, {"min", "max"}, float, optional
         The bound that is in the way.
     suggestion : float, optional
-        A bound that should do, by linear extrapolation.
+        A bound that should do, by linear extrapolation; None when none is in sight.
     """
 
     target: str
@@ -68,7 +70,7 @@ class OutOfReach:
             return f"{text} No single bound is in the way: free another parameter."
         text += f" The bound in the way is {self.parameter}.{self.bound} = {self.bound_value:g}"
         if self.suggestion is None:
-            return f"{text}, which is at its physical limit: free another parameter."
+            return f"{text}, and no possible value beyond it would do: free another parameter."
         return f"{text}; try {self.suggestion:g}."
 
 
@@ -146,14 +148,13 @@ def _describe(
     parameter = metamodels.problem.parameters[axis]
     upper = bool(point[axis] > 0.5)
     bound = parameter.maximum if upper else parameter.minimum
-    position = point[axis] + _MARGIN * missing / slopes[axis]
-    value = _round_outward(parameter.from_unit(float(position)), upper)
+    position = float(point[axis] + _MARGIN * missing / slopes[axis])
     return OutOfReach(
         *basics,
         parameter=parameter.name,
         bound="max" if upper else "min",
         bound_value=bound,
-        suggestion=_within_physics(parameter.name, value, bound, upper),
+        suggestion=_suggestion(parameter, position, bound, upper),
     )
 
 
@@ -174,6 +175,14 @@ def _round_outward(value: float, upward: bool) -> float:
     unit = 10.0 ** (floor(log10(abs(value))) - 2)
     steps = np.ceil(value / unit) if upward else np.floor(value / unit)
     return float(f"{steps * unit:.6g}")
+
+
+def _suggestion(parameter: Parameter, position: float, bound: float, upper: bool) -> float | None:
+    """Bound to try, or None where a straight line cannot tell or physics ends."""
+    if abs(position - 0.5) > _FARTHEST:
+        return None
+    value = _round_outward(parameter.from_unit(position), upper)
+    return _within_physics(parameter.name, value, bound, upper)
 
 
 def _within_physics(name: str, value: float, bound: float, upper: bool) -> float | None:

@@ -10,12 +10,13 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from math import isfinite
 
 import numpy as np
 from numpy.typing import NDArray
 
 from grainfit.campaign.evaluation import Evaluation, Proposal, Stage
-from grainfit.errors import Fault, InputError
+from grainfit.errors import Fault, InputError, RunFailedError
 from grainfit.misfit import within_tolerance
 from grainfit.problem import Problem
 from grainfit.sampling import maximin_latin_hypercube
@@ -109,6 +110,11 @@ class Staged(BatchStrategy):
         return tuple(self._notices)
 
     @property
+    def design_runs(self) -> int:
+        """Size of the Latin hypercube."""
+        return self._design_runs
+
+    @property
     def expected_left(self) -> int:
         """Proposals of the batch under way, and those of a usual step 3 behind the design."""
         if not self._begun:
@@ -123,8 +129,10 @@ class Staged(BatchStrategy):
         yield self._proposals(design, "design")
         yield from self._optimise()
 
-    def reconsider(self) -> bool:
+    def reconsider(self, affordable: int | None = None) -> bool:
         """Fit again with the verification runs known, if the budget allows a step."""
+        if affordable is not None:
+            self._left = min(self._left, affordable)
         possible = (
             not self._out_of_reach
             and self._left > self.problem.dimension
@@ -139,6 +147,8 @@ class Staged(BatchStrategy):
         """Return the simulated parameter set with the smallest expected misfit."""
         metamodels = self._metamodels()
         candidates = [dict(e.proposal.parameters) for e in self._successful()]
+        if not candidates:
+            raise RunFailedError("no parameter set gave all responses, so none can be the answer")
         best = min(candidates, key=lambda p: metamodels.expected_misfit(self.problem.to_unit(p)))
         means, variances = metamodels.predict(self.problem.to_unit(best))
         names = [target.name for target in self.problem.targets]
@@ -212,7 +222,14 @@ class Staged(BatchStrategy):
         return (e for e in self.known if names <= e.responses.keys())
 
 
-def _design_size(dimension: int, wanted: int | None, max_evaluations: int | None) -> int:
+def smallest_design(dimension: int, wanted: int | None = None) -> int:
+    """Return the size of the design that is wanted, or else the smallest that is possible.
+
+    Raises
+    ------
+    InputError
+        What is wanted is too small to fit metamodels.
+    """
     smallest = dimension + 3
     if wanted is not None and wanted < smallest:
         raise InputError(
@@ -222,14 +239,19 @@ def _design_size(dimension: int, wanted: int | None, max_evaluations: int | None
                 f"Give at least {smallest}.",
             )
         )
+    return wanted or smallest
+
+
+def _design_size(dimension: int, wanted: int | None, max_evaluations: int | None) -> int:
+    smallest = smallest_design(dimension, wanted)
     if max_evaluations is None:
         return wanted or DESIGN_RUNS_PER_PARAMETER * dimension
-    if max_evaluations < (wanted or smallest):
+    if max_evaluations < smallest:
         raise InputError(
             Fault(
-                "max_runs",
-                "is too small for the design and the verification.",
-                f"Allow at least {(wanted or smallest) - max_evaluations} runs more.",
+                "max_evaluations",
+                f"{max_evaluations} are too few for the design.",
+                f"Allow at least {smallest}.",
             )
         )
     # A tight budget keeps a share for step 3.
@@ -242,7 +264,7 @@ def _quality(metamodels: Metamodels) -> Iterator[MetamodelQuality]:
     for model in metamodels.models:
         check = model.leave_one_out()
         yield MetamodelQuality(
-            q2=float(check.q2),
+            q2=float(check.q2) if isfinite(check.q2) else None,
             coverage=float(check.coverage),
             noise=float(model.noise_standard_deviation),
             warnings=tuple(model.warnings()),

@@ -252,8 +252,8 @@ class ProcessSolverContract(SolverContract):
         with pytest.raises(RunFailedError, match="time-out of 1 s") as caught:
             endless.run(parameters, 7, workspace)
 
-        # Trying again would take as long again.
-        assert caught.value.kind == "simulation"
+        # Not the machine's fault: trying again at once would take as long again.
+        assert caught.value.kind == "timeout"
         assert 1.0 <= time.monotonic() - started < 1.0 + SOON
         assert _stay_in(workspace.folder) == []
 

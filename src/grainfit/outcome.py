@@ -1,0 +1,156 @@
+"""Puts together what comes out of a calibration."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from importlib.metadata import version
+
+from grainfit.campaign.evaluation import Evaluation
+from grainfit.misfit import relative_deviation
+from grainfit.problem import Problem, Target
+from grainfit.result import ResponseResult, Result, RunCounts, RunSummary, Status
+from grainfit.strategies.base import Answer, Strategy
+from grainfit.verification import Verified, verified_responses
+
+
+@dataclass(frozen=True)
+class About:
+    """What a calibration is called, its identity, how long it took and how it ended."""
+
+    name: str
+    identity: str
+    wall_seconds: float
+    status: Status
+
+
+def make_result(
+    about: About,
+    problem: Problem,
+    strategy: Strategy,
+    answer: Answer | None,
+    evaluations: Sequence[Evaluation],
+    verification: Sequence[Evaluation],
+) -> Result:
+    """Put together the result of a calibration.
+
+    Parameters
+    ----------
+    about : About
+        Name, identity, duration and end.
+    problem, strategy : Problem, Strategy
+        What was calibrated, and how.
+    answer : Answer or None
+        None when it was interrupted before there was one.
+    evaluations : sequence of Evaluation
+        All parameter sets that were simulated.
+    verification : sequence of Evaluation
+        Those of them that verify the answer.
+    """
+    rayleigh = problem.rayleigh
+    middle = problem.from_unit([0.5] * problem.dimension)
+    parameters = dict(answer.parameters) if answer else {}
+    notices = [*strategy.notices, *_failure_notices(verification)]
+    if answer:
+        notices += _edge_notices(problem, answer)
+    return Result(
+        status=about.status,
+        parameters=parameters,
+        responses=_responses(problem, answer, verification) if answer else {},
+        runs=_counts(evaluations),
+        rayleigh_time_step=problem.rayleigh_time_step(parameters) if answer else None,
+        rayleigh_time_step_before=problem.rayleigh_time_step(middle),
+        rayleigh_time_step_limits=rayleigh.limits(problem.intervals) if rayleigh else None,
+        wall_seconds=about.wall_seconds,
+        name=about.name,
+        identity=about.identity,
+        strategy=strategy.name,
+        seed=strategy.seed,
+        version=version("grainfit"),
+        units={parameter.name: parameter.unit for parameter in problem.parameters},
+        out_of_reach=answer.out_of_reach if answer else (),
+        metamodels=answer.quality if answer else {},
+        notices=tuple(notices),
+        history=tuple(_summary(evaluation) for evaluation in evaluations),
+    )
+
+
+def _responses(
+    problem: Problem, answer: Answer, verification: Sequence[Evaluation]
+) -> dict[str, ResponseResult]:
+    verified = verified_responses(problem, verification)
+    return {
+        target.name: _response(target, answer, verified.get(target.name), bool(verification))
+        for target in problem.targets
+    }
+
+
+def _response(
+    target: Target, answer: Answer, verified: Verified | None, attempted: bool
+) -> ResponseResult:
+    predicted = answer.predicted[target.name]
+    best = verified.mean if verified else predicted
+    close = abs(best - target.value) <= target.accepted_deviation
+    return ResponseResult(
+        target=target.value,
+        tolerance=target.accepted_deviation,
+        unit=target.unit,
+        predicted=predicted,
+        std_error=answer.standard_errors[target.name],
+        verified_mean=verified.mean if verified else None,
+        verified_std_error=verified.standard_error if verified else None,
+        verified_interval=verified.half_width if verified else None,
+        deviation_percent=100 * relative_deviation(best, target),
+        # What verification runs failed to confirm is not met, whatever was predicted.
+        within_tolerance=close and (verified is not None or not attempted),
+    )
+
+
+def _counts(evaluations: Sequence[Evaluation]) -> RunCounts:
+    def runs(stage: str) -> int:
+        return sum(len(e.runs) for e in evaluations if e.proposal.stage == stage)
+
+    return RunCounts(
+        design=runs("design"),
+        optimisation=runs("optimisation"),
+        verification=runs("verification"),
+        failed=sum(len(e.failures) for e in evaluations),
+        reused=sum(e.reused for e in evaluations),
+        total=sum(len(e.runs) for e in evaluations),
+    )
+
+
+def _failure_notices(verification: Sequence[Evaluation]) -> Iterator[str]:
+    """Say when verification runs failed."""
+    reasons = [reason for e in verification for reason in e.failures.values()]
+    if reasons:
+        yield (
+            f"{len(reasons)} of {sum(len(e.runs) for e in verification)} verification runs "
+            f"failed: {reasons[-1]}"
+        )
+
+
+def _edge_notices(problem: Problem, answer: Answer) -> Iterator[str]:
+    """Say when the answer lies on a bound of an interval."""
+    for parameter in problem.parameters:
+        position = parameter.to_unit(answer.parameters[parameter.name])
+        for bound, value, near in (
+            ("min", parameter.minimum, position < 0.01),
+            ("max", parameter.maximum, position > 0.99),
+        ):
+            if near:
+                yield (
+                    f"{parameter.name} lies on its bound {bound} = {value:g}: a wider interval "
+                    "may fit better."
+                )
+
+
+def _summary(evaluation: Evaluation) -> RunSummary:
+    return RunSummary(
+        evaluation.proposal.stage,
+        dict(evaluation.proposal.parameters),
+        evaluation.proposal.seed,
+        {name: response.value for name, response in evaluation.responses.items()},
+        dict(evaluation.failures),
+        dict(evaluation.runs),
+    )
