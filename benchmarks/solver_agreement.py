@@ -27,24 +27,8 @@ from grainfit.solvers.base import Workspace
 from grainfit.solvers.deck_solver import DeckSolver
 from grainfit.solvers.lammps import Lammps
 from grainfit.solvers.liggghts import Liggghts
+from grainfit.testing.materials import GLASS_BEADS
 
-#: Glass beads of Rackl et al. (2016).
-GLASS_BEADS = {
-    "particle.youngs_modulus": 3.6e5,
-    "particle.poissons_ratio": 0.22,
-    "particle.density": 2100.0,
-    "wall.youngs_modulus": 2.11e11,
-    "wall.poissons_ratio": 0.30,
-    "wall.density": 7700.0,
-    "particle_particle.sliding_friction": 0.18,
-    "particle_particle.rolling_friction": 0.67,
-    "particle_particle.restitution": 0.79,
-    "particle_particle.rolling_damping": 0.25,
-    "particle_wall.sliding_friction": 0.27,
-    "particle_wall.rolling_friction": 0.005,
-    "particle_wall.restitution": 0.82,
-    "particle_wall.rolling_damping": 0.25,
-}
 SOLVERS: Mapping[str, type[DeckSolver]] = {"lammps": Lammps, "liggghts": Liggghts}
 
 

@@ -1,22 +1,9 @@
 import pytest
 
+from grainfit.testing.materials import GLASS_BEADS
+
 
 @pytest.fixture
 def glass_beads():
     """The 14 parameters of Rackl et al. (2016)."""
-    return {
-        "particle.youngs_modulus": 3.6e5,
-        "particle.poissons_ratio": 0.22,
-        "particle.density": 2100.0,
-        "wall.youngs_modulus": 2.11e11,
-        "wall.poissons_ratio": 0.30,
-        "wall.density": 7700.0,
-        "particle_particle.sliding_friction": 0.18,
-        "particle_particle.rolling_friction": 0.67,
-        "particle_particle.restitution": 0.79,
-        "particle_particle.rolling_damping": 0.25,
-        "particle_wall.sliding_friction": 0.27,
-        "particle_wall.rolling_friction": 0.005,
-        "particle_wall.restitution": 0.82,
-        "particle_wall.rolling_damping": 0.25,
-    }
+    return dict(GLASS_BEADS)

@@ -16,26 +16,18 @@ from grainfit.solvers.base import Workspace
 from grainfit.solvers.lammps import Lammps
 from grainfit.solvers.liggghts import Liggghts
 from grainfit.solvers.process import run_process
+from grainfit.testing.materials import GLASS_BEADS
 
 RADIUS = 0.005
 DENSITY = 2100.0
 MASS = DENSITY * 4 / 3 * math.pi * RADIUS**3
 GRAVITY = 9.81
 MATERIAL = {
-    "particle.youngs_modulus": 3.6e5,
-    "particle.poissons_ratio": 0.22,
+    **GLASS_BEADS,
     "particle.density": DENSITY,
     "wall.youngs_modulus": 2.0e5,
     "wall.poissons_ratio": 0.40,
-    "wall.density": 7700.0,
-    "particle_particle.sliding_friction": 0.18,
-    "particle_particle.rolling_friction": 0.67,
-    "particle_particle.restitution": 0.79,
-    "particle_particle.rolling_damping": 0.25,
-    "particle_wall.sliding_friction": 0.27,
-    "particle_wall.rolling_friction": 0.005,
     "particle_wall.restitution": 0.55,
-    "particle_wall.rolling_damping": 0.25,
 }
 #: Overlap of one particle resting on the plate.
 RESTING = hertz_overlap(MASS * GRAVITY, particle_moduli(MATERIAL, "wall"), RADIUS)

@@ -10,22 +10,11 @@ from grainfit.bulk_tests.heap import HeapTest
 from grainfit.material import ParticleSizes
 from grainfit.solvers.lammps import Lammps
 from grainfit.solvers.liggghts import Liggghts
+from grainfit.testing.materials import GLASS_BEADS
 from grainfit.testing.solver_contract import ProcessSolverContract
 
-FIXED = {
-    "particle.youngs_modulus": 3.6e5,
-    "particle.poissons_ratio": 0.22,
-    "wall.youngs_modulus": 2.11e11,
-    "wall.poissons_ratio": 0.30,
-    "wall.density": 7700.0,
-    "particle_particle.sliding_friction": 0.18,
-    "particle_particle.restitution": 0.79,
-    "particle_particle.rolling_damping": 0.25,
-    "particle_wall.sliding_friction": 0.27,
-    "particle_wall.rolling_friction": 0.005,
-    "particle_wall.restitution": 0.82,
-    "particle_wall.rolling_damping": 0.25,
-}
+FREE = ("particle.density", "particle_particle.rolling_friction")
+FIXED = {name: value for name, value in GLASS_BEADS.items() if name not in FREE}
 BEADS = ParticleSizes((0.010,))
 SMALL = HeapTest(
     BEADS,

@@ -1,0 +1,21 @@
+"""Materials of the literature, to test and compare with."""
+
+from collections.abc import Mapping
+
+#: Glass beads of Rackl, Görnig, Hanley & Günthner (ECCOMAS 2016), table 1: all 14 parameters, SI.
+GLASS_BEADS: Mapping[str, float] = {
+    "particle.youngs_modulus": 3.6e5,
+    "particle.poissons_ratio": 0.22,
+    "particle.density": 2100.0,
+    "wall.youngs_modulus": 2.11e11,
+    "wall.poissons_ratio": 0.30,
+    "wall.density": 7700.0,
+    "particle_particle.sliding_friction": 0.18,
+    "particle_particle.rolling_friction": 0.67,
+    "particle_particle.restitution": 0.79,
+    "particle_particle.rolling_damping": 0.25,
+    "particle_wall.sliding_friction": 0.27,
+    "particle_wall.rolling_friction": 0.005,
+    "particle_wall.restitution": 0.82,
+    "particle_wall.rolling_damping": 0.25,
+}
