@@ -137,7 +137,9 @@ def test_the_same_runs_give_the_same_metamodel() -> None:
     np.testing.assert_array_equal(first.variance_of_mean, second.variance_of_mean)
 
 
-@pytest.mark.parametrize(("scale", "shift"), [(1e-12, 0.0), (1e12, 0.0), (-3.0, 500.0)])
+@pytest.mark.parametrize(
+    ("scale", "shift"), [(1e-12, 0.0), (1e12, 0.0), (1e-99, 0.0), (1e99, 0.0), (-3.0, 500.0)]
+)
 def test_units_of_the_response_do_not_matter(good: Kriging, scale: float, shift: float) -> None:
     points, values = noisy_runs(26, 0.1, 3)
     other = Kriging.fit(points, scale * values + shift)
@@ -447,6 +449,9 @@ _VALUES = response(_POINTS)
         (_POINTS, [*_VALUES[:5], math.nan], None, "values"),
         (_POINTS, [*_VALUES[:5], math.inf], None, "values"),
         (_POINTS, _VALUES[:5], None, "values"),
+        (_POINTS, 1e300 * _VALUES, None, "values"),
+        (_POINTS, 1e-300 * _VALUES, None, "values"),
+        (_POINTS, np.full(6, 1e-300), None, "values"),
         (_POINTS, ["high"] * 6, None, "values"),
         (np.where(_POINTS < 0.2, math.nan, _POINTS), _VALUES, None, "points"),
         (_POINTS[:, 0], _VALUES, None, "points"),
@@ -474,6 +479,7 @@ def test_unusable_points_are_refused_after_the_fit(good: Kriging) -> None:
         lambda: good.gradient([0.5, math.inf]),
         lambda: good.condition([[0.5, 0.5]], [math.nan]),
         lambda: good.condition([[0.5, 0.5]], [1.0, 2.0]),
+        lambda: good.condition([[0.5, 0.5]], [1e300]),
         lambda: good.condition([[0.5]], None),
     ):
         with pytest.raises(InputError):

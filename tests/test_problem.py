@@ -1,13 +1,19 @@
 """Parameters, targets and problems: transforms and what is refused."""
 
+import json
 import math
+from dataclasses import asdict
+from fractions import Fraction
+from typing import Any
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from grainfit.errors import InputError
 from grainfit.problem import Parameter, Problem, Target
+from grainfit.timestep import RayleighTimeStep
 
 
 @given(st.floats(0, 1))
@@ -58,3 +64,81 @@ def test_every_fault_of_a_problem_is_named_at_once() -> None:
     assert "friction" in message
     assert "targets" in message
     assert "rayleigh_weight" in message
+
+
+@pytest.mark.parametrize("kind", [np.int64, np.int32, np.float32, np.float64, int, Fraction])
+def test_numbers_of_any_kind_become_plain_floats(kind: Any) -> None:
+    parameter = Parameter("friction", kind(1), kind(2))
+    target = Target("angle", kind(30), kind(2), kind(1), kind(1))
+    problem = Problem([parameter], [target], rayleigh_weight=kind(0))
+    assert json.loads(json.dumps([asdict(parameter), asdict(target)]))[0]["maximum"] == 2.0
+    assert type(problem.rayleigh_weight) is float
+    assert parameter.from_unit(1.0) == 2.0
+    assert target.accepted_deviation == 1.0
+
+
+@pytest.mark.parametrize("value", ["0.5", None, True, 1j, [0.5], 10**400])
+def test_what_is_no_number_is_refused_by_name(value: Any) -> None:
+    for key, make in (
+        ("friction.min", lambda: Parameter("friction", value, 1.0)),
+        ("friction.max", lambda: Parameter("friction", 0.0, value)),
+        ("angle.value", lambda: Target("angle", value)),
+        ("angle.weight", lambda: Target("angle", 30.0, weight=value)),
+        ("rayleigh_weight", lambda: problem_with(rayleigh_weight=value)),
+    ):
+        with pytest.raises(InputError) as caught:
+            make()
+        assert [fault.key for fault in caught.value.faults] == [key]
+    if value is not None:
+        with pytest.raises(InputError, match="tolerance"):
+            Target("angle", 30.0, tolerance=value)
+
+
+def problem_with(**options: Any) -> Problem:
+    return Problem([Parameter("particle.density", 1e3, 3e3)], [Target("angle", 30.0)], **options)
+
+
+@pytest.mark.parametrize("items", [None, 3, "friction", ["friction"], Target("a", 1.0)])
+def test_a_problem_is_made_of_lists(items: Any) -> None:
+    with pytest.raises(InputError, match="parameters"):
+        Problem(items, [Target("angle", 30.0)])
+    with pytest.raises(InputError, match="targets"):
+        Problem([Parameter("friction", 0, 1)], items)
+
+
+MODULUS_AND_RATIO = {"particle.youngs_modulus": 3.6e5, "particle.poissons_ratio": 0.22}
+
+
+def test_a_rayleigh_time_step_takes_free_and_fixed_values() -> None:
+    problem = problem_with(rayleigh=RayleighTimeStep(0.005, MODULUS_AND_RATIO))
+    step = problem.rayleigh_time_step({"particle.density": 2100.0})
+    assert step == pytest.approx(0.002054, rel=1e-3)
+
+
+@pytest.mark.parametrize("missing", list(MODULUS_AND_RATIO))
+def test_a_rayleigh_time_step_that_lacks_a_value_is_refused(missing: str) -> None:
+    fixed = {name: value for name, value in MODULUS_AND_RATIO.items() if name != missing}
+    with pytest.raises(InputError, match=f"{missing}: is neither fixed nor free"):
+        problem_with(rayleigh=RayleighTimeStep(0.005, fixed))
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [
+        ("particle.youngs_modulus", 0.0),
+        ("particle.youngs_modulus", "3.6e5"),
+        ("particle.poissons_ratio", 0.6),
+        ("particle.poissons_ratio", math.nan),
+    ],
+)
+def test_a_rayleigh_time_step_of_an_impossible_material_is_refused(name: str, value: Any) -> None:
+    with pytest.raises(InputError, match=name):
+        problem_with(rayleigh=RayleighTimeStep(0.005, {**MODULUS_AND_RATIO, name: value}))
+
+
+def test_a_rayleigh_time_step_over_an_impossible_interval_is_refused() -> None:
+    rayleigh = RayleighTimeStep(0.005, MODULUS_AND_RATIO)
+    with pytest.raises(InputError, match=r"particle\.density: is 0\.0 to 3000\.0"):
+        Problem([Parameter("particle.density", 0, 3e3)], [Target("angle", 30.0)], rayleigh=rayleigh)
+    with pytest.raises(InputError, match="radius"):
+        problem_with(rayleigh=RayleighTimeStep(0.0, MODULUS_AND_RATIO))

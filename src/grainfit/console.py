@@ -213,8 +213,13 @@ def print_status(console: Console, status: WorkdirStatus) -> None:
     for failure in status.failed:
         console.print(Text(f"failed: {failure.reason} ({failure.folder})", style="red"))
     if status.result is not None and status.state != "running":
-        for name, value in status.result.get("parameters", {}).items():
-            console.print(f"{name} = {value:.5g}", highlight=False, markup=False)
+        parameters = status.result.get("parameters")
+        if not isinstance(parameters, Mapping):
+            return
+        for name, value in parameters.items():
+            # A result that somebody edited is shown as it is.
+            shown = f"{value:.5g}" if isinstance(value, float) else f"{value}"
+            console.print(f"{name} = {shown}", highlight=False, markup=False)
 
 
 def print_run(console: Console, evaluation: Evaluation, folders: Mapping[str, Path]) -> None:

@@ -54,6 +54,8 @@ _LARGEST_KNOWN_SHARE = 0.98
 # With more hyperparameters the mirror images cost more time than they are worth.
 _MIRRORED_UP_TO = 8
 _LARGEST_BLOCK = 4096
+# Beyond, squares of the response or of its rounding have no floating-point number.
+_MAGNITUDES = (1e-100, 1e100)
 _POOR_Q2 = 0.5
 _NORMAL_QUANTILE = float(stats.norm.ppf(0.975))
 
@@ -439,6 +441,20 @@ def _checked(name: str, array: ArrayLike, shape: tuple[int | None, ...]) -> Floa
     return checked
 
 
+def _checked_values(values: ArrayLike, n: int) -> FloatArray:
+    checked = _checked("values", values, (n,))
+    largest = float(np.abs(checked).max(initial=0.0))
+    if largest and not _MAGNITUDES[0] <= largest <= _MAGNITUDES[1]:
+        raise InputError(
+            Fault(
+                "values",
+                f"are as large as {largest:g}.",
+                f"Give responses that are {_MAGNITUDES[0]:g} to {_MAGNITUDES[1]:g} large, or 0.",
+            )
+        )
+    return checked
+
+
 def _checked_noise(noise_variance: ArrayLike | None, n: int) -> FloatArray:
     if noise_variance is None:
         return np.zeros(n)
@@ -528,12 +544,12 @@ class Kriging:
         Raises
         ------
         InputError
-            If there are fewer than 3 runs, a value is not finite, the shapes do not agree or
-            the points are far outside the unit cube.
+            If there are fewer than 3 runs, a value is not finite or of no physical magnitude, the
+            shapes do not agree or the points are far outside the unit cube.
         """
         points = _checked_points(points, None)
         n, d = points.shape
-        values = _checked("values", values, (n,))
+        values = _checked_values(values, n)
         if n < _MINIMUM_RUNS or d < 1:
             raise InputError(
                 Fault(
@@ -719,7 +735,7 @@ class Kriging:
         points = _checked_points(points, self.d)
         added = None
         if values is not None:
-            added = (_checked("values", values, (len(points),)) - self._offset) / self._scale
+            added = (_checked_values(values, len(points)) - self._offset) / self._scale
         known_noise = np.full(len(points), float(self._components[0].known_noise.mean()))
         return Kriging(
             [c.condition(points, added, known_noise) for c in self._components],

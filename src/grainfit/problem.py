@@ -6,6 +6,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from numbers import Real
 from typing import Literal
 
 import numpy as np
@@ -18,6 +19,28 @@ from grainfit.timestep import RayleighTimeStep
 DEFAULT_RELATIVE_TOLERANCE = 0.02
 
 Scale = Literal["linear", "log"]
+
+
+def _number(value: object) -> float:
+    """The value as a plain float; NaN when it is no real number."""
+    if not isinstance(value, Real) or isinstance(value, bool):
+        return math.nan
+    try:
+        return float(value)
+    except OverflowError:
+        return math.nan
+
+
+def _shown(value: object) -> str:
+    return repr(value) if isinstance(value, str) else str(value)
+
+
+def _make_plain(owner: object, *keys: str) -> None:
+    """Turn NumPy's numbers into floats: results are written as JSON."""
+    for key in keys:
+        value = getattr(owner, key)
+        if value is not None:
+            object.__setattr__(owner, key, float(value))
 
 
 @dataclass(frozen=True)
@@ -51,6 +74,7 @@ class Parameter:
         faults = list(_interval_faults(self))
         if faults:
             raise InputError(faults)
+        _make_plain(self, "minimum", "maximum")
 
     def to_unit(self, value: float) -> float:
         """Position of a value in the interval: 0 at the minimum, 1 at the maximum."""
@@ -68,14 +92,14 @@ class Parameter:
 
 
 def _interval_faults(parameter: Parameter) -> Sequence[Fault]:
-    name, low, high = parameter.name, parameter.minimum, parameter.maximum
-    if not name:
+    name, low, high = parameter.name, _number(parameter.minimum), _number(parameter.maximum)
+    if not name or not isinstance(name, str):
         return [Fault("parameter", "has no name.", "Give it one.")]
     if parameter.scale not in ("linear", "log"):
         return [Fault(f"{name}.scale", f"is {parameter.scale!r}.", 'Use "linear" or "log".')]
     faults = [
-        Fault(f"{name}.{bound}", f"is {value}, not a finite number.", "Give a finite number.")
-        for bound, value in (("min", low), ("max", high))
+        Fault(f"{name}.{key}", f"is {_shown(given)}, not a finite number.", "Give a finite number.")
+        for key, value, given in (("min", low, parameter.minimum), ("max", high, parameter.maximum))
         if not math.isfinite(value)
     ]
     if faults:
@@ -123,6 +147,7 @@ class Target:
         faults = list(_target_faults(self))
         if faults:
             raise InputError(faults)
+        _make_plain(self, "value", "uncertainty", "tolerance", "weight")
 
     @property
     def accepted_deviation(self) -> float:
@@ -135,24 +160,35 @@ class Target:
 
 
 def _target_faults(target: Target) -> Sequence[Fault]:
-    if not target.name:
+    if not target.name or not isinstance(target.name, str):
         return [Fault("target", "has no name.", "Name the response that it is a target of.")]
     faults = []
-    if not (math.isfinite(target.value) and target.value > 0):
+    if not 0 < _number(target.value) < math.inf:
         faults.append(
             Fault(
                 f"{target.name}.value",
-                f"is {target.value}.",
+                f"is {_shown(target.value)}.",
                 "Deviations are relative to the target, so it must be a number above 0.",
             )
         )
     for key in ("uncertainty", "tolerance", "weight"):
-        number = getattr(target, key)
-        if number is not None and not (math.isfinite(number) and number > 0):
+        given = getattr(target, key)
+        left_out = given is None and key != "weight"
+        if not left_out and not 0 < _number(given) < math.inf:
             faults.append(
-                Fault(f"{target.name}.{key}", f"is {number}.", "It must be a number above 0.")
+                Fault(
+                    f"{target.name}.{key}", f"is {_shown(given)}.", "It must be a number above 0."
+                )
             )
     return faults
+
+
+def _require_sequence(key: str, items: object, kind: type) -> None:
+    if isinstance(items, Sequence) and all(isinstance(item, kind) for item in items):
+        return
+    raise InputError(
+        Fault(key, f"are {_shown(items)}.", f"Give a list of {kind.__name__} objects.")
+    )
 
 
 @dataclass(frozen=True)
@@ -171,6 +207,11 @@ class Problem:
         Weight of the Rayleigh criterion (equation 2) among the residuals. 0 by default: as a
         summand of the misfit it trades accuracy for speed.
 
+    Raises
+    ------
+    InputError
+        Nothing to vary or to meet, a name given twice, or a Rayleigh time step that lacks a value.
+
     Examples
     --------
     >>> problem = Problem([Parameter("friction", 0.1, 0.9)], [Target("angle", 30.0)])
@@ -184,6 +225,8 @@ class Problem:
     rayleigh_weight: float = 0.0
 
     def __post_init__(self) -> None:
+        _require_sequence("parameters", self.parameters, Parameter)
+        _require_sequence("targets", self.targets, Target)
         object.__setattr__(self, "parameters", tuple(self.parameters))
         object.__setattr__(self, "targets", tuple(self.targets))
         faults = []
@@ -195,12 +238,14 @@ class Problem:
                 Fault(name, f"is given as a {words} more than once.", "Keep one of them.")
                 for name in sorted({name for name in names if names.count(name) > 1})
             ]
-        if not (math.isfinite(self.rayleigh_weight) and self.rayleigh_weight >= 0):
-            faults.append(
-                Fault("rayleigh_weight", f"is {self.rayleigh_weight}.", "It must be 0 or above.")
-            )
+        if not 0 <= _number(self.rayleigh_weight) < math.inf:
+            given = _shown(self.rayleigh_weight)
+            faults.append(Fault("rayleigh_weight", f"is {given}.", "It must be 0 or above."))
+        if self.rayleigh is not None:
+            faults += self.rayleigh.faults(self.intervals)
         if faults:
             raise InputError(faults)
+        _make_plain(self, "rayleigh_weight")
 
     @property
     def dimension(self) -> int:

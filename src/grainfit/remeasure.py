@@ -11,7 +11,7 @@ import numpy as np
 
 from grainfit.bulk_tests.heap import HeapTest
 from grainfit.campaign.workdir import RECORD_NAME, read_record
-from grainfit.errors import Fault, InputError
+from grainfit.errors import Fault, InputError, NotMeasurableError
 from grainfit.material import ParticleSizes
 from grainfit.measurement.angle_of_repose import angle_of_repose
 from grainfit.measurement.particles import read_dump
@@ -43,6 +43,8 @@ def measure_path(path: Path) -> dict[str, Response]:
             Fault("", f"{str(path)!r} does not exist.", "Name a run folder or a dump.")
         )
     heap = read_dump(path)
+    if len(heap) == 0:
+        raise NotMeasurableError(f"{path}: its last frame has no particles.")
     reach = float(np.hypot(heap.positions[:, 0], heap.positions[:, 1]).max())
     angle = angle_of_repose(heap, ground=heap.diameter, plate_radius=reach)
     return {"angle_of_repose": angle.response}
@@ -68,7 +70,19 @@ def _test_of(folder: Path) -> HeapTest:
                 "Only built-in tests can be measured again.",
             )
         )
-    return _heap_test(test)
+    try:
+        return _heap_test(test)
+    except KeyError as error:
+        reason = f"{error} is missing"
+    except (TypeError, ValueError, AttributeError) as error:
+        reason = str(error)
+    raise InputError(
+        Fault(
+            "",
+            f"{str(folder / RECORD_NAME)!r} does not define a heap test: {reason}.",
+            "It was edited, or written by another version of grainfit.",
+        )
+    )
 
 
 def _heap_test(definition: Mapping[str, Any]) -> HeapTest:

@@ -10,7 +10,13 @@ from pathlib import Path
 from typing import Any
 
 from grainfit.calibrate import RESULT_NAME
-from grainfit.campaign.store import CalibrationRecord, RequestRecord, RunRecord, RunStore
+from grainfit.campaign.store import (
+    STORE_NAME,
+    CalibrationRecord,
+    RequestRecord,
+    RunRecord,
+    RunStore,
+)
 from grainfit.campaign.workdir import is_held
 from grainfit.errors import StoreError
 
@@ -57,19 +63,19 @@ class WorkdirStatus:
 
 
 def read_status(folder: Path) -> WorkdirStatus:
-    """Read the state of a work folder.
+    """Read the state of a work folder; nothing in it is changed, and nobody at work disturbed.
 
     Raises
     ------
     StoreError
-        The folder is not a work folder.
+        The folder is not a work folder, or its store cannot be read.
     """
-    if not (folder / "runs.sqlite").is_file():
+    if not (folder / STORE_NAME).exists():
         raise StoreError(
-            f"{str(folder)!r} is not a work folder of grainfit: it has no runs.sqlite. "
+            f"{str(folder)!r} is not a work folder of grainfit: it has no {STORE_NAME}. "
             "Name the folder that 'grainfit run' wrote."
         )
-    store = RunStore.in_folder(folder)
+    store = RunStore.read_only(folder)
     try:
         runs = {record.identity: record for record in store.runs()}
         calibration = store.latest_calibration()
@@ -85,7 +91,7 @@ def read_status(folder: Path) -> WorkdirStatus:
         running=sum(record.status == "running" for record in runs.values()) if held else 0,
         failed=tuple(_failures(folder, requests, runs)),
         kept=sum(record.status == "finished" for record in runs.values()),
-        result=None if held else _read_result(folder),
+        result=None if held or calibration is None else _read_result(folder, calibration),
     )
 
 
@@ -121,9 +127,12 @@ def _failures(
     ]
 
 
-def _read_result(folder: Path) -> Mapping[str, Any] | None:
+def _read_result(folder: Path, calibration: CalibrationRecord) -> Mapping[str, Any] | None:
+    """Read the result; that of an earlier calibration in the folder is not this one's."""
     try:
         data = json.loads((folder / RESULT_NAME).read_text(encoding="utf-8"))
-    except (OSError, ValueError):
+    except (OSError, ValueError, RecursionError):
         return None
-    return data if isinstance(data, dict) else None
+    if not isinstance(data, dict) or data.get("identity") != calibration.identity:
+        return None
+    return data

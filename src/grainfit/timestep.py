@@ -5,6 +5,9 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from numbers import Real
+
+from grainfit.errors import Fault
 
 
 def rayleigh_time_step(
@@ -61,6 +64,24 @@ class RayleighTimeStep:
     radius: float
     fixed: Mapping[str, float]
 
+    def faults(self, intervals: Mapping[str, tuple[float, float]]) -> list[Fault]:
+        """Say why there is no Rayleigh time step somewhere in the intervals; empty if there is."""
+        found = _value_faults("radius", self.radius, self.radius)
+        for name in _NAMES:
+            if name in intervals:
+                found += _value_faults(name, *intervals[name])
+            elif name in self.fixed:
+                found += _value_faults(name, self.fixed[name], self.fixed[name])
+            else:
+                found.append(
+                    Fault(
+                        name,
+                        "is neither fixed nor free, and the Rayleigh time step needs it.",
+                        "Give its value in RayleighTimeStep, or make it a parameter.",
+                    )
+                )
+        return found
+
     def __call__(self, parameters: Mapping[str, float]) -> float:
         """Rayleigh time step at these values of the free parameters, s."""
         values = {**self.fixed, **parameters}
@@ -97,3 +118,14 @@ class RayleighTimeStep:
         if largest - smallest <= 1e-12 * largest:
             return 0.0
         return (largest - self(parameters)) / (largest - smallest)
+
+
+def _value_faults(name: str, low: float, high: float) -> list[Fault]:
+    is_ratio = name == "particle.poissons_ratio"
+    if isinstance(low, Real) and isinstance(high, Real):
+        possible = 0 <= low <= high <= 0.5 if is_ratio else 0 < low <= high < math.inf
+        if possible:
+            return []
+    shown = f"{low!r}" if low == high else f"{low} to {high}"
+    wanted = "from 0 to 0.5" if is_ratio else "above 0"
+    return [Fault(name, f"is {shown}.", f"The Rayleigh time step needs numbers {wanted}.")]

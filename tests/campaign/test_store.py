@@ -1,5 +1,6 @@
 """The run store keeps what it was given, and says when it cannot."""
 
+import re
 import sqlite3
 from pathlib import Path
 
@@ -7,6 +8,7 @@ import pytest
 
 from grainfit.campaign.identity import run_identity
 from grainfit.campaign.store import RequestRecord, RunRecord, RunStore
+from grainfit.campaign.workdir import close_run_folder, open_run_folder, recover
 from grainfit.errors import StoreError
 from grainfit.solvers.base import Response
 
@@ -64,3 +66,87 @@ def test_identity_depends_on_content_not_on_order() -> None:
     assert run_identity({"a": 1, "b": {"c": 2.5}}) == run_identity({"b": {"c": 2.5}, "a": 1})
     assert run_identity({"a": 1}) != run_identity({"a": 2})
     assert run_identity({"a": 0.1 + 0.2}) != run_identity({"a": 0.3})
+
+
+@pytest.mark.parametrize(
+    ("table", "column", "value"),
+    [
+        ("runs", "responses", '{"angle": {"value"'),
+        ("runs", "responses", "[1, 2]"),
+        ("runs", "responses", '{"angle": {"value": "high", "standard_error": 0}}'),
+        ("runs", "definition", "null"),
+        ("runs", "status", "sleeping"),
+        ("runs", "seconds", "long"),
+        ("requests", "parameters", "{"),
+        ("requests", "runs", '"heap"'),
+        ("calibrations", "definition", "{"),
+    ],
+)
+def test_a_damaged_cell_is_an_error_that_says_what_to_do(
+    tmp_path: Path, table: str, column: str, value: str
+) -> None:
+    store = RunStore.in_folder(tmp_path)
+    store.save(RunRecord("abc", "heap", "finished", {}, {"angle": Response(22.0)}))
+    store.begin_calibration("c", "beads", {})
+    store.add_request("c", RequestRecord(1, "design", {"x": 0.5}, 7, {"heap": "abc"}))
+    with sqlite3.connect(tmp_path / "runs.sqlite") as connection:
+        connection.execute(f"UPDATE {table} SET {column} = ?", [value])
+    read = {
+        "runs": lambda: store.find("abc"),
+        "requests": lambda: store.requests("c"),
+        "calibrations": store.latest_calibration,
+    }
+    with pytest.raises(StoreError, match=r"runs\.sqlite is damaged: .* Move runs\.sqlite away"):
+        read[table]()
+
+
+def test_a_damaged_store_moved_away_is_made_anew_from_the_run_folders(tmp_path: Path) -> None:
+    record = RunRecord("abc", "heap", "finished", {}, {"angle": Response(22.0)})
+    (tmp_path / "runs").mkdir()
+    open_run_folder(tmp_path, "abc")
+    close_run_folder(tmp_path, record)
+    (tmp_path / "runs.sqlite").write_text("this is not a database, " * 100)
+    with pytest.raises(StoreError, match=r"Move runs\.sqlite away"):
+        RunStore.in_folder(tmp_path)
+    (tmp_path / "runs.sqlite").rename(tmp_path / "damaged")
+    store = RunStore.in_folder(tmp_path)
+    recover(tmp_path, store)
+    assert store.find("abc") == record
+
+
+def test_a_folder_in_place_of_the_store_is_an_error_that_says_what_to_do(tmp_path: Path) -> None:
+    (tmp_path / "runs.sqlite").mkdir()
+    for opened in (RunStore.in_folder, RunStore.read_only):
+        with pytest.raises(StoreError, match=r"is a folder.* Move runs\.sqlite away"):
+            opened(tmp_path)
+
+
+@pytest.mark.parametrize("name", ["what?", "100%", "a%20b", "x?mode=memory", "#1", "two words"])
+def test_work_folders_of_any_name(tmp_path: Path, name: str) -> None:
+    folder = tmp_path / name
+    folder.mkdir()
+    store = RunStore.in_folder(folder)
+    store.save(RunRecord("abc", "heap", "failed", {}))
+    assert (folder / "runs.sqlite").is_file()
+    for _ in ("with a process at work", "with none"):
+        reader = RunStore.read_only(folder)
+        assert reader.identities() == {"abc"}
+        reader.close()
+        store.close()
+    assert [path.name for path in tmp_path.iterdir()] == [name]
+
+
+def test_a_store_opened_to_read_cannot_be_written(tmp_path: Path) -> None:
+    RunStore.in_folder(tmp_path).close()
+    with pytest.raises(StoreError, match="readonly"):
+        RunStore.read_only(tmp_path).save(RunRecord("abc", "heap", "failed", {}))
+
+
+def test_a_store_of_another_version_is_not_read_either(tmp_path: Path) -> None:
+    RunStore.in_folder(tmp_path).close()
+    with sqlite3.connect(tmp_path / "runs.sqlite") as connection:
+        connection.execute("UPDATE about SET schema_version = 99")
+    with pytest.raises(
+        StoreError, match=re.escape(f"{tmp_path}/runs.sqlite has schema version 99")
+    ):
+        RunStore.read_only(tmp_path)

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import copy
 import functools
 import json
+import os
 import subprocess
 import sys
 import threading
@@ -12,6 +14,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from grainfit.campaign.identity import run_identity
 from grainfit.errors import InputError, NotMeasurableError, RunFailedError
 from grainfit.solvers.base import Response, Workspace
 from grainfit.solvers.python_callable import PythonCallable
@@ -260,6 +263,141 @@ def test_partials_objects_methods_and_builtins_have_identities(tmp_path):
     assert definition(Model()) != definition(Model().method)
     assert definition(max)["function"] == {"function": "builtins.max", "source": None}
     assert run(PythonCallable(square), tmp_path, x=3.0) == {"a": Response(9.0)}
+
+
+def enclosing(value):
+    return lambda p, _s: {"a": (value, p["x"])}
+
+
+def by_default(value):
+    def f(p, _s, factor=value):
+        return {"a": (factor, p["x"])}
+
+    return f
+
+
+def by_keyword(value):
+    def f(p, _s, *, factor=value):
+        return {"a": (factor, p["x"])}
+
+    return f
+
+
+def by_decorator(value):
+    @functools.wraps(simulate)
+    def f(p, s):
+        return {"a": (value, simulate(p, s))}
+
+    f.__wrapped__ = simulate
+    return f
+
+
+class Held:
+    def __init__(self, value):
+        self.value = value
+
+    def __call__(self, p, _s):
+        return {"a": (self.value, p["x"])}
+
+
+HOLDERS = [
+    enclosing,
+    by_default,
+    by_keyword,
+    by_decorator,
+    Held,
+    lambda value: Held(value).__call__,
+    lambda value: functools.partial(power, value),
+    lambda value: functools.partial(power, exponent=value),
+]
+
+
+@pytest.mark.parametrize("make", HOLDERS)
+def test_identity_follows_the_data_that_a_function_holds(make):
+    different = [
+        2,
+        3,
+        2.0,
+        True,
+        "2",
+        (2, 3),
+        [2, (3, 4)],
+        {"a": 2},
+        {"a": 3},
+        {2, 3},
+        np.array([2.0, 3.0]),
+        np.array([[2.0, 3.0]]),
+        np.array([2.0, 4.0]),
+        np.array([2, 3]),
+        np.array([2, None]),
+        np.float32(2),
+        float("nan"),
+        {"table": [np.arange(3.0)]},
+        {"table": [np.arange(4.0)]},
+    ]
+    found = [run_identity(definition(make(value))) for value in different]
+
+    assert len(set(found)) == len(different)
+    assert found == [run_identity(definition(make(copy.deepcopy(value)))) for value in different]
+
+
+@pytest.mark.parametrize("make", HOLDERS)
+def test_objects_that_are_not_data_do_not_make_another_function(make):
+    itself = [1]
+    itself.append(itself)
+
+    assert definition(make(object())) == definition(make(object()))
+    assert definition(make(itself)) == definition(make(itself))
+
+
+def test_order_of_a_dict_does_not_make_another_function():
+    assert definition(enclosing({"a": 1, "b": 2})) == definition(enclosing({"b": 2, "a": 1}))
+
+
+def test_what_a_function_counts_does_not_make_another_function(tmp_path):
+    calls = 0
+
+    def counting(parameters, _seed):
+        nonlocal calls
+        calls += 1
+        return {"a": parameters["x"]}
+
+    before = definition(counting)
+    run(PythonCallable(counting), tmp_path, x=1.0)
+
+    assert calls == 1
+    assert definition(counting) == before
+
+
+def test_variable_without_a_value_yet():
+    def f(parameters, _seed):
+        return {"a": later}
+
+    before = definition(f)
+    later = 2.0
+
+    assert definition(f) != before
+
+
+def test_identity_of_held_data_is_the_same_in_every_process():
+    code = (
+        "import json, numpy as np\n"
+        "from grainfit.solvers.python_callable import PythonCallable\n"
+        "import functools\n"
+        "f = functools.partial(max, {'x', 'y', 'zz'}, np.array([1.0, None]), {'b': 1, 'a': 2})\n"
+        "print(json.dumps(PythonCallable(f).definition({'x': 1.0}, 1)['function']))"
+    )
+    found = {
+        subprocess.run(
+            [sys.executable, "-c", code],
+            capture_output=True,
+            check=True,
+            env={**os.environ, "PYTHONHASHSEED": seed},
+        ).stdout
+        for seed in ("1", "2")
+    }
+
+    assert len(found) == 1
 
 
 def write(folder: Path, text: str) -> str:

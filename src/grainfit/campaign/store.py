@@ -6,13 +6,15 @@ for. So any later calibration that wants the same run finds it.
 
 from __future__ import annotations
 
+import sqlite3
 import threading
 import time
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, Literal, TypeVar, get_args
+from urllib.parse import unquote
 
 import sqlalchemy as sql
 from sqlalchemy.exc import SQLAlchemyError
@@ -23,6 +25,14 @@ from grainfit.solvers.base import Response
 
 SCHEMA_VERSION = 1
 RunStatus = Literal["running", "finished", "failed"]
+STORE_NAME = "runs.sqlite"
+
+_DAMAGED = (sqlite3.SQLITE_CORRUPT, sqlite3.SQLITE_NOTADB, sqlite3.SQLITE_ERROR)
+_RENEW = (
+    f"Move {STORE_NAME} away (and {STORE_NAME}-wal and {STORE_NAME}-shm beside it, if there): it "
+    "is made anew from the run folders; only runs of Python functions and tables are lost."
+)
+_Record = TypeVar("_Record")
 
 _metadata = sql.MetaData()
 _about = sql.Table("about", _metadata, sql.Column("schema_version", sql.Integer, primary_key=True))
@@ -104,11 +114,22 @@ class RunRecord:
 
         Raises
         ------
-        KeyError, TypeError
+        KeyError, TypeError, ValueError
             The data is not of a run.
         """
-        responses = {name: Response(**response) for name, response in data["responses"].items()}
-        return cls(**{**data, "responses": responses})
+        if data["status"] not in get_args(RunStatus):
+            raise ValueError(f"{data['status']!r} is not the status of a run")
+        responses = {
+            str(name): Response(float(found["value"]), float(found["standard_error"]))
+            for name, found in _mapping(data["responses"]).items()
+        }
+        read = {
+            "definition": _mapping(data["definition"]),
+            "responses": responses,
+            "seconds": float(data["seconds"]),
+            "ended": float(data["ended"]),
+        }
+        return cls(**{**data, **read})
 
 
 @dataclass(frozen=True)
@@ -132,49 +153,103 @@ class RequestRecord:
     seed: int
     runs: Mapping[str, str]
 
+    @classmethod
+    def from_row(cls, row: Mapping[str, Any]) -> RequestRecord:
+        """Read a row of the store.
+
+        Raises
+        ------
+        KeyError, TypeError, ValueError
+            The row is not of a request.
+        """
+        return cls(
+            position=row["position"],
+            stage=str(row["stage"]),
+            parameters=_mapping(row["parameters"]),
+            seed=row["seed"],
+            runs={str(test): str(run) for test, run in _mapping(row["runs"]).items()},
+        )
+
+
+def _mapping(value: Any) -> Mapping[str, Any]:
+    if not isinstance(value, Mapping):
+        raise TypeError(f"{value!r} does not map names to values")
+    return value
+
 
 class RunStore:
     """Index of runs in a database.
 
     Parameters
     ----------
-    url : str
-        SQLAlchemy URL; ``"sqlite://"`` keeps everything in memory.
+    url : str or sqlalchemy.URL
+        ``"sqlite://"`` keeps everything in memory.
+    read_only : bool
+        Write nothing, not even a schema.
 
     Raises
     ------
     StoreError
-        The database cannot be opened, or was written by a newer version.
+        The database cannot be opened, or was written by another version.
     """
 
-    def __init__(self, url: str) -> None:
+    def __init__(self, url: str | sql.URL, *, read_only: bool = False) -> None:
         self._lock = threading.RLock()
-        self._where = url
+        url = sql.make_url(url)
+        self._where = _place(url)
         options: dict[str, Any] = {}
-        if url == "sqlite://":
+        if url == sql.make_url("sqlite://"):
             options = {"poolclass": StaticPool, "connect_args": {"check_same_thread": False}}
         self._engine = sql.create_engine(url, **options)
-        if self._engine.dialect.name == "sqlite":
+        if self._engine.dialect.name == "sqlite" and not read_only:
             sql.event.listen(self._engine, "connect", _set_up_sqlite)
-        self._create()
+        try:
+            self._check_version() if read_only else self._create()
+        except StoreError:
+            self.close()
+            raise
 
     @classmethod
     def in_folder(cls, folder: Path) -> RunStore:
-        """Open the store of a work folder."""
-        return cls(f"sqlite:///{folder / 'runs.sqlite'}")
+        """Open the store of a work folder, and make it if there is none."""
+        path = _path(folder)
+        return cls(sql.URL.create("sqlite", database=str(path)))
+
+    @classmethod
+    def read_only(cls, folder: Path) -> RunStore:
+        """Open the store of a work folder to read; a process that writes to it is not disturbed.
+
+        Raises
+        ------
+        StoreError
+            Also when there is no store yet.
+        """
+        path = _path(folder)
+        query = {"uri": "true", "mode": "ro"}
+        # Without a write-ahead log nobody writes, and reading one that is not there would make it.
+        if not path.with_name(f"{STORE_NAME}-wal").exists():
+            query["immutable"] = "1"
+        database = path.absolute().as_uri()
+        return cls(sql.URL.create("sqlite", database=database, query=query), read_only=True)
 
     def _create(self) -> None:
         with self._transaction() as connection:
             _metadata.create_all(connection)
-            version = connection.scalar(sql.select(_about.c.schema_version))
-            if version is None:
+            if connection.scalar(sql.select(_about.c.schema_version)) is None:
                 connection.execute(_about.insert().values(schema_version=SCHEMA_VERSION))
-            elif version != SCHEMA_VERSION:
-                raise StoreError(
-                    f"the run store {self._where} has schema version {version}, this grainfit "
-                    f"reads version {SCHEMA_VERSION}. Use the grainfit version that wrote it, or "
-                    "another work folder."
-                )
+        self._check_version()
+
+    def _check_version(self) -> None:
+        with self._transaction() as connection:
+            if not sql.inspect(connection).has_table(_about.name):
+                raise StoreError(f"the run store {self._where} is empty: nothing was run yet.")
+            version = connection.scalar(sql.select(_about.c.schema_version))
+        if version != SCHEMA_VERSION:
+            raise StoreError(
+                f"the run store {self._where} has schema version {version}, this grainfit "
+                f"reads version {SCHEMA_VERSION}. Use the grainfit version that wrote it, or "
+                "another work folder."
+            )
 
     @contextmanager
     def _transaction(self) -> Iterator[sql.Connection]:
@@ -184,7 +259,20 @@ class RunStore:
                     yield connection
             except SQLAlchemyError as error:
                 cause = getattr(error, "orig", None) or error
-                raise StoreError(f"the run store {self._where} cannot be used: {cause}") from error
+                raise StoreError(
+                    f"the run store {self._where} cannot be used: {cause}. {_remedy(cause)}"
+                ) from error
+
+    def _read(
+        self, query: sql.Select[Any], make: Callable[[Mapping[str, Any]], _Record]
+    ) -> list[_Record]:
+        with self._transaction() as connection:
+            try:
+                return [make(row._asdict()) for row in connection.execute(query)]
+            except (KeyError, TypeError, ValueError) as error:
+                raise StoreError(
+                    f"the run store {self._where} is damaged: {error}. {_RENEW}"
+                ) from error
 
     def close(self) -> None:
         """Close all connections."""
@@ -192,9 +280,8 @@ class RunStore:
 
     def find(self, identity: str) -> RunRecord | None:
         """Return the run of this identity, or None."""
-        with self._transaction() as connection:
-            row = connection.execute(sql.select(_runs).where(_runs.c.identity == identity)).first()
-        return None if row is None else RunRecord.from_json(row._asdict())
+        query = sql.select(_runs).where(_runs.c.identity == identity)
+        return next(iter(self._read(query, RunRecord.from_json)), None)
 
     def save(self, record: RunRecord) -> None:
         """Write a run, in place of what was known of it."""
@@ -220,9 +307,7 @@ class RunStore:
 
     def runs(self) -> list[RunRecord]:
         """Return all runs in the order in which they ended."""
-        with self._transaction() as connection:
-            rows = connection.execute(sql.select(_runs).order_by(_runs.c.ended)).all()
-        return [RunRecord.from_json(row._asdict()) for row in rows]
+        return self._read(sql.select(_runs).order_by(_runs.c.ended), RunRecord.from_json)
 
     def begin_calibration(self, identity: str, name: str, definition: Mapping[str, Any]) -> None:
         """Note that a calibration starts, or goes on."""
@@ -258,9 +343,7 @@ class RunStore:
     def latest_calibration(self) -> CalibrationRecord | None:
         """Return the calibration that was started last, or None."""
         query = sql.select(_calibrations).order_by(_calibrations.c.started.desc()).limit(1)
-        with self._transaction() as connection:
-            row = connection.execute(query).first()
-        return None if row is None else CalibrationRecord(**row._asdict())
+        return next(iter(self._read(query, lambda row: CalibrationRecord(**row))), None)
 
     def requests(self, calibration: str) -> list[RequestRecord]:
         """Return what a calibration asked for, in order."""
@@ -269,11 +352,27 @@ class RunStore:
             .where(_requests.c.calibration == calibration)
             .order_by(_requests.c.position)
         )
-        with self._transaction() as connection:
-            rows = [row._asdict() for row in connection.execute(query)]
-        return [
-            RequestRecord(**{k: v for k, v in row.items() if k != "calibration"}) for row in rows
-        ]
+        return self._read(query, RequestRecord.from_row)
+
+
+def _place(url: sql.URL) -> str:
+    place = str(url.database or url)
+    return unquote(place.removeprefix("file://")) if place.startswith("file://") else place
+
+
+def _path(folder: Path) -> Path:
+    path = folder / STORE_NAME
+    if path.is_dir():
+        raise StoreError(f"the run store {path} is a folder, not a file. {_RENEW}")
+    return path
+
+
+def _remedy(cause: BaseException) -> str:
+    code = getattr(cause, "sqlite_errorcode", None)
+    # The low byte is the kind of the error, the rest its details.
+    if code is not None and code & 0xFF in _DAMAGED:
+        return _RENEW
+    return "See that its folder can be written, the disk is not full, and nobody else uses it."
 
 
 def _set_up_sqlite(connection: Any, _record: Any) -> None:

@@ -190,7 +190,7 @@ def _held_data(layer: Any) -> dict[str, Any]:
         return dict(getattr(layer, "__dict__", {}))
     code = getattr(layer, "__code__", None)
     names = code.co_freevars if code is not None else ()
-    cells = dict(zip(names, getattr(layer, "__closure__", None) or (), strict=True))
+    cells = dict(zip(names, getattr(layer, "__closure__", None) or (), strict=False))
     changing = _assigned(code) if code is not None else set()
     owner = getattr(layer, "__self__", None) if inspect.ismethod(layer) else None
     held = {

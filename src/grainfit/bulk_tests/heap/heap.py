@@ -197,6 +197,8 @@ class HeapTest(BulkTest):
 
 
 def _require_separate(bed: Particles) -> None:
+    if not len(bed):
+        raise NotMeasurableError("no particles are left in the cylinder")
     pairs = cKDTree(bed.positions).query_pairs(2 * bed.radii.max(), output_type="ndarray")
     distance = np.linalg.norm(bed.positions[pairs[:, 0]] - bed.positions[pairs[:, 1]], axis=1)
     overlap = 1 - distance / bed.radii[pairs].sum(axis=1)
