@@ -112,11 +112,17 @@ def test_a_folder_in_use_is_refused_soon(tmp_path: Path) -> None:
 )
 def test_a_result_of_another_form_does_no_harm(tmp_path: Path, result: object) -> None:
     work(tmp_path).close()
+    if isinstance(result, dict):
+        result = {"identity": "c", **result}
     (tmp_path / "result.json").write_text(json.dumps(result))
     assert "1 finished runs kept" in shown(tmp_path)
 
 
-def test_the_calibrated_parameters_are_shown(tmp_path: Path) -> None:
+@pytest.mark.parametrize(("identity", "appears"), [("c", True), ("of an earlier one", False)])
+def test_the_parameters_of_this_calibration_are_shown(
+    tmp_path: Path, identity: str, appears: bool
+) -> None:
     work(tmp_path).close()
-    (tmp_path / "result.json").write_text(json.dumps({"parameters": {"friction": 0.123456789}}))
-    assert "friction = 0.12346" in shown(tmp_path)
+    result = {"identity": identity, "parameters": {"friction": 0.123456789}}
+    (tmp_path / "result.json").write_text(json.dumps(result))
+    assert ("friction = 0.12346" in shown(tmp_path)) is appears
