@@ -333,12 +333,12 @@ class Command(Solver):
         except RunFailedError as error:
             if error.kind in ("cancelled", "machine"):
                 raise
-            if workspace.timeout is not None and time.monotonic() - started >= workspace.timeout:
+            if error.kind == "timeout":
                 reason = (
                     f"simulation and evaluation took longer than the time-out of "
                     f"{workspace.timeout:g} s"
                 )
-                raise RunFailedError(reason, error.log_tail) from error
+                raise RunFailedError(reason, error.log_tail, "timeout") from error
             what = error.log_tail.rstrip().rpartition("\n")[2] or error.reason
             raise RunFailedError(
                 f"{file.name}:{evaluation.function} failed: {what}", error.log_tail, "evaluation"
