@@ -67,7 +67,7 @@ def test_glass_beads_are_calibrated_with_lammps(tmp_path: Path) -> None:
 @needs_liggghts
 def test_glass_beads_are_calibrated_with_liggghts(tmp_path: Path) -> None:
     file = example(tmp_path, "calibration.toml", solver='"liggghts"')
-    file.write_text(file.read_text() + "\n[strategy]\ndesign_runs = 10\nmax_runs = 24\n")
+    file.write_text(file.read_text() + "\n[strategy]\ndesign_runs = 14\n")
     done, result = calibrate(tmp_path, file)
     assert done.returncode == 0, done.stdout + done.stderr
     assert result["parameters"]["particle.density"] == pytest.approx(2310, rel=0.01)
