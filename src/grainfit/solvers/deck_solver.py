@@ -3,16 +3,27 @@
 from __future__ import annotations
 
 import math
+import subprocess
+import tempfile
 from abc import abstractmethod
 from collections.abc import Iterator, Mapping
+from functools import lru_cache
 from pathlib import Path
 from typing import Any, ClassVar
 
 from grainfit.bulk_tests.base import BulkTest
-from grainfit.errors import Fault, InputError, NotMeasurableError, RunFailedError
+from grainfit.errors import (
+    Fault,
+    InputError,
+    NotMeasurableError,
+    RunFailedError,
+    SolverNotFoundError,
+)
 from grainfit.material import MATERIAL_PARAMETERS
 from grainfit.solvers.base import Response, Solver, Workspace
 from grainfit.solvers.process import LOG_NAME, log_tail, run_process
+
+_HELP_SECONDS = 60.0
 
 
 class DeckSolver(Solver):
@@ -113,6 +124,32 @@ class DeckSolver(Solver):
     @abstractmethod
     def _command(self, deck: Path) -> list[str]:
         """Return the command that runs a deck in its own folder."""
+
+
+@lru_cache(maxsize=8)
+def program_help(program: str, install: str) -> str:
+    """Return what a DEM program says of itself with ``-h``.
+
+    Raises
+    ------
+    SolverNotFoundError
+        It does not run; ``install`` says how to get one that does.
+    """
+    try:
+        # LIGGGHTS writes a log wherever it is started, even to show its help.
+        with tempfile.TemporaryDirectory() as folder:
+            done = subprocess.run(
+                [program, "-h"],
+                cwd=folder,
+                stdin=subprocess.DEVNULL,
+                capture_output=True,
+                text=True,
+                timeout=_HELP_SECONDS,
+                check=False,
+            )
+    except (OSError, subprocess.TimeoutExpired) as error:
+        raise SolverNotFoundError(f"{program} does not run: {error}. {install}") from error
+    return done.stdout
 
 
 def _error_line(log: Path) -> str:

