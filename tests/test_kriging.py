@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from scipy.stats import binom, chi2, qmc
 
 from grainfit.errors import InputError
-from grainfit.kriging import Kriging
+from grainfit.kriging import Kriging, _Component
 
 
 def design(n: int, d: int, seed: int) -> np.ndarray:
@@ -161,7 +161,7 @@ def test_gradient_is_that_of_the_mean(good: Kriging) -> None:
         ahead = good.predict(point + step * np.eye(2)).mean
         behind = good.predict(point - step * np.eye(2)).mean
         np.testing.assert_allclose(
-            good.gradient(point), (ahead - behind) / (2 * step), rtol=1e-5, atol=1e-6
+            good.gradients([point])[0], (ahead - behind) / (2 * step), rtol=1e-5, atol=1e-6
         )
 
 
@@ -384,7 +384,7 @@ def test_an_exactly_linear_response_is_met_exactly() -> None:
     points = design(15, 3, 30)
     metamodel = Kriging.fit(points, 1500.0 + points @ [300.0, -20.0, 0.0])
     np.testing.assert_allclose(metamodel.predict([[0.9, 0.1, 0.5]]).mean, [1768.0], rtol=1e-8)
-    np.testing.assert_allclose(metamodel.gradient([0.5] * 3), [300.0, -20.0, 0.0], atol=1e-4)
+    np.testing.assert_allclose(metamodel.gradients([[0.5] * 3])[0], [300.0, -20.0, 0.0], atol=1e-4)
     assert metamodel.warnings() == []
 
 
@@ -475,8 +475,8 @@ def test_unusable_points_are_refused_after_the_fit(good: Kriging) -> None:
         lambda: good.predict([[0.5, math.nan]]),
         lambda: good.predict([[0.5, 0.5, 0.5]]),
         lambda: good.predict([0.5, 0.5]),
-        lambda: good.gradient([0.5]),
-        lambda: good.gradient([0.5, math.inf]),
+        lambda: good.gradients([[0.5]]),
+        lambda: good.gradients([[0.5, math.inf]]),
         lambda: good.condition([[0.5, 0.5]], [math.nan]),
         lambda: good.condition([[0.5, 0.5]], [1.0, 2.0]),
         lambda: good.condition([[0.5, 0.5]], [1e300]),
@@ -484,3 +484,47 @@ def test_unusable_points_are_refused_after_the_fit(good: Kriging) -> None:
     ):
         with pytest.raises(InputError):
             call()
+
+
+def test_covariances_have_the_variances_on_their_diagonal_and_say_what_a_run_teaches() -> None:
+    points = design(14, 2, 21)
+    values = np.sin(3 * points[:, 0]) + 0.1 * np.random.default_rng(21).normal(size=14)
+    metamodel = Kriging.fit(points, values)
+    here, there = design(6, 2, 22), design(4, 2, 23)
+    own, variances = metamodel.covariance_with(here)(here)
+    np.testing.assert_allclose(np.diag(own), metamodel.predict(here).variance_of_mean)
+    np.testing.assert_allclose(variances, metamodel.predict(here).variance_of_mean)
+    np.testing.assert_allclose(own, own.T, rtol=1e-9, atol=1e-12)
+    assert np.linalg.eigvalsh(own).min() > 0
+    joint, _ = metamodel.covariance_with(here)(there)
+    assert joint.shape == (6, 4)
+    # For one set of hyperparameters, a run takes covariance^2 / (variance + noise) off.
+    component = metamodel._components[0]
+    before, at = component.predict(here)[1], there[:1]
+    covariance = component.joint(component.project(here), component.project(at))[:, 0]
+    added = component.condition(at, None, np.zeros(1))
+    noise = component.hyperparameters.noise_variance
+    expected = before - covariance**2 / (component.predict(at)[1] + noise)
+    np.testing.assert_allclose(added.predict(here)[1], expected, rtol=1e-6, atol=1e-9)
+
+
+def test_a_prediction_without_each_run_is_that_of_the_other_runs() -> None:
+    points = design(12, 2, 24)
+    values = points[:, 0] ** 2 + 0.1 * np.random.default_rng(24).normal(size=12)
+    metamodel = Kriging.fit(points, values)
+    at = np.array([0.3, 0.6])
+    means, variances = metamodel.without_each_run(at)
+    for run in range(12):
+        kept = np.arange(12) != run
+        parts = [
+            _Component(c.hyperparameters, c.trend, points[kept], c.values[kept], np.zeros(11))
+            for c in metamodel._components
+        ]
+        others = Kriging(
+            parts,
+            offset=metamodel._offset,
+            scale=metamodel._scale,
+            degrees_of_freedom=metamodel._degrees_of_freedom,
+        ).predict([at])
+        assert means[run] == pytest.approx(others.mean[0], rel=1e-8)
+        assert variances[run] == pytest.approx(others.variance_of_mean[0], rel=1e-6)

@@ -96,6 +96,8 @@ class Assembly:
             "workers": self.workers,
             "design_runs": self.strategy.design_runs,
             "verification_runs": self.strategy.verification_runs,
+            "prefer": self.strategy.prefer,
+            "extend_intervals": self.strategy.extend_intervals,
         }
         return _without_none(in_file) | _without_none(given)
 

@@ -20,20 +20,20 @@ from grainfit.progress import Progress
 from grainfit.result import Result
 from grainfit.solvers.base import Solver
 from grainfit.solvers.python_callable import PythonCallable
-from grainfit.strategies.staged import Staged, StagedOptions, smallest_design
+from grainfit.strategies.choice import DEFAULT_STRATEGY, StrategyChoice, make_strategy
+from grainfit.strategies.sequential import Preference
+from grainfit.verification import VERIFICATION_RUNS
 
 Simulate = Callable[[dict[str, float], int], Mapping[str, Any]] | Solver | Mapping[str, Solver]
 
 RESULT_NAME = "result.json"
-VERIFICATION_RUNS = 5
-_STRATEGIES = ("staged",)
 
 
 def calibrate(
     problem: Problem,
     simulate: Simulate,
     *,
-    strategy: str = "staged",
+    strategy: str = DEFAULT_STRATEGY,
     max_runs: int | None = None,
     workers: int = 1,
     seed: int = 1,
@@ -41,6 +41,8 @@ def calibrate(
     name: str = "",
     design_runs: int | None = None,
     verification_runs: int = VERIFICATION_RUNS,
+    prefer: Preference | None = None,
+    extend_intervals: bool | None = None,
     timeouts: Mapping[str, float] | None = None,
     on_progress: Callable[[Progress], None] | None = None,
 ) -> Result:
@@ -54,8 +56,9 @@ def calibrate(
         ``simulate(parameters: dict[str, float], seed: int) -> dict[str, float]`` called once per
         run; or a solver; or one solver for each of several tests, by name of the test: responses
         are then called ``test.response``.
-    strategy : {"staged"}
-        How runs are chosen.
+    strategy : {"sequential", "staged"}
+        How runs are chosen: each where it is expected to improve the answer most, until it is
+        decided; or by the three steps of the method.
     max_runs : int, optional
         Largest number of DEM runs, verification included.
     workers : int
@@ -68,9 +71,16 @@ def calibrate(
     name : str
         What the calibration is called.
     design_runs : int, optional
-        Size of the Latin hypercube; 13 per free parameter by default.
+        Size of the Latin hypercube; with d free parameters 1.5 (d + 1) by default, and 13 d for
+        the staged strategy.
     verification_runs : int
         Fresh seeds at the answer, at least 2.
+    prefer : {"time_step", "accuracy"}
+        Of all parameter sets that agree with the measurements, take the one with the largest
+        Rayleigh time step, or the closest one. Sequential strategy only.
+    extend_intervals : bool
+        Move a bound that keeps a target out of reach, within physical limits, and go on.
+        Sequential strategy only.
     timeouts : mapping of str to float, optional
         Longest wall time of one run by name of the test, s.
     on_progress : callable, optional
@@ -101,13 +111,14 @@ def calibrate(
     ('calibrated', 0.5)
     """
     solvers = _solvers(simulate)
-    _check_arguments(strategy, max_runs, workers, seed, verification_runs, design_runs)
+    _check_numbers(max_runs, workers, seed, verification_runs, design_runs)
     _check_targets(problem, solvers)
     _check_timeouts(timeouts or {}, solvers)
     for solver in solvers.values():
         solver.check()
     options = ConversationOptions(name, workers, max_runs, verification_runs, on_progress)
-    chosen = make_strategy(problem, len(solvers), seed, max_runs, design_runs, verification_runs)
+    wanted = StrategyChoice(strategy, design_runs, prefer, extend_intervals)
+    chosen = make_strategy(problem, wanted, len(solvers), seed, max_runs, verification_runs)
     with ExitStack() as stack:
         # Metamodels are small; threads of linear algebra would only fight the solvers for cores.
         stack.enter_context(threadpool_limits(limits=1, user_api="blas"))
@@ -123,36 +134,6 @@ def calibrate(
         stack.callback(campaign.close)
         result = Conversation(problem, chosen, campaign, store, options).hold()
         return result if folder is None else _keep(result, folder / RESULT_NAME)
-
-
-def make_strategy(
-    problem: Problem,
-    tests: int,
-    seed: int = 1,
-    max_runs: int | None = None,
-    design_runs: int | None = None,
-    verification_runs: int = VERIFICATION_RUNS,
-) -> Staged:
-    """Make the strategy of a calibration; see `calibrate` for the arguments.
-
-    Raises
-    ------
-    InputError
-        The design is too small, or the budget too small for the design and the verification.
-    """
-    if max_runs is None:
-        return Staged(problem, seed, None, StagedOptions(design_runs))
-    smallest = (smallest_design(problem.dimension, design_runs) + verification_runs) * tests
-    if max_runs < smallest:
-        raise InputError(
-            Fault(
-                "max_runs",
-                f"{max_runs} runs are too few for the design and the verification.",
-                f"Allow at least {smallest}.",
-            )
-        )
-    evaluations = max_runs // tests - verification_runs
-    return Staged(problem, seed, evaluations, StagedOptions(design_runs))
 
 
 def _keep(result: Result, path: Path) -> Result:
@@ -179,8 +160,7 @@ def _solvers(simulate: Simulate) -> dict[str, Solver]:
     )
 
 
-def _check_arguments(
-    strategy: str,
+def _check_numbers(
     max_runs: int | None,
     workers: int,
     seed: int,
@@ -188,10 +168,6 @@ def _check_arguments(
     design_runs: int | None,
 ) -> None:
     faults = []
-    if strategy not in _STRATEGIES:
-        faults.append(
-            Fault("strategy", f"{strategy!r} is unknown.", f"Use one of: {', '.join(_STRATEGIES)}.")
-        )
     for key, value, lowest in (
         ("max_runs", max_runs, 1),
         ("workers", workers, 1),

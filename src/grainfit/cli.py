@@ -63,7 +63,8 @@ def run(
     file: CalibrationPath,
     workdir: Workdir = None,
     strategy: Annotated[
-        str | None, typer.Option(help="How runs are chosen: staged. [default: from the file]")
+        str | None,
+        typer.Option(help="How runs are chosen: sequential or staged. [default: from the file]"),
     ] = None,
     max_runs: Annotated[
         int | None, typer.Option(metavar="N", help="Largest number of DEM runs, all included.")

@@ -123,7 +123,7 @@ def print_result(console: Console, result: Result, folder: Path) -> None:
     console.print(
         f"DEM runs: {runs.total} = {runs.design} design + {runs.optimisation} optimisation + "
         f"{runs.verification} verification; {runs.failed} failed, {runs.reused} reused. "
-        f"Wall time {_duration(result.wall_seconds)}.",
+        f"Wall time {_duration(result.wall_seconds)}, workers busy {result.utilisation:.0%}.",
         highlight=False,
     )
     console.print(

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections import deque
+from collections.abc import Callable, Mapping
 from contextlib import suppress
 from dataclasses import asdict, dataclass
 from typing import Any
@@ -18,7 +19,8 @@ from grainfit.outcome import About, make_result
 from grainfit.problem import Problem
 from grainfit.progress import Progress
 from grainfit.result import Result, Status
-from grainfit.strategies.base import Answer, Strategy, insertion_seed
+from grainfit.strategies.answer import Answer
+from grainfit.strategies.base import Strategy, insertion_seed
 from grainfit.verification import (
     ROUNDS,
     Verified,
@@ -65,6 +67,8 @@ class Conversation:
         self._verification_asked = 0
         self._stage = "design"
         self._requested = 0
+        #: What earlier starts of this calibration asked for and this one has not come to yet.
+        self._recorded: deque[RequestRecord] = deque()
         self._started = time.monotonic()
         self._identity = run_identity(self._definition())
 
@@ -74,11 +78,12 @@ class Conversation:
             "targets": [asdict(target) for target in self._problem.targets],
             "strategy": self._strategy.name,
             "seed": self._strategy.seed,
-            "max_runs": self._options.max_runs,
+            "options": self._strategy.definition,
         }
 
     def hold(self) -> Result:
         """Hold the conversation to its end; Ctrl-C ends it early with what is known."""
+        self._recorded.extend(self._store.requests(self._identity))
         self._store.begin_calibration(self._identity, self._options.name, self._definition())
         answer: Answer | None = None
         status: Status
@@ -93,23 +98,38 @@ class Conversation:
                 self._store.end_calibration(self._identity, "failed")
             raise
         self._store.end_calibration(self._identity, status)
-        about = About(self._options.name, self._identity, time.monotonic() - self._started, status)
-        verification = [] if answer is None else self._verification_of(answer)
-        return make_result(
-            about, self._problem, self._strategy, answer, self._evaluations, verification
+        self._store.forget_requests_behind(self._identity, self._requested)
+        wall_seconds = time.monotonic() - self._started
+        about = About(
+            self._options.name,
+            self._identity,
+            wall_seconds,
+            self._utilisation(wall_seconds),
+            status,
         )
+        verification = [] if answer is None else self._verification_of(answer)
+        return make_result(about, self._strategy, answer, self._evaluations, verification)
 
     def _converse(self) -> tuple[Answer, Status]:
         self._run_strategy()
-        answer = self._strategy.answer()
+        answer = self._strategy.answer(self._recorded_answer())
         while not self._verify(answer) and self._strategy.reconsider(self._left()):
             self._run_strategy()
-            earlier, answer = answer, self._strategy.answer()
+            earlier, answer = answer, self._strategy.answer(self._recorded_answer())
             if answer.parameters == earlier.parameters:
                 break
         if meets_targets(self._problem, self._verified(answer)):
             return answer, "calibrated"
         return answer, "unreachable" if answer.out_of_reach else "out_of_tolerance"
+
+    def _recorded_answer(self) -> Mapping[str, float] | None:
+        """The answer that an earlier start was verifying when it ended."""
+        return self._recorded[0].parameters if self._recorded else None
+
+    def _utilisation(self, wall_seconds: float) -> float:
+        """Share of the workers' time in which they simulated."""
+        simulated = sum(evaluation.simulated_seconds for evaluation in self._evaluations)
+        return min(1.0, simulated / (self._options.workers * max(wall_seconds, 1e-9)))
 
     def _best_so_far(self) -> Answer | None:
         try:
@@ -117,19 +137,43 @@ class Conversation:
         except RunFailedError:
             return None
 
+    def _recall(self, verification: bool) -> list[Proposal]:
+        """Take from the records those that come next and are, or are not, of a verification."""
+        recalled = []
+        while self._recorded and (self._recorded[0].stage == "verification") == verification:
+            record = self._recorded.popleft()
+            recalled.append(Proposal(record.parameters, record.seed, record.stage))
+        return recalled
+
     def _run_strategy(self) -> None:
-        while not self._strategy.finished:
-            while self._campaign.has_free_worker:
+        recalled = self._recall(verification=False)
+        self._strategy.remember(recalled)
+        if self._recorded:
+            # An earlier start came to an answer here, and what was decided stays decided.
+            self._answer_proposals(lambda asked: asked == len(recalled))
+        else:
+            self._answer_proposals(lambda _asked: self._strategy.finished)
+
+    def _answer_proposals(self, is_enough: Callable[[int], bool]) -> None:
+        """Answer what the strategy asks for until it is enough, by the number of proposals."""
+        asked = 0
+        while not is_enough(asked):
+            while self._campaign.has_free_worker and not is_enough(asked):
                 proposal = self._strategy.ask()
                 if proposal is None:
                     break
                 self._start(proposal)
+                asked += 1
+            if not self._campaign.has_pending:
+                return
             for evaluation in self._wait():
                 self._strategy.tell(evaluation)
 
     def _verify(self, answer: Answer) -> bool:
         """Run fresh seeds at the answer until the verdict is clear; return whether it is met."""
         self._answer_from = len(self._evaluations)
+        # The same answer asks for the same verification again; another one for another.
+        self._recall(verification=True)
         for _ in range(ROUNDS):
             left = self._left()
             if left is not None and left < 0:
@@ -156,10 +200,15 @@ class Conversation:
             waiting.append(Proposal(answer.parameters, seed, "verification"))
         order = {proposal.seed: position for position, proposal in enumerate(waiting)}
         ended: list[Evaluation] = []
-        while len(ended) < self._options.verification_runs:
+        # Runs of the search that were under way when it was decided come back meanwhile.
+        while waiting or self._campaign.has_pending:
             while waiting and self._campaign.has_free_worker:
                 self._start(waiting.pop(0))
-            ended += self._wait()
+            for evaluation in self._wait():
+                if evaluation.proposal.seed in order:
+                    ended.append(evaluation)
+                else:
+                    self._strategy.tell(evaluation)
         ended.sort(key=lambda evaluation: order[evaluation.proposal.seed])
         for evaluation in ended:
             self._strategy.tell(evaluation)

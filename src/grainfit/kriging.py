@@ -15,6 +15,7 @@ from __future__ import annotations
 
 import math
 import os
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
@@ -346,6 +347,20 @@ class _Posterior:
         return found
 
 
+class _Projection(NamedTuple):
+    """Some points as one predictor sees them, one column a point.
+
+    The points over the ranges; their trend; their covariance with the runs; its least-squares
+    trend; and what of it the contrasts explain.
+    """
+
+    scaled: FloatArray
+    trend: FloatArray
+    covariance: FloatArray
+    on_trend: FloatArray
+    explained: FloatArray
+
+
 class _Component:
     """The Kriging predictor of one set of hyperparameters, factorised once."""
 
@@ -381,27 +396,62 @@ class _Component:
         distance = cdist(self.points / ranges, points / ranges)
         return self.hyperparameters.signal_variance * _correlation(distance)
 
-    def predict(self, points: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Mean and variance of the mean."""
+    def project(self, points: FloatArray) -> _Projection:
+        """What predictions at points, and their covariances, are made of."""
         trend = self.trend.matrix(points).T
         covariance = self._covariance(points)
-        mean = self._trend_coefficients @ trend + self._coefficients @ covariance
-        explained = self._root @ covariance - self._root_of_trend @ trend
+        return _Projection(
+            points / self.hyperparameters.ranges,
+            trend,
+            covariance,
+            self._least_squares @ covariance,
+            self._root @ covariance - self._root_of_trend @ trend,
+        )
+
+    def predict(self, points: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Mean and variance of the mean."""
+        return self.predict_at(self.project(points))
+
+    def predict_at(self, at: _Projection) -> tuple[FloatArray, FloatArray]:
+        """The same at points that have been projected."""
+        mean = self._trend_coefficients @ at.trend + self._coefficients @ at.covariance
         variance = (
             self.hyperparameters.signal_variance
-            - 2.0 * np.einsum("ij,ij->j", trend, self._least_squares @ covariance)
-            + np.einsum("ij,ij->j", trend, self._trend_covariance @ trend)
-            - np.einsum("ij,ij->j", explained, explained)
+            - 2.0 * np.einsum("ij,ij->j", at.trend, at.on_trend)
+            + np.einsum("ij,ij->j", at.trend, self._trend_covariance @ at.trend)
+            - np.einsum("ij,ij->j", at.explained, at.explained)
         )
         return mean, np.maximum(variance, 0.0)
 
-    def gradient(self, point: FloatArray) -> FloatArray:
+    def joint(self, first: _Projection, second: _Projection) -> FloatArray:
+        """Covariances of the mean between two sets of points, shape (first, second)."""
+        correlation = _correlation(cdist(first.scaled, second.scaled))
+        joint = self.hyperparameters.signal_variance * correlation
+        joint -= first.explained.T @ second.explained
+        joint += first.trend.T @ (self._trend_covariance @ second.trend - second.on_trend)
+        joint -= first.on_trend.T @ second.trend
+        return np.asarray(joint)
+
+    def gradients(self, points: FloatArray) -> FloatArray:
+        """Slopes of the mean, shape (m, d)."""
         ranges = self.hyperparameters.ranges
-        away = (point - self.points) / ranges
-        slope = _correlation_slope(np.sqrt((away**2).sum(axis=1)))
+        scaled, runs = points / ranges, self.points / ranges
+        slope = _correlation_slope(cdist(scaled, runs))
         pull = self.hyperparameters.signal_variance * slope * self._coefficients
-        slopes = self.trend.slopes(self._trend_coefficients, len(point))
-        return np.asarray(slopes - pull @ away / ranges)
+        away = scaled * pull.sum(axis=1)[:, None] - pull @ runs
+        slopes = self.trend.slopes(self._trend_coefficients, points.shape[1])
+        return np.asarray(slopes - away / ranges)
+
+    def without_each_run(self, at: _Projection) -> tuple[FloatArray, FloatArray]:
+        """Mean and variance of the mean at one point with each run left out, shape (n,) each.
+
+        A run left out is a run replaced by its own prediction (Dubrule 1983), so its weight in
+        the mean tells what it changes.
+        """
+        mean, variance = self.predict_at(at)
+        weights = self._root.T @ at.explained[:, 0] + self._least_squares.T @ at.trend[:, 0]
+        left_out, run_variance = self.leave_one_out()
+        return mean - weights * (self.values - left_out), variance + weights**2 * run_variance
 
     def leave_one_out(self) -> tuple[FloatArray, FloatArray]:
         """Virtual formulas (Dubrule 1983): mean, and variance of a run."""
@@ -663,8 +713,75 @@ class Kriging:
         means, variances = (np.array(part) for part in zip(*parts, strict=True))
         return self._combine(means, variances)
 
-    def gradient(self, point: ArrayLike) -> FloatArray:
-        """Gradient of the predicted mean.
+    def gradients(self, points: ArrayLike) -> FloatArray:
+        """Gradients of the predicted mean.
+
+        Parameters
+        ----------
+        points : array_like, shape (m, d)
+            Points in the unit cube.
+
+        Returns
+        -------
+        ndarray, shape (m, d)
+            Change of the mean per unit of each coordinate.
+
+        Raises
+        ------
+        InputError
+            If the points have another shape or are not finite.
+        """
+        points = _checked("points", points, (None, self.d))
+        gradients = np.array([component.gradients(points) for component in self._components])
+        return np.asarray(self._scale * np.tensordot(self._weights, gradients, axes=1))
+
+    def covariance_with(
+        self, points: ArrayLike
+    ) -> Callable[[FloatArray], tuple[FloatArray, FloatArray]]:
+        """Prepare covariances of the expected response between these points and any others.
+
+        Parameters
+        ----------
+        points : array_like, shape (m, d)
+            Points in the unit cube.
+
+        Returns
+        -------
+        callable
+            Of other points, shape (n, d): the covariances, shape (m, n), and the variances of the
+            mean at the others, shape (n,). They account for the uncertainty of the
+            hyperparameters, as the variances of `predict` do.
+
+        Raises
+        ------
+        InputError
+            If the points have another shape or are not finite.
+        """
+        points = _checked("points", points, (None, self.d))
+        here = [component.project(points) for component in self._components]
+        means = np.array([c.predict_at(p)[0] for c, p in zip(self._components, here, strict=True)])
+        off = means - self._weights @ means
+
+        def covariances(others: FloatArray) -> tuple[FloatArray, FloatArray]:
+            there = [component.project(others) for component in self._components]
+            parts = [c.predict_at(p) for c, p in zip(self._components, there, strict=True)]
+            other_means, variances = (np.array(part) for part in zip(*parts, strict=True))
+            mean, variance = self._combine(other_means, variances)
+            joint = sum(
+                self._inflation * weight * c.joint(p, q)
+                for weight, c, p, q in zip(
+                    self._weights, self._components, here, there, strict=True
+                )
+            )
+            shared = (self._weights[:, None] * off).T @ (other_means - mean)
+            return self._scale**2 * (joint + shared), self._scale**2 * variance
+
+        return covariances
+
+    def without_each_run(self, point: ArrayLike) -> tuple[FloatArray, FloatArray]:
+        """Expected response at a point, and its variance, with each run left out in turn.
+
+        Hyperparameters and their weights stay those of all runs.
 
         Parameters
         ----------
@@ -673,17 +790,18 @@ class Kriging:
 
         Returns
         -------
-        ndarray, shape (d,)
-            Change of the mean per unit of each coordinate.
+        means, variances : ndarray, shape (n,)
 
         Raises
         ------
         InputError
             If the point has another shape or is not finite.
         """
-        point = _checked("point", point, (self.d,))
-        gradients = np.array([component.gradient(point) for component in self._components])
-        return np.asarray(self._scale * (self._weights @ gradients))
+        at = _checked("point", point, (self.d,))[None]
+        parts = [c.without_each_run(c.project(at)) for c in self._components]
+        means, variances = (np.array(part) for part in zip(*parts, strict=True))
+        mean, variance = self._combine(means, variances)
+        return self._offset + self._scale * mean, self._scale**2 * variance
 
     def leave_one_out(self) -> LeaveOneOut:
         """Prediction of each run from the others, without fitting again.

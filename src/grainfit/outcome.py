@@ -10,23 +10,24 @@ from grainfit.campaign.evaluation import Evaluation
 from grainfit.misfit import relative_deviation
 from grainfit.problem import Problem, Target
 from grainfit.result import ResponseResult, Result, RunCounts, RunSummary, Status
-from grainfit.strategies.base import Answer, Strategy
+from grainfit.strategies.answer import Answer
+from grainfit.strategies.base import Strategy
 from grainfit.verification import Verified, verified_responses
 
 
 @dataclass(frozen=True)
 class About:
-    """What a calibration is called, its identity, how long it took and how it ended."""
+    """What a calibration is called, its identity, how long it took how busily, and its end."""
 
     name: str
     identity: str
     wall_seconds: float
+    utilisation: float
     status: Status
 
 
 def make_result(
     about: About,
-    problem: Problem,
     strategy: Strategy,
     answer: Answer | None,
     evaluations: Sequence[Evaluation],
@@ -38,7 +39,7 @@ def make_result(
     ----------
     about : About
         Name, identity, duration and end.
-    problem, strategy : Problem, Strategy
+    strategy : Strategy
         What was calibrated, and how.
     answer : Answer or None
         None when it was interrupted before there was one.
@@ -47,8 +48,9 @@ def make_result(
     verification : sequence of Evaluation
         Those of them that verify the answer.
     """
+    problem = strategy.searched
     rayleigh = problem.rayleigh
-    middle = problem.from_unit([0.5] * problem.dimension)
+    middle = strategy.problem.from_unit([0.5] * problem.dimension)
     parameters = dict(answer.parameters) if answer else {}
     notices = [*strategy.notices, *_failure_notices(verification)]
     if answer:
@@ -62,6 +64,8 @@ def make_result(
         rayleigh_time_step_before=problem.rayleigh_time_step(middle),
         rayleigh_time_step_limits=rayleigh.limits(problem.intervals) if rayleigh else None,
         wall_seconds=about.wall_seconds,
+        utilisation=about.utilisation,
+        agreement=answer.agreement if answer else None,
         name=about.name,
         identity=about.identity,
         strategy=strategy.name,

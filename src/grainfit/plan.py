@@ -8,13 +8,13 @@ from dataclasses import dataclass
 from grainfit.assemble import Assembly, ParametersFor
 from grainfit.bulk_tests.heap import HeapTest
 from grainfit.bulk_tests.heap.cost import estimate_cost
-from grainfit.calibrate import VERIFICATION_RUNS, make_strategy
 from grainfit.errors import GrainfitError, InputError
 from grainfit.material import MATERIAL_PARAMETERS
 from grainfit.problem import Parameter, Problem, Target
 from grainfit.solvers.base import Solver
 from grainfit.solvers.deck_solver import DeckSolver
-from grainfit.verification import ROUNDS
+from grainfit.strategies.choice import make_strategy
+from grainfit.verification import ROUNDS, VERIFICATION_RUNS
 
 
 @dataclass(frozen=True)
@@ -88,18 +88,21 @@ def _run_lines(assembly: Assembly) -> Iterator[str]:
     strategy = assembly.strategy
     verification = strategy.verification_runs or VERIFICATION_RUNS
     tests = len(assembly.solvers)
-    design = make_strategy(
+    chosen = make_strategy(
         assembly.problem,
+        strategy.choice(),
         tests,
+        seed=1,
         max_runs=strategy.max_runs,
-        design_runs=strategy.design_runs,
         verification_runs=verification,
-    ).design_runs
+    )
+    design = chosen.design_runs
+    behind = chosen.expected_left - design
     yield (
-        f"DEM runs: {design * tests} for the design, usually {(dimension + 1) * tests} to "
-        f"{4 * (dimension + 1) * tests} for the optimisation, and {verification * tests} for the "
+        f"DEM runs: {design * tests} for the design, usually {behind // 2 * tests} to "
+        f"{2 * behind * tests} for the optimisation, and {verification * tests} for the "
         f"verification (up to {ROUNDS * verification * tests} where it is a close call); "
-        f"{assembly.workers} at a time."
+        f"{assembly.workers} at a time. Strategy: {chosen.name}."
     )
     if dimension > len(assembly.problem.targets):
         yield (

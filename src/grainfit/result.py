@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any, Literal
 
 from grainfit.campaign.workdir import write_atomically
-from grainfit.strategies.base import MetamodelQuality
+from grainfit.strategies.answer import MetamodelQuality
 from grainfit.strategies.reachability import OutOfReach
 
 Status = Literal["calibrated", "out_of_tolerance", "unreachable", "interrupted"]
@@ -99,6 +99,10 @@ class Result:
         Smallest and largest Rayleigh time step within the intervals, s.
     wall_seconds : float
         Duration of this start, s.
+    utilisation : float
+        Share of the workers' time in which they simulated, in this start; 1 is all of it.
+    agreement : float, optional
+        Probability, by the metamodels, that all expected responses are within their tolerances.
     name, identity, strategy, seed, version : str, str, str, int, str
         What was calibrated, and how to repeat it.
     units : mapping of str to str
@@ -121,6 +125,8 @@ class Result:
     rayleigh_time_step_before: float | None
     rayleigh_time_step_limits: tuple[float, float] | None
     wall_seconds: float
+    utilisation: float
+    agreement: float | None
     name: str
     identity: str
     strategy: str

@@ -12,6 +12,8 @@ from scipy.stats import t as student_t
 from grainfit.campaign.evaluation import Evaluation
 from grainfit.problem import Problem, Target
 
+#: Fresh seeds in a round of verification.
+VERIFICATION_RUNS = 5
 #: Most rounds of verification runs at one answer.
 ROUNDS = 4
 

@@ -6,7 +6,7 @@ from typing import Any
 
 from grainfit.bulk_tests.heap import HeapTest
 from grainfit.calibration_file.bulk_tests import HEAP_OPTIONS, Tests
-from grainfit.calibration_file.kinds import Choice, Quantity, Text, Whole
+from grainfit.calibration_file.kinds import Choice, Flag, Quantity, Text, Whole
 from grainfit.calibration_file.model import StrategyOptions
 from grainfit.calibration_file.parameters import Diameters, FixedOrFree, OwnParameter
 from grainfit.calibration_file.places import Findings, Place
@@ -14,6 +14,7 @@ from grainfit.calibration_file.tables import Key, Named, Table, Values
 from grainfit.errors import InputError
 from grainfit.material import MATERIAL_PARAMETERS, MaterialParameter
 from grainfit.problem import Parameter
+from grainfit.strategies.choice import PREFERENCES, STRATEGIES
 
 MATERIAL_SECTIONS = {
     "particle": "The particles.",
@@ -39,16 +40,31 @@ _EXAMPLES = {
 }
 
 STRATEGY = (
-    Key("name", Choice(("staged",)), "How to search.", example='"staged"'),
+    Key("name", Choice(STRATEGIES), "How runs are chosen.", example='"sequential"'),
     Key("max_runs", Whole(1), "Budget of DEM runs, of all tests together.", example="60"),
     Key("seed", Whole(0), "Same seed, same calibration.", example="1"),
     Key("workers", Whole(1, 4096), "Runs at once; as many as processor cores by default."),
-    Key("design_runs", Whole(2), "Runs of the design; 13 per free parameter by default."),
+    Key("design_runs", Whole(2), "Runs of the design; the strategy's own number by default."),
     Key("verification_runs", Whole(2), "Runs with fresh seeds at the answer; 5 by default."),
+    Key(
+        "prefer",
+        Choice(PREFERENCES),
+        "Of all parameter sets that agree, take the one with the largest Rayleigh time step "
+        "(default) or the closest one. Sequential strategy only.",
+        example='"accuracy"',
+    ),
+    Key(
+        "extend_intervals",
+        Flag(),
+        "Move a bound that keeps a target out of reach, within physical limits, and go on; "
+        "false by default. Sequential strategy only.",
+        example="true",
+    ),
     Key(
         "rayleigh_weight",
         Quantity("", lowest=0.0),
-        "Weight of the Rayleigh criterion; above 0 it trades accuracy for a larger time step.",
+        "Weight of the Rayleigh criterion; above 0 it trades accuracy for a larger time step. "
+        "Staged strategy only.",
     ),
 )
 
@@ -93,8 +109,17 @@ def _material_table(section: str) -> Table:
     return Table(tuple(keys), homes=_homes())
 
 
-def _strategy(values: Values, place: Place) -> StrategyOptions | None:  # noqa: ARG001
-    return None if None in values.values() else StrategyOptions(**values)
+def _strategy(values: Values, place: Place) -> StrategyOptions | None:
+    if None in values.values():
+        return None
+    options = StrategyOptions(**values)
+    try:
+        options.choice().check(options.rayleigh_weight or 0.0)
+    except InputError as error:
+        for fault in error.faults:
+            place.at(fault.key).fault(fault.message, fault.remedy)
+        return None
+    return options
 
 
 LAYOUT = Table(

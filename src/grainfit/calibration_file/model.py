@@ -9,6 +9,8 @@ from typing import Any, ClassVar
 
 from grainfit.material import ParticleSizes
 from grainfit.problem import Parameter, Target
+from grainfit.strategies.choice import DEFAULT_STRATEGY, StrategyChoice
+from grainfit.strategies.sequential import Preference
 
 
 @dataclass(frozen=True)
@@ -52,17 +54,27 @@ class StrategyOptions:
         Runs at once.
     design_runs, verification_runs : int, optional
         Runs of the design, and at the answer.
+    prefer : {"time_step", "accuracy"}, optional
+        Which of the parameter sets that agree is the answer.
+    extend_intervals : bool, optional
+        Whether bounds that are in the way are moved.
     rayleigh_weight : float, optional
         Weight of the Rayleigh criterion in the misfit.
     """
 
-    name: str = "staged"
+    name: str = DEFAULT_STRATEGY
     max_runs: int | None = None
     seed: int | None = None
     workers: int | None = None
     design_runs: int | None = None
     verification_runs: int | None = None
+    prefer: Preference | None = None
+    extend_intervals: bool | None = None
     rayleigh_weight: float | None = None
+
+    def choice(self) -> StrategyChoice:
+        """Return the strategy with its options."""
+        return StrategyChoice(self.name, self.design_runs, self.prefer, self.extend_intervals)
 
 
 @dataclass(frozen=True)

@@ -48,6 +48,11 @@ class Evaluation:
         Identity of the run by name of the test.
     seconds : float
         Sum of the wall times of the runs, s.
+    simulated_seconds : float
+        The same of the runs that were not known already, s.
+    failed_by_machine : bool
+        Whether every failure was a fault of the machine, not of the simulation: it tells nothing
+        of the parameters, and the point is worth another try.
     """
 
     proposal: Proposal
@@ -56,3 +61,5 @@ class Evaluation:
     reused: int = 0
     runs: Mapping[str, str] = field(default_factory=dict)
     seconds: float = 0.0
+    simulated_seconds: float = 0.0
+    failed_by_machine: bool = False

@@ -34,6 +34,7 @@ class _Pending:
     waiting: dict[str, list[str]] = field(default_factory=dict)
     records: dict[str, RunRecord] = field(default_factory=dict)
     reused: int = 0
+    reused_seconds: float = 0.0
 
 
 class Campaign:
@@ -88,6 +89,11 @@ class Campaign:
         """Number of runs that have been started and have not ended."""
         return len(self._under_way)
 
+    @property
+    def has_pending(self) -> bool:
+        """Whether there are proposals that `wait` has not returned."""
+        return bool(self._pending)
+
     def start(self, proposal: Proposal) -> dict[str, str]:
         """Start the runs of a proposal that are not known yet; return identities by test."""
         entry = _Pending(proposal)
@@ -99,6 +105,7 @@ class Campaign:
             if known is not None and _is_final(known, solver):
                 entry.records[test] = known
                 entry.reused += 1
+                entry.reused_seconds += known.seconds
                 continue
             entry.waiting.setdefault(identity, []).append(test)
             if identity not in self._under_way:
@@ -239,11 +246,15 @@ def _evaluation(entry: _Pending) -> Evaluation:
         for test, record in entry.records.items()
         for name, response in record.responses.items()
     }
+    records = entry.records
+    failed = {test: record for test, record in records.items() if record.status == "failed"}
     return Evaluation(
         entry.proposal,
         responses,
-        {t: r.reason for t, r in entry.records.items() if r.status == "failed"},
+        {test: record.reason for test, record in failed.items()},
         entry.reused,
-        {test: record.identity for test, record in entry.records.items()},
-        sum(record.seconds for record in entry.records.values()),
+        {test: record.identity for test, record in records.items()},
+        sum(record.seconds for record in records.values()),
+        sum(record.seconds for record in records.values()) - entry.reused_seconds,
+        bool(failed) and all(record.kind == "machine" for record in failed.values()),
     )

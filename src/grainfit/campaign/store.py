@@ -13,13 +13,14 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
-from typing import Any, Literal, TypeVar, get_args
+from typing import Any, Literal, TypeVar, cast, get_args
 from urllib.parse import unquote
 
 import sqlalchemy as sql
 from sqlalchemy.exc import SQLAlchemyError
 from sqlalchemy.pool import StaticPool
 
+from grainfit.campaign.evaluation import Stage
 from grainfit.errors import StoreError
 from grainfit.solvers.base import Response
 
@@ -148,7 +149,7 @@ class RequestRecord:
     """One parameter set that a calibration asked for."""
 
     position: int
-    stage: str
+    stage: Stage
     parameters: Mapping[str, float]
     seed: int
     runs: Mapping[str, str]
@@ -164,11 +165,18 @@ class RequestRecord:
         """
         return cls(
             position=row["position"],
-            stage=str(row["stage"]),
+            stage=_stage(row["stage"]),
             parameters=_mapping(row["parameters"]),
             seed=row["seed"],
             runs={str(test): str(run) for test, run in _mapping(row["runs"]).items()},
         )
+
+
+def _stage(value: Any) -> Stage:
+    for stage in get_args(Stage):
+        if value == stage:
+            return cast(Stage, stage)
+    raise ValueError(f"{value!r} is no stage of a calibration")
 
 
 def _mapping(value: Any) -> Mapping[str, Any]:
@@ -310,10 +318,9 @@ class RunStore:
         return self._read(sql.select(_runs).order_by(_runs.c.ended), RunRecord.from_json)
 
     def begin_calibration(self, identity: str, name: str, definition: Mapping[str, Any]) -> None:
-        """Note that a calibration starts, or goes on."""
+        """Note that a calibration starts, or goes on with what it asked for before."""
         with self._transaction() as connection:
             connection.execute(_calibrations.delete().where(_calibrations.c.identity == identity))
-            connection.execute(_requests.delete().where(_requests.c.calibration == identity))
             connection.execute(
                 _calibrations.insert().values(
                     identity=identity,
@@ -334,10 +341,25 @@ class RunStore:
             )
 
     def add_request(self, calibration: str, request: RequestRecord) -> None:
-        """Note that a calibration asked for a parameter set."""
+        """Note that a calibration asked for a parameter set, in place of one at that position."""
         with self._transaction() as connection:
             connection.execute(
+                _requests.delete().where(
+                    _requests.c.calibration == calibration,
+                    _requests.c.position == request.position,
+                )
+            )
+            connection.execute(
                 _requests.insert().values(calibration=calibration, **asdict(request))
+            )
+
+    def forget_requests_behind(self, calibration: str, position: int) -> None:
+        """Forget what a calibration asked for behind a position, in an earlier start."""
+        with self._transaction() as connection:
+            connection.execute(
+                _requests.delete().where(
+                    _requests.c.calibration == calibration, _requests.c.position > position
+                )
             )
 
     def latest_calibration(self) -> CalibrationRecord | None:

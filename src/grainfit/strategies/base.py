@@ -3,9 +3,9 @@
 The life of a strategy:
 
 1. It is made with a problem, a seed and a budget. Everything it does follows from these and from
-   what it is told, never from a clock or from the number of workers: told the same, it asks the
-   same. A calibration that was interrupted is therefore simply started again, and the runs that
-   are known already are answered from the store.
+   what it is told, never from a clock: told the same, it asks the same. A calibration that was
+   interrupted is therefore simply started again: `Strategy.remember` hands the strategy what it
+   asked for before, and the runs that are known already are answered from the store.
 2. `Strategy.ask` is called whenever a worker is free. It returns the next proposal, or None: then
    either a run under way has to come back first, or the strategy has `finished`.
 3. `Strategy.tell` hands it what came of a proposal, in any order; failed runs too.
@@ -20,13 +20,16 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections import deque
 from collections.abc import Generator, Mapping, Sequence
-from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
 from grainfit.campaign.evaluation import Evaluation, Proposal, Stage
 from grainfit.problem import Problem
-from grainfit.strategies.reachability import OutOfReach
+from grainfit.strategies.answer import Answer
+
+#: How often a verification outside the tolerance may lead back to the search.
+RECONSIDERATIONS = 2
 
 _STAGE_CODES: Mapping[Stage, int] = {"design": 0, "optimisation": 1, "verification": 2}
 
@@ -36,52 +39,6 @@ def insertion_seed(seed: int, stage: Stage, number: int) -> int:
     state = np.random.SeedSequence([seed, _STAGE_CODES[stage], number]).generate_state(1)
     # Some generators, such as that of LAMMPS, take no seed above 900,000,000.
     return 1 + int(state[0]) % 899_999_999
-
-
-@dataclass(frozen=True)
-class MetamodelQuality:
-    """How far a metamodel can be trusted, by leave-one-out.
-
-    Parameters
-    ----------
-    q2 : float or None
-        Share of the variance of the responses that is predicted; 1 is perfect. None when the
-        responses are all equal.
-    coverage : float
-        Share of the runs inside their 95 % interval.
-    noise : float
-        Estimated standard deviation of the response from seed to seed.
-    warnings : tuple of str
-        Why it is not to be trusted, in words; empty when it is.
-    """
-
-    q2: float | None
-    coverage: float
-    noise: float
-    warnings: tuple[str, ...] = ()
-
-
-@dataclass(frozen=True)
-class Answer:
-    """What a strategy believes in.
-
-    Parameters
-    ----------
-    parameters : mapping of str to float
-        Values of the free parameters.
-    predicted, standard_errors : mapping of str to float
-        Expected response and its standard error, by name of the target.
-    out_of_reach : tuple of OutOfReach
-        Targets that no parameter set within the intervals meets.
-    quality : mapping of str to MetamodelQuality
-        By name of the target.
-    """
-
-    parameters: Mapping[str, float]
-    predicted: Mapping[str, float]
-    standard_errors: Mapping[str, float]
-    out_of_reach: tuple[OutOfReach, ...] = ()
-    quality: Mapping[str, MetamodelQuality] = field(default_factory=dict)
 
 
 class Strategy(ABC):
@@ -107,6 +64,11 @@ class Strategy(ABC):
 
     @property
     @abstractmethod
+    def design_runs(self) -> int:
+        """Proposals of the design, before anything is known."""
+
+    @property
+    @abstractmethod
     def finished(self) -> bool:
         """Whether there is nothing more to ask."""
 
@@ -120,6 +82,30 @@ class Strategy(ABC):
     def notices(self) -> Sequence[str]:
         """What the user should know by now, oldest first."""
 
+    @property
+    @abstractmethod
+    def definition(self) -> dict[str, Any]:
+        """The options that decide what is asked, as plain data."""
+
+    @property
+    def searched(self) -> Problem:
+        """The problem with the intervals that are searched, should they have been widened."""
+        return self.problem
+
+    def remember(self, proposals: Sequence[Proposal]) -> None:
+        """Take up the thread of an earlier start.
+
+        Called before the first `ask`, and again before the first one after each verification.
+        By default nothing is done, which suits a strategy that asks for the same proposals again
+        in whatever order runs come back. Any other one asks for these proposals again, in their
+        order, before it goes on.
+
+        Parameters
+        ----------
+        proposals : sequence of Proposal
+            What was asked for then, in order.
+        """
+
     @abstractmethod
     def ask(self) -> Proposal | None:
         """Return the next proposal, or None when there is none at this moment."""
@@ -129,8 +115,14 @@ class Strategy(ABC):
         """Take note of what came of a proposal."""
 
     @abstractmethod
-    def answer(self) -> Answer:
-        """Return the best parameter set by expected response."""
+    def answer(self, parameters: Mapping[str, float] | None = None) -> Answer:
+        """Return the best parameter set by expected response.
+
+        Parameters
+        ----------
+        parameters : mapping of str to float, optional
+            Those of an earlier start, which are then the answer whatever would be now.
+        """
 
     @abstractmethod
     def reconsider(self, affordable: int | None = None) -> bool:

@@ -57,7 +57,7 @@ def _jacobian(metamodels: Metamodels, point: Array) -> Array:
         problem.rayleigh_weight * _criterion_slope(metamodels, point, axis)
         for axis in range(problem.dimension)
     ]
-    return np.vstack([metamodels.gradients(point) * scale[:, None], criterion])
+    return np.vstack([metamodels.gradients(point)[0] * scale[:, None], criterion])
 
 
 def _criterion_slope(metamodels: Metamodels, point: Array, axis: int) -> float:
@@ -79,7 +79,7 @@ def difference_points(metamodels: Metamodels, point: Array) -> Array:
     A step is so long that some response changes by three standard deviations of its noise, and
     between 5 and 25 % of the interval; it goes to the side on which there is more room.
     """
-    slopes = np.abs(metamodels.gradients(point)) / np.maximum(metamodels.noise, 1e-300)[:, None]
+    slopes = np.abs(metamodels.gradients(point)[0]) / np.maximum(metamodels.noise, 1e-300)[:, None]
     steepest = np.maximum(slopes.max(axis=0), 1e-12)
     steps = np.clip(3.0 / steepest, 0.05, 0.25)
     moved = np.tile(point, (len(point), 1))

@@ -17,7 +17,7 @@ from grainfit.sampling import maximin_latin_hypercube
 from grainfit.strategies.metamodels import Metamodels
 
 #: How many standard errors a target must be beyond its tolerance to be called out of reach.
-_CONFIDENCE = 2.0
+STANDARD_ERRORS = 2.0
 _AT_BOUND = 0.01
 #: Share of the missing deviation by which a suggested interval goes beyond the need.
 _MARGIN = 1.15
@@ -75,7 +75,10 @@ class OutOfReach:
 
 
 def out_of_reach(
-    metamodels: Metamodels, optimum: NDArray[np.float64], seed: int
+    metamodels: Metamodels,
+    optimum: NDArray[np.float64],
+    seed: int,
+    standard_errors: float = STANDARD_ERRORS,
 ) -> tuple[OutOfReach, ...]:
     """Find the targets that cannot be met within the intervals.
 
@@ -87,25 +90,27 @@ def out_of_reach(
         Where the misfit is smallest.
     seed : int
         Decides the starts of the search for the nearest response.
+    standard_errors : float
+        How many of them a target must be beyond its tolerance.
     """
     means, variances = metamodels.predict(optimum)
     found = []
     for index, target in enumerate(metamodels.problem.targets):
         error = float(np.sqrt(variances[0, index]))
-        if not _misses(target, float(means[0, index]), error):
+        if not _misses(target, float(means[0, index]), standard_errors * error):
             continue
         nearest_point = _nearest(metamodels, index, seed)
         alone_mean, alone_variance = metamodels.predict(nearest_point)
         alone, alone_error = float(alone_mean[0, index]), float(np.sqrt(alone_variance[0, index]))
-        if _misses(target, alone, alone_error):
+        if _misses(target, alone, standard_errors * alone_error):
             found.append(_describe(metamodels, index, nearest_point, alone, alone_error, False))
         else:
             found.append(_describe(metamodels, index, optimum, float(means[0, index]), error, True))
     return tuple(found)
 
 
-def _misses(target: Target, mean: float, error: float) -> bool:
-    return abs(mean - target.value) > target.accepted_deviation + _CONFIDENCE * error
+def _misses(target: Target, mean: float, margin: float) -> bool:
+    return abs(mean - target.value) > target.accepted_deviation + margin
 
 
 def _nearest(metamodels: Metamodels, index: int, seed: int) -> NDArray[np.float64]:
@@ -119,7 +124,7 @@ def _nearest(metamodels: Metamodels, index: int, seed: int) -> NDArray[np.float6
 
     def slope(point: NDArray[np.float64]) -> NDArray[np.float64]:
         deviation = float(model.predict(point[None]).mean[0]) / target - 1
-        return np.asarray(2 * deviation / target * model.gradient(point))
+        return np.asarray(2 * deviation / target * model.gradients(point[None])[0])
 
     starts = maximin_latin_hypercube(8, dimension, seed)
     ends = [
@@ -139,7 +144,7 @@ def _describe(
 ) -> OutOfReach:
     target = metamodels.problem.targets[index]
     basics = (target.name, target.value, nearest, error, jointly)
-    slopes = metamodels.models[index].gradient(point)
+    slopes = metamodels.models[index].gradients(point[None])[0]
     missing = target.value - nearest
     blocked = list(_blocking(point, slopes * np.sign(missing)))
     if not blocked:

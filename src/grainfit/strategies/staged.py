@@ -8,25 +8,21 @@ responses that follow from all runs. Without noise this is the method of the pap
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from math import isfinite
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from grainfit.campaign.evaluation import Evaluation, Proposal, Stage
-from grainfit.errors import Fault, InputError, RunFailedError
+from grainfit.errors import RunFailedError
 from grainfit.misfit import within_tolerance
 from grainfit.problem import Problem
 from grainfit.sampling import maximin_latin_hypercube
-from grainfit.strategies.base import (
-    Answer,
-    BatchStrategy,
-    MetamodelQuality,
-    Plan,
-    insertion_seed,
-)
+from grainfit.strategies.answer import Answer, make_answer
+from grainfit.strategies.base import RECONSIDERATIONS, BatchStrategy, Plan, insertion_seed
+from grainfit.strategies.design_size import design_size
 from grainfit.strategies.least_squares import (
     damped_step,
     difference_jacobian,
@@ -44,8 +40,6 @@ DESIGN_RUNS_PER_PARAMETER = 13
 OPTIMISATION_RUNS_PER_PARAMETER = 10
 #: Step 3 ends when a step is shorter than this share of every interval.
 SMALL_STEP = 0.01
-#: How often a verification outside the tolerance leads back to step 2.
-RECONSIDERATIONS = 2
 
 
 @dataclass(frozen=True)
@@ -91,9 +85,9 @@ class Staged(BatchStrategy):
         options: StagedOptions | None = None,
     ) -> None:
         super().__init__(problem, seed, max_evaluations)
-        self._design_runs = _design_size(
-            problem.dimension, (options or StagedOptions()).design_runs, max_evaluations
-        )
+        usual = DESIGN_RUNS_PER_PARAMETER * problem.dimension
+        wanted = (options or StagedOptions()).design_runs
+        self._design_runs = design_size(problem.dimension, wanted, usual, max_evaluations)
         left = OPTIMISATION_RUNS_PER_PARAMETER * problem.dimension
         if max_evaluations is not None:
             left = max(0, max_evaluations - self._design_runs)
@@ -108,6 +102,11 @@ class Staged(BatchStrategy):
     def notices(self) -> Sequence[str]:
         """What the user should know by now."""
         return tuple(self._notices)
+
+    @property
+    def definition(self) -> dict[str, Any]:
+        """Size of the design and most runs of step 3: they shape the plan."""
+        return {"design_runs": self._design_runs, "max_evaluations": self.max_evaluations}
 
     @property
     def design_runs(self) -> int:
@@ -143,22 +142,16 @@ class Staged(BatchStrategy):
             self.follow(self._optimise())
         return possible
 
-    def answer(self) -> Answer:
+    def answer(self, parameters: Mapping[str, float] | None = None) -> Answer:
         """Return the simulated parameter set with the smallest expected misfit."""
         metamodels = self._metamodels()
+        if parameters is not None:
+            return make_answer(metamodels, parameters, self._out_of_reach)
         candidates = [dict(e.proposal.parameters) for e in self._successful()]
         if not candidates:
             raise RunFailedError("no parameter set gave all responses, so none can be the answer")
         best = min(candidates, key=lambda p: metamodels.expected_misfit(self.problem.to_unit(p)))
-        means, variances = metamodels.predict(self.problem.to_unit(best))
-        names = [target.name for target in self.problem.targets]
-        return Answer(
-            parameters=best,
-            predicted=dict(zip(names, means[0].tolist(), strict=True)),
-            standard_errors=dict(zip(names, np.sqrt(variances[0]).tolist(), strict=True)),
-            out_of_reach=self._out_of_reach,
-            quality=dict(zip(names, _quality(metamodels), strict=True)),
-        )
+        return make_answer(metamodels, best, self._out_of_reach)
 
     def _optimise(self) -> Plan:
         """Steps 2 and 3 with all that is known."""
@@ -214,58 +207,9 @@ class Staged(BatchStrategy):
     def _metamodels(self) -> Metamodels:
         known = self.known
         if self._fitted is None or self._fitted[0] != len(known):
-            self._fitted = (len(known), Metamodels(self.problem, known))
+            self._fitted = (len(known), Metamodels.fit(self.problem, known))
         return self._fitted[1]
 
     def _successful(self) -> Iterator[Evaluation]:
         names = {target.name for target in self.problem.targets}
         return (e for e in self.known if names <= e.responses.keys())
-
-
-def smallest_design(dimension: int, wanted: int | None = None) -> int:
-    """Return the size of the design that is wanted, or else the smallest that is possible.
-
-    Raises
-    ------
-    InputError
-        What is wanted is too small to fit metamodels.
-    """
-    smallest = dimension + 3
-    if wanted is not None and wanted < smallest:
-        raise InputError(
-            Fault(
-                "design_runs",
-                f"{wanted} runs are too few for metamodels of {dimension} parameters.",
-                f"Give at least {smallest}.",
-            )
-        )
-    return wanted or smallest
-
-
-def _design_size(dimension: int, wanted: int | None, max_evaluations: int | None) -> int:
-    smallest = smallest_design(dimension, wanted)
-    if max_evaluations is None:
-        return wanted or DESIGN_RUNS_PER_PARAMETER * dimension
-    if max_evaluations < smallest:
-        raise InputError(
-            Fault(
-                "max_evaluations",
-                f"{max_evaluations} are too few for the design.",
-                f"Allow at least {smallest}.",
-            )
-        )
-    # A tight budget keeps a share for step 3.
-    return wanted or min(
-        DESIGN_RUNS_PER_PARAMETER * dimension, max(smallest, (2 * max_evaluations) // 3)
-    )
-
-
-def _quality(metamodels: Metamodels) -> Iterator[MetamodelQuality]:
-    for model in metamodels.models:
-        check = model.leave_one_out()
-        yield MetamodelQuality(
-            q2=float(check.q2) if isfinite(check.q2) else None,
-            coverage=float(check.coverage),
-            noise=float(model.noise_standard_deviation),
-            warnings=tuple(model.warnings()),
-        )

@@ -1,0 +1,480 @@
+"""The sequential strategy: every run goes where it is expected to improve the answer most.
+
+After a small Latin hypercube, metamodels of all responses are fitted anew whenever a run has come
+back, and the next run is chosen by `ExpectedImprovement`, with the runs under way counted in. It
+ends when it is decided: the answer agrees with all measurements with the demanded probability, or
+no parameter set can.
+
+What it asks follows from what is known and what is under way alone, not from the way there. So
+the history of an interrupted calibration is all that it takes to go on.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import asdict, dataclass
+from functools import cached_property
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.distance import cdist
+
+from grainfit.campaign.evaluation import Evaluation, Proposal, Stage
+from grainfit.problem import Problem
+from grainfit.sampling import maximin_latin_hypercube
+from grainfit.strategies.answer import Answer, make_answer
+from grainfit.strategies.answer_search import (
+    AnswerSearch,
+    handicaps,
+    log_time_steps,
+    time_step_matters,
+)
+from grainfit.strategies.base import RECONSIDERATIONS, Strategy, insertion_seed
+from grainfit.strategies.design_size import design_size
+from grainfit.strategies.expected_improvement import ExpectedImprovement
+from grainfit.strategies.experience import Experience
+from grainfit.strategies.metamodels import Metamodels, can_be_fitted
+from grainfit.strategies.reachability import OutOfReach, out_of_reach
+from grainfit.strategies.search import points_about, shrinking_search, spread_points
+from grainfit.strategies.widening import widened, widenings
+
+Array = NDArray[np.float64]
+Preference = Literal["time_step", "accuracy"]
+
+#: Runs of the design per coefficient of a linear trend: half as many again as it takes to see one.
+DESIGN_RUNS = 1.5
+#: Demanded probability that all expected responses are within their tolerances.
+CONFIDENCE = 0.95
+#: The same without any single run: what hangs on one run is not decided.
+CONFIDENCE_WITHOUT_ANY_RUN = 0.9
+#: Most runs behind the design per free parameter, where the user gives no budget.
+RUNS_PER_PARAMETER = 20
+#: Runs behind the design before a target can be called out of reach.
+_RUNS_TO_CONFIRM = 2
+#: A target must be missed by this many standard errors: it is looked at after every run.
+_STANDARD_ERRORS = 3.0
+#: An expected gain of the time step that is worth further runs.
+_GAIN_WORTH_RUNS = 0.05
+#: Without a budget, runs that narrow the standard errors by less than this in all are not made.
+_NARROWING_WORTH_RUNS = 0.3
+_TRIES_OF_A_MACHINE = 3
+_MOST_WIDENINGS = 4
+_GLOBAL_CANDIDATES = 96
+_NEAR_CANDIDATES = 32
+_SPACE_FILLING_CANDIDATES = 512
+
+
+@dataclass(frozen=True)
+class SequentialOptions:
+    """Options of the sequential strategy.
+
+    Parameters
+    ----------
+    design_runs : int, optional
+        Size of the Latin hypercube; 1.5 (d + 1) by default.
+    prefer : {"time_step", "accuracy"}
+        Of all parameter sets that agree with the measurements, take the one with the largest
+        Rayleigh time step, or the closest one.
+    extend_intervals : bool
+        Move a bound that keeps a target out of reach, within physical limits, and go on.
+    confidence : float
+        Demanded probability that all expected responses are within their tolerances.
+    """
+
+    design_runs: int | None = None
+    prefer: Preference = "time_step"
+    extend_intervals: bool = False
+    confidence: float = CONFIDENCE
+
+
+class Sequential(Strategy):
+    """Calibrate run by run.
+
+    Parameters
+    ----------
+    problem : Problem
+        What is calibrated.
+    seed : int
+        Decides the design and all insertion seeds.
+    max_evaluations : int, optional
+        Largest number of proposals; by default the design and 20 per free parameter.
+    options : SequentialOptions
+        Size of the design, what is preferred, when it is decided.
+
+    Raises
+    ------
+    InputError
+        The design is too small to fit metamodels, or larger than the budget.
+    """
+
+    name = "sequential"
+
+    def __init__(
+        self,
+        problem: Problem,
+        seed: int,
+        max_evaluations: int | None = None,
+        options: SequentialOptions | None = None,
+    ) -> None:
+        super().__init__(problem, seed, max_evaluations)
+        self.options = options or SequentialOptions()
+        self._design_size = design_size(
+            problem.dimension,
+            self.options.design_runs,
+            2 * (problem.dimension + 1),
+            max_evaluations,
+        )
+        self._allowed = max_evaluations or (
+            self._design_size + RUNS_PER_PARAMETER * problem.dimension
+        )
+        self._asked: list[Proposal] = []
+        self._indices: dict[int, int] = {}
+        self._told: dict[int, Evaluation] = {}
+        self._others: list[Evaluation] = []
+        self._remembered: deque[Proposal] = deque()
+        self._reconsidered = 0
+        self._latest: tuple[tuple[int, int], _View] | None = None
+        self._notices: list[str] = []
+
+    @property
+    def definition(self) -> dict[str, Any]:
+        """All options; the budget only decides how far it goes."""
+        return asdict(self.options) | {"design_runs": self._design_size}
+
+    @property
+    def design_runs(self) -> int:
+        """Size of the Latin hypercube."""
+        return self._design_size
+
+    @property
+    def notices(self) -> Sequence[str]:
+        """What the user should know by now."""
+        return tuple(self._notices)
+
+    @property
+    def searched(self) -> Problem:
+        """The problem with the intervals that are searched."""
+        return self.problem if self._view is None else self._view.problem
+
+    @property
+    def known(self) -> list[Evaluation]:
+        """All that has come back, in the order in which it was asked for."""
+        return [self._told[index] for index in sorted(self._told)] + self._others
+
+    @property
+    def finished(self) -> bool:
+        """Whether it is decided, or the budget is used."""
+        if self._remembered or not self._design_is_told:
+            return False
+        if self._budget_is_used and len(self._told) == len(self._asked):
+            self._note_end(self._view)
+            return True
+        if self._view is None or not self._is_decided(self._view):
+            return False
+        self._note_end(self._view)
+        return True
+
+    @property
+    def expected_left(self) -> int:
+        """About how many proposals are still to come."""
+        under_way = len(self._asked) - len(self._told)
+        if not self._design_is_told or self._view is None:
+            usual = self._design_size + 2 * (self.problem.dimension + 2)
+            return max(under_way, min(self._allowed, usual) - len(self._told))
+        if self._is_decided(self._view):
+            return under_way
+        needed = self._view.runs_needed(self.options.confidence)
+        return max(under_way, min(self._allowed - len(self._told), needed))
+
+    def remember(self, proposals: Sequence[Proposal]) -> None:
+        """Ask for these again before anything else."""
+        self._remembered.extend(proposals)
+
+    def ask(self) -> Proposal | None:
+        """Return the next proposal, or None when a run has to come back first."""
+        if self._remembered:
+            return self._note_asked(self._remembered.popleft())
+        if self._budget_is_used:
+            return None
+        if len(self._asked) < self._design_size:
+            return self._propose(self.problem.from_unit(self._design[len(self._asked)]), "design")
+        if again := self._failed_by_machine():
+            return self._propose(again.parameters, again.stage)
+        if self.finished:
+            return None
+        if self._view is None:
+            everything_is_told = len(self._told) == len(self._asked)
+            return self._fill_in() if everything_is_told else None
+        point = self._next_point(self._view)
+        return self._propose(self._view.problem.from_unit(point), "optimisation")
+
+    def tell(self, evaluation: Evaluation) -> None:
+        """Take note of what came of a proposal, or of a run that somebody else asked for."""
+        index = self._indices.get(evaluation.proposal.seed)
+        if index is not None and self._asked[index] == evaluation.proposal:
+            self._told[index] = evaluation
+        else:
+            self._others.append(evaluation)
+
+    def answer(self, parameters: Mapping[str, float] | None = None) -> Answer:
+        """Return the parameter set that is chosen by expected responses."""
+        view = self._view
+        if view is None:
+            # Says what is missing.
+            Metamodels.fit(self.problem, self.known)
+            raise AssertionError("metamodels that can be fitted make a view")
+        misses = view.misses if self._is_out_of_reach(view) else ()
+        chosen = parameters or view.problem.from_unit(view.answer)
+        return make_answer(view.metamodels, chosen, misses)
+
+    def reconsider(self, affordable: int | None = None) -> bool:
+        """Go on with the verification runs known, if there is any doubt and budget left."""
+        if affordable is not None:
+            self._allowed = min(self._allowed, len(self._asked) + max(0, affordable))
+        view = self._view
+        possible = (
+            view is not None
+            and (affordable is None or affordable >= 0)
+            and not self._is_out_of_reach(view)
+            and self._reconsidered < RECONSIDERATIONS
+        )
+        self._reconsidered += possible
+        return possible
+
+    # What is known ---------------------------------------------------------------------------
+
+    @cached_property
+    def _design(self) -> Array:
+        return maximin_latin_hypercube(self._design_size, self.problem.dimension, self.seed)
+
+    @property
+    def _budget_is_used(self) -> bool:
+        return len(self._asked) >= self._allowed
+
+    @property
+    def _design_is_told(self) -> bool:
+        return all(index in self._told for index in range(self._design_size))
+
+    @property
+    def _view(self) -> _View | None:
+        """What is known by now; None when it is too little for metamodels."""
+        state = (len(self._told), len(self._others))
+        if self._latest is None or self._latest[0] != state:
+            known = self.known
+            if not can_be_fitted(self.problem, known):
+                return None
+            self._latest = (state, self._look(known))
+        return self._latest[1]
+
+    def _look(self, known: Sequence[Evaluation]) -> _View:
+        problem, view = self.problem, _View(self.problem, known, self.seed, self.options)
+        for _ in range(_MOST_WIDENINGS if self.options.extend_intervals else 0):
+            if not self._is_out_of_reach(view):
+                break
+            wider = widened(problem, view.misses)
+            if wider == problem:
+                break
+            problem, view = wider, _View(wider, known, self.seed, self.options)
+        self._note(widenings(self.problem, problem))
+        return view
+
+    # When it is decided ----------------------------------------------------------------------
+
+    def _is_decided(self, view: _View) -> bool:
+        if self._is_out_of_reach(view) or self._is_at_noise_floor(view):
+            return True
+        return view.agrees and view.gain < _GAIN_WORTH_RUNS
+
+    def _is_out_of_reach(self, view: _View) -> bool:
+        return len(self._told) >= self._design_size + _RUNS_TO_CONFIRM and bool(view.misses)
+
+    def _is_at_noise_floor(self, view: _View) -> bool:
+        """Whether all further runs could neither decide it nor teach much.
+
+        A budget that the user has given is for using: then only its end ends the search.
+        """
+        if view.agrees or self.max_evaluations is not None:
+            return False
+        left = self._allowed - len(self._told)
+        needed = view.runs_needed(self.options.confidence)
+        return needed > left and view.narrowing(left) < _NARROWING_WORTH_RUNS
+
+    def _note_end(self, view: _View | None) -> None:
+        if view is None:
+            return
+        if self._is_out_of_reach(view):
+            self._note(str(miss) for miss in view.misses)
+        elif not view.agrees:
+            self._note([view.why_undecided(self.options.confidence)])
+        elif time_step_matters(view.problem) and self.options.prefer == "time_step":
+            self._note([view.time_step_gained()])
+
+    def _note(self, notices: Iterable[str]) -> None:
+        self._notices += [notice for notice in notices if notice not in self._notices]
+
+    # What is asked next ----------------------------------------------------------------------
+
+    def _propose(self, parameters: Mapping[str, float], stage: Stage) -> Proposal:
+        number = len(self._asked) + 1
+        seed = insertion_seed(self.seed, stage, number)
+        return self._note_asked(Proposal(dict(parameters), seed, stage))
+
+    def _note_asked(self, proposal: Proposal) -> Proposal:
+        self._indices[proposal.seed] = len(self._asked)
+        self._asked.append(proposal)
+        return proposal
+
+    def _under_way(self, problem: Problem) -> Array:
+        points = [
+            problem.to_unit(proposal.parameters)
+            for index, proposal in enumerate(self._asked)
+            if index not in self._told
+        ]
+        return np.array(points).reshape(-1, problem.dimension)
+
+    def _failed_by_machine(self) -> Proposal | None:
+        """A proposal that is worth another try: nothing is known against its parameters."""
+        for index in sorted(self._told):
+            proposal = self._told[index].proposal
+            if not self._told[index].failed_by_machine:
+                continue
+            tries = [i for i, p in enumerate(self._asked) if p.parameters == proposal.parameters]
+            if tries[-1] == index and len(tries) < _TRIES_OF_A_MACHINE:
+                return proposal
+        return None
+
+    def _next_point(self, view: _View) -> Array:
+        if view.agrees:
+            return view.gain_point
+        random = np.random.default_rng([self.seed, len(self._asked)])
+        search = view.search
+        possible = search.candidates()
+        improvement = ExpectedImprovement(
+            view.metamodels.with_runs_under_way(self._under_way(view.problem)),
+            possible,
+            view.handicaps(possible),
+        )
+
+        def lack(points: Array) -> Array:
+            return -improvement(points) * view.experience.success_probability(points)
+
+        near = points_about(search.closest[:1], _NEAR_CANDIDATES, 0.25, random)
+        everywhere = spread_points(_GLOBAL_CANDIDATES, view.problem.dimension, random)
+        starts = np.vstack([possible, near, everywhere])
+        points, _ = shrinking_search(lack, starts, random, rounds=2, width=0.08)
+        return np.asarray(points[0])
+
+    def _fill_in(self) -> Proposal:
+        """A point far from all others, where runs may succeed: too few have for metamodels."""
+        random = np.random.default_rng([self.seed, len(self._asked)])
+        points = spread_points(_SPACE_FILLING_CANDIDATES, self.problem.dimension, random)
+        tried = np.array([self.problem.to_unit(p.parameters) for p in self._asked])
+        likely = Experience(self.problem, self.known).success_probability(points)
+        best = points[np.argmax(cdist(points, tried).min(axis=1) * likely)]
+        return self._propose(self.problem.from_unit(best), "optimisation")
+
+
+class _View:
+    """What follows from all that is known, for a problem with certain intervals."""
+
+    def __init__(
+        self,
+        problem: Problem,
+        known: Sequence[Evaluation],
+        seed: int,
+        options: SequentialOptions,
+    ) -> None:
+        self.problem = problem
+        self.metamodels = Metamodels.fit(problem, known)
+        self.experience = Experience(problem, known)
+        self._seed = seed
+        self._options = options
+        runs = np.array([problem.to_unit(e.proposal.parameters) for e in known])
+        random = np.random.default_rng([seed, len(known), problem.dimension])
+        self.search = AnswerSearch(self.metamodels, self.experience, runs, random)
+
+    @cached_property
+    def misses(self) -> tuple[OutOfReach, ...]:
+        """Targets that are out of reach."""
+        return out_of_reach(self.metamodels, self.search.closest[0], self._seed, _STANDARD_ERRORS)
+
+    @cached_property
+    def answer(self) -> Array:
+        """The point that is the answer as things are."""
+        if self._options.prefer == "accuracy":
+            return np.asarray(self.search.closest[0])
+        return self.search.fastest(self._options.confidence)
+
+    @cached_property
+    def probability(self) -> float:
+        """Probability that the answer agrees with all measurements."""
+        return float(self.metamodels.agreement(self.answer)[0])
+
+    @cached_property
+    def agrees(self) -> bool:
+        """Whether it agrees with the demanded probability, whichever run is left out."""
+        if self.probability < self._options.confidence:
+            return False
+        weakest = float(self.metamodels.agreement_without_each_run(self.answer).min())
+        return weakest >= min(CONFIDENCE_WITHOUT_ANY_RUN, self._options.confidence)
+
+    @cached_property
+    def _gain(self) -> tuple[Array, float]:
+        if self._options.prefer == "accuracy":
+            return self.answer, 0.0
+        return self.search.time_step_to_gain(self.answer)
+
+    @property
+    def gain_point(self) -> Array:
+        """Where a larger time step could still be had."""
+        return self._gain[0]
+
+    @property
+    def gain(self) -> float:
+        """Expected gain of the time step there, as a share of it."""
+        return self._gain[1]
+
+    def handicaps(self, points: Array) -> Array:
+        """What is added to the misfit of possible answers that compute slowly."""
+        if self._options.prefer == "accuracy":
+            return np.zeros(len(points))
+        return handicaps(self.problem, points)
+
+    def runs_needed(self, confidence: float) -> int:
+        """About how many more runs at the answer would decide it."""
+        return self.metamodels.runs_needed(self.search.closest[0], confidence)
+
+    def narrowing(self, runs: int) -> float:
+        """Share by which so many more runs at the answer would narrow its standard errors."""
+        _, variances = self.metamodels.deviations(self.answer)
+        noise = self.metamodels.noise_of_deviations**2
+        return float((1 - 1 / np.sqrt(1 + runs * variances[0] / noise)).max())
+
+    def why_undecided(self, confidence: float) -> str:
+        """Say how sure the answer is, and what it would take to be surer."""
+        needed = self.runs_needed(confidence)
+        return (
+            f"The expected responses are all within their tolerances with a probability of "
+            f"{self.probability:.0%}, less than the {confidence:.0%} asked for. About "
+            f"{needed:,} more runs would settle it: one run scatters by {self._scatter()}."
+        )
+
+    def _scatter(self) -> str:
+        return ", ".join(
+            f"{noise:.2g} (tolerance of {target.name}: {target.accepted_deviation:.2g})"
+            for noise, target in zip(self.metamodels.noise, self.problem.targets, strict=True)
+        )
+
+    def time_step_gained(self) -> str:
+        """Say what the preference for large time steps has gained."""
+        chosen, closest = np.exp(
+            log_time_steps(self.problem, np.array([self.answer, self.search.closest[0]]))
+        )
+        return (
+            f"Of the parameter sets that agree with the measurements, the one with the largest "
+            f"Rayleigh time step was taken ({chosen:.4g} s); that of the closest one is "
+            f"{closest:.4g} s, {math.log(chosen / closest):+.1%} in between."
+        )
