@@ -118,6 +118,12 @@ def print_result(console: Console, result: Result, folder: Path) -> None:
     if result.parameters:
         console.print(_parameter_table(result))
         console.print(_response_table(result))
+        if result.agreement is not None:
+            console.print(
+                f"By all runs together, every expected response is within its tolerance with a "
+                f"probability of {result.agreement:.0%}.",
+                highlight=False,
+            )
         console.print(_time_step_line(result), highlight=False)
     runs = result.runs
     console.print(

@@ -863,8 +863,14 @@ class Kriging:
             judged_by=(self._judged_by or self) if values is None else None,
         )
 
-    def warnings(self) -> list[str]:
+    def warnings(self, *, spread: bool = True) -> list[str]:
         """Why the metamodel should not be trusted, in plain language; empty if it can be.
+
+        Parameters
+        ----------
+        spread : bool
+            Whether the runs are spread by a design. Those that a search has sent to one place
+            differ by little but their noise, so that Q2 tells nothing.
 
         Returns
         -------
@@ -876,7 +882,11 @@ class Kriging:
                 f"All {self.n} runs gave the same value: the response does not depend on the free "
                 "parameters, or it is not measured."
             ]
-        found = [self._warning_of_few_runs(), self._warning_of_q2(), self._warning_of_coverage()]
+        found = [
+            self._warning_of_few_runs(),
+            self._warning_of_q2() if spread else "",
+            self._warning_of_coverage(),
+        ]
         return [text for text in found if text]
 
     def _warning_of_few_runs(self) -> str:

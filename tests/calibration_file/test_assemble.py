@@ -169,7 +169,8 @@ def test_what_is_set_must_be_possible() -> None:
 
 
 def test_what_the_command_line_says_wins_over_the_file(tmp_path: Path) -> None:
-    text = GLASS_BEADS + "[strategy]\nseed = 4\nworkers = 3\nrayleigh_weight = 0.5\n"
+    text = GLASS_BEADS + '[strategy]\nname = "staged"\nseed = 4\nworkers = 3\n'
+    text += "rayleigh_weight = 0.5\n"
     assembly = assembled(tmp_path, text)
     assert assembly.options() == {"strategy": "staged", "seed": 4, "workers": 3}
     assert assembly.options(seed=0, max_runs=9) == {

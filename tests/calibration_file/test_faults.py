@@ -201,6 +201,27 @@ DIAMETER = 'diameter = "10 mm"'
         # strategy
         (ANGLE, ANGLE + "\n[strategy]\nmax_run = 3", "strategy.max_run", "", '"max_runs"'),
         (ANGLE, ANGLE + "\n[strategy]\nseed = -1", "strategy.seed", "-1", "from 0"),
+        (
+            ANGLE,
+            ANGLE + '\n[strategy]\nname = "staged"\nprefer = "accuracy"',
+            "strategy.prefer",
+            "no meaning",
+            "sequential",
+        ),
+        (
+            ANGLE,
+            ANGLE + "\n[strategy]\nrayleigh_weight = 1",
+            "strategy.rayleigh_weight",
+            "no meaning",
+            "staged",
+        ),
+        (
+            ANGLE,
+            ANGLE + '\n[strategy]\nextend_intervals = "yes"',
+            "strategy.extend_intervals",
+            "yes",
+            "true",
+        ),
         (ANGLE, ANGLE + '\n[strategy]\nname = "stages"', "strategy.name", "stages", '"staged"'),
         (ANGLE, ANGLE + "\n[strategy]\nrayleigh_weight = nan", "weight", "nan", "finite"),
     ],

@@ -130,7 +130,7 @@ def test_units_sizes_scale_and_geometry(tmp_path: Path) -> None:
         "cylinder_radius": 0.07,
         "lift_speed": 0.05,
     }
-    assert file.strategy == StrategyOptions("staged", max_runs=50, seed=0)
+    assert file.strategy == StrategyOptions("sequential", max_runs=50, seed=0)
 
 
 def test_measurements_give_value_and_uncertainty(tmp_path: Path) -> None:

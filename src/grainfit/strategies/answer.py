@@ -63,9 +63,16 @@ class Answer:
 
 
 def make_answer(
-    metamodels: Metamodels, parameters: Mapping[str, float], out_of_reach: Sequence[OutOfReach]
+    metamodels: Metamodels,
+    parameters: Mapping[str, float],
+    out_of_reach: Sequence[OutOfReach],
+    *,
+    spread: bool = True,
 ) -> Answer:
-    """Make a parameter set the answer, with all that the metamodels say of it."""
+    """Make a parameter set the answer, with all that the metamodels say of it.
+
+    ``spread`` tells whether the runs are spread by a design, see `Kriging.warnings`.
+    """
     point: NDArray[np.float64] = metamodels.problem.to_unit(parameters)
     means, variances = metamodels.predict(point)
     names = [target.name for target in metamodels.problem.targets]
@@ -75,16 +82,16 @@ def make_answer(
         standard_errors=dict(zip(names, np.sqrt(variances[0]).tolist(), strict=True)),
         agreement=float(metamodels.agreement(point)[0]),
         out_of_reach=tuple(out_of_reach),
-        quality=dict(zip(names, _quality(metamodels), strict=True)),
+        quality=dict(zip(names, _quality(metamodels, spread), strict=True)),
     )
 
 
-def _quality(metamodels: Metamodels) -> Iterator[MetamodelQuality]:
+def _quality(metamodels: Metamodels, spread: bool) -> Iterator[MetamodelQuality]:
     for model in metamodels.models:
         check = model.leave_one_out()
         yield MetamodelQuality(
             q2=float(check.q2) if isfinite(check.q2) else None,
             coverage=float(check.coverage),
             noise=float(model.noise_standard_deviation),
-            warnings=tuple(model.warnings()),
+            warnings=tuple(model.warnings(spread=spread)),
         )

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -161,8 +160,8 @@ def time_step_matters(problem: Problem) -> bool:
 
 def log_time_steps(problem: Problem, points: Array) -> Array:
     """Logarithms of the Rayleigh time steps at points of the unit cube, shape (m,)."""
-    time_step: Callable[[dict[str, float]], float | None] = problem.rayleigh_time_step
-    return np.array([math.log(time_step(problem.from_unit(point)) or 1.0) for point in points])
+    steps = (problem.rayleigh_time_step(problem.from_unit(point)) for point in points)
+    return np.array([math.log(step or 1.0) for step in steps])
 
 
 def handicaps(problem: Problem, points: Array) -> Array:

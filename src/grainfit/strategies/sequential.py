@@ -27,10 +27,10 @@ from grainfit.problem import Problem
 from grainfit.sampling import maximin_latin_hypercube
 from grainfit.strategies.answer import Answer, make_answer
 from grainfit.strategies.answer_search import (
+    EQUAL_TIME_STEPS,
     AnswerSearch,
     handicaps,
     log_time_steps,
-    time_step_matters,
 )
 from grainfit.strategies.base import RECONSIDERATIONS, Strategy, insertion_seed
 from grainfit.strategies.design_size import design_size
@@ -60,6 +60,10 @@ _STANDARD_ERRORS = 3.0
 _GAIN_WORTH_RUNS = 0.05
 #: Without a budget, runs that narrow the standard errors by less than this in all are not made.
 _NARROWING_WORTH_RUNS = 0.3
+_LARGEST_TIME_STEP = (
+    "Of the parameter sets that agree with the measurements, the one with the largest Rayleigh "
+    "time step was taken:"
+)
 _TRIES_OF_A_MACHINE = 3
 _MOST_WIDENINGS = 4
 _GLOBAL_CANDIDATES = 96
@@ -121,11 +125,9 @@ class Sequential(Strategy):
     ) -> None:
         super().__init__(problem, seed, max_evaluations)
         self.options = options or SequentialOptions()
+        usual = max(problem.dimension + 3, math.ceil(DESIGN_RUNS * (problem.dimension + 1)))
         self._design_size = design_size(
-            problem.dimension,
-            self.options.design_runs,
-            2 * (problem.dimension + 1),
-            max_evaluations,
+            problem.dimension, self.options.design_runs, usual, max_evaluations
         )
         self._allowed = max_evaluations or (
             self._design_size + RUNS_PER_PARAMETER * problem.dimension
@@ -205,11 +207,14 @@ class Sequential(Strategy):
             return self._propose(again.parameters, again.stage)
         if self.finished:
             return None
-        if self._view is None:
-            everything_is_told = len(self._told) == len(self._asked)
-            return self._fill_in() if everything_is_told else None
-        point = self._next_point(self._view)
-        return self._propose(self._view.problem.from_unit(point), "optimisation")
+        view, waiting = self._view, len(self._told) < len(self._asked)
+        if view is None:
+            return None if waiting else self._fill_in()
+        ahead = view.metamodels.with_runs_under_way(self._under_way(view.problem))
+        if waiting and not view.agrees and self._is_enough(ahead, view):
+            return None
+        point = view.gain_point if view.agrees else self._most_improving_point(view, ahead)
+        return self._propose(view.problem.from_unit(point), "optimisation")
 
     def tell(self, evaluation: Evaluation) -> None:
         """Take note of what came of a proposal, or of a run that somebody else asked for."""
@@ -228,7 +233,7 @@ class Sequential(Strategy):
             raise AssertionError("metamodels that can be fitted make a view")
         misses = view.misses if self._is_out_of_reach(view) else ()
         chosen = parameters or view.problem.from_unit(view.answer)
-        return make_answer(view.metamodels, chosen, misses)
+        return make_answer(view.metamodels, chosen, misses, spread=False)
 
     def reconsider(self, affordable: int | None = None) -> bool:
         """Go on with the verification runs known, if there is any doubt and budget left."""
@@ -309,8 +314,8 @@ class Sequential(Strategy):
             self._note(str(miss) for miss in view.misses)
         elif not view.agrees:
             self._note([view.why_undecided(self.options.confidence)])
-        elif time_step_matters(view.problem) and self.options.prefer == "time_step":
-            self._note([view.time_step_gained()])
+        elif (gained := view.time_step_gained) > EQUAL_TIME_STEPS:
+            self._note([f"{_LARGEST_TIME_STEP} {gained:+.1%} against the closest one."])
 
     def _note(self, notices: Iterable[str]) -> None:
         self._notices += [notice for notice in notices if notice not in self._notices]
@@ -346,17 +351,15 @@ class Sequential(Strategy):
                 return proposal
         return None
 
-    def _next_point(self, view: _View) -> Array:
-        if view.agrees:
-            return view.gain_point
+    def _is_enough(self, ahead: Metamodels, view: _View) -> bool:
+        """Whether the runs under way will probably decide it."""
+        return bool(ahead.agreement(view.answer)[0] >= self.options.confidence)
+
+    def _most_improving_point(self, view: _View, ahead: Metamodels) -> Array:
         random = np.random.default_rng([self.seed, len(self._asked)])
         search = view.search
         possible = search.candidates()
-        improvement = ExpectedImprovement(
-            view.metamodels.with_runs_under_way(self._under_way(view.problem)),
-            possible,
-            view.handicaps(possible),
-        )
+        improvement = ExpectedImprovement(ahead, possible, view.handicaps(possible))
 
         def lack(points: Array) -> Array:
             return -improvement(points) * view.experience.success_probability(points)
@@ -468,13 +471,9 @@ class _View:
             for noise, target in zip(self.metamodels.noise, self.problem.targets, strict=True)
         )
 
-    def time_step_gained(self) -> str:
-        """Say what the preference for large time steps has gained."""
-        chosen, closest = np.exp(
-            log_time_steps(self.problem, np.array([self.answer, self.search.closest[0]]))
-        )
-        return (
-            f"Of the parameter sets that agree with the measurements, the one with the largest "
-            f"Rayleigh time step was taken ({chosen:.4g} s); that of the closest one is "
-            f"{closest:.4g} s, {math.log(chosen / closest):+.1%} in between."
-        )
+    @property
+    def time_step_gained(self) -> float:
+        """Share by which the time step of the answer exceeds that of the closest point."""
+        both = np.array([self.answer, self.search.closest[0]])
+        chosen, closest = np.exp(log_time_steps(self.problem, both))
+        return float(chosen / closest - 1)
