@@ -48,37 +48,37 @@ def calibrate(
     return done, json.loads((folder / "work" / "result.json").read_text())
 
 
-def test_glass_beads_are_calibrated_with_lammps(tmp_path: Path) -> None:
-    done, result = calibrate(tmp_path, example(tmp_path, "calibration.toml"))
+@pytest.mark.parametrize("solver", ["lammps", pytest.param("liggghts", marks=needs_liggghts)])
+def test_glass_beads_are_calibrated_with_few_runs(tmp_path: Path, solver: str) -> None:
+    # One run at a time: with more, what is asked depends on which run comes back first.
+    file = example(tmp_path, "calibration.toml", solver=f'"{solver}"')
+    done, result = calibrate(tmp_path, file, "--workers", "1")
     assert done.returncode == 0, done.stdout + done.stderr
     assert result["status"] == "calibrated"
-    assert result["runs"]["design"] == 26
-    assert result["runs"]["failed"] == 0
-    assert result["wall_seconds"] < 360
+    runs = result["runs"]
+    assert runs["design"] == 5
+    assert runs["design"] + runs["optimisation"] <= 16
+    assert runs["failed"] == 0
+    assert result["agreement"] >= 0.95
     # The study's own calibration by hand ended near 2310 kg/m^3.
     assert result["parameters"]["particle.density"] == pytest.approx(2310, rel=0.01)
-    for name, tolerance in (("bulk_density", 1.0), ("angle_of_repose", 2.3)):
+    # Five seeds leave a standard error of 0.36 degrees, 1.6 %.
+    for name, tolerance in (("bulk_density", 0.8), ("angle_of_repose", 2.3)):
         assert abs(result["responses"][name]["deviation_percent"]) <= tolerance
     folders = [path for path in (tmp_path / "work" / "runs").iterdir() if path.is_dir()]
-    assert len(folders) == result["runs"]["total"]
+    assert len(folders) == runs["total"]
     assert all((path / "heap.png").stat().st_size > 1000 for path in folders)
-
-
-@needs_liggghts
-def test_glass_beads_are_calibrated_with_liggghts(tmp_path: Path) -> None:
-    file = example(tmp_path, "calibration.toml", solver='"liggghts"')
-    file.write_text(file.read_text() + "\n[strategy]\ndesign_runs = 14\n")
-    done, result = calibrate(tmp_path, file)
-    assert done.returncode == 0, done.stdout + done.stderr
-    assert result["parameters"]["particle.density"] == pytest.approx(2310, rel=0.01)
 
 
 def test_a_narrow_interval_is_recognised_as_out_of_reach(tmp_path: Path) -> None:
     file = example(tmp_path, "narrow_interval.toml")
-    file.write_text(file.read_text() + "\n[strategy]\ndesign_runs = 8\nverification_runs = 3\n")
-    done, result = calibrate(tmp_path, file)
+    file.write_text(file.read_text() + "\n[strategy]\nverification_runs = 3\n")
+    done, result = calibrate(tmp_path, file, "--workers", "2")
     assert done.returncode == 3, done.stdout + done.stderr
     assert result["status"] == "unreachable"
+    assert result["runs"]["design"] + result["runs"]["optimisation"] <= 8
+    # An idle worker would halve it.
+    assert result["utilisation"] > 0.75
     [miss] = result["out_of_reach"]
     assert (miss["target"], miss["parameter"], miss["bound"]) == (
         "bulk_density",
@@ -87,7 +87,8 @@ def test_a_narrow_interval_is_recognised_as_out_of_reach(tmp_path: Path) -> None
     )
     assert miss["suggestion"] == pytest.approx(2340, abs=40)
     assert result["responses"]["bulk_density"]["deviation_percent"] == pytest.approx(-5, abs=1)
-    assert "particle.density.max = 2205" in done.stdout
+    # Lines are wrapped to the width of the terminal.
+    assert "particle.density.max = 2205" in " ".join(done.stdout.split())
 
 
 def test_kill_dash_nine_in_mid_run_loses_no_finished_simulation(tmp_path: Path) -> None:

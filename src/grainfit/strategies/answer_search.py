@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -41,8 +43,9 @@ class AnswerSearch:
         An answer must be a place where runs succeed.
     runs : ndarray, shape (n, d)
         Points that have been simulated.
-    random : numpy.random.Generator
-        Decides the searches.
+    seeds : sequence of int
+        Decide the searches, each of which draws anew from them: what is found does not depend on
+        what was sought before.
     """
 
     def __init__(
@@ -50,11 +53,12 @@ class AnswerSearch:
         metamodels: Metamodels,
         experience: Experience,
         runs: Array,
-        random: np.random.Generator,
+        seeds: Sequence[int],
     ) -> None:
         self.metamodels = metamodels
         self._experience = experience
-        self._random = random
+        self._seeds = tuple(seeds)
+        random = self._random()
         dimension = metamodels.problem.dimension
         everywhere = np.vstack([spread_points(_STARTS, dimension, random), runs])
         starts, _ = smallest(self._misfit, np.clip(everywhere, 0.0, 1.0), _DESCENTS)
@@ -69,13 +73,17 @@ class AnswerSearch:
         """Whose answers they are."""
         return self.metamodels.problem
 
+    def _random(self) -> np.random.Generator:
+        return np.random.default_rng(self._seeds)
+
     def _misfit(self, points: Array) -> Array:
         likely = self._experience.success_probability(points) > 0.5
         return np.asarray(self.metamodels.misfit(points) + np.where(likely, 0.0, _FORBIDDEN))
 
+    @cached_property
     def candidates(self) -> Array:
         """Points among which the answer will be, shape (m, d): about the best, and elsewhere."""
-        cloud = points_about(self.closest[:1], _CLOUD, _CLOUD_WIDTH, self._random)
+        cloud = points_about(self.closest[:1], _CLOUD, _CLOUD_WIDTH, self._random())
         return np.vstack([self.closest, cloud, self.starts])
 
     def fastest(self, confidence: float) -> Array:
@@ -100,17 +108,15 @@ class AnswerSearch:
         def slowness(points: Array) -> Array:
             return lack(points) - log_time_steps(self.problem, points)
 
-        starts = self.candidates()
-        fastest, _ = shrinking_search(slowness, starts, self._random, rounds=6, width=0.2)
+        starts, random = self.candidates, self._random()
+        fastest, _ = shrinking_search(slowness, starts, random, rounds=6, width=0.2)
         enough = log_time_steps(self.problem, fastest[:1])[0] + math.log1p(-EQUAL_TIME_STEPS)
 
         def remoteness(points: Array) -> Array:
             missing = np.maximum(enough - log_time_steps(self.problem, points), 0.0)
             return np.asarray(self._misfit(points) + lack(points) + _FORBIDDEN * missing)
 
-        found, _ = shrinking_search(
-            remoteness, np.vstack([fastest, starts]), self._random, rounds=6
-        )
+        found, _ = shrinking_search(remoteness, np.vstack([fastest, starts]), random, rounds=6)
         return np.asarray(found[0])
 
     def time_step_to_gain(self, answer: Array) -> tuple[Array, float]:
@@ -141,8 +147,8 @@ class AnswerSearch:
             gain = np.maximum(log_time_steps(self.problem, points) - now, 0.0)
             return np.asarray(-gain * self._agreement(points))
 
-        starts = np.vstack([self.candidates(), answer])
-        points, values = shrinking_search(no_gain, starts, self._random, width=0.2)
+        starts = np.vstack([self.candidates, answer])
+        points, values = shrinking_search(no_gain, starts, self._random(), width=0.2)
         return points[0], -float(values[0])
 
     def _agreement(self, points: Array) -> Array:

@@ -358,7 +358,7 @@ class Sequential(Strategy):
     def _most_improving_point(self, view: _View, ahead: Metamodels) -> Array:
         random = np.random.default_rng([self.seed, len(self._asked)])
         search = view.search
-        possible = search.candidates()
+        possible = search.candidates
         improvement = ExpectedImprovement(ahead, possible, view.handicaps(possible))
 
         def lack(points: Array) -> Array:
@@ -396,8 +396,8 @@ class _View:
         self._seed = seed
         self._options = options
         runs = np.array([problem.to_unit(e.proposal.parameters) for e in known])
-        random = np.random.default_rng([seed, len(known), problem.dimension])
-        self.search = AnswerSearch(self.metamodels, self.experience, runs, random)
+        seeds = (seed, len(known))
+        self.search = AnswerSearch(self.metamodels, self.experience, runs, seeds)
 
     @cached_property
     def misses(self) -> tuple[OutOfReach, ...]:
