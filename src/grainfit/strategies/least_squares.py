@@ -14,6 +14,8 @@ Array = NDArray[np.float64]
 
 _STARTS = 12
 _DIFFERENCE = 1e-6
+# Far below what the metamodels know: what is nearer is no better.
+_SMALL_MOVE, _SMALL_GAIN = 1e-5, 1e-6
 
 
 def fit_on_metamodels(metamodels: Metamodels, seed: int) -> Array:
@@ -43,6 +45,8 @@ def fit_on_metamodels(metamodels: Metamodels, seed: int) -> Array:
             jac=lambda point: _jacobian(metamodels, point),
             bounds=(0.0, 1.0),
             method="trf",
+            xtol=_SMALL_MOVE,
+            ftol=_SMALL_GAIN,
         ).x
         for start in starts
     ]

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from grainfit.campaign.evaluation import Evaluation, Proposal, Stage
 from grainfit.errors import RunFailedError
-from grainfit.misfit import within_tolerance
+from grainfit.misfit import expected_misfit, within_tolerance
 from grainfit.problem import Problem
 from grainfit.sampling import maximin_latin_hypercube
 from grainfit.strategies.answer import Answer, make_answer
@@ -150,8 +150,12 @@ class Staged(BatchStrategy):
         candidates = [dict(e.proposal.parameters) for e in self._successful()]
         if not candidates:
             raise RunFailedError("no parameter set gave all responses, so none can be the answer")
-        best = min(candidates, key=lambda p: metamodels.expected_misfit(self.problem.to_unit(p)))
-        return make_answer(metamodels, best, self._out_of_reach)
+        means, variances = metamodels.predict([self.problem.to_unit(p) for p in candidates])
+        misfits = [
+            expected_misfit(self.problem, *known)
+            for known in zip(candidates, means, variances, strict=True)
+        ]
+        return make_answer(metamodels, candidates[int(np.argmin(misfits))], self._out_of_reach)
 
     def _optimise(self) -> Plan:
         """Steps 2 and 3 with all that is known."""
