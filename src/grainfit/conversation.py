@@ -73,7 +73,12 @@ class Conversation:
         self._identity = run_identity(self._definition())
 
     def _definition(self) -> dict[str, Any]:
+        # Another deck or another version of a solver makes another calibration: its history would
+        # lead astray. One run stands for all.
+        problem = self._problem
+        sample = Proposal(problem.from_unit([0.5] * problem.dimension), 1, "design")
         return {
+            "tests": self._campaign.identities(sample),
             "parameters": [asdict(parameter) for parameter in self._problem.parameters],
             "targets": [asdict(target) for target in self._problem.targets],
             "strategy": self._strategy.name,

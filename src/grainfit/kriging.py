@@ -665,6 +665,16 @@ class Kriging:
         return float(self._scale * math.sqrt(self._weights @ variances))
 
     @property
+    def variance_of_scatter(self) -> float:
+        """What the scatter from run to run adds to the variance of a new run.
+
+        As uncertain as it is: more than the square of `noise_standard_deviation`.
+        """
+        noise = np.array([c.hyperparameters.noise_variance for c in self._components])
+        known = float(self._components[0].known_noise.mean())
+        return self._scale**2 * (self._inflation * float(self._weights @ noise) + known)
+
+    @cached_property
     def _inflation(self) -> float:
         """Makes 1.96 standard deviations a 95 % interval although the variance is estimated."""
         quantile = float(stats.t.ppf(0.975, self._degrees_of_freedom))
@@ -699,13 +709,9 @@ class Kriging:
             for start in range(0, max(len(points), 1), _LARGEST_BLOCK)
         ]
         mean, variance = (np.concatenate(parts) for parts in zip(*blocks, strict=True))
-        noise = np.array([c.hyperparameters.noise_variance for c in self._components])
-        known = float(self._components[0].known_noise.mean())
-        scatter = self._inflation * float(self._weights @ noise) + known
+        variance = self._scale**2 * variance
         return Prediction(
-            self._offset + self._scale * mean,
-            self._scale**2 * variance,
-            self._scale**2 * (variance + scatter),
+            self._offset + self._scale * mean, variance, variance + self.variance_of_scatter
         )
 
     def _predict_block(self, points: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -79,6 +79,13 @@ class Campaign:
         """Number of DEM runs that a proposal takes."""
         return len(self._solvers)
 
+    def identities(self, proposal: Proposal) -> dict[str, str]:
+        """Identity of the run of a proposal by name of the test."""
+        return {
+            test: run_identity(solver.definition(proposal.parameters, proposal.seed))
+            for test, solver in self._solvers.items()
+        }
+
     @property
     def has_free_worker(self) -> bool:
         """Whether another run could start at once."""

@@ -80,6 +80,34 @@ class AnswerSearch:
         likely = self._experience.success_probability(points) > 0.5
         return np.asarray(self.metamodels.misfit(points) + np.where(likely, 0.0, _FORBIDDEN))
 
+    def most_hopeful(self, standard_errors: float) -> Array:
+        """Point at which the targets are missed least, if at all, shape (d,).
+
+        It counts in favour of a point that little is known of it.
+
+        Parameters
+        ----------
+        standard_errors : float
+            By how many of them a target must be missed beyond its tolerance to count.
+        """
+
+        def shortfall(points: Array) -> Array:
+            return self.metamodels.shortfall(points, standard_errors)
+
+        starts = np.vstack([self.agreeing, self.closest, self.starts])
+        return np.asarray(shrinking_search(shortfall, starts, self._random())[0][0])
+
+    @cached_property
+    def agreeing(self) -> Array:
+        """Points all over the cube, moved to where they meet the targets, shape (m, d).
+
+        Half of them have the largest time step before they are moved.
+        """
+        points = spread_points(_STARTS, self.problem.dimension, self._random())
+        return gauss_newton(
+            self.metamodels, np.vstack([points, with_long_steps(self.problem, points)])
+        )
+
     @cached_property
     def candidates(self) -> Array:
         """Points among which the answer will be, shape (m, d): about the best, and elsewhere."""
@@ -108,7 +136,8 @@ class AnswerSearch:
         def slowness(points: Array) -> Array:
             return lack(points) - log_time_steps(self.problem, points)
 
-        starts, random = self.candidates, self._random()
+        random = self._random()
+        starts = np.vstack([self.candidates, self.agreeing])
         fastest, _ = shrinking_search(slowness, starts, random, rounds=6, width=0.2)
         enough = log_time_steps(self.problem, fastest[:1])[0] + math.log1p(-EQUAL_TIME_STEPS)
 
@@ -147,7 +176,7 @@ class AnswerSearch:
             gain = np.maximum(log_time_steps(self.problem, points) - now, 0.0)
             return np.asarray(-gain * self._agreement(points))
 
-        starts = np.vstack([self.candidates, answer])
+        starts = np.vstack([self.candidates, self.agreeing, answer])
         points, values = shrinking_search(no_gain, starts, self._random(), width=0.2)
         return points[0], -float(values[0])
 
@@ -162,6 +191,21 @@ def time_step_matters(problem: Problem) -> bool:
         return False
     smallest_step, largest_step = problem.rayleigh.limits(problem.intervals)
     return largest_step * (1 - EQUAL_TIME_STEPS) > smallest_step
+
+
+def with_long_steps(problem: Problem, points: Array) -> Array:
+    """The points with every parameter that changes the time step where it makes it largest."""
+    moved = points.copy()
+    if problem.rayleigh is None:
+        return moved
+    middle = np.full((1, problem.dimension), 0.5)
+    for axis in range(problem.dimension):
+        low, high = middle.copy(), middle.copy()
+        low[0, axis], high[0, axis] = 0.0, 1.0
+        slow, fast = log_time_steps(problem, np.vstack([low, high]))
+        if slow != fast:
+            moved[:, axis] = float(fast > slow)
+    return moved
 
 
 def log_time_steps(problem: Problem, points: Array) -> Array:

@@ -15,6 +15,8 @@ Array = NDArray[np.float64]
 
 #: How far, per axis, a run tells about its neighbourhood.
 _REACH = 0.15
+#: How near a success must be to prove a place, as a share of that.
+_PROVEN = 0.25
 #: What is believed of a place before any run: as if one run had succeeded there.
 _PRIOR = 1.0
 
@@ -42,6 +44,21 @@ class Experience:
         """Probability that a run at each of some points succeeds, shape (m,)."""
         if not self._failed.any():
             return np.ones(len(points))
-        reach = _REACH * np.sqrt(points.shape[1])
+        reach = self._reach
         nearness = np.exp(-0.5 * (cdist(points, self._points) / reach) ** 2)
         return np.asarray(1.0 - nearness @ self._failed / (_PRIOR + nearness.sum(axis=1)))
+
+    def is_proven(self, point: Array) -> bool:
+        """Whether a run has succeeded near a point, nearer than any has failed.
+
+        Where nothing has ever failed, everything is.
+        """
+        if not self._failed.any():
+            return True
+        distances = cdist(point[None], self._points)[0]
+        nearest = int(np.argmin(distances))
+        return bool(distances[nearest] <= _PROVEN * self._reach and not self._failed[nearest])
+
+    @property
+    def _reach(self) -> float:
+        return float(_REACH * np.sqrt(self._points.shape[1]))

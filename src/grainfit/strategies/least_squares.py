@@ -16,6 +16,7 @@ _STARTS = 12
 _DIFFERENCE = 1e-6
 # Far below what the metamodels know: what is nearer is no better.
 _SMALL_MOVE, _SMALL_GAIN = 1e-5, 1e-6
+_MOST_STEPS = 40
 
 
 def fit_on_metamodels(metamodels: Metamodels, seed: int) -> Array:
@@ -47,6 +48,7 @@ def fit_on_metamodels(metamodels: Metamodels, seed: int) -> Array:
             method="trf",
             xtol=_SMALL_MOVE,
             ftol=_SMALL_GAIN,
+            max_nfev=_MOST_STEPS,
         ).x
         for start in starts
     ]

@@ -23,9 +23,10 @@ class Metamodels:
     """One metamodel per target, in the order of the targets.
 
     Responses are given in two ways: as they are (`predict`, `gradients`), and as *deviations*
-    from the targets in units of their tolerances, times the weights of the targets. The tolerance
-    stands for the uncertainty of the measurement, so the sum of squared deviations is the misfit
-    that weighs every target by what it is worth.
+    from the targets in units of their uncertainties, times the weights of the targets. The
+    uncertainty is the tolerance, which stands for that of the measurement, and in quadrature the
+    scatter of the mean of all runs, lest a target that cannot be met as closely as is asked for
+    outweighs all others. So the sum of squared deviations weighs every target by what it is worth.
 
     Parameters
     ----------
@@ -41,7 +42,8 @@ class Metamodels:
         self._targets = np.array([target.value for target in problem.targets])
         self._tolerances = np.array([target.accepted_deviation for target in problem.targets])
         weights = np.array([target.weight for target in problem.targets])
-        self._units = self._tolerances / weights
+        least = np.array([model.variance_of_scatter / model.n for model in self.models])
+        self._units = np.sqrt(self._tolerances**2 + least) / weights
 
     @classmethod
     def fit(cls, problem: Problem, evaluations: Sequence[Evaluation]) -> Metamodels:
@@ -101,9 +103,15 @@ class Metamodels:
         return np.array([model.noise_standard_deviation for model in self.models])
 
     @property
-    def noise_of_deviations(self) -> Array:
-        """The same of the deviations, above zero, shape (number of targets,)."""
-        return np.asarray(np.maximum(self.noise / self._units, _NO_NOISE))
+    def scatter(self) -> Array:
+        """Variance that the scatter adds to a run's deviations, above zero, shape (targets,)."""
+        variances = np.array([model.variance_of_scatter for model in self.models])
+        return np.asarray(np.maximum(variances / self._units**2, _NO_NOISE**2))
+
+    @property
+    def degrees_of_freedom(self) -> int:
+        """Runs that are left to estimate a noise from, of the response that fewest runs yielded."""
+        return min(model.n for model in self.models) - (self.problem.dimension + 1)
 
     def deviations(self, points: ArrayLike) -> tuple[Array, Array]:
         """Expected deviations and their variances, shape (m, number of targets) each."""
@@ -122,6 +130,16 @@ class Metamodels:
         """
         means, variances = self.deviations(points)
         return np.asarray((means**2 + variances).sum(axis=1))
+
+    def shortfall(self, points: ArrayLike, standard_errors: float) -> Array:
+        """Squared deviations beyond the tolerances and some standard errors, summed, shape (m,).
+
+        It is zero where all targets may be met.
+        """
+        means, variances = self.predict(points)
+        beyond = np.abs(means - self._targets) - self._tolerances
+        beyond = np.maximum(beyond - standard_errors * np.sqrt(variances), 0.0)
+        return np.asarray(((beyond / self._units) ** 2).sum(axis=1))
 
     def covariance_with(self, points: Array) -> Callable[[Array], tuple[Array, Array]]:
         """Prepare covariances of the deviations, see `Kriging.covariance_with`.
@@ -144,12 +162,14 @@ class Metamodels:
 
         return covariances
 
-    def agreement(self, points: ArrayLike) -> Array:
+    def agreement(self, points: ArrayLike, caution: float = 1.0) -> Array:
         """Probability that every expected response is within its tolerance, shape (m,).
 
-        The metamodels are fitted one by one, so their errors count as independent.
+        The metamodels are fitted one by one, so their errors count as independent. Standard
+        errors count ``caution`` times.
         """
-        return self._probability(*self.predict(points))
+        means, variances = self.predict(points)
+        return self._probability(means, caution**2 * variances)
 
     def agreement_without_each_run(self, point: Array) -> Array:
         """The same at one point with each run left out, shape (number of runs,).
@@ -178,9 +198,9 @@ class Metamodels:
         million, a million.
         """
         _, variances = self.predict(point)
-        noise = np.maximum(self.noise, _NO_NOISE * self._tolerances) ** 2
         counts = np.unique(np.geomspace(1, 1e6, 400).round())
-        left = variances / (1 + counts[:, None] * variances / noise)
+        scatter = self.scatter * self._units**2
+        left = variances / (1 + counts[:, None] * variances / scatter)
         enough = self._probability(np.tile(self._targets, (len(counts), 1)), left) >= confidence
         return int(counts[enough][0]) if enough.any() else int(counts[-1])
 

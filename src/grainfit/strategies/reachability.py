@@ -94,19 +94,21 @@ def out_of_reach(
         How many of them a target must be beyond its tolerance.
     """
     means, variances = metamodels.predict(optimum)
-    found = []
+    alone, together = [], []
     for index, target in enumerate(metamodels.problem.targets):
         error = float(np.sqrt(variances[0, index]))
         if not _misses(target, float(means[0, index]), standard_errors * error):
             continue
         nearest_point = _nearest(metamodels, index, seed)
-        alone_mean, alone_variance = metamodels.predict(nearest_point)
-        alone, alone_error = float(alone_mean[0, index]), float(np.sqrt(alone_variance[0, index]))
-        if _misses(target, alone, standard_errors * alone_error):
-            found.append(_describe(metamodels, index, nearest_point, alone, alone_error, False))
+        own_mean, own_variance = metamodels.predict(nearest_point)
+        own, own_error = float(own_mean[0, index]), float(np.sqrt(own_variance[0, index]))
+        if _misses(target, own, standard_errors * own_error):
+            alone.append(_describe(metamodels, index, nearest_point, own, own_error, False))
         else:
-            found.append(_describe(metamodels, index, optimum, float(means[0, index]), error, True))
-    return tuple(found)
+            mean = float(means[0, index])
+            together.append(_describe(metamodels, index, optimum, mean, error, True))
+    # What is missed only together with such a target may be met when that one is.
+    return tuple(alone or together)
 
 
 def _misses(target: Target, mean: float, margin: float) -> bool:

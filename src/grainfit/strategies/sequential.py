@@ -50,6 +50,10 @@ DESIGN_RUNS = 1.5
 CONFIDENCE = 0.95
 #: The same without any single run: what hangs on one run is not decided.
 CONFIDENCE_WITHOUT_ANY_RUN = 0.9
+#: With fewer degrees of freedom to estimate the noise from, standard errors count double: a noise
+#: that looks small by chance would end many calibrations too early.
+DEGREES_OF_FREEDOM = 10
+_CAUTION = 2.0
 #: Most runs behind the design per free parameter, where the user gives no budget.
 RUNS_PER_PARAMETER = 20
 #: Runs behind the design before a target can be called out of reach.
@@ -66,6 +70,8 @@ _LARGEST_TIME_STEP = (
 )
 _TRIES_OF_A_MACHINE = 3
 _MOST_WIDENINGS = 4
+#: Where nothing improves the answer, the next run goes where least is known.
+_TIE = 1e-6
 _GLOBAL_CANDIDATES = 96
 _NEAR_CANDIDATES = 32
 _SPACE_FILLING_CANDIDATES = 512
@@ -213,7 +219,7 @@ class Sequential(Strategy):
         ahead = view.metamodels.with_runs_under_way(self._under_way(view.problem))
         if waiting and not view.agrees and self._is_enough(ahead, view):
             return None
-        point = view.gain_point if view.agrees else self._most_improving_point(view, ahead)
+        point = self._next_point(view, ahead)
         return self._propose(view.problem.from_unit(point), "optimisation")
 
     def tell(self, evaluation: Evaluation) -> None:
@@ -291,7 +297,7 @@ class Sequential(Strategy):
     def _is_decided(self, view: _View) -> bool:
         if self._is_out_of_reach(view) or self._is_at_noise_floor(view):
             return True
-        return view.agrees and view.gain < _GAIN_WORTH_RUNS
+        return view.agrees and view.is_proven and view.gain < _GAIN_WORTH_RUNS
 
     def _is_out_of_reach(self, view: _View) -> bool:
         return len(self._told) >= self._design_size + _RUNS_TO_CONFIRM and bool(view.misses)
@@ -355,6 +361,11 @@ class Sequential(Strategy):
         """Whether the runs under way will probably decide it."""
         return bool(ahead.agreement(view.answer)[0] >= self.options.confidence)
 
+    def _next_point(self, view: _View, ahead: Metamodels) -> Array:
+        if not view.agrees:
+            return self._most_improving_point(view, ahead)
+        return view.gain_point if view.is_proven else view.answer
+
     def _most_improving_point(self, view: _View, ahead: Metamodels) -> Array:
         random = np.random.default_rng([self.seed, len(self._asked)])
         search = view.search
@@ -362,7 +373,9 @@ class Sequential(Strategy):
         improvement = ExpectedImprovement(ahead, possible, view.handicaps(possible))
 
         def lack(points: Array) -> Array:
-            return -improvement(points) * view.experience.success_probability(points)
+            unknown = ahead.deviations(points)[1].sum(axis=1)
+            success = view.experience.success_probability(points)
+            return np.asarray(-(improvement(points) + _TIE * unknown) * success**2)
 
         near = points_about(search.closest[:1], _NEAR_CANDIDATES, 0.25, random)
         everywhere = spread_points(_GLOBAL_CANDIDATES, view.problem.dimension, random)
@@ -402,7 +415,10 @@ class _View:
     @cached_property
     def misses(self) -> tuple[OutOfReach, ...]:
         """Targets that are out of reach."""
-        return out_of_reach(self.metamodels, self.search.closest[0], self._seed, _STANDARD_ERRORS)
+        hopeful = self.search.most_hopeful(_STANDARD_ERRORS)
+        if self.metamodels.shortfall(hopeful, _STANDARD_ERRORS)[0] == 0:
+            return ()
+        return out_of_reach(self.metamodels, hopeful, self._seed, _STANDARD_ERRORS)
 
     @cached_property
     def answer(self) -> Array:
@@ -418,11 +434,25 @@ class _View:
 
     @cached_property
     def agrees(self) -> bool:
-        """Whether it agrees with the demanded probability, whichever run is left out."""
-        if self.probability < self._options.confidence:
+        """Whether it agrees with the demanded probability, and not by luck."""
+        confidence = self._options.confidence
+        if self.probability < confidence:
             return False
-        weakest = float(self.metamodels.agreement_without_each_run(self.answer).min())
-        return weakest >= min(CONFIDENCE_WITHOUT_ANY_RUN, self._options.confidence)
+        if self.metamodels.degrees_of_freedom < DEGREES_OF_FREEDOM:
+            cautious = self.metamodels.agreement(self.answer, _CAUTION)[0]
+            if cautious < confidence:
+                return False
+        return self.probability_without_any_run >= min(CONFIDENCE_WITHOUT_ANY_RUN, confidence)
+
+    @cached_property
+    def probability_without_any_run(self) -> float:
+        """The same without the run whose absence would lower it most."""
+        return float(self.metamodels.agreement_without_each_run(self.answer).min())
+
+    @cached_property
+    def is_proven(self) -> bool:
+        """Whether runs at the answer can be expected to succeed."""
+        return self.experience.is_proven(self.answer)
 
     @cached_property
     def _gain(self) -> tuple[Array, float]:
@@ -453,21 +483,26 @@ class _View:
     def narrowing(self, runs: int) -> float:
         """Share by which so many more runs at the answer would narrow its standard errors."""
         _, variances = self.metamodels.deviations(self.answer)
-        noise = self.metamodels.noise_of_deviations**2
-        return float((1 - 1 / np.sqrt(1 + runs * variances[0] / noise)).max())
+        return float((1 - 1 / np.sqrt(1 + runs * variances[0] / self.metamodels.scatter)).max())
 
     def why_undecided(self, confidence: float) -> str:
         """Say how sure the answer is, and what it would take to be surer."""
+        inside = f"are all within their tolerances with a probability of {self.probability:.1%}"
+        if self.probability >= confidence:
+            return (
+                f"The expected responses {inside}, but that rests on few runs (without one of "
+                f"them it would be {self.probability_without_any_run:.1%}). More runs would tell."
+            )
         needed = self.runs_needed(confidence)
         return (
-            f"The expected responses are all within their tolerances with a probability of "
-            f"{self.probability:.0%}, less than the {confidence:.0%} asked for. About "
-            f"{needed:,} more runs would settle it: one run scatters by {self._scatter()}."
+            f"The expected responses {inside}, less than the {confidence:.0%} asked for. It would "
+            f"take about {needed:,} more run{'s' * (needed > 1)}: one run scatters by "
+            f"{self._scatter()}."
         )
 
     def _scatter(self) -> str:
         return ", ".join(
-            f"{noise:.2g} (tolerance of {target.name}: {target.accepted_deviation:.2g})"
+            f"{noise:.2g} in {target.name} (tolerance {target.accepted_deviation:.2g})"
             for noise, target in zip(self.metamodels.noise, self.problem.targets, strict=True)
         )
 

@@ -1,0 +1,495 @@
+# ruff: noqa: D102 (the names of tests say what they test)
+"""The contract that every strategy keeps, as tests to inherit.
+
+Write a class of tests for a strategy of your own, in a file that pytest finds::
+
+    from grainfit.testing.strategy_contract import StrategyContract
+
+    class TestMyStrategy(StrategyContract):
+        @pytest.fixture
+        def make(self):
+            return MyStrategy
+
+and pytest runs all tests below. They calibrate a heap of grains that is two formulas and some
+noise, so that a calibration takes a second.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from typing import Any, Protocol
+
+import numpy as np
+import pytest
+
+from grainfit.campaign.evaluation import Evaluation, Proposal
+from grainfit.errors import RunFailedError
+from grainfit.problem import Parameter, Problem, Target
+from grainfit.solvers.base import Response
+from grainfit.strategies.base import Strategy, insertion_seed
+
+#: More proposals than any strategy may need without a budget.
+MOST_PROPOSALS = 120
+#: Scatter of the responses from seed to seed, as recorded heaps show it.
+NOISE = {"bulk_density": 3.7, "angle": 0.8}
+
+#: What comes of a proposal.
+Simulate = Callable[[Proposal], Evaluation]
+
+
+class Make(Protocol):
+    """Makes the strategy under test."""
+
+    def __call__(
+        self, problem: Problem, seed: int, max_evaluations: int | None = None
+    ) -> Strategy: ...
+
+
+def heap_problem(angle: float = 22.0, tolerance: float = 0.5) -> Problem:
+    """Two parameters, one of them on a logarithmic scale, and two targets.
+
+    Parameters
+    ----------
+    angle : float
+        Target of the angle; all from 17 to 24 are within reach.
+    tolerance : float
+        Its tolerance.
+    """
+    return Problem(
+        [Parameter("density", 1407.0, 2793.0), Parameter("friction", 0.1, 1.6, scale="log")],
+        [
+            Target("bulk_density", 1500.0, tolerance=15.0),
+            Target("angle", angle, tolerance=tolerance),
+        ],
+    )
+
+
+def heap(proposal: Proposal, noise: float = 1.0) -> Evaluation:
+    """What comes of a proposal: linear in the density, saturating in friction, and noise.
+
+    Parameters
+    ----------
+    proposal : Proposal
+        Its parameters are ``density`` and ``friction``; its seed decides the noise.
+    noise : float
+        Scatter from seed to seed, as a share of `NOISE`.
+    """
+    expected = {
+        "bulk_density": 0.645 * proposal.parameters["density"],
+        "angle": 25.0 - 11.0 * math.exp(-3.0 * proposal.parameters["friction"]),
+    }
+    return scattered(proposal, expected, noise)
+
+
+def scattered(proposal: Proposal, expected: dict[str, float], noise: float = 1.0) -> Evaluation:
+    """Add the noise of a proposal's seed to expected responses.
+
+    Parameters
+    ----------
+    proposal : Proposal
+        What was asked for.
+    expected : dict of str to float
+        Responses without noise.
+    noise : float
+        Scatter from seed to seed, as a share of `NOISE`; responses not named there have none.
+    """
+    random = np.random.default_rng(proposal.seed)
+    responses = {
+        name: Response(value + noise * NOISE.get(name, 0.0) * random.standard_normal())
+        for name, value in expected.items()
+    }
+    return Evaluation(proposal, responses)
+
+
+def failed(proposal: Proposal, by_machine: bool = False) -> Evaluation:
+    """What comes of a proposal whose run fails."""
+    reason = "the disk is full" if by_machine else "the particles flew away"
+    return Evaluation(proposal, {}, {"heap": reason}, failed_by_machine=by_machine)
+
+
+def nearly_quiet(proposal: Proposal) -> Evaluation:
+    """A heap with a tenth of the usual noise: a calibration is short."""
+    return heap(proposal, 0.1)
+
+
+def quiet(proposal: Proposal) -> Evaluation:
+    """A heap without noise."""
+    return heap(proposal, 0.0)
+
+
+def converse(strategy: Strategy, simulate: Simulate, workers: int = 1) -> list[Evaluation]:
+    """Answer a strategy until it has finished.
+
+    Parameters
+    ----------
+    strategy : Strategy
+        Whose proposals are answered.
+    simulate : callable
+        What comes of a proposal.
+    workers : int
+        Runs under way at a time. With several, the latest one comes back first, but every third
+        time the earliest one does.
+
+    Returns
+    -------
+    list of Evaluation
+        In the order in which they were told.
+    """
+    evaluations: list[Evaluation] = []
+    under_way: list[Proposal] = []
+    while not strategy.finished:
+        while len(under_way) < workers and not strategy.finished:
+            proposal = strategy.ask()
+            if proposal is None:
+                break
+            assert proposal not in under_way
+            under_way.append(proposal)
+        assert under_way, "a strategy that waits for nothing never ends"
+        assert strategy.expected_left >= 0
+        proposal = under_way.pop(0 if len(evaluations) % 3 == 2 else -1)
+        evaluations.append(simulate(proposal))
+        strategy.tell(evaluations[-1])
+        assert len(evaluations) <= MOST_PROPOSALS, "this strategy does not come to an end"
+    for proposal in under_way:
+        # They were under way when the others decided it, and come back all the same.
+        evaluations.append(simulate(proposal))
+        strategy.tell(evaluations[-1])
+    return evaluations
+
+
+class StrategyContract:
+    """Tests of what a calibration relies on; subclasses give the fixture ``make``."""
+
+    @pytest.fixture
+    def make(self) -> Make:
+        """Give a function that makes the strategy: ``make(problem, seed, max_evaluations)``."""
+        raise NotImplementedError
+
+    # The same again --------------------------------------------------------------------------
+
+    def test_told_the_same_it_asks_the_same(self, make: Make) -> None:
+        first, second = make(heap_problem(), 5), make(heap_problem(), 5)
+
+        assert converse(first, nearly_quiet) == converse(second, nearly_quiet)
+        assert first.answer() == second.answer()
+
+    def test_another_seed_asks_for_other_runs(self, make: Make) -> None:
+        first, second = make(heap_problem(), 5), make(heap_problem(), 6)
+        of_first, of_second = ([_asked(s) for _ in range(s.design_runs)] for s in (first, second))
+
+        assert not {p.seed for p in of_first} & {p.seed for p in of_second}
+        assert [p.parameters for p in of_first] != [p.parameters for p in of_second]
+
+    def test_definition_is_plain_data_and_always_the_same(self, make: Make) -> None:
+        definition = make(heap_problem(), 5).definition
+        text = json.dumps(definition, sort_keys=True, allow_nan=False)
+
+        assert json.loads(text) == definition
+        assert make(heap_problem(), 5).definition == definition
+
+    @pytest.mark.parametrize("workers", [1, 3])
+    @pytest.mark.parametrize("behind_design", [-2, 1, 3])
+    def test_it_goes_on_from_its_history_as_if_nothing_had_happened(
+        self, make: Make, workers: int, behind_design: int
+    ) -> None:
+        # Few runs do not decide so narrow a tolerance, and with a budget it has to go on.
+        problem = heap_problem(tolerance=0.05)
+        undisturbed = make(problem, 4, 40)
+        asked, told = _interrupted(undisturbed, undisturbed.design_runs + behind_design, workers)
+        resumed = make(problem, 4, 40)
+        _take_up(resumed, asked, told)
+        under_way = [proposal for proposal in asked if proposal not in told]
+
+        assert under_way
+        assert _together(undisturbed, resumed, under_way, workers) > 0
+        assert undisturbed.answer() == resumed.answer()
+
+    # What is asked ---------------------------------------------------------------------------
+
+    def test_proposals_are_new_runs_within_the_intervals(self, make: Make) -> None:
+        problem = heap_problem()
+        strategy = make(problem, 1)
+        proposals = [e.proposal for e in converse(strategy, nearly_quiet)]
+
+        assert [p.stage for p in proposals[: strategy.design_runs]].count("design") == (
+            strategy.design_runs
+        )
+        assert len({p.seed for p in proposals}) == len(proposals)
+        for proposal in proposals:
+            assert proposal.stage != "verification"
+            assert proposal.seed > 0
+            _assert_within(problem, proposal.parameters)
+
+    def test_a_log_scale_is_spread_evenly_over_its_orders_of_magnitude(self, make: Make) -> None:
+        problem = Problem(
+            [Parameter("density", 1407.0, 2793.0), Parameter("friction", 1e-3, 1.0, "log")],
+            heap_problem().targets,
+        )
+        strategy = make(problem, 1)
+        proposals = [_asked(strategy) for _ in range(strategy.design_runs)]
+        # Spread evenly over the values, 3 % of them were below.
+        below = sum(p.parameters["friction"] < math.sqrt(1e-3) for p in proposals)
+
+        assert 0.25 * len(proposals) <= below <= 0.75 * len(proposals)
+        for proposal in proposals:
+            _assert_within(problem, proposal.parameters)
+
+    @pytest.mark.parametrize("workers", [1, 4])
+    @pytest.mark.parametrize("budget", [5, 8, 13])
+    def test_the_budget_is_never_exceeded(self, make: Make, budget: int, workers: int) -> None:
+        strategy = make(heap_problem(), 2, budget)
+
+        assert len(converse(strategy, heap, workers)) <= budget
+        assert strategy.finished
+        assert strategy.ask() is None
+
+    def test_several_runs_at_a_time_are_all_new_and_come_to_an_end(self, make: Make) -> None:
+        strategy = make(heap_problem(), 3)
+        evaluations = converse(strategy, lambda p: heap(p, 0.3), workers=4)
+
+        assert len({e.proposal.seed for e in evaluations}) == len(evaluations)
+        _assert_close(strategy.answer().parameters, bulk_density=0.01, angle=0.04)
+
+    # Failures --------------------------------------------------------------------------------
+
+    @pytest.mark.parametrize("by_machine", [False, True])
+    def test_a_third_of_the_runs_may_fail(self, make: Make, by_machine: bool) -> None:
+        def simulate(proposal: Proposal) -> Evaluation:
+            if np.random.default_rng(proposal.seed).random() < 1 / 3:
+                return failed(proposal, by_machine)
+            return nearly_quiet(proposal)
+
+        strategy = make(heap_problem(), 1)
+        evaluations = converse(strategy, simulate)
+
+        assert any(e.failures for e in evaluations)
+        _assert_close(strategy.answer().parameters, bulk_density=0.01, angle=0.03)
+
+    def test_a_corner_may_fail(self, make: Make) -> None:
+        def fails(parameters: Any) -> bool:
+            return bool(parameters["density"] < 2000.0 and parameters["friction"] > 0.4)
+
+        strategy = make(heap_problem(), 1)
+        evaluations = converse(
+            strategy, lambda p: failed(p) if fails(p.parameters) else nearly_quiet(p)
+        )
+
+        assert any(e.failures for e in evaluations)
+        assert not fails(strategy.answer().parameters)
+        _assert_close(strategy.answer().parameters, bulk_density=0.01, angle=0.03)
+
+    def test_when_all_runs_fail_it_ends_with_the_reason(self, make: Make) -> None:
+        strategy = make(heap_problem(), 1, 12)
+
+        with pytest.raises(RunFailedError, match="flew away"):
+            _answered(strategy, failed)
+
+    def test_there_is_no_answer_without_knowledge(self, make: Make) -> None:
+        with pytest.raises(RunFailedError):
+            make(heap_problem(), 1).answer()
+
+    # The answer ------------------------------------------------------------------------------
+
+    def test_without_noise_the_answer_is_close(self, make: Make) -> None:
+        strategy = make(heap_problem(), 1)
+        converse(strategy, quiet)
+
+        _assert_close(strategy.answer().parameters, bulk_density=0.002, angle=0.005)
+
+    @pytest.mark.parametrize("angle", [17.0, 22.0, 30.0])
+    def test_the_answer_lies_within_the_intervals(self, make: Make, angle: float) -> None:
+        problem = heap_problem(angle)
+        strategy = make(problem, 1)
+        converse(strategy, nearly_quiet)
+
+        assert strategy.searched == problem
+        _assert_within(problem, strategy.answer().parameters)
+        assert bool(strategy.answer().out_of_reach) == (angle == 30.0)
+
+    def test_given_parameters_are_the_answer(self, make: Make) -> None:
+        strategy = make(heap_problem(), 1, 12)
+        converse(strategy, nearly_quiet)
+        given = {"density": 2000.0, "friction": 0.3}
+        answer = strategy.answer(given)
+
+        assert answer.parameters == given
+        assert answer.predicted["bulk_density"] == pytest.approx(1290.0, rel=0.02)
+        assert set(answer.standard_errors) == set(answer.predicted) == {"bulk_density", "angle"}
+
+    def test_one_free_parameter_is_calibrated(self, make: Make) -> None:
+        problem = Problem([Parameter("friction", 0.1, 1.6, "log")], [Target("angle", 22.0)])
+
+        def simulate(proposal: Proposal) -> Evaluation:
+            values = {"density": 2000.0, **proposal.parameters}
+            return replace(nearly_quiet(replace(proposal, parameters=values)), proposal=proposal)
+
+        strategy = make(problem, 1)
+        converse(strategy, simulate)
+
+        assert strategy.answer().parameters["friction"] == pytest.approx(0.433, rel=0.08)
+
+    def test_more_targets_than_parameters_are_met(self, make: Make) -> None:
+        # Of the targets, any two decide the parameters, and the third agrees with them.
+        height = Target("height", 0.1 * math.tan(math.radians(22.0)), tolerance=0.001)
+        problem = replace(heap_problem(), targets=[*heap_problem().targets, height])
+
+        def simulate(proposal: Proposal) -> Evaluation:
+            evaluation = nearly_quiet(proposal)
+            angle = evaluation.responses["angle"].value
+            of_height = Response(0.1 * math.tan(math.radians(angle)))
+            return replace(evaluation, responses={**evaluation.responses, "height": of_height})
+
+        strategy = make(problem, 1)
+        converse(strategy, simulate)
+
+        _assert_close(strategy.answer().parameters, bulk_density=0.01, angle=0.02)
+        assert strategy.answer().predicted["height"] == pytest.approx(height.value, abs=0.001)
+
+    # Verification ----------------------------------------------------------------------------
+
+    def test_verification_runs_are_knowledge(self, make: Make) -> None:
+        strategy = make(heap_problem(), 1)
+        converse(strategy, nearly_quiet)
+        answer = strategy.answer()
+        _verify(strategy, 1.0)
+        again = strategy.answer(answer.parameters)
+
+        assert again.predicted["angle"] > answer.predicted["angle"] + 0.1
+
+    @pytest.mark.parametrize("affordable", [0, 3, 10])
+    def test_after_a_verification_it_asks_for_no_more_than_is_affordable(
+        self, make: Make, affordable: int
+    ) -> None:
+        strategy = make(heap_problem(), 1)
+        converse(strategy, nearly_quiet)
+        _verify(strategy, 2.0)
+        goes_on = strategy.reconsider(affordable)
+        more = converse(strategy, nearly_quiet)
+
+        assert len(more) <= affordable
+        assert goes_on or not more
+        if affordable == 10:
+            assert more, "the verification was far off, and there is budget to do something"
+
+    def test_without_budget_it_does_not_go_on(self, make: Make) -> None:
+        strategy = make(heap_problem(), 1)
+        converse(strategy, nearly_quiet)
+        _verify(strategy, 2.0)
+
+        assert strategy.reconsider(affordable=-1) is False
+        assert strategy.finished
+
+    def test_verifications_that_stay_off_come_to_an_end(self, make: Make) -> None:
+        strategy = make(heap_problem(), 1)
+        converse(strategy, nearly_quiet)
+        for number in range(10):
+            _verify(strategy, 2.0, number)
+            if not strategy.reconsider(affordable=4):
+                break
+            converse(strategy, nearly_quiet)
+        else:
+            pytest.fail("it goes on for ever")
+
+        assert strategy.finished
+
+
+def _asked(strategy: Strategy) -> Proposal:
+    proposal = strategy.ask()
+    assert proposal is not None
+    return proposal
+
+
+def _answered(strategy: Strategy, simulate: Simulate) -> object:
+    converse(strategy, simulate)
+    return strategy.answer()
+
+
+def _assert_within(problem: Problem, parameters: Any) -> None:
+    assert set(parameters) == set(problem.intervals)
+    for name, (low, high) in problem.intervals.items():
+        assert low <= parameters[name] <= high
+
+
+def _assert_close(parameters: Any, bulk_density: float, angle: float) -> None:
+    """Assert that the responses without noise deviate by these shares of the targets at most."""
+    truth = quiet(Proposal(parameters, 1, "verification")).responses
+
+    assert truth["bulk_density"].value == pytest.approx(1500.0, rel=bulk_density)
+    assert truth["angle"].value == pytest.approx(22.0, rel=angle)
+
+
+def _verify(strategy: Strategy, off: float, number: int = 0) -> None:
+    """Tell runs at the answer whose angle is off by some degrees."""
+    parameters = strategy.answer().parameters
+    for run in range(3):
+        seed = insertion_seed(strategy.seed, "verification", 3 * number + run + 1)
+        evaluation = nearly_quiet(Proposal(parameters, seed, "verification"))
+        angle = Response(evaluation.responses["angle"].value + off)
+        responses = {**evaluation.responses, "angle": angle}
+        strategy.tell(replace(evaluation, responses=responses))
+
+
+# Interruptions ------------------------------------------------------------------------------
+
+
+def _interrupted(
+    strategy: Strategy, runs: int, workers: int
+) -> tuple[list[Proposal], list[Proposal]]:
+    """Answer so many runs; return what has been asked, and what of it has been told."""
+    asked: list[Proposal] = []
+    told: list[Proposal] = []
+    while True:
+        while len(asked) - len(told) < workers and (proposal := strategy.ask()) is not None:
+            asked.append(proposal)
+        if len(told) >= runs and len(asked) > len(told):
+            return asked, told
+        _tell_latest(strategy, asked, told)
+
+
+def _tell_latest(strategy: Strategy, asked: Sequence[Proposal], told: list[Proposal]) -> None:
+    told.append(next(p for p in reversed(asked) if p not in told))
+    strategy.tell(heap(told[-1]))
+
+
+def _take_up(strategy: Strategy, asked: Sequence[Proposal], told: Sequence[Proposal]) -> None:
+    """Let a new strategy ask for all of its history again, and tell it what is known of it."""
+    strategy.remember(asked)
+    again: list[Proposal] = []
+    known = [proposal for proposal in asked if proposal in told]
+    while len(again) < len(asked):
+        proposal = strategy.ask()
+        if proposal is None:
+            # A batch has to come back before the next one is asked for.
+            strategy.tell(heap(known.pop(next(i for i, p in enumerate(known) if p in again))))
+            continue
+        # A batch need not be asked for in the order of then.
+        assert proposal in asked, "it asks for something else than before"
+        assert proposal not in again
+        again.append(proposal)
+    for proposal in reversed(known):
+        strategy.tell(heap(proposal))
+
+
+def _together(
+    first: Strategy, second: Strategy, under_way: list[Proposal], workers: int, most: int = 4
+) -> int:
+    """Go on with two strategies that must ask the same; return how much both have asked."""
+    asked = 0
+    for _ in range(most + len(under_way)):
+        # One worker more than before: the next proposal is compared before anything else is told.
+        while len(under_way) <= workers and asked < most:
+            proposal, other = first.ask(), second.ask()
+            assert proposal == other
+            if proposal is None:
+                break
+            under_way.append(proposal)
+            asked += 1
+        if not under_way:
+            break
+        evaluation = heap(under_way.pop(0))
+        first.tell(evaluation)
+        second.tell(evaluation)
+    return asked

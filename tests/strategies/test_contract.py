@@ -1,0 +1,19 @@
+"""Both strategies keep the contract of strategies."""
+
+import pytest
+
+from grainfit.strategies.sequential import Sequential
+from grainfit.strategies.staged import Staged
+from grainfit.testing.strategy_contract import Make, StrategyContract
+
+
+class TestStaged(StrategyContract):
+    @pytest.fixture
+    def make(self) -> Make:
+        return Staged
+
+
+class TestSequential(StrategyContract):
+    @pytest.fixture
+    def make(self) -> Make:
+        return Sequential
