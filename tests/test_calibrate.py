@@ -111,6 +111,64 @@ def test_started_again_nothing_is_repeated(tmp_path: Path) -> None:
     assert second.parameters == first.parameters
 
 
+def test_several_workers_started_again_repeat_nothing_either(tmp_path: Path) -> None:
+    # Runs that were under way when it was decided come back after the answer: they must not
+    # change it when it is all done again.
+    def slow(parameters: dict[str, float], seed: int) -> dict[str, float]:
+        time.sleep(0.01 + 0.02 * (seed % 3))
+        return drum(parameters, seed)
+
+    first, second = (
+        gf.calibrate(problem(), slow, workdir=tmp_path, workers=3, seed=2) for _ in range(2)
+    )
+    assert second.runs.reused == second.runs.total == first.runs.total
+    assert second.parameters == first.parameters
+    assert 0 < first.utilisation <= 1
+    assert second.utilisation == 0
+
+
+@pytest.mark.parametrize("interrupted_at", [3, 7, 9, 13])
+def test_interrupted_and_started_again_it_asks_what_it_would_have_asked(
+    tmp_path: Path, interrupted_at: int
+) -> None:
+    undisturbed = gf.calibrate(problem(), drum, seed=3)
+    calls = 0
+
+    def with_ctrl_c(parameters: dict[str, float], seed: int) -> dict[str, float]:
+        nonlocal calls
+        calls += 1
+        if calls == interrupted_at:
+            raise KeyboardInterrupt
+        return drum(parameters, seed)
+
+    stopped = gf.calibrate(problem(), with_ctrl_c, workdir=tmp_path, seed=3)
+    assert stopped.status == "interrupted"
+    result = gf.calibrate(problem(), with_ctrl_c, workdir=tmp_path, seed=3)
+    asked = [(run.stage, run.parameters, run.seed) for run in result.history]
+    assert asked == [(run.stage, run.parameters, run.seed) for run in undisturbed.history]
+    assert result.runs.reused == interrupted_at - 1
+
+
+def test_with_a_larger_budget_it_goes_on_from_where_the_smaller_one_ended(tmp_path: Path) -> None:
+    small = gf.calibrate(problem(), drum, workdir=tmp_path, max_runs=12, seed=4)
+    assert small.runs.total <= 12
+    large = gf.calibrate(problem(), drum, workdir=tmp_path, max_runs=60, seed=4)
+    assert large.runs.reused == small.runs.total
+    assert large.history[: small.runs.total] == small.history
+    assert large.agreement >= small.agreement
+
+
+def test_another_model_in_the_same_folder_does_not_take_up_the_old_history(tmp_path: Path) -> None:
+    def other(parameters: dict[str, float], seed: int) -> dict[str, float]:
+        responses = drum(parameters, seed)
+        return {name: value - 3.0 for name, value in responses.items()}
+
+    first = gf.calibrate(problem(), drum, workdir=tmp_path)
+    second = gf.calibrate(problem(), other, workdir=tmp_path)
+    assert second.runs.reused == 0
+    assert second.parameters["rolling_friction"] > first.parameters["rolling_friction"]
+
+
 def test_another_target_reuses_the_design(tmp_path: Path) -> None:
     first = gf.calibrate(problem(), drum, workdir=tmp_path)
     other = gf.calibrate(problem(first=35.0), drum, workdir=tmp_path)

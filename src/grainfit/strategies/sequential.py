@@ -213,11 +213,11 @@ class Sequential(Strategy):
             return self._propose(again.parameters, again.stage)
         if self.finished:
             return None
-        view, waiting = self._view, len(self._told) < len(self._asked)
+        view, waiting = self._view, len(self._asked) - len(self._told)
         if view is None:
             return None if waiting else self._fill_in()
         ahead = view.metamodels.with_runs_under_way(self._under_way(view.problem))
-        if waiting and not view.agrees and self._is_enough(ahead, view):
+        if waiting and self._is_enough(view, ahead, waiting):
             return None
         point = self._next_point(view, ahead)
         return self._propose(view.problem.from_unit(point), "optimisation")
@@ -357,9 +357,14 @@ class Sequential(Strategy):
                 return proposal
         return None
 
-    def _is_enough(self, ahead: Metamodels, view: _View) -> bool:
-        """Whether the runs under way will probably decide it."""
-        return bool(ahead.agreement(view.answer)[0] >= self.options.confidence)
+    def _is_enough(self, view: _View, ahead: Metamodels, waiting: int) -> bool:
+        """Whether the runs under way will probably decide what is to be decided next."""
+        confidence = self.options.confidence
+        if not view.agrees:
+            return bool(ahead.agreement(view.answer)[0] >= confidence)
+        if not view.is_proven:
+            return True
+        return waiting >= view.metamodels.runs_needed(view.gain_point, confidence)
 
     def _next_point(self, view: _View, ahead: Metamodels) -> Array:
         if not view.agrees:
