@@ -28,7 +28,7 @@ import os
 import sys
 import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from concurrent.futures import Future, ProcessPoolExecutor, wait
+from concurrent.futures import ProcessPoolExecutor, wait
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, TypeVar
@@ -49,6 +49,8 @@ from peers import PEERS
 
 Kind = TypeVar("Kind")
 Parameters = dict[str, float]
+#: Case, method and seed of a calibration.
+Job = tuple[str, str, int]
 #: Plain data: what one calibration came to, what all have, and what follows from them.
 Record = dict[str, Any]
 Figures = dict[str, Any]
@@ -60,8 +62,8 @@ METHODS = (OURS, STAGED, *PEERS)
 CHECKPOINTS = {
     "heap, +-33 %": (8, 10, 12, 16, 20, 26, 36),
     "heap, +-66 %": (8, 10, 12, 16, 20, 26, 36),
-    "heap, four parameters": (10, 12, 16, 20, 26, 36, 46, 60),
-    "analytic, six parameters": (12, 16, 20, 26, 36, 60),
+    "heap, four parameters": (10, 12, 16, 20, 26, 36, 48),
+    "analytic, six parameters": (12, 16, 26, 36, 48),
 }
 #: Numbers of runs after which the stated intervals are looked at.
 COVERAGE_AT = (16, 36)
@@ -199,15 +201,22 @@ def _all_rounded(values: Sequence[float] | np.ndarray) -> list[float]:
 
 
 def measure(
-    cases: Sequence[str], methods: Sequence[str], calibrations: int, processes: int
+    cases: Sequence[str],
+    methods: Sequence[str],
+    calibrations: int,
+    processes: int,
+    kept: Path | None,
 ) -> Figures:
-    """Calibrate every case with every method and seeds 1, 2, ...: plain data."""
+    """Calibrate every case with every method and seeds 1, 2, ...: plain data.
+
+    Calibrations in the file ``kept`` are not repeated, and new ones are added to it at once.
+    """
     seeds = range(1, calibrations + 1)
     with ProcessPoolExecutor(processes, initializer=_use_one_thread) as pool:
         taking_part = _available(pool, methods)
         # Seed by seed, so that the share that is done tells the time left.
         jobs = [(c, m, seed) for seed in seeds for c in cases for m in taking_part]
-        records = _collect(pool, jobs)
+        records = _collect(pool, jobs, kept)
     return {
         name: _case_facts(name, seeds)
         | {"methods": {m: [records[name, m, seed] for seed in seeds] for m in taking_part}}
@@ -250,23 +259,42 @@ def _why_missing(method: str) -> str | None:
 
 
 def _collect(
-    pool: ProcessPoolExecutor, jobs: Sequence[tuple[str, str, int]]
-) -> dict[tuple[str, str, int], Record]:
+    pool: ProcessPoolExecutor, jobs: Sequence[Job], kept: Path | None
+) -> dict[Job, Record]:
     """Results of all jobs, with a progress line now and then."""
     start = time.monotonic()
-    asked: dict[Future[Record], tuple[str, str, int]] = {
-        pool.submit(calibrate, *job): job for job in jobs
-    }
-    pending, records = set(asked), {}
+    records = _read_kept(kept)
+    known = len(records)
+    asked = {pool.submit(calibrate, *job): job for job in jobs if job not in records}
+    pending = set(asked)
     try:
         while pending:
             done, pending = wait(pending, timeout=SECONDS_BETWEEN_REPORTS)
-            records |= {asked[future]: future.result() for future in done}
-            _report(len(records), len(jobs), time.monotonic() - start)
+            new = {asked[future]: future.result() for future in done}
+            _keep(new, kept)
+            records |= new
+            _report(len(records) - known, len(asked), time.monotonic() - start)
     except BaseException:
         pool.shutdown(wait=False, cancel_futures=True)
         raise
     return records
+
+
+def _read_kept(kept: Path | None) -> dict[Job, Record]:
+    if kept is None or not kept.exists():
+        return {}
+    lines = [json.loads(line) for line in kept.read_text().splitlines()]
+    return {
+        (line["case"], line["method"], line["record"]["seed"]): line["record"] for line in lines
+    }
+
+
+def _keep(records: dict[Job, Record], kept: Path | None) -> None:
+    if kept is None:
+        return
+    with kept.open("a") as file:
+        for (case, method, _), record in records.items():
+            file.write(json.dumps({"case": case, "method": method, "record": record}) + "\n")
 
 
 def _report(done: int, jobs: int, seconds: float) -> None:
@@ -647,6 +675,12 @@ def _arguments() -> argparse.Namespace:
         help="write all figures to this file, those of each calibration too",
     )
     parser.add_argument(
+        "--keep",
+        type=_file_to_write,
+        metavar="PATH",
+        help="add every finished calibration to this file, and repeat none that is in it",
+    )
+    parser.add_argument(
         "--from-json",
         type=Path,
         metavar="PATH",
@@ -692,6 +726,7 @@ def main() -> None:
             _in_order(METHODS, arguments.methods),
             arguments.calibrations,
             arguments.processes,
+            arguments.keep,
         )
     summary = summarise(figures)
     if arguments.json:

@@ -60,6 +60,9 @@ RUNS_PER_PARAMETER = 20
 _RUNS_TO_CONFIRM = 2
 #: A target must be missed by this many standard errors: it is looked at after every run.
 _STANDARD_ERRORS = 3.0
+#: Runs under way that leave so much of the accepted doubt may well be enough: it is cheaper to wait
+#: for them than to make one too many.
+_SMALL_DOUBT = 1.2
 #: An expected gain of the time step that is worth further runs.
 _GAIN_WORTH_RUNS = 0.05
 #: Without a budget, runs that narrow the standard errors by less than this in all are not made.
@@ -361,7 +364,8 @@ class Sequential(Strategy):
         """Whether the runs under way will probably decide what is to be decided next."""
         confidence = self.options.confidence
         if not view.agrees:
-            return bool(ahead.agreement(view.answer)[0] >= confidence)
+            doubt = 1.0 - float(ahead.agreement(view.answer)[0])
+            return doubt <= _SMALL_DOUBT * (1.0 - confidence)
         if not view.is_proven:
             return True
         return waiting >= view.metamodels.runs_needed(view.gain_point, confidence)
