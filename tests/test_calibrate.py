@@ -7,7 +7,7 @@ import subprocess
 import sys
 import textwrap
 import time
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 
 import numpy as np
@@ -147,6 +147,24 @@ def test_interrupted_and_started_again_it_asks_what_it_would_have_asked(
     asked = [(run.stage, run.parameters, run.seed) for run in result.history]
     assert asked == [(run.stage, run.parameters, run.seed) for run in undisturbed.history]
     assert result.runs.reused == interrupted_at - 1
+
+
+def test_interrupted_while_it_recalls_what_it_knows_it_forgets_nothing(tmp_path: Path) -> None:
+    undisturbed = gf.calibrate(problem(), drum, seed=3)
+
+    def stop_at(done: int) -> Callable[[gf.Progress], None]:
+        def on_progress(progress: gf.Progress) -> None:
+            if progress.done == done:
+                raise KeyboardInterrupt
+
+        return on_progress
+
+    for done in (9, 0):
+        stopped = gf.calibrate(problem(), drum, workdir=tmp_path, seed=3, on_progress=stop_at(done))
+        assert stopped.status == "interrupted"
+    result = gf.calibrate(problem(), drum, workdir=tmp_path, seed=3)
+    assert result.runs.reused >= 9
+    assert result.parameters == undisturbed.parameters
 
 
 def test_with_a_larger_budget_it_goes_on_from_where_the_smaller_one_ended(tmp_path: Path) -> None:

@@ -103,7 +103,8 @@ class Conversation:
                 self._store.end_calibration(self._identity, "failed")
             raise
         self._store.end_calibration(self._identity, status)
-        self._store.forget_requests_behind(self._identity, self._requested)
+        if status != "interrupted":
+            self._store.forget_requests_behind(self._identity, self._requested)
         wall_seconds = time.monotonic() - self._started
         about = About(
             self._options.name,
