@@ -22,7 +22,7 @@ from grainfit.solvers.base import Solver
 from grainfit.solvers.python_callable import PythonCallable
 from grainfit.strategies.choice import DEFAULT_STRATEGY, StrategyChoice, make_strategy
 from grainfit.strategies.sequential import Preference
-from grainfit.verification import VERIFICATION_RUNS
+from grainfit.verification import usual_verification_runs
 
 Simulate = Callable[[dict[str, float], int], Mapping[str, Any]] | Solver | Mapping[str, Solver]
 
@@ -40,7 +40,7 @@ def calibrate(
     workdir: str | Path | None = None,
     name: str = "",
     design_runs: int | None = None,
-    verification_runs: int = VERIFICATION_RUNS,
+    verification_runs: int | None = None,
     prefer: Preference | None = None,
     extend_intervals: bool | None = None,
     timeouts: Mapping[str, float] | None = None,
@@ -73,8 +73,9 @@ def calibrate(
     design_runs : int, optional
         Size of the Latin hypercube; with d free parameters 1.5 (d + 1) by default, and 13 d for
         the staged strategy.
-    verification_runs : int
-        Fresh seeds at the answer, at least 2.
+    verification_runs : int, optional
+        Fresh seeds at the answer, at least 2; by default 5, or up to so many that no worker is
+        idle.
     prefer : {"time_step", "accuracy"}
         Of all parameter sets that agree with the measurements, take the one with the largest
         Rayleigh time step, or the closest one. Sequential strategy only.
@@ -116,6 +117,7 @@ def calibrate(
     _check_timeouts(timeouts or {}, solvers)
     for solver in solvers.values():
         solver.check()
+    verification_runs = verification_runs or usual_verification_runs(workers)
     options = ConversationOptions(name, workers, max_runs, verification_runs, on_progress)
     wanted = StrategyChoice(strategy, design_runs, prefer, extend_intervals)
     chosen = make_strategy(problem, wanted, len(solvers), seed, max_runs, verification_runs)
@@ -164,7 +166,7 @@ def _check_numbers(
     max_runs: int | None,
     workers: int,
     seed: int,
-    verification_runs: int,
+    verification_runs: int | None,
     design_runs: int | None,
 ) -> None:
     faults = []

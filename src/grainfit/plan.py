@@ -14,7 +14,7 @@ from grainfit.problem import Parameter, Problem, Target
 from grainfit.solvers.base import Solver
 from grainfit.solvers.deck_solver import DeckSolver
 from grainfit.strategies.choice import make_strategy
-from grainfit.verification import ROUNDS, VERIFICATION_RUNS
+from grainfit.verification import ROUNDS, usual_verification_runs
 
 
 @dataclass(frozen=True)
@@ -86,7 +86,7 @@ def _cost_lines(solver: Solver, problem: Problem) -> Iterator[str]:
 def _run_lines(assembly: Assembly) -> Iterator[str]:
     dimension = assembly.problem.dimension
     strategy = assembly.strategy
-    verification = strategy.verification_runs or VERIFICATION_RUNS
+    verification = strategy.verification_runs or usual_verification_runs(assembly.workers)
     tests = len(assembly.solvers)
     chosen = make_strategy(
         assembly.problem,

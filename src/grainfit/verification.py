@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from math import sqrt
+from math import ceil, sqrt
 from statistics import fmean, stdev
 
 from scipy.stats import t as student_t
@@ -12,10 +12,23 @@ from scipy.stats import t as student_t
 from grainfit.campaign.evaluation import Evaluation
 from grainfit.problem import Problem, Target
 
-#: Fresh seeds in a round of verification.
+#: Fresh seeds in a round of verification, at least.
 VERIFICATION_RUNS = 5
 #: Most rounds of verification runs at one answer.
 ROUNDS = 4
+
+
+def usual_verification_runs(workers: int) -> int:
+    """Fresh seeds in a round where the user does not say: five, and no few workers left idle.
+
+    Examples
+    --------
+    >>> [usual_verification_runs(workers) for workers in (1, 2, 3, 8)]
+    [5, 6, 6, 5]
+    """
+    if workers > VERIFICATION_RUNS:
+        return VERIFICATION_RUNS
+    return ceil(VERIFICATION_RUNS / workers) * workers
 
 
 @dataclass(frozen=True)
