@@ -70,9 +70,10 @@ class Conversation:
         #: What earlier starts of this calibration asked for and this one has not come to yet.
         self._recorded: deque[RequestRecord] = deque()
         self._started = time.monotonic()
-        self._identity = run_identity(self._definition())
+        self._definition = self._define()
+        self._identity = run_identity(self._definition)
 
-    def _definition(self) -> dict[str, Any]:
+    def _define(self) -> dict[str, Any]:
         # Another deck or another version of a solver makes another calibration: its history would
         # lead astray. One run stands for all.
         problem = self._problem
@@ -89,7 +90,7 @@ class Conversation:
     def hold(self) -> Result:
         """Hold the conversation to its end; Ctrl-C ends it early with what is known."""
         self._recorded.extend(self._store.requests(self._identity))
-        self._store.begin_calibration(self._identity, self._options.name, self._definition())
+        self._store.begin_calibration(self._identity, self._options.name, self._definition)
         answer: Answer | None = None
         status: Status
         try:
