@@ -12,7 +12,7 @@ import time
 from pathlib import Path
 
 from grainfit.campaign.evaluation import Proposal
-from grainfit.campaign.runner import Campaign
+from grainfit.campaign.runner import Campaign, CampaignOptions
 from grainfit.campaign.store import RunStore
 from grainfit.campaign.workdir import hold
 from grainfit.solvers.python_callable import PythonCallable
@@ -29,7 +29,7 @@ def milliseconds_per_run(runs: int, workers: int, folder: Path) -> float:
     started = time.perf_counter()
     with hold(folder):
         store = RunStore.in_folder(folder)
-        campaign = Campaign({"function": solver}, store, folder, workers)
+        campaign = Campaign({"function": solver}, store, folder, CampaignOptions(workers))
         asked = ended = 0
         while ended < runs:
             while asked < runs and campaign.has_free_worker:

@@ -270,7 +270,7 @@ class ParametersFor(Solver):
         self,
         solver: Solver,
         fixed: Mapping[str, float] | None = None,
-        takes: Callable[[str], bool] = lambda _name: True,
+        takes: Callable[[str], bool] | None = None,
     ) -> None:
         self.solver = solver
         self.name = solver.name
@@ -303,7 +303,8 @@ class ParametersFor(Solver):
 
     def _taken(self, parameters: Mapping[str, float]) -> dict[str, float]:
         values = {**self._fixed, **parameters}
-        return {name: value for name, value in values.items() if self._takes(name)}
+        takes = self._takes
+        return {name: v for name, v in values.items() if takes is None or takes(name)}
 
 
 def _without_none(values: Mapping[str, Any]) -> dict[str, Any]:

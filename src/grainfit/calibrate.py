@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import Executor
 from contextlib import ExitStack
 from dataclasses import replace
 from pathlib import Path
@@ -10,9 +11,11 @@ from typing import Any
 
 from threadpoolctl import threadpool_limits
 
-from grainfit.campaign.runner import Campaign, response_name
+from grainfit.campaign.runner import Campaign, CampaignOptions, response_name
+from grainfit.campaign.shared import share
+from grainfit.campaign.sources import take_runs
 from grainfit.campaign.store import RunStore
-from grainfit.campaign.workdir import hold, recover
+from grainfit.campaign.workdir import Keep, hold, recover
 from grainfit.conversation import Conversation, ConversationOptions
 from grainfit.errors import Fault, InputError
 from grainfit.problem import Problem
@@ -44,6 +47,10 @@ def calibrate(
     prefer: Preference | None = None,
     extend_intervals: bool | None = None,
     timeouts: Mapping[str, float] | None = None,
+    executor: Executor | None = None,
+    runs_from: Sequence[str | Path] = (),
+    store: str | None = None,
+    keep: Keep = "all",
     on_progress: Callable[[Progress], None] | None = None,
 ) -> Result:
     """Find the parameters at which the simulated responses meet their targets.
@@ -84,6 +91,18 @@ def calibrate(
         Sequential strategy only.
     timeouts : mapping of str to float, optional
         Longest wall time of one run by name of the test, s.
+    executor : concurrent.futures.Executor, optional
+        What makes the runs, ``workers`` at a time: processes, or the nodes of a cluster. They must
+        see the work folder by the same path. It is not shut down. Threads that wait for solver
+        processes by default.
+    runs_from : sequence of path or str
+        Work folders, or addresses of stores, whose runs are used as far as they fit: those of this
+        problem, whatever their targets and intervals were. They are only read.
+    store : str, optional
+        Address of a store that several processes share, such as
+        ``postgresql+psycopg://user@host/database``: what one has made, none makes again.
+    keep : {"all", "results"}
+        What stays of the folder of a finished run: all files, or record, logs and pictures.
     on_progress : callable, optional
         Called with `Progress` whenever something changes, and a few times a second.
 
@@ -128,13 +147,17 @@ def calibrate(
         folder = None if workdir is None else Path(workdir).absolute()
         if folder is not None:
             stack.enter_context(hold(folder))
-        store = RunStore("sqlite://") if folder is None else RunStore.in_folder(folder)
-        stack.callback(store.close)
+        runs = RunStore("sqlite://") if folder is None else RunStore.in_folder(folder)
+        stack.callback(runs.close)
         if folder is not None:
-            recover(folder, store)
-        campaign = Campaign(solvers, store, folder, workers, timeouts)
+            recover(folder, runs)
+        for source in runs_from:
+            take_runs(source, problem, solvers, runs)
+        shared = None if store is None else stack.enter_context(share(store, folder, runs))
+        making = CampaignOptions(workers, timeouts or {}, executor, keep)
+        campaign = Campaign(solvers, runs, folder, making, shared)
         stack.callback(campaign.close)
-        result = Conversation(problem, chosen, campaign, store, options).hold()
+        result = Conversation(problem, chosen, campaign, runs, options).hold()
         return result if folder is None else _keep(result, folder / RESULT_NAME)
 
 

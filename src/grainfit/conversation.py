@@ -11,8 +11,10 @@ from typing import Any
 
 from grainfit.campaign.evaluation import Evaluation, Proposal
 from grainfit.campaign.identity import run_identity
+from grainfit.campaign.known import most_telling, runs_of
+from grainfit.campaign.records import RequestRecord
 from grainfit.campaign.runner import Campaign
-from grainfit.campaign.store import RequestRecord, RunStore
+from grainfit.campaign.store import RunStore
 from grainfit.errors import RunFailedError, StoreError
 from grainfit.misfit import relative_deviation
 from grainfit.outcome import About, make_result
@@ -63,6 +65,7 @@ class Conversation:
         self._store = store
         self._options = options
         self._evaluations: list[Evaluation] = []
+        self._known: list[Evaluation] = []
         self._answer_from = 0
         self._verification_asked = 0
         self._stage = "design"
@@ -72,6 +75,16 @@ class Conversation:
         self._started = time.monotonic()
         self._definition = self._define()
         self._identity = run_identity(self._definition)
+
+    def _runs_known_before(self) -> list[Evaluation]:
+        """Runs of other calibrations that this one learns from: those of its first start."""
+        earlier = self._store.calibration(self._identity)
+        if earlier is None:
+            records = self._store.runs()
+        else:
+            records = list(self._store.find_many(earlier.known).values())
+        known = runs_of(self._problem, self._campaign.solvers, records)
+        return most_telling(self._problem, known)
 
     def _define(self) -> dict[str, Any]:
         # Another deck or another version of a solver makes another calibration: its history would
@@ -90,7 +103,12 @@ class Conversation:
     def hold(self) -> Result:
         """Hold the conversation to its end; Ctrl-C ends it early with what is known."""
         self._recorded.extend(self._store.requests(self._identity))
-        self._store.begin_calibration(self._identity, self._options.name, self._definition)
+        self._known = self._runs_known_before()
+        known = [run for evaluation in self._known for run in evaluation.runs.values()]
+        self._store.begin_calibration(self._identity, self._options.name, self._definition, known)
+        if self._known:
+            self._strategy.learn(self._known)
+        self._campaign.fetch([run for r in self._recorded for run in r.runs.values()])
         answer: Answer | None = None
         status: Status
         try:
@@ -115,7 +133,9 @@ class Conversation:
             status,
         )
         verification = [] if answer is None else self._verification_of(answer)
-        return make_result(about, self._strategy, answer, self._evaluations, verification)
+        return make_result(
+            about, self._strategy, answer, self._evaluations, verification, len(self._known)
+        )
 
     def _converse(self) -> tuple[Answer, Status]:
         self._run_strategy()
@@ -257,6 +277,7 @@ class Conversation:
         reasons = {tuple(e.failures.values()) for e in self._evaluations}
         alike = _HOPELESS if len(reasons) == 1 else _HOPELESS_WHATEVER
         if not missing or count < alike:
+            self._stop_when_the_machine_fails()
             return
         last = self._evaluations[-1]
         why = "; ".join(last.failures.values()) or (
@@ -268,6 +289,24 @@ class Conversation:
             f"the first {count} runs all failed to give {', '.join(missing)}, so going on is "
             f"pointless. The last one: {why}",
             failed[0].log_tail if failed and failed[0] else "",
+        )
+
+    def _stop_when_the_machine_fails(self) -> None:
+        """Stop when the last runs all failed alike, each after several tries, by the machine."""
+        latest = self._evaluations[-_HOPELESS:]
+        reasons = {tuple(evaluation.failures.values()) for evaluation in latest}
+        if (
+            len(latest) < _HOPELESS
+            or len(reasons) > 1
+            or not all(evaluation.failed_by_machine for evaluation in latest)
+        ):
+            return
+        self._campaign.forget_failures(latest)
+        raise RunFailedError(
+            f"the last {_HOPELESS} runs failed alike, each of several tries: "
+            f"{'; '.join(latest[-1].failures.values())}. Finished runs are kept; mend it and "
+            "start again to go on.",
+            kind="machine",
         )
 
     def _verified(self, answer: Answer) -> dict[str, Verified]:

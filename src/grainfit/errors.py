@@ -64,6 +64,10 @@ class StoreError(GrainfitError):
     """The run store cannot be used (locked by another process, newer version, damaged)."""
 
 
+class ExecutorError(GrainfitError):
+    """What was to make the runs cannot make any more, or none of this kind."""
+
+
 FailureKind = Literal["machine", "timeout", "simulation", "evaluation", "cancelled"]
 
 

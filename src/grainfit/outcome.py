@@ -32,6 +32,7 @@ def make_result(
     answer: Answer | None,
     evaluations: Sequence[Evaluation],
     verification: Sequence[Evaluation],
+    known: int = 0,
 ) -> Result:
     """Put together the result of a calibration.
 
@@ -47,6 +48,8 @@ def make_result(
         All parameter sets that were simulated.
     verification : sequence of Evaluation
         Those of them that verify the answer.
+    known : int
+        Parameter sets that were simulated before the calibration, for others.
     """
     problem = strategy.searched
     rayleigh = problem.rayleigh
@@ -59,7 +62,7 @@ def make_result(
         status=about.status,
         parameters=parameters,
         responses=_responses(problem, answer, verification) if answer else {},
-        runs=_counts(evaluations),
+        runs=_counts(evaluations, known),
         rayleigh_time_step=problem.rayleigh_time_step(parameters) if answer else None,
         rayleigh_time_step_before=problem.rayleigh_time_step(middle),
         rayleigh_time_step_limits=rayleigh.limits(problem.intervals) if rayleigh else None,
@@ -110,7 +113,7 @@ def _response(
     )
 
 
-def _counts(evaluations: Sequence[Evaluation]) -> RunCounts:
+def _counts(evaluations: Sequence[Evaluation], known: int) -> RunCounts:
     def runs(stage: str) -> int:
         return sum(len(e.runs) for e in evaluations if e.proposal.stage == stage)
 
@@ -121,6 +124,7 @@ def _counts(evaluations: Sequence[Evaluation]) -> RunCounts:
         failed=sum(len(e.failures) for e in evaluations),
         reused=sum(e.reused for e in evaluations),
         total=sum(len(e.runs) for e in evaluations),
+        learnt_from=known,
     )
 
 

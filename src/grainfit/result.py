@@ -54,7 +54,8 @@ class RunCounts:
     """DEM runs that the calibration rests on.
 
     ``reused`` of the ``total`` were known before this start (from an interrupted start or another
-    calibration) and were not simulated again; ``failed`` of them gave no responses.
+    calibration) and were not simulated again; ``failed`` of them gave no responses. Besides these,
+    it could learn from ``learnt_from`` runs that were made before it for other calibrations.
     """
 
     design: int = 0
@@ -63,6 +64,7 @@ class RunCounts:
     failed: int = 0
     reused: int = 0
     total: int = 0
+    learnt_from: int = 0
 
 
 @dataclass(frozen=True)

@@ -10,13 +10,8 @@ from pathlib import Path
 from typing import Any
 
 from grainfit.calibrate import RESULT_NAME
-from grainfit.campaign.store import (
-    STORE_NAME,
-    CalibrationRecord,
-    RequestRecord,
-    RunRecord,
-    RunStore,
-)
+from grainfit.campaign.records import CalibrationRecord, RequestRecord, RunRecord
+from grainfit.campaign.store import STORE_NAME, RunStore
 from grainfit.campaign.workdir import is_held
 from grainfit.errors import StoreError
 
@@ -77,7 +72,8 @@ def read_status(folder: Path) -> WorkdirStatus:
         )
     store = RunStore.read_only(folder)
     try:
-        runs = {record.identity: record for record in store.runs()}
+        states = store.states()
+        failed = {record.identity: record for record in store.runs("failed")}
         calibration = store.latest_calibration()
         requests = store.requests(calibration.identity) if calibration else []
     finally:
@@ -86,11 +82,11 @@ def read_status(folder: Path) -> WorkdirStatus:
     return WorkdirStatus(
         name=calibration.name if calibration else "",
         state=_state(calibration, held),
-        finished=_by_stage(requests, runs, ("finished", "failed")),
+        finished=_by_stage(requests, states, ("finished", "failed")),
         asked=_by_stage(requests, None, ()),
-        running=sum(record.status == "running" for record in runs.values()) if held else 0,
-        failed=tuple(_failures(folder, requests, runs)),
-        kept=sum(record.status == "finished" for record in runs.values()),
+        running=sum(state == "running" for state in states.values()) if held else 0,
+        failed=tuple(_failures(folder, requests, failed)),
+        kept=sum(state == "finished" for state in states.values()),
         result=None if held or calibration is None else _read_result(folder, calibration),
     )
 
@@ -105,25 +101,25 @@ def _state(calibration: CalibrationRecord | None, held: bool) -> str:
 
 def _by_stage(
     requests: list[RequestRecord],
-    runs: Mapping[str, RunRecord] | None,
+    known: Mapping[str, str] | None,
     states: tuple[str, ...],
 ) -> Mapping[str, int]:
     return Counter(
         request.stage
         for request in requests
         for identity in request.runs.values()
-        if runs is None or (identity in runs and runs[identity].status in states)
+        if known is None or known.get(identity) in states
     )
 
 
 def _failures(
-    folder: Path, requests: list[RequestRecord], runs: Mapping[str, RunRecord]
+    folder: Path, requests: list[RequestRecord], failed: Mapping[str, RunRecord]
 ) -> list[FailedRun]:
     wanted = {identity for request in requests for identity in request.runs.values()}
     return [
         FailedRun(str(folder / "runs" / record.identity), record.reason, record.log_tail)
-        for record in runs.values()
-        if record.status == "failed" and record.identity in wanted
+        for record in failed.values()
+        if record.identity in wanted
     ]
 
 

@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 
 from grainfit.campaign.evaluation import Proposal
-from grainfit.campaign.runner import ATTEMPTS, Campaign
+from grainfit.campaign.runner import RETRY_PAUSES, Campaign, CampaignOptions
 from grainfit.campaign.store import RunStore
 from grainfit.campaign.workdir import hold, is_held, recover
 from grainfit.errors import FailureKind, RunFailedError, StoreError
@@ -56,7 +56,8 @@ def start(folder: Path, solver: Solver, workers: int = 1) -> tuple[Campaign, Run
     (folder / "runs").mkdir(exist_ok=True)
     store = RunStore.in_folder(folder)
     recover(folder, store)
-    return Campaign({"test": solver}, store, folder, workers), store
+    options = CampaignOptions(workers, retry_pauses=(0.0,) * len(RETRY_PAUSES))
+    return Campaign({"test": solver}, store, folder, options), store
 
 
 def test_a_finished_run_is_never_made_again(tmp_path: Path) -> None:
@@ -108,7 +109,7 @@ def test_a_lost_store_is_made_anew_from_the_run_folders(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("kind", "attempts"), [("simulation", 1), ("evaluation", 1), ("machine", ATTEMPTS)]
+    ("kind", "attempts"), [("simulation", 1), ("evaluation", 1), ("machine", 1 + len(RETRY_PAUSES))]
 )
 def test_only_faults_of_the_machine_are_tried_again(
     tmp_path: Path, kind: FailureKind, attempts: int

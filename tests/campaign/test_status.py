@@ -13,7 +13,8 @@ from pathlib import Path
 import pytest
 from rich.console import Console
 
-from grainfit.campaign.store import RequestRecord, RunRecord, RunStore
+from grainfit.campaign.records import RequestRecord, RunRecord
+from grainfit.campaign.store import RunStore
 from grainfit.campaign.workdir import hold
 from grainfit.console import print_status
 from grainfit.errors import StoreError

@@ -7,8 +7,9 @@ from pathlib import Path
 import pytest
 
 from grainfit.campaign.identity import run_identity
-from grainfit.campaign.store import RequestRecord, RunRecord, RunStore
-from grainfit.campaign.workdir import close_run_folder, open_run_folder, recover
+from grainfit.campaign.records import RequestRecord, RunRecord
+from grainfit.campaign.store import RunStore
+from grainfit.campaign.workdir import close_run_folder, open_run_folder, recover, run_folder
 from grainfit.errors import StoreError
 from grainfit.solvers.base import Response
 
@@ -102,9 +103,7 @@ def test_a_damaged_cell_is_an_error_that_says_what_to_do(
 
 def test_a_damaged_store_moved_away_is_made_anew_from_the_run_folders(tmp_path: Path) -> None:
     record = RunRecord("abc", "heap", "finished", {}, {"angle": Response(22.0)})
-    (tmp_path / "runs").mkdir()
-    open_run_folder(tmp_path, "abc")
-    close_run_folder(tmp_path, record)
+    close_run_folder(open_run_folder(tmp_path, "abc"), run_folder(tmp_path, "abc"), record)
     (tmp_path / "runs.sqlite").write_text("this is not a database, " * 100)
     with pytest.raises(StoreError, match=r"Move runs\.sqlite away"):
         RunStore.in_folder(tmp_path)

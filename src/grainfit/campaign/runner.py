@@ -2,27 +2,59 @@
 
 from __future__ import annotations
 
-import math
 import queue
 import tempfile
 import threading
 import time
-import traceback
-from collections.abc import Callable, Iterable, Mapping
-from concurrent.futures import ThreadPoolExecutor
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from concurrent.futures import BrokenExecutor, CancelledError, Executor, Future, ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from pickle import PicklingError
 
 from grainfit.campaign import workdir
 from grainfit.campaign.evaluation import Evaluation, Proposal
+from grainfit.campaign.execution import RunOrder, execute, failed_record
 from grainfit.campaign.identity import run_identity
-from grainfit.campaign.store import RunRecord, RunStore
-from grainfit.errors import GrainfitError, RunFailedError, StoreError
-from grainfit.solvers.base import Response, Solver, Workspace
+from grainfit.campaign.records import RunRecord
+from grainfit.campaign.reserve import Reserve
+from grainfit.campaign.shared import SharedRuns
+from grainfit.campaign.store import RunStore
+from grainfit.errors import ExecutorError, StoreError
+from grainfit.solvers.base import Solver
 
-_TAIL_CHARACTERS = 2000
-#: How often a run is tried when the machine, not the simulation, is at fault.
-ATTEMPTS = 2
+#: How long to wait before a run is tried again when the machine, not the simulation, is at fault,
+#: s: what is short for a moment, such as memory or a licence, may be there a little later.
+RETRY_PAUSES = (1.0, 10.0)
+_POLL_SECONDS = 0.25
+#: How often a shared store is asked for runs that others make, s.
+_SHARED_POLL_SECONDS = 1.0
+
+
+@dataclass(frozen=True)
+class CampaignOptions:
+    """How runs are made.
+
+    Parameters
+    ----------
+    workers : int
+        How many runs happen at a time.
+    timeouts : mapping of str to float
+        Longest wall time of one run, s, by name of the test.
+    executor : concurrent.futures.Executor, optional
+        What makes the runs; threads that wait for solver processes by default. Its workers must see
+        the work folder by the same path. It is not shut down.
+    keep : {"all", "results"}
+        What stays of a run's folder.
+    retry_pauses : sequence of float
+        How long to wait before each further try when the machine is at fault, s.
+    """
+
+    workers: int = 1
+    timeouts: Mapping[str, float] = field(default_factory=dict)
+    executor: Executor | None = None
+    keep: workdir.Keep = "all"
+    retry_pauses: Sequence[float] = RETRY_PAUSES
 
 
 @dataclass
@@ -38,20 +70,20 @@ class _Pending:
 
 
 class Campaign:
-    """Runs of one or more tests, in threads that wait for solver processes.
+    """Runs of one or more tests.
 
     Parameters
     ----------
     solvers : mapping of str to Solver
         By name of the test.
     store : RunStore
-        Where finished runs are found and kept.
+        Where finished runs are found and kept; nobody else writes to it.
     folder : Path or None
         The work folder; None when nothing on disk is to be kept.
-    workers : int
-        How many runs happen at a time.
-    timeouts : mapping of str to float, optional
-        Longest wall time of one run, s, by name of the test.
+    options : CampaignOptions
+        How runs are made.
+    shared : SharedRuns, optional
+        Where runs of other processes are found, and those made here are given to them.
     """
 
     def __init__(
@@ -59,25 +91,41 @@ class Campaign:
         solvers: Mapping[str, Solver],
         store: RunStore,
         folder: Path | None,
-        workers: int = 1,
-        timeouts: Mapping[str, float] | None = None,
+        options: CampaignOptions | None = None,
+        shared: SharedRuns | None = None,
     ) -> None:
         self._solvers = dict(solvers)
         self._store = store
+        self._shared = shared
+        self._options = options or CampaignOptions()
         self._temporary = tempfile.TemporaryDirectory() if folder is None else None
         self._folder = Path(self._temporary.name) if self._temporary else folder or Path()
-        self._workers = workers
-        self._timeouts = dict(timeouts or {})
-        self._executor = ThreadPoolExecutor(workers, thread_name_prefix="run")
+        self._reserve = Reserve(None if folder is None else self._folder)
+        self._own_executor = (
+            ThreadPoolExecutor(self._options.workers, thread_name_prefix="run")
+            if self._options.executor is None
+            else None
+        )
         self._cancelled = threading.Event()
         self._ended: queue.SimpleQueue[RunRecord | BaseException] = queue.SimpleQueue()
         self._pending: list[_Pending] = []
-        self._under_way: set[str] = set()
+        self._under_way: dict[str, RunOrder] = {}
+        self._futures: dict[str, Future[RunRecord]] = {}
+        self._tries: dict[str, int] = {}
+        self._postponed: list[tuple[float, RunOrder]] = []
+        self._elsewhere: dict[str, RunOrder] = {}
+        self._looked_elsewhere = 0.0
+        self._fetched: dict[str, RunRecord] = {}
 
     @property
     def tests(self) -> int:
         """Number of DEM runs that a proposal takes."""
         return len(self._solvers)
+
+    @property
+    def solvers(self) -> Mapping[str, Solver]:
+        """Solvers by name of the test."""
+        return self._solvers
 
     def identities(self, proposal: Proposal) -> dict[str, str]:
         """Identity of the run of a proposal by name of the test."""
@@ -89,7 +137,7 @@ class Campaign:
     @property
     def has_free_worker(self) -> bool:
         """Whether another run could start at once."""
-        return len(self._under_way) < self._workers
+        return len(self._under_way) < self._options.workers
 
     @property
     def under_way(self) -> int:
@@ -101,6 +149,10 @@ class Campaign:
         """Whether there are proposals that `wait` has not returned."""
         return bool(self._pending)
 
+    def fetch(self, identities: Collection[str]) -> None:
+        """Read runs that will be asked for, all at once: many at a time are read much faster."""
+        self._fetched.update(self._store.find_many(identities))
+
     def start(self, proposal: Proposal) -> dict[str, str]:
         """Start the runs of a proposal that are not known yet; return identities by test."""
         entry = _Pending(proposal)
@@ -108,19 +160,45 @@ class Campaign:
         for test, solver in self._solvers.items():
             definition = solver.definition(proposal.parameters, proposal.seed)
             identity = identities[test] = run_identity(definition)
-            known = self._store.find(identity)
-            if known is not None and _is_final(known, solver):
+            known = self._find(identity, solver)
+            if known is not None:
                 entry.records[test] = known
                 entry.reused += 1
                 entry.reused_seconds += known.seconds
                 continue
             entry.waiting.setdefault(identity, []).append(test)
-            if identity not in self._under_way:
-                self._under_way.add(identity)
+            if identity not in self._under_way and identity not in self._elsewhere:
                 record = RunRecord(identity, test, "running", definition)
-                self._executor.submit(self._run, record, solver, proposal)
+                self._begin(self._order(record, solver, proposal))
         self._pending.append(entry)
         return identities
+
+    def _order(self, record: RunRecord, solver: Solver, proposal: Proposal) -> RunOrder:
+        return RunOrder(
+            record,
+            solver,
+            dict(proposal.parameters),
+            proposal.seed,
+            self._folder,
+            self._options.timeouts.get(record.test),
+            self._options.keep,
+        )
+
+    def _find(self, identity: str, solver: Solver) -> RunRecord | None:
+        """Find a run that need not be made, here or in the shared store."""
+        known = self._fetched.pop(identity, None) or self._store.find(identity)
+        if known is not None and _is_final(known, solver):
+            return known
+        if self._shared is None:
+            return None
+        known = self._shared.find([identity]).get(identity)
+        if known is None:
+            return None
+        if _is_final(known, solver):
+            self._store.save(known)
+            return known
+        self._shared.forget(identity)
+        return None
 
     def wait(self, poll: Callable[[], None] | None = None) -> list[Evaluation]:
         """Return the proposals that are complete, waiting until there is at least one.
@@ -130,102 +208,166 @@ class Campaign:
         if not self._pending:
             raise RuntimeError("nothing has been started that could be waited for")
         while not (complete := [entry for entry in self._pending if not entry.waiting]):
+            self._start_postponed()
+            self._look_elsewhere()
             try:
-                record = self._ended.get(timeout=0.25)
+                record = self._ended.get(timeout=_POLL_SECONDS)
             except queue.Empty:
                 if poll is not None:
                     poll()
                 continue
             if isinstance(record, BaseException):
                 raise record
-            self._settle(record)
+            self._receive(record)
         self._pending = [entry for entry in self._pending if entry.waiting]
         return [_evaluation(entry) for entry in complete]
-
-    def _settle(self, record: RunRecord) -> None:
-        self._under_way.discard(record.identity)
-        for entry in self._pending:
-            for test in entry.waiting.pop(record.identity, []):
-                entry.records[test] = record
 
     def forget_failures(self, evaluations: Iterable[Evaluation]) -> None:
         """Let failed runs be made again at the next start: what made them fail may be mended."""
         for evaluation in evaluations:
             for test in evaluation.failures:
                 self._store.forget(evaluation.runs[test])
+                if self._shared is not None:
+                    self._shared.forget(evaluation.runs[test])
 
     def cancel(self) -> None:
         """End the runs under way; what has finished stays."""
         self._cancelled.set()
-        # In-process functions cannot be ended from outside and must not hold up the user.
-        self._executor.shutdown(
-            wait=all(solver.uses_folder for solver in self._solvers.values()), cancel_futures=True
-        )
+        for future in list(self._futures.values()):
+            future.cancel()
+        if self._own_executor is not None:
+            # In-process functions cannot be ended from outside and must not hold up the user.
+            waits = all(solver.uses_folder for solver in self._solvers.values())
+            self._own_executor.shutdown(wait=waits, cancel_futures=True)
+        workdir.discard_partial_folders(self._folder, self._under_way)
+        for identity, known in self._store.find_many(self._under_way).items():
+            if known.status == "running":
+                self._store.forget(identity)
 
     def close(self) -> None:
         """Release threads and temporary folders."""
-        self._executor.shutdown(wait=not self._cancelled.is_set())
+        if self._own_executor is not None:
+            self._own_executor.shutdown(wait=not self._cancelled.is_set())
+        self._reserve.close()
         if self._temporary is not None:
             self._temporary.cleanup()
 
-    def _run(self, record: RunRecord, solver: Solver, proposal: Proposal) -> None:
-        """Make one run in a worker thread; its record is safe before anybody hears of it."""
+    # A run's way through the executor ----------------------------------------------------------
+
+    def _begin(self, order: RunOrder) -> None:
+        if self._shared is not None and not self._shared.claim(order.record):
+            self._elsewhere[order.record.identity] = order
+            return
+        self._store.save(order.record)
+        self._under_way[order.record.identity] = order
+        self._submit(order)
+
+    def _submit(self, order: RunOrder) -> None:
+        identity = order.record.identity
+        self._tries[identity] = self._tries.get(identity, 0) + 1
+        executor = self._options.executor
         try:
-            outcome = self._attempt(record, solver, proposal)
-            if outcome is not None:
-                self._ended.put(outcome)
-        except OSError as error:
-            reason = f"the work folder {str(self._folder)!r} cannot be written: {error}"
-            self._ended.put(StoreError(f"{reason}. Make room there and start again."))
+            if self._own_executor is not None:
+                future = self._own_executor.submit(execute, order, self._cancelled)
+            elif isinstance(executor, ThreadPoolExecutor):
+                future = executor.submit(execute, order, self._cancelled)
+            else:
+                assert executor is not None, "without an own executor there is the user's"
+                future = executor.submit(execute, order)
+        except (BrokenExecutor, RuntimeError) as error:
+            raise ExecutorError(
+                f"the executor takes no more runs: {error or type(error).__name__}. Finished runs "
+                "are kept; start again to go on."
+            ) from error
+        self._futures[identity] = future
+        future.add_done_callback(lambda done: self._note_end(order, done))
+
+    def _note_end(self, order: RunOrder, future: Future[RunRecord]) -> None:
+        """Make the outcome safe before anybody hears of it; called in any thread."""
+        try:
+            outcome = self._outcome(order, future)
+            if outcome is None:
+                return
+            if not self._is_to_be_tried_again(outcome):
+                self._keep(outcome)
+            self._ended.put(outcome)
         except BaseException as error:
             self._ended.put(error)
 
-    def _attempt(self, record: RunRecord, solver: Solver, proposal: Proposal) -> RunRecord | None:
-        self._store.save(record)
-        for attempt in range(ATTEMPTS):
-            outcome = self._simulate(record, solver, proposal)
-            if outcome.kind == "cancelled":
-                self._store.forget(record.identity)
-                workdir.discard_run_folder(self._folder, record.identity)
-                return None
-            if outcome.kind != "machine" or attempt == ATTEMPTS - 1:
-                break
-        if solver.uses_folder:
-            workdir.close_run_folder(self._folder, outcome)
-        self._store.save(outcome)
+    def _outcome(self, order: RunOrder, future: Future[RunRecord]) -> RunRecord | None:
+        try:
+            outcome = future.result()
+        except CancelledError:
+            return None
+        except (PicklingError, AttributeError, TypeError) as error:
+            # A run raises none of these: it is the order that could not be sent.
+            raise ExecutorError(
+                f"a run cannot be sent to another process: {error}. Give a function that is "
+                "defined at the top of a module, or use threads."
+            ) from error
+        except Exception as error:
+            # A worker that dies, or whose job is ended, takes only the run along that it made.
+            reason = f"the worker was lost: {type(error).__name__}: {error}"
+            outcome = replace(failed_record(order.record, reason, "machine"), ended=time.time())
+        if outcome.status == "failed" and (self._cancelled.is_set() or outcome.kind == "cancelled"):
+            return None
         return outcome
 
-    def _simulate(self, record: RunRecord, solver: Solver, proposal: Proposal) -> RunRecord:
-        started = time.monotonic()
-        folder = self._folder
+    def _keep(self, outcome: RunRecord) -> None:
         try:
-            if self._cancelled.is_set():
-                raise RunFailedError("stopped by the user", kind="cancelled")
-            if solver.uses_folder:
-                folder = workdir.open_run_folder(self._folder, record.identity)
-            workspace = Workspace(folder, self._timeouts.get(record.test), self._cancelled)
-            responses = solver.run(proposal.parameters, proposal.seed, workspace)
-            _refuse_non_finite(responses)
-            outcome = replace(record, status="finished", responses=responses)
-        except RunFailedError as error:
-            outcome = replace(
-                record,
-                status="failed",
-                reason=error.reason,
-                kind=error.kind,
-                log_tail=error.log_tail,
-            )
-        except GrainfitError as error:
-            outcome = replace(record, status="failed", reason=str(error), kind="simulation")
-        except OSError as error:
-            outcome = replace(record, status="failed", reason=str(error), kind="machine")
-        except Exception as error:
-            reason = f"unexpected {type(error).__name__}: {error}"
-            tail = "".join(traceback.format_exception(error))[-_TAIL_CHARACTERS:]
-            outcome = replace(
-                record, status="failed", reason=reason, kind="evaluation", log_tail=tail
-            )
-        return replace(outcome, seconds=time.monotonic() - started, ended=time.time())
+            self._store.save(outcome)
+        except StoreError:
+            # Mostly the disk is full: room was set aside for what is finished by now.
+            self._reserve.release()
+            self._store.save(outcome)
+            raise
+        if self._shared is not None:
+            self._shared.save(outcome)
+
+    def _is_to_be_tried_again(self, outcome: RunRecord) -> bool:
+        tries = self._tries[outcome.identity]
+        return outcome.kind == "machine" and tries <= len(self._options.retry_pauses)
+
+    def _receive(self, record: RunRecord) -> None:
+        """Take a run that has ended: hand it on, or try it again later."""
+        self._futures.pop(record.identity, None)
+        if self._is_to_be_tried_again(record):
+            pause = self._options.retry_pauses[self._tries[record.identity] - 1]
+            self._postponed.append((time.monotonic() + pause, self._under_way[record.identity]))
+            return
+        self._under_way.pop(record.identity, None)
+        self._settle(record)
+
+    def _settle(self, record: RunRecord) -> None:
+        for entry in self._pending:
+            for test in entry.waiting.pop(record.identity, []):
+                entry.records[test] = record
+
+    def _start_postponed(self) -> None:
+        now = time.monotonic()
+        due = [order for moment, order in self._postponed if moment <= now]
+        self._postponed = [(moment, order) for moment, order in self._postponed if moment > now]
+        for order in due:
+            self._submit(order)
+
+    def _look_elsewhere(self) -> None:
+        """See what has become of runs that other processes make."""
+        now = time.monotonic()
+        if self._shared is None or now - self._looked_elsewhere < _SHARED_POLL_SECONDS:
+            return
+        self._looked_elsewhere = now
+        found = self._shared.find(self._elsewhere)
+        for identity, order in list(self._elsewhere.items()):
+            record = found.get(identity)
+            if record is not None and _is_final(record, order.solver):
+                del self._elsewhere[identity]
+                self._store.save(record)
+                self._settle(record)
+            elif self._shared.take_over(order.record):
+                del self._elsewhere[identity]
+                self._store.save(order.record)
+                self._under_way[identity] = order
+                self._submit(order)
 
 
 def response_name(test: str, name: str, tests: int) -> str:
@@ -241,27 +383,43 @@ def _is_final(record: RunRecord, solver: Solver) -> bool:
     return record.status == "failed" and record.kind not in ("machine", "timeout")
 
 
-def _refuse_non_finite(responses: Mapping[str, Response]) -> None:
-    for name, response in responses.items():
-        if not (math.isfinite(response.value) and math.isfinite(response.standard_error)):
-            raise RunFailedError(f"response {name} is {response.value}", kind="evaluation")
-
-
 def _evaluation(entry: _Pending) -> Evaluation:
+    return evaluation_of(entry.proposal, entry.records, entry.reused, entry.reused_seconds)
+
+
+def evaluation_of(
+    proposal: Proposal,
+    records: Mapping[str, RunRecord],
+    reused: int = 0,
+    reused_seconds: float = 0.0,
+) -> Evaluation:
+    """Put together what came of a proposal.
+
+    Parameters
+    ----------
+    proposal : Proposal
+        What was asked for.
+    records : mapping of str to RunRecord
+        Its runs by name of the test.
+    reused : int
+        How many of them were known already.
+    reused_seconds : float
+        Sum of the wall times of those, s.
+    """
     responses = {
-        response_name(test, name, len(entry.records)): response
-        for test, record in entry.records.items()
+        response_name(test, name, len(records)): response
+        for test, record in records.items()
         for name, response in record.responses.items()
     }
-    records = entry.records
     failed = {test: record for test, record in records.items() if record.status == "failed"}
+    seconds = sum(record.seconds for record in records.values())
     return Evaluation(
-        entry.proposal,
+        proposal,
         responses,
         {test: record.reason for test, record in failed.items()},
-        entry.reused,
+        reused,
         {test: record.identity for test, record in records.items()},
-        sum(record.seconds for record in records.values()),
-        sum(record.seconds for record in records.values()) - entry.reused_seconds,
+        seconds,
+        seconds - reused_seconds,
         bool(failed) and all(record.kind == "machine" for record in failed.values()),
     )

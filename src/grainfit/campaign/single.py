@@ -6,9 +6,9 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from grainfit.campaign.evaluation import Evaluation, Proposal
-from grainfit.campaign.runner import Campaign
+from grainfit.campaign.runner import Campaign, CampaignOptions
 from grainfit.campaign.store import RunStore
-from grainfit.campaign.workdir import hold, recover, run_folder
+from grainfit.campaign.workdir import Keep, hold, recover, run_folder
 from grainfit.solvers.base import Solver
 
 
@@ -18,6 +18,7 @@ def simulate_once(
     seed: int,
     folder: Path,
     timeouts: Mapping[str, float] | None = None,
+    keep: Keep = "all",
 ) -> tuple[Evaluation, dict[str, Path]]:
     """Make one run of every test, or find it in the folder's store.
 
@@ -33,6 +34,8 @@ def simulate_once(
         Work folder, the same as of a calibration.
     timeouts : mapping of str to float, optional
         Longest wall time by name of the test, s.
+    keep : {"all", "results"}
+        What stays of the run's folder.
 
     Returns
     -------
@@ -47,7 +50,9 @@ def simulate_once(
     with hold(folder):
         store = RunStore.in_folder(folder)
         recover(folder, store)
-        campaign = Campaign(solvers, store, folder, len(solvers), timeouts)
+        campaign = Campaign(
+            solvers, store, folder, CampaignOptions(len(solvers), timeouts or {}, keep=keep)
+        )
         try:
             campaign.start(Proposal(dict(parameters), seed, "design"))
             [evaluation] = campaign.wait()

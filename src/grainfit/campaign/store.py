@@ -9,23 +9,25 @@ from __future__ import annotations
 import sqlite3
 import threading
 import time
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any, Literal, TypeVar, cast, get_args
+from typing import Any, TypeVar
 from urllib.parse import unquote
 
 import sqlalchemy as sql
-from sqlalchemy.exc import SQLAlchemyError
+from sqlalchemy.exc import ArgumentError, IntegrityError, NoSuchModuleError, SQLAlchemyError
 from sqlalchemy.pool import StaticPool
 
-from grainfit.campaign.evaluation import Stage
+from grainfit.campaign import schema
+from grainfit.campaign.records import CalibrationRecord, RequestRecord, RunRecord
+from grainfit.campaign.schema import SCHEMA_VERSION
+from grainfit.campaign.schema import calibrations as _calibrations
+from grainfit.campaign.schema import requests as _requests
+from grainfit.campaign.schema import runs as _runs
 from grainfit.errors import StoreError
-from grainfit.solvers.base import Response
 
-SCHEMA_VERSION = 1
-RunStatus = Literal["running", "finished", "failed"]
 STORE_NAME = "runs.sqlite"
 
 _DAMAGED = (sqlite3.SQLITE_CORRUPT, sqlite3.SQLITE_NOTADB, sqlite3.SQLITE_ERROR)
@@ -33,156 +35,21 @@ _RENEW = (
     f"Move {STORE_NAME} away (and {STORE_NAME}-wal and {STORE_NAME}-shm beside it, if there): it "
     "is made anew from the run folders; only runs of Python functions and tables are lost."
 )
+#: Databases have limits on the number of values in one statement.
+_CHUNK = 500
+#: Key of the lock under which the tables of a shared database are made.
+_SCHEMA_LOCK = 7_203_114
+_RECORD_COLUMNS = [column for column in _runs.c if column.name not in ("owner", "beat")]
+_CALIBRATION_COLUMNS = [column for column in _calibrations.c if column.name != "number"]
 _Record = TypeVar("_Record")
 
-_metadata = sql.MetaData()
-_about = sql.Table("about", _metadata, sql.Column("schema_version", sql.Integer, primary_key=True))
-_runs = sql.Table(
-    "runs",
-    _metadata,
-    sql.Column("identity", sql.String(32), primary_key=True),
-    sql.Column("test", sql.Text, nullable=False),
-    sql.Column("status", sql.String(16), nullable=False, index=True),
-    sql.Column("definition", sql.JSON, nullable=False),
-    sql.Column("responses", sql.JSON, nullable=False),
-    sql.Column("reason", sql.Text, nullable=False),
-    sql.Column("kind", sql.String(16), nullable=False),
-    sql.Column("log_tail", sql.Text, nullable=False),
-    sql.Column("seconds", sql.Float, nullable=False),
-    sql.Column("ended", sql.Float, nullable=False),
-)
-_calibrations = sql.Table(
-    "calibrations",
-    _metadata,
-    sql.Column("identity", sql.String(32), primary_key=True),
-    sql.Column("name", sql.Text, nullable=False),
-    sql.Column("definition", sql.JSON, nullable=False),
-    sql.Column("status", sql.String(16), nullable=False),
-    sql.Column("started", sql.Float, nullable=False),
-)
-_requests = sql.Table(
-    "requests",
-    _metadata,
-    sql.Column("calibration", sql.String(32), primary_key=True),
-    sql.Column("position", sql.Integer, primary_key=True),
-    sql.Column("stage", sql.String(16), nullable=False),
-    sql.Column("parameters", sql.JSON, nullable=False),
-    sql.Column("seed", sql.BigInteger, nullable=False),
-    sql.Column("runs", sql.JSON, nullable=False),
-)
-
 
 @dataclass(frozen=True)
-class RunRecord:
-    """One run as the store knows it.
+class Claim:
+    """Who makes a run, and a number that grows while they live."""
 
-    Parameters
-    ----------
-    identity, test : str
-        Identity of the run and name of the test that it is a run of.
-    status : {"running", "finished", "failed"}
-        A run that is not there was never started or did not end.
-    definition : mapping
-        All that decides the outcome, as `Solver.definition` gave it.
-    responses : mapping of str to Response
-        Empty unless finished.
-    reason, kind, log_tail : str
-        Why it failed, whose fault it was, and the last lines of the log.
-    seconds : float
-        Wall time, s.
-    ended : float
-        When it ended, seconds since the epoch.
-    """
-
-    identity: str
-    test: str
-    status: RunStatus
-    definition: Mapping[str, Any]
-    responses: Mapping[str, Response] = field(default_factory=dict)
-    reason: str = ""
-    kind: str = ""
-    log_tail: str = ""
-    seconds: float = 0.0
-    ended: float = 0.0
-
-    def to_json(self) -> dict[str, Any]:
-        """Return plain data that `from_json` reads."""
-        return asdict(self)
-
-    @classmethod
-    def from_json(cls, data: Mapping[str, Any]) -> RunRecord:
-        """Read what `to_json` wrote.
-
-        Raises
-        ------
-        KeyError, TypeError, ValueError
-            The data is not of a run.
-        """
-        if data["status"] not in get_args(RunStatus):
-            raise ValueError(f"{data['status']!r} is not the status of a run")
-        responses = {
-            str(name): Response(float(found["value"]), float(found["standard_error"]))
-            for name, found in _mapping(data["responses"]).items()
-        }
-        read = {
-            "definition": _mapping(data["definition"]),
-            "responses": responses,
-            "seconds": float(data["seconds"]),
-            "ended": float(data["ended"]),
-        }
-        return cls(**{**data, **read})
-
-
-@dataclass(frozen=True)
-class CalibrationRecord:
-    """A calibration that used this store, with the runs it asked for, in order."""
-
-    identity: str
-    name: str
-    definition: Mapping[str, Any]
-    status: str
-    started: float
-
-
-@dataclass(frozen=True)
-class RequestRecord:
-    """One parameter set that a calibration asked for."""
-
-    position: int
-    stage: Stage
-    parameters: Mapping[str, float]
-    seed: int
-    runs: Mapping[str, str]
-
-    @classmethod
-    def from_row(cls, row: Mapping[str, Any]) -> RequestRecord:
-        """Read a row of the store.
-
-        Raises
-        ------
-        KeyError, TypeError, ValueError
-            The row is not of a request.
-        """
-        return cls(
-            position=row["position"],
-            stage=_stage(row["stage"]),
-            parameters=_mapping(row["parameters"]),
-            seed=row["seed"],
-            runs={str(test): str(run) for test, run in _mapping(row["runs"]).items()},
-        )
-
-
-def _stage(value: Any) -> Stage:
-    for stage in get_args(Stage):
-        if value == stage:
-            return cast(Stage, stage)
-    raise ValueError(f"{value!r} is no stage of a calibration")
-
-
-def _mapping(value: Any) -> Mapping[str, Any]:
-    if not isinstance(value, Mapping):
-        raise TypeError(f"{value!r} does not map names to values")
-    return value
+    owner: str
+    beat: int
 
 
 class RunStore:
@@ -191,26 +58,37 @@ class RunStore:
     Parameters
     ----------
     url : str or sqlalchemy.URL
-        ``"sqlite://"`` keeps everything in memory.
+        ``"sqlite://"`` keeps everything in memory; ``"postgresql+psycopg://user@host/database"``
+        is for several machines.
     read_only : bool
         Write nothing, not even a schema.
 
     Raises
     ------
     StoreError
-        The database cannot be opened, or was written by another version.
+        The address is not one of a database, the database cannot be opened, or it was written by a
+        version that this one cannot read.
     """
 
     def __init__(self, url: str | sql.URL, *, read_only: bool = False) -> None:
         self._lock = threading.RLock()
-        url = sql.make_url(url)
-        self._where = _place(url)
-        options: dict[str, Any] = {}
+        url = _database_url(url)
+        self._where = place_of(url)
+        options: dict[str, Any] = {"pool_pre_ping": True}
         if url == sql.make_url("sqlite://"):
             options = {"poolclass": StaticPool, "connect_args": {"check_same_thread": False}}
-        self._engine = sql.create_engine(url, **options)
-        if self._engine.dialect.name == "sqlite" and not read_only:
-            sql.event.listen(self._engine, "connect", _set_up_sqlite)
+        try:
+            self._engine = sql.create_engine(url, **options)
+        except ImportError as error:
+            raise StoreError(
+                f"the run store {self._where} needs the Python package {error.name}. "
+                "For PostgreSQL: pip install 'grainfit[postgresql]'."
+            ) from error
+        if self._engine.dialect.name == "sqlite":
+            sql.event.listen(self._engine, "connect", _leave_transactions_to_us)
+            sql.event.listen(self._engine, "begin", _begin_sqlite)
+            if not read_only:
+                sql.event.listen(self._engine, "connect", _set_up_sqlite)
         try:
             self._check_version() if read_only else self._create()
         except StoreError:
@@ -240,41 +118,66 @@ class RunStore:
         database = path.absolute().as_uri()
         return cls(sql.URL.create("sqlite", database=database, query=query), read_only=True)
 
+    @property
+    def place(self) -> str:
+        """Where the store is, for people; without a password."""
+        return self._where
+
     def _create(self) -> None:
         with self._transaction() as connection:
-            _metadata.create_all(connection)
-            if connection.scalar(sql.select(_about.c.schema_version)) is None:
-                connection.execute(_about.insert().values(schema_version=SCHEMA_VERSION))
-        self._check_version()
+            if connection.dialect.name == "postgresql":
+                connection.execute(sql.select(sql.func.pg_advisory_xact_lock(_SCHEMA_LOCK)))
+            version = schema.bring_up_to_date(connection)
+        self._require_version(version)
 
     def _check_version(self) -> None:
-        with self._transaction() as connection:
-            if not sql.inspect(connection).has_table(_about.name):
-                raise StoreError(f"the run store {self._where} is empty: nothing was run yet.")
-            version = connection.scalar(sql.select(_about.c.schema_version))
-        if version != SCHEMA_VERSION:
+        with self._reading() as connection:
+            version = schema.version_of(connection)
+        if version is None:
+            raise StoreError(f"the run store {self._where} is empty: nothing was run yet.")
+        self._require_version(version)
+
+    def _require_version(self, version: int) -> None:
+        if version > SCHEMA_VERSION:
             raise StoreError(
                 f"the run store {self._where} has schema version {version}, this grainfit "
                 f"reads version {SCHEMA_VERSION}. Use the grainfit version that wrote it, or "
                 "another work folder."
             )
+        if version < SCHEMA_VERSION:
+            raise StoreError(
+                f"the run store {self._where} has the older schema version {version}. Start "
+                "'grainfit run' in its work folder once: that brings it up to date."
+            )
 
     @contextmanager
     def _transaction(self) -> Iterator[sql.Connection]:
-        with self._lock:
-            try:
-                with self._engine.begin() as connection:
-                    yield connection
-            except SQLAlchemyError as error:
-                cause = getattr(error, "orig", None) or error
-                raise StoreError(
-                    f"the run store {self._where} cannot be used: {cause}. {_remedy(cause)}"
-                ) from error
+        with (
+            self._lock,
+            self._connection(self._engine.execution_options(writes=True)) as connection,
+        ):
+            yield connection
+
+    @contextmanager
+    def _reading(self) -> Iterator[sql.Connection]:
+        with self._lock, self._connection(self._engine) as connection:
+            yield connection
+
+    @contextmanager
+    def _connection(self, engine: sql.Engine) -> Iterator[sql.Connection]:
+        try:
+            with engine.begin() as connection:
+                yield connection
+        except SQLAlchemyError as error:
+            cause = getattr(error, "orig", None) or error
+            raise StoreError(
+                f"the run store {self._where} cannot be used: {cause}. {_remedy(cause)}"
+            ) from error
 
     def _read(
         self, query: sql.Select[Any], make: Callable[[Mapping[str, Any]], _Record]
     ) -> list[_Record]:
-        with self._transaction() as connection:
+        with self._reading() as connection:
             try:
                 return [make(row._asdict()) for row in connection.execute(query)]
             except (KeyError, TypeError, ValueError) as error:
@@ -286,17 +189,36 @@ class RunStore:
         """Close all connections."""
         self._engine.dispose()
 
+    # Runs --------------------------------------------------------------------------------------
+
     def find(self, identity: str) -> RunRecord | None:
         """Return the run of this identity, or None."""
-        query = sql.select(_runs).where(_runs.c.identity == identity)
-        return next(iter(self._read(query, RunRecord.from_json)), None)
+        return self.find_many([identity]).get(identity)
+
+    def find_many(self, identities: Collection[str]) -> dict[str, RunRecord]:
+        """Return those of some runs that there are, by identity."""
+        wanted = list(identities)
+        found = []
+        for start in range(0, len(wanted), _CHUNK):
+            query = sql.select(*_RECORD_COLUMNS).where(
+                _runs.c.identity.in_(wanted[start : start + _CHUNK])
+            )
+            found += self._read(query, RunRecord.from_json)
+        return {record.identity: record for record in found}
 
     def save(self, record: RunRecord) -> None:
         """Write a run, in place of what was known of it."""
-        row = record.to_json()
+        self.save_many([record])
+
+    def save_many(self, records: Iterable[RunRecord]) -> None:
+        """Write several runs at once, or none of them."""
+        rows = [_row(record) for record in records]
         with self._transaction() as connection:
-            connection.execute(_runs.delete().where(_runs.c.identity == record.identity))
-            connection.execute(_runs.insert().values(**row))
+            for start in range(0, len(rows), _CHUNK):
+                part = rows[start : start + _CHUNK]
+                identities = [row["identity"] for row in part]
+                connection.execute(_runs.delete().where(_runs.c.identity.in_(identities)))
+                connection.execute(_runs.insert(), part)
 
     def forget_running(self) -> None:
         """Drop the rows of runs that were under way when an earlier process died."""
@@ -310,16 +232,101 @@ class RunStore:
 
     def identities(self) -> set[str]:
         """Return the identities of all runs."""
-        with self._transaction() as connection:
+        with self._reading() as connection:
             return set(connection.scalars(sql.select(_runs.c.identity)))
 
-    def runs(self) -> list[RunRecord]:
-        """Return all runs in the order in which they ended."""
-        return self._read(sql.select(_runs).order_by(_runs.c.ended), RunRecord.from_json)
+    def states(self) -> dict[str, str]:
+        """Return the status of every run by identity."""
+        with self._reading() as connection:
+            rows = connection.execute(sql.select(_runs.c.identity, _runs.c.status))
+            return {row.identity: row.status for row in rows}
 
-    def begin_calibration(self, identity: str, name: str, definition: Mapping[str, Any]) -> None:
-        """Note that a calibration starts, or goes on with what it asked for before."""
+    def runs(self, status: str | None = None) -> list[RunRecord]:
+        """Return all runs, or those of a status, in the order in which they ended."""
+        query = sql.select(*_RECORD_COLUMNS).order_by(_runs.c.ended, _runs.c.identity)
+        if status is not None:
+            query = query.where(_runs.c.status == status)
+        return self._read(query, RunRecord.from_json)
+
+    # Claims, where several processes share a store ---------------------------------------------
+
+    def claim(self, record: RunRecord, owner: str, instead_of: Claim | None = None) -> bool:
+        """Note that a run is being made, unless somebody else makes it or has made it well.
+
+        Parameters
+        ----------
+        record : RunRecord
+            The run, with status ``running``.
+        owner : str
+            Who makes it.
+        instead_of : Claim, optional
+            A claim whose owner has died; it is taken over.
+
+        Returns
+        -------
+        bool
+            Whether the run is now the owner's to make. Of all who ask, one is told so.
+        """
+        row = _row(record) | {"owner": owner, "beat": 0}
+        here = _runs.c.identity == record.identity
+        if instead_of is None:
+            replaceable = _runs.c.status == "failed"
+        else:
+            replaceable = sql.and_(
+                _runs.c.status == "running",
+                _runs.c.owner == instead_of.owner,
+                _runs.c.beat == instead_of.beat,
+            )
         with self._transaction() as connection:
+            replaced = connection.execute(_runs.update().where(here, replaceable).values(**row))
+            if replaced.rowcount:
+                return True
+            try:
+                with connection.begin_nested():
+                    connection.execute(_runs.insert().values(**row))
+            except IntegrityError:
+                return False
+            return True
+
+    def claims(self, identities: Collection[str]) -> dict[str, Claim]:
+        """Return who makes those of some runs that are under way, by identity."""
+        query = sql.select(_runs.c.identity, _runs.c.owner, _runs.c.beat).where(
+            _runs.c.status == "running", _runs.c.identity.in_(list(identities))
+        )
+        with self._reading() as connection:
+            return {row.identity: Claim(row.owner, row.beat) for row in connection.execute(query)}
+
+    def beat(self, owner: str) -> None:
+        """Show that an owner of claims lives."""
+        mine = sql.and_(_runs.c.owner == owner, _runs.c.status == "running")
+        with self._transaction() as connection:
+            connection.execute(_runs.update().where(mine).values(beat=_runs.c.beat + 1))
+
+    def release(self, owner: str) -> None:
+        """Drop all claims of an owner: what they were making, others may make."""
+        mine = sql.and_(_runs.c.owner == owner, _runs.c.status == "running")
+        with self._transaction() as connection:
+            connection.execute(_runs.delete().where(mine))
+
+    # Calibrations ------------------------------------------------------------------------------
+
+    def begin_calibration(
+        self, identity: str, name: str, definition: Mapping[str, Any], known: Sequence[str] = ()
+    ) -> None:
+        """Note that a calibration starts, or goes on with what it asked for before.
+
+        Parameters
+        ----------
+        identity, name : str
+            What it is, and what it is called.
+        definition : mapping
+            All that decides what it asks for.
+        known : sequence of str
+            Identities of the runs that it learns from and did not ask for.
+        """
+        latest = sql.select(sql.func.coalesce(sql.func.max(_calibrations.c.number), 0))
+        with self._transaction() as connection:
+            number = int(connection.scalar(latest) or 0) + 1
             connection.execute(_calibrations.delete().where(_calibrations.c.identity == identity))
             connection.execute(
                 _calibrations.insert().values(
@@ -328,6 +335,8 @@ class RunStore:
                     definition=dict(definition),
                     status="running",
                     started=time.time(),
+                    known=list(known),
+                    number=number,
                 )
             )
 
@@ -339,6 +348,16 @@ class RunStore:
                 .where(_calibrations.c.identity == identity)
                 .values(status=status)
             )
+
+    def calibration(self, identity: str) -> CalibrationRecord | None:
+        """Return a calibration, or None."""
+        query = sql.select(*_CALIBRATION_COLUMNS).where(_calibrations.c.identity == identity)
+        return next(iter(self._read(query, lambda row: CalibrationRecord(**row))), None)
+
+    def latest_calibration(self) -> CalibrationRecord | None:
+        """Return the calibration that was started last, or None."""
+        query = sql.select(*_CALIBRATION_COLUMNS).order_by(_calibrations.c.number.desc()).limit(1)
+        return next(iter(self._read(query, lambda row: CalibrationRecord(**row))), None)
 
     def add_request(self, calibration: str, request: RequestRecord) -> None:
         """Note that a calibration asked for a parameter set, in place of one at that position."""
@@ -362,11 +381,6 @@ class RunStore:
                 )
             )
 
-    def latest_calibration(self) -> CalibrationRecord | None:
-        """Return the calibration that was started last, or None."""
-        query = sql.select(_calibrations).order_by(_calibrations.c.started.desc()).limit(1)
-        return next(iter(self._read(query, lambda row: CalibrationRecord(**row))), None)
-
     def requests(self, calibration: str) -> list[RequestRecord]:
         """Return what a calibration asked for, in order."""
         query = (
@@ -377,7 +391,22 @@ class RunStore:
         return self._read(query, RequestRecord.from_row)
 
 
-def _place(url: sql.URL) -> str:
+def _database_url(url: str | sql.URL) -> sql.URL:
+    try:
+        found = sql.make_url(url)
+        found.get_dialect()
+    except (ArgumentError, NoSuchModuleError, ValueError) as error:
+        raise StoreError(
+            f"{str(url)!r} is not the address of a database. Give one such as "
+            "postgresql+psycopg://user@host/database or sqlite:////path/to/runs.sqlite."
+        ) from error
+    return found
+
+
+def place_of(url: sql.URL) -> str:
+    """Return where a database is, for people; never the password in its address."""
+    if url.get_backend_name() != "sqlite":
+        return url.render_as_string(hide_password=True)
     place = str(url.database or url)
     return unquote(place.removeprefix("file://")) if place.startswith("file://") else place
 
@@ -389,12 +418,34 @@ def _path(folder: Path) -> Path:
     return path
 
 
+def _row(record: RunRecord) -> dict[str, Any]:
+    row = record.to_json() | {"owner": "", "beat": 0}
+    # What a solver prints may be anything; not every database takes a zero byte for text.
+    for name in ("reason", "log_tail"):
+        row[name] = row[name].replace("\0", " ").encode(errors="replace").decode()
+    return row
+
+
 def _remedy(cause: BaseException) -> str:
     code = getattr(cause, "sqlite_errorcode", None)
     # The low byte is the kind of the error, the rest its details.
     if code is not None and code & 0xFF in _DAMAGED:
         return _RENEW
+    if code is None:
+        return "See that the database server runs, can be reached, and accepts this user."
     return "See that its folder can be written, the disk is not full, and nobody else uses it."
+
+
+def _leave_transactions_to_us(connection: Any, _record: Any) -> None:
+    # Python's own SQLite module would begin transactions late, and not at all before some
+    # statements.
+    connection.isolation_level = None
+
+
+def _begin_sqlite(connection: sql.Connection) -> None:
+    # Who is going to write waits for the other writer now: later it would be too late.
+    writes = connection.get_execution_options().get("writes")
+    connection.exec_driver_sql("BEGIN IMMEDIATE" if writes else "BEGIN")
 
 
 def _set_up_sqlite(connection: Any, _record: Any) -> None:

@@ -1,8 +1,8 @@
 """The work folder of a calibration: who holds it, where runs happen, what is kept of them.
 
-A run happens in ``runs/IDENTITY.partial``. When it has ended, its record is written beside the
-solver's files as ``run.json`` and the folder is renamed to ``runs/IDENTITY``: a folder of that name
-is always whole, and the store can be made anew from the folders.
+A run happens in ``runs/IDENTITY.ATTEMPT.partial``. When it has ended, its record is written beside
+the solver's files as ``run.json`` and the folder is renamed to ``runs/IDENTITY``: a folder of that
+name is always whole, and the store can be made anew from the folders.
 """
 
 from __future__ import annotations
@@ -10,18 +10,25 @@ from __future__ import annotations
 import fcntl
 import json
 import os
+import secrets
 import shutil
 import time
-from collections.abc import Iterator
-from contextlib import contextmanager
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import TextIO
+from typing import Literal, TextIO
 
-from grainfit.campaign.store import RunRecord, RunStore
+from grainfit.campaign.records import RunRecord
+from grainfit.campaign.store import RunStore
 from grainfit.errors import StoreError
 from grainfit.solvers.process import end_orphan
 
+#: What stays of a run's folder: all that the solver read and wrote, or what it takes to know what
+#: came of it.
+Keep = Literal["all", "results"]
 RECORD_NAME = "run.json"
+PARTIAL_SUFFIX = ".partial"
+_KEPT_SUFFIXES = frozenset({".log", ".png", ".json"})
 #: A look at whether a folder is held takes its lock for a moment; nobody is refused for that.
 _LOCK_SECONDS = 1.0
 
@@ -90,24 +97,27 @@ def recover(folder: Path, store: RunStore) -> None:
     """Put in order what a killed process left: end its solvers, keep every finished run."""
     store.forget_running()
     known = store.identities()
+    found = []
     for path in sorted((folder / "runs").iterdir()):
-        if path.suffix == ".partial":
+        if path.suffix == PARTIAL_SUFFIX:
             end_orphan(path)
             shutil.rmtree(path, ignore_errors=True)
         elif path.name not in known:
             record = read_record(path)
             # Failures that the store has forgotten are to be made again.
             if record is not None and record.status == "finished":
-                store.save(record)
+                found.append(record)
+    store.save_many(found)
 
 
 def read_record(folder: Path) -> RunRecord | None:
     """Read the record kept in a run folder; None when there is none or it is damaged."""
     try:
         data = json.loads((folder / RECORD_NAME).read_text(encoding="utf-8"))
-        return RunRecord.from_json(data)
+        record = RunRecord.from_json(data)
     except (OSError, ValueError, KeyError, TypeError, AttributeError):
         return None
+    return record if record.identity == folder.name else None
 
 
 def run_folder(folder: Path, identity: str) -> Path:
@@ -116,25 +126,52 @@ def run_folder(folder: Path, identity: str) -> Path:
 
 
 def open_run_folder(folder: Path, identity: str) -> Path:
-    """Make a fresh folder for a run to happen in."""
-    partial = folder / "runs" / f"{identity}.partial"
-    shutil.rmtree(partial, ignore_errors=True)
+    """Make a fresh folder for a run to happen in.
+
+    Every attempt has one of its own: a worker that lives on after the process that sent it has died
+    must not write among the files of its successor.
+    """
+    partial = folder / "runs" / f"{identity}.{secrets.token_hex(4)}{PARTIAL_SUFFIX}"
     partial.mkdir(parents=True)
     return partial
 
 
-def close_run_folder(folder: Path, record: RunRecord) -> None:
+def close_run_folder(partial: Path, final: Path, record: RunRecord, keep: Keep = "all") -> None:
     """Keep the folder of a run that has ended, with its record in it."""
-    partial = folder / "runs" / f"{record.identity}.partial"
+    if keep == "results" and record.status == "finished":
+        prune_run_folder(partial)
     write_atomically(partial / RECORD_NAME, json.dumps(record.to_json(), indent=1))
-    final = run_folder(folder, record.identity)
     shutil.rmtree(final, ignore_errors=True)
-    partial.rename(final)
+    try:
+        partial.rename(final)
+    except OSError:
+        # Another worker has made the same run meanwhile; one of the two is enough.
+        if read_record(final) is None:
+            raise
+        shutil.rmtree(partial, ignore_errors=True)
 
 
-def discard_run_folder(folder: Path, identity: str) -> None:
-    """Remove the folder of a run that did not end."""
-    shutil.rmtree(folder / "runs" / f"{identity}.partial", ignore_errors=True)
+def discard_partial_folders(folder: Path, identities: Iterable[str]) -> None:
+    """Remove the folders of runs that have not ended: their workers notice it and end."""
+    for identity in identities:
+        for partial in (folder / "runs").glob(f"{identity}.*{PARTIAL_SUFFIX}"):
+            shutil.rmtree(partial, ignore_errors=True)
+
+
+def prune_run_folder(folder: Path) -> int:
+    """Remove what a solver read and wrote, and keep record, logs, and pictures; return bytes freed.
+
+    Links are removed, never followed.
+    """
+    freed = 0
+    for path in sorted(folder.rglob("*"), reverse=True):
+        if path.is_dir() and not path.is_symlink():
+            with suppress(OSError):
+                path.rmdir()
+        elif path.name != RECORD_NAME and path.suffix not in _KEPT_SUFFIXES:
+            freed += path.lstat().st_size
+            path.unlink()
+    return freed
 
 
 def write_atomically(path: Path, text: str) -> None:

@@ -6,6 +6,7 @@ The life of a strategy:
    what it is told, never from a clock: told the same, it asks the same. A calibration that was
    interrupted is therefore simply started again: `Strategy.remember` hands the strategy what it
    asked for before, and the runs that are known already are answered from the store.
+   Runs that others made before it are handed over by `Strategy.learn`.
 2. `Strategy.ask` is called whenever a worker is free. It returns the next proposal, or None: then
    either a run under way has to come back first, or the strategy has `finished`.
 3. `Strategy.tell` hands it what came of a proposal, in any order; failed runs too.
@@ -19,7 +20,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections import deque
-from collections.abc import Generator, Mapping, Sequence
+from collections.abc import Generator, Iterable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -39,6 +40,19 @@ def insertion_seed(seed: int, stage: Stage, number: int) -> int:
     state = np.random.SeedSequence([seed, _STAGE_CODES[stage], number]).generate_state(1)
     # Some generators, such as that of LAMMPS, take no seed above 900,000,000.
     return 1 + int(state[0]) % 899_999_999
+
+
+def without_repeats(evaluations: Iterable[Evaluation]) -> list[Evaluation]:
+    """Return evaluations without those of a run that is there already.
+
+    A run that was learnt of and is asked for as well is one run: to count it twice would make its
+    scatter look small.
+    """
+    seen: dict[tuple[float, ...], Evaluation] = {}
+    for evaluation in evaluations:
+        proposal = evaluation.proposal
+        seen.setdefault((*proposal.parameters.values(), proposal.seed), evaluation)
+    return list(seen.values())
 
 
 class Strategy(ABC):
@@ -104,6 +118,18 @@ class Strategy(ABC):
         ----------
         proposals : sequence of Proposal
             What was asked for then, in order.
+        """
+
+    @abstractmethod
+    def learn(self, evaluations: Sequence[Evaluation]) -> None:
+        """Take note of runs that were there before, made for whatever purpose.
+
+        Called at most once, before anything else. They are no part of the budget.
+
+        Parameters
+        ----------
+        evaluations : sequence of Evaluation
+            Within the intervals of the problem.
         """
 
     @abstractmethod
@@ -177,10 +203,15 @@ class BatchStrategy(Strategy):
                 return
         self.evaluations.append(evaluation)
 
+    def learn(self, evaluations: Sequence[Evaluation]) -> None:
+        """Fit metamodels to these runs too."""
+        self.evaluations += evaluations
+
     @property
     def known(self) -> list[Evaluation]:
         """All that has come back, that of an unfinished batch last."""
-        return self.evaluations + [self._told[position] for position in sorted(self._told)]
+        told = [self._told[position] for position in sorted(self._told)]
+        return without_repeats(self.evaluations + told)
 
     def follow(self, plan: Plan) -> None:
         """Take up another plan after the last one has ended."""

@@ -32,7 +32,12 @@ from grainfit.strategies.answer_search import (
     handicaps,
     log_time_steps,
 )
-from grainfit.strategies.base import RECONSIDERATIONS, Strategy, insertion_seed
+from grainfit.strategies.base import (
+    RECONSIDERATIONS,
+    Strategy,
+    insertion_seed,
+    without_repeats,
+)
 from grainfit.strategies.design_size import design_size
 from grainfit.strategies.expected_improvement import ExpectedImprovement
 from grainfit.strategies.experience import Experience
@@ -135,7 +140,7 @@ class Sequential(Strategy):
         super().__init__(problem, seed, max_evaluations)
         self.options = options or SequentialOptions()
         usual = max(problem.dimension + 3, math.ceil(DESIGN_RUNS * (problem.dimension + 1)))
-        self._design_size = design_size(
+        self._whole_design = self._design_size = design_size(
             problem.dimension, self.options.design_runs, usual, max_evaluations
         )
         self._allowed = max_evaluations or (
@@ -153,7 +158,7 @@ class Sequential(Strategy):
     @property
     def definition(self) -> dict[str, Any]:
         """All options; the budget only decides how far it goes."""
-        return asdict(self.options) | {"design_runs": self._design_size}
+        return asdict(self.options) | {"design_runs": self._whole_design}
 
     @property
     def design_runs(self) -> int:
@@ -173,7 +178,8 @@ class Sequential(Strategy):
     @property
     def known(self) -> list[Evaluation]:
         """All that has come back, in the order in which it was asked for."""
-        return [self._told[index] for index in sorted(self._told)] + self._others
+        told = [self._told[index] for index in sorted(self._told)]
+        return without_repeats(told + self._others)
 
     @property
     def finished(self) -> bool:
@@ -199,6 +205,17 @@ class Sequential(Strategy):
             return under_way
         needed = self._view.runs_needed(self.options.confidence)
         return max(under_way, min(self._allowed - len(self._told), needed))
+
+    def learn(self, evaluations: Sequence[Evaluation]) -> None:
+        """Take these runs for part of the design."""
+        self._others += evaluations
+        names = {target.name for target in self.problem.targets}
+        places = {
+            tuple(evaluation.proposal.parameters.values())
+            for evaluation in evaluations
+            if names <= evaluation.responses.keys()
+        }
+        self._design_size = max(0, self._whole_design - len(places))
 
     def remember(self, proposals: Sequence[Proposal]) -> None:
         """Ask for these again before anything else."""

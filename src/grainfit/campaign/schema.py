@@ -1,0 +1,92 @@
+"""Tables of the store, their version, and how an older version is brought up to date."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import sqlalchemy as sql
+
+SCHEMA_VERSION = 2
+
+metadata = sql.MetaData()
+about = sql.Table("about", metadata, sql.Column("schema_version", sql.Integer, primary_key=True))
+runs = sql.Table(
+    "runs",
+    metadata,
+    sql.Column("identity", sql.String(32), primary_key=True),
+    sql.Column("test", sql.Text, nullable=False),
+    sql.Column("status", sql.String(16), nullable=False, index=True),
+    sql.Column("definition", sql.JSON, nullable=False),
+    sql.Column("responses", sql.JSON, nullable=False),
+    sql.Column("reason", sql.Text, nullable=False),
+    sql.Column("kind", sql.String(16), nullable=False),
+    sql.Column("log_tail", sql.Text, nullable=False),
+    sql.Column("seconds", sql.Float, nullable=False),
+    sql.Column("ended", sql.Float, nullable=False),
+    sql.Column("origin", sql.Text, nullable=False, server_default=""),
+    # Who makes the run, and a number that grows while they live: in shared stores only.
+    sql.Column("owner", sql.Text, nullable=False, server_default=""),
+    sql.Column("beat", sql.Integer, nullable=False, server_default="0"),
+)
+calibrations = sql.Table(
+    "calibrations",
+    metadata,
+    sql.Column("identity", sql.String(32), primary_key=True),
+    sql.Column("name", sql.Text, nullable=False),
+    sql.Column("definition", sql.JSON, nullable=False),
+    sql.Column("status", sql.String(16), nullable=False),
+    sql.Column("started", sql.Float, nullable=False),
+    sql.Column("known", sql.JSON, nullable=False, server_default="[]"),
+    # The latest one has the largest number, whatever the clock said.
+    sql.Column("number", sql.Integer, nullable=False, server_default="0"),
+)
+requests = sql.Table(
+    "requests",
+    metadata,
+    sql.Column("calibration", sql.String(32), primary_key=True),
+    sql.Column("position", sql.Integer, primary_key=True),
+    sql.Column("stage", sql.String(16), nullable=False),
+    sql.Column("parameters", sql.JSON, nullable=False),
+    sql.Column("seed", sql.BigInteger, nullable=False),
+    sql.Column("runs", sql.JSON, nullable=False),
+)
+
+#: What leads from each older version to the next one.
+_MIGRATIONS: Mapping[int, tuple[str, ...]] = {
+    1: (
+        "ALTER TABLE runs ADD COLUMN origin TEXT NOT NULL DEFAULT ''",
+        "ALTER TABLE runs ADD COLUMN owner TEXT NOT NULL DEFAULT ''",
+        "ALTER TABLE runs ADD COLUMN beat INTEGER NOT NULL DEFAULT 0",
+        "ALTER TABLE calibrations ADD COLUMN known JSON NOT NULL DEFAULT '[]'",
+        "ALTER TABLE calibrations ADD COLUMN number INTEGER NOT NULL DEFAULT 0",
+        "UPDATE calibrations SET number = "
+        "(SELECT count(*) FROM calibrations AS earlier "
+        "WHERE earlier.started <= calibrations.started)",
+    ),
+}
+
+
+def version_of(connection: sql.Connection) -> int | None:
+    """Return the schema version of a database; None when nothing was ever written to it."""
+    if not sql.inspect(connection).has_table(about.name):
+        return None
+    version = connection.scalar(sql.select(about.c.schema_version))
+    return None if version is None else int(version)
+
+
+def bring_up_to_date(connection: sql.Connection) -> int:
+    """Make the tables, or migrate those of an older version; return the version that they have.
+
+    A version that this program does not know is left as it is.
+    """
+    version = version_of(connection)
+    if version is None:
+        metadata.create_all(connection)
+        connection.execute(about.insert().values(schema_version=SCHEMA_VERSION))
+        return SCHEMA_VERSION
+    while version in _MIGRATIONS:
+        for statement in _MIGRATIONS[version]:
+            connection.execute(sql.text(statement))
+        version += 1
+        connection.execute(about.update().values(schema_version=version))
+    return version

@@ -1,0 +1,70 @@
+"""Runs of other work folders and stores, taken over as far as they fit."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import replace
+from pathlib import Path
+
+from grainfit.campaign.known import is_run_of
+from grainfit.campaign.store import STORE_NAME, RunStore
+from grainfit.errors import Fault, InputError
+from grainfit.problem import Problem
+from grainfit.solvers.base import Solver
+
+
+def take_runs(
+    source: str | Path, problem: Problem, solvers: Mapping[str, Solver], store: RunStore
+) -> int:
+    """Copy those runs of another store that are runs of a problem; return how many were new.
+
+    Parameters
+    ----------
+    source : path or str
+        A work folder, or the address of a store. It is only read.
+    problem : Problem
+        What is calibrated.
+    solvers : mapping of str to Solver
+        By name of the test.
+    store : RunStore
+        Where the copies go.
+
+    Raises
+    ------
+    InputError
+        The folder has no store.
+    StoreError
+        The store cannot be read.
+    """
+    with _opened(source) as other:
+        there = store.states()
+        fitting = is_run_of(problem, solvers)
+        new = [
+            replace(record, origin=record.origin or other.place)
+            for record in other.runs("finished")
+            if there.get(record.identity) != "finished" and fitting(record)
+        ]
+    store.save_many(new)
+    return len(new)
+
+
+@contextmanager
+def _opened(source: str | Path) -> Iterator[RunStore]:
+    if "://" in str(source):
+        store = RunStore(str(source), read_only=True)
+    else:
+        folder = Path(source)
+        if not (folder / STORE_NAME).is_file():
+            raise InputError(
+                Fault(
+                    "runs_from",
+                    f"{str(source)!r} is not a work folder of grainfit: it has no {STORE_NAME}.",
+                    "Name the folder that 'grainfit run' wrote, or the address of a store.",
+                )
+            )
+        store = RunStore.read_only(folder)
+    try:
+        yield store
+    finally:
+        store.close()
