@@ -13,7 +13,7 @@ from threadpoolctl import threadpool_limits
 
 from grainfit.campaign.runner import Campaign, CampaignOptions, response_name
 from grainfit.campaign.shared import share
-from grainfit.campaign.sources import take_runs
+from grainfit.campaign.sources import open_source, take_runs
 from grainfit.campaign.store import RunStore
 from grainfit.campaign.workdir import Keep, hold, recover
 from grainfit.conversation import Conversation, ConversationOptions
@@ -152,8 +152,12 @@ def calibrate(
         if folder is not None:
             recover(folder, runs)
         for source in runs_from:
-            take_runs(source, problem, solvers, runs)
-        shared = None if store is None else stack.enter_context(share(store, folder, runs))
+            with open_source(source) as other:
+                take_runs(other, problem, solvers, runs)
+        shared = None
+        if store is not None:
+            shared = stack.enter_context(share(store, folder, runs))
+            take_runs(shared.store, problem, solvers, runs)
         making = CampaignOptions(workers, timeouts or {}, executor, keep)
         campaign = Campaign(solvers, runs, folder, making, shared)
         stack.callback(campaign.close)

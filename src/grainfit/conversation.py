@@ -185,7 +185,7 @@ class Conversation:
         """Answer what the strategy asks for until it is enough, by the number of proposals."""
         asked = 0
         while not is_enough(asked):
-            while self._campaign.has_free_worker and not is_enough(asked):
+            while self._has_room and not is_enough(asked):
                 proposal = self._strategy.ask()
                 if proposal is None:
                     break
@@ -195,6 +195,11 @@ class Conversation:
                 return
             for evaluation in self._wait():
                 self._strategy.tell(evaluation)
+
+    @property
+    def _has_room(self) -> bool:
+        """Whether to ask for another run now: with all that is known told, and a worker free."""
+        return self._campaign.has_free_worker and not self._campaign.has_complete
 
     def _verify(self, answer: Answer) -> bool:
         """Run fresh seeds at the answer until the verdict is clear; return whether it is met."""

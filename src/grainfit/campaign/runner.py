@@ -149,6 +149,11 @@ class Campaign:
         """Whether there are proposals that `wait` has not returned."""
         return bool(self._pending)
 
+    @property
+    def has_complete(self) -> bool:
+        """Whether `wait` would return at once."""
+        return any(not entry.waiting for entry in self._pending)
+
     def fetch(self, identities: Collection[str]) -> None:
         """Read runs that will be asked for, all at once: many at a time are read much faster."""
         self._fetched.update(self._store.find_many(identities))

@@ -70,7 +70,7 @@ class SharedRuns:
         beat_seconds: float = BEAT_SECONDS,
         lease_seconds: float = LEASE_SECONDS,
     ) -> None:
-        self._store = store
+        self.store = store
         self._owner = owner
         self._beat_seconds = beat_seconds
         self._lease_seconds = lease_seconds
@@ -83,11 +83,11 @@ class SharedRuns:
     @property
     def place(self) -> str:
         """Where the shared store is."""
-        return self._store.place
+        return self.store.place
 
     def find(self, identities: Iterable[str]) -> dict[str, RunRecord]:
         """Return those of some runs that have ended, by identity."""
-        found = self._store.find_many(list(identities))
+        found = self.store.find_many(list(identities))
         return {
             identity: replace(record, origin=record.origin or self.place)
             for identity, record in found.items()
@@ -96,13 +96,13 @@ class SharedRuns:
 
     def claim(self, record: RunRecord) -> bool:
         """Return whether the run is this process's to make now."""
-        return self._store.claim(record, self._owner)
+        return self.store.claim(record, self._owner)
 
     def take_over(self, record: RunRecord) -> bool:
         """Claim a run whose maker has died, or has given it back."""
-        claim = self._store.claims([record.identity]).get(record.identity)
+        claim = self.store.claims([record.identity]).get(record.identity)
         if claim is None:
-            return self._store.claim(record, self._owner)
+            return self.store.claim(record, self._owner)
         now = time.monotonic()
         seen, since = self._seen.setdefault(record.identity, (claim, now))
         if seen != claim:
@@ -110,32 +110,32 @@ class SharedRuns:
             return False
         if now - since < self._lease_seconds:
             return False
-        return self._store.claim(record, self._owner, instead_of=claim)
+        return self.store.claim(record, self._owner, instead_of=claim)
 
     def save(self, record: RunRecord) -> None:
         """Give all what came of a run."""
-        self._store.save(record)
+        self.store.save(record)
 
     def give(self, records: Iterable[RunRecord]) -> None:
         """Give all those runs that the shared store does not have yet."""
         wanted = {record.identity: record for record in records}
-        there = self._store.find_many(list(wanted))
-        self._store.save_many(r for identity, r in wanted.items() if identity not in there)
+        there = self.store.find_many(list(wanted))
+        self.store.save_many(r for identity, r in wanted.items() if identity not in there)
 
     def forget(self, identity: str) -> None:
         """Give a run back, or let a failed one be made again."""
-        self._store.forget(identity)
+        self.store.forget(identity)
 
     def close(self) -> None:
         """Show no more life, and give back what was not made."""
         self._ended.set()
         self._pulse.join()
-        self._store.release(self._owner)
+        self.store.release(self._owner)
 
     def _show_life(self) -> None:
         while not self._ended.wait(self._beat_seconds):
             try:
-                self._store.beat(self._owner)
+                self.store.beat(self._owner)
             except StoreError:
                 # Should the database stay away, the next run that ends says so.
                 continue

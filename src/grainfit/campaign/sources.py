@@ -15,20 +15,35 @@ from grainfit.solvers.base import Solver
 
 
 def take_runs(
-    source: str | Path, problem: Problem, solvers: Mapping[str, Solver], store: RunStore
+    other: RunStore, problem: Problem, solvers: Mapping[str, Solver], store: RunStore
 ) -> int:
     """Copy those runs of another store that are runs of a problem; return how many were new.
 
     Parameters
     ----------
-    source : path or str
-        A work folder, or the address of a store. It is only read.
+    other : RunStore
+        Is only read.
     problem : Problem
         What is calibrated.
     solvers : mapping of str to Solver
         By name of the test.
     store : RunStore
         Where the copies go.
+    """
+    there = store.states()
+    fitting = is_run_of(problem, solvers)
+    new = [
+        replace(record, origin=record.origin or other.place)
+        for record in other.runs("finished")
+        if there.get(record.identity) != "finished" and fitting(record)
+    ]
+    store.save_many(new)
+    return len(new)
+
+
+@contextmanager
+def open_source(source: str | Path) -> Iterator[RunStore]:
+    """Open the store of a work folder, or one at an address, to read.
 
     Raises
     ------
@@ -37,20 +52,6 @@ def take_runs(
     StoreError
         The store cannot be read.
     """
-    with _opened(source) as other:
-        there = store.states()
-        fitting = is_run_of(problem, solvers)
-        new = [
-            replace(record, origin=record.origin or other.place)
-            for record in other.runs("finished")
-            if there.get(record.identity) != "finished" and fitting(record)
-        ]
-    store.save_many(new)
-    return len(new)
-
-
-@contextmanager
-def _opened(source: str | Path) -> Iterator[RunStore]:
     if "://" in str(source):
         store = RunStore(str(source), read_only=True)
     else:

@@ -1,0 +1,221 @@
+"""Several processes share a store: each run is made by one of them, and found by all."""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+import random
+import signal
+import tempfile
+import time
+from collections.abc import Callable, Iterator, Sequence
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import grainfit as gf
+from grainfit.campaign.evaluation import Proposal
+from grainfit.campaign.records import RunRecord
+from grainfit.campaign.runner import Campaign, CampaignOptions
+from grainfit.campaign.shared import SharedRuns, share
+from grainfit.campaign.store import RunStore
+from grainfit.errors import StoreError
+from grainfit.solvers.base import Response
+from grainfit.solvers.python_callable import PythonCallable
+from postgresql_server import postgresql_server, program
+
+FORK = multiprocessing.get_context("fork")
+
+
+@pytest.fixture(scope="module")
+def postgresql() -> Iterator[str]:
+    pytest.importorskip("psycopg")
+    if program("initdb") is None:
+        pytest.skip("PostgreSQL is not installed")
+    # The path of a socket must be short.
+    with tempfile.TemporaryDirectory(prefix="pg") as folder:
+        Path(folder).chmod(0o755)
+        with postgresql_server(Path(folder) / "server") as url:
+            yield url
+
+
+@pytest.fixture(params=["sqlite", "postgresql"])
+def address(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[str]:
+    if request.param == "sqlite":
+        yield f"sqlite:///{tmp_path / 'shared.sqlite'}"
+        return
+    url = request.getfixturevalue("postgresql")
+    yield url
+    store = RunStore(url)
+    for identity in store.identities():
+        store.forget(identity)
+    store.close()
+
+
+def record(identity: str, status: str = "running", **values: Any) -> RunRecord:
+    return RunRecord(identity, "drum", status, {"seed": 1}, **values)  # type: ignore[arg-type]
+
+
+def in_processes(count: int, work: Callable[[int], None]) -> None:
+    processes = [FORK.Process(target=work, args=(number,)) for number in range(count)]
+    for process in processes:
+        process.start()
+    for process in processes:
+        process.join(300)
+    assert [process.exitcode for process in processes] == [0] * count
+
+
+def make_runs(address: str, made: Path, seeds: Sequence[int], number: int) -> None:
+    """Ask for runs, in an order of one's own, and note those that are made here."""
+
+    def simulate(parameters: dict[str, float], seed: int) -> dict[str, float]:
+        with made.open("a") as file:
+            file.write(f"{seed}\n")
+        return {"angle": parameters["friction"] + seed}
+
+    order = random.Random(number).sample(seeds, len(seeds))
+    own = RunStore("sqlite://")
+    solver = PythonCallable(simulate, identity="shared")
+    with share(address, None, own) as shared:
+        campaign = Campaign({"drum": solver}, own, None, CampaignOptions(workers=4), shared)
+        ended = 0
+        while ended < len(seeds):
+            while order and campaign.has_free_worker:
+                campaign.start(Proposal({"friction": 0.5}, order.pop(), "design"))
+            for evaluation in campaign.wait():
+                seed = evaluation.proposal.seed
+                assert evaluation.responses == {"angle": Response(0.5 + seed)}
+                ended += 1
+        campaign.close()
+
+
+@pytest.mark.parametrize(
+    ("backend", "processes", "runs"),
+    [
+        pytest.param("sqlite", 4, 100, id="sqlite"),
+        pytest.param("postgresql", 8, 2000, id="postgresql", marks=pytest.mark.slow),
+    ],
+)
+def test_of_all_processes_one_makes_a_run_and_all_get_it(
+    tmp_path: Path, request: pytest.FixtureRequest, backend: str, processes: int, runs: int
+) -> None:
+    address = f"sqlite:///{tmp_path / 'shared.sqlite'}"
+    if backend == "postgresql":
+        address = request.getfixturevalue("postgresql")
+    made = tmp_path / "made"
+    # Every run is wanted by two processes, by all of them in turn.
+    wanted = [
+        [seed for seed in range(1, runs + 1) if number in (seed % processes, seed // 8 % processes)]
+        for number in range(processes)
+    ]
+    in_processes(processes, lambda number: make_runs(address, made, wanted[number], number))
+    assert sorted(map(int, made.read_text().split())) == list(range(1, runs + 1))
+    store = RunStore(address)
+    assert len(store.runs("finished")) == len(store.identities()) == runs
+    for identity in store.identities():
+        store.forget(identity)
+    store.close()
+
+
+def test_of_two_who_claim_a_run_one_gets_it(address: str) -> None:
+    store = RunStore(address)
+    assert store.claim(record("a"), "first")
+    assert not store.claim(record("a"), "second")
+    store.release("first")
+    assert store.claim(record("a"), "second")
+    store.save(record("a", "finished"))
+    assert not store.claim(record("a"), "first")
+    store.save(record("a", "failed", kind="machine"))
+    assert store.claim(record("a"), "first")
+    store.close()
+
+
+def test_text_that_a_solver_printed_is_kept_whatever_it_is(address: str) -> None:
+    store = RunStore(address)
+    store.save(record("a", "failed", reason="zero \0 byte", log_tail="lone \udc80 surrogate, \x1b"))
+    assert store.runs()[0].reason == "zero   byte"
+    store.close()
+
+
+def test_what_a_dead_process_was_making_is_made_by_another(address: str, tmp_path: Path) -> None:
+    def claim_and_die(_number: int) -> None:
+        SharedRuns(RunStore(address), "dead", beat_seconds=0.05).claim(record("a"))
+        time.sleep(0.2)
+        os.kill(os.getpid(), signal.SIGKILL)
+
+    process = FORK.Process(target=claim_and_die, args=(0,))
+    process.start()
+    store = RunStore(address)
+    shared = SharedRuns(store, "alive", lease_seconds=0.5)
+    while not store.claims(["a"]):
+        time.sleep(0.01)
+    # While its owner shows that it lives, a run is not taken away.
+    assert not shared.claim(record("a"))
+    assert not shared.take_over(record("a"))
+    process.join()
+    deadline = time.monotonic() + 10
+    while not shared.take_over(record("a")):
+        assert time.monotonic() < deadline
+        time.sleep(0.05)
+    assert store.claims(["a"])["a"].owner == "alive"
+    shared.close()
+    assert store.claims(["a"]) == {}
+    store.close()
+
+
+def test_a_process_started_again_takes_up_its_own_claims_at_once(address: str) -> None:
+    store = RunStore(address)
+    assert store.claim(record("a"), "here")
+    shared = SharedRuns(store, "here")
+    assert shared.claim(record("a"))
+    shared.close()
+    store.close()
+
+
+def drum(parameters: dict[str, float], seed: int) -> dict[str, float]:
+    """Angle of repose in a drum, with the scatter of a seed."""
+    noise = random.Random(seed).gauss(0, 0.2)
+    return {"angle": 20 + 25 * parameters["friction"] + noise}
+
+
+def test_a_second_calibration_learns_from_a_shared_store(address: str, tmp_path: Path) -> None:
+    problem = gf.Problem(
+        [gf.Parameter("friction", 0.1, 0.9)], [gf.Target("angle", 33.0, tolerance=0.5)]
+    )
+    first = gf.calibrate(problem, drum, workdir=tmp_path / "first", store=address)
+    second = gf.calibrate(problem, drum, workdir=tmp_path / "second", store=address)
+    assert (first.runs.learnt_from, second.runs.learnt_from) == (0, first.runs.total)
+    assert second.status == "calibrated"
+    assert second.runs.design == 0
+    assert second.runs.optimisation <= 1
+    # What was taken over belongs to the work folder now, and says where it came from.
+    own = RunStore.read_only(tmp_path / "second")
+    assert {run.origin for run in own.runs()} == {"", RunStore(address).place}
+    own.close()
+
+
+def test_a_work_folder_gives_a_shared_store_what_it_has(address: str, tmp_path: Path) -> None:
+    problem = gf.Problem([gf.Parameter("friction", 0.1, 0.9)], [gf.Target("angle", 33.0)])
+    alone = gf.calibrate(problem, drum, workdir=tmp_path)
+    gf.calibrate(problem, drum, workdir=tmp_path, store=address)
+    store = RunStore(address)
+    assert len(store.runs("finished")) == alone.runs.total
+    store.close()
+
+
+@pytest.mark.parametrize(
+    ("address", "words"),
+    [
+        ("nonsense", "is not the address of a database"),
+        ("oracle+nonsense://x/y", "is not the address of a database"),
+        ("postgresql+psycopg://nobody:secret@/x?host=/nowhere", "cannot be used"),
+        ("sqlite:////nowhere/at/all.sqlite", "cannot be used"),
+    ],
+)
+def test_a_store_that_cannot_be_had_is_an_error_without_its_password(
+    address: str, words: str
+) -> None:
+    with pytest.raises(StoreError, match=words) as caught:
+        RunStore(address)
+    assert "secret" not in str(caught.value)
