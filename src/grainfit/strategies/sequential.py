@@ -45,6 +45,7 @@ from grainfit.strategies.metamodels import Metamodels, can_be_fitted
 from grainfit.strategies.reachability import OutOfReach, out_of_reach
 from grainfit.strategies.search import points_about, shrinking_search, spread_points
 from grainfit.strategies.widening import widened, widenings
+from grainfit.verification import VERIFICATION_RUNS
 
 Array = NDArray[np.float64]
 Preference = Literal["time_step", "accuracy"]
@@ -150,6 +151,7 @@ class Sequential(Strategy):
         self._indices: dict[int, int] = {}
         self._told: dict[int, Evaluation] = {}
         self._others: list[Evaluation] = []
+        self._has_learnt = False
         self._remembered: deque[Proposal] = deque()
         self._reconsidered = 0
         self._latest: tuple[tuple[int, int], _View] | None = None
@@ -216,6 +218,7 @@ class Sequential(Strategy):
             if names <= evaluation.responses.keys()
         }
         self._design_size = max(0, self._whole_design - len(places))
+        self._has_learnt = self._design_size == 0
 
     def remember(self, proposals: Sequence[Proposal]) -> None:
         """Ask for these again before anything else."""
@@ -317,7 +320,20 @@ class Sequential(Strategy):
     def _is_decided(self, view: _View) -> bool:
         if self._is_out_of_reach(view) or self._is_at_noise_floor(view):
             return True
+        if self._is_left_to_verification(view):
+            return True
         return view.agrees and view.is_proven and view.gain < _GAIN_WORTH_RUNS
+
+    def _is_left_to_verification(self, view: _View) -> bool:
+        """Whether runs of others tell so much that verifying the answer can decide it.
+
+        Fresh seeds at the answer are needed in any case, and then tell the most.
+        """
+        return (
+            self._has_learnt
+            and view.is_proven
+            and view.runs_needed(self.options.confidence) <= VERIFICATION_RUNS
+        )
 
     def _is_out_of_reach(self, view: _View) -> bool:
         return len(self._told) >= self._design_size + _RUNS_TO_CONFIRM and bool(view.misses)

@@ -207,6 +207,30 @@ class StrategyContract:
         assert _together(undisturbed, resumed, under_way, workers) > 0
         assert undisturbed.answer() == resumed.answer()
 
+    # What others made ------------------------------------------------------------------------
+
+    def test_it_learns_from_runs_of_others(self, make: Make) -> None:
+        earlier = converse(make(heap_problem(angle=20.0), 8), heap)
+        cold, warm = make(heap_problem(), 5), make(heap_problem(), 5)
+        warm.learn(earlier)
+        whole, rest = converse(cold, heap), converse(warm, heap)
+
+        assert len(rest) <= len(whole)
+        for strategy in (cold, warm):
+            _assert_close(strategy.answer().parameters, bulk_density=0.02, angle=0.06)
+        quality = warm.answer().quality["angle"]
+        assert 0.2 * NOISE["angle"] < quality.noise < 3 * NOISE["angle"]
+
+    def test_a_run_that_is_learnt_and_asked_for_counts_once(self, make: Make) -> None:
+        strategy, other = make(heap_problem(), 5), make(heap_problem(), 5)
+        evaluations = converse(strategy, heap)
+        before = strategy.answer()
+        other.learn(evaluations)
+        for evaluation in evaluations:
+            other.tell(evaluation)
+
+        assert other.answer().standard_errors == pytest.approx(before.standard_errors, rel=0.05)
+
     # What is asked ---------------------------------------------------------------------------
 
     def test_proposals_are_new_runs_within_the_intervals(self, make: Make) -> None:

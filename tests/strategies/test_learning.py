@@ -1,0 +1,31 @@
+"""What the sequential strategy saves where runs of others are there."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from grainfit.strategies.sequential import Sequential
+from grainfit.testing.strategy_contract import converse, heap, heap_problem
+
+
+def test_runs_of_others_stand_in_for_the_design_and_most_of_the_search() -> None:
+    runs = {"cold": 0, "warm": 0}
+    for seed in range(1, 6):
+        earlier = converse(Sequential(heap_problem(angle=19.0), 50 + seed), heap)
+        runs["cold"] += len(converse(Sequential(heap_problem(), seed), heap))
+        warm = Sequential(heap_problem(), seed)
+        warm.learn(earlier)
+        assert warm.design_runs == 0
+        runs["warm"] += len(converse(warm, heap))
+    assert 0 < runs["warm"] <= runs["cold"] / 3
+
+
+def test_few_runs_of_others_make_the_design_smaller_by_their_number() -> None:
+    whole = Sequential(heap_problem(), 1)
+    evaluations = converse(Sequential(heap_problem(), 2), heap)
+    strategy = Sequential(heap_problem(), 1)
+    # Another seed at the same place is no other place.
+    again = replace(evaluations[0], proposal=replace(evaluations[0].proposal, seed=1))
+    strategy.learn([*evaluations[:2], again])
+    assert strategy.design_runs == whole.design_runs - 2
+    assert strategy.definition == whole.definition
