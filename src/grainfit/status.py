@@ -9,7 +9,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from grainfit.calibrate import RESULT_NAME
 from grainfit.campaign.store import (
     STORE_NAME,
     CalibrationRecord,
@@ -17,7 +16,7 @@ from grainfit.campaign.store import (
     RunRecord,
     RunStore,
 )
-from grainfit.campaign.workdir import is_held
+from grainfit.campaign.workdir import RESULT_NAME, is_held
 from grainfit.errors import StoreError
 
 

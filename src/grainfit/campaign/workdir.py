@@ -22,6 +22,7 @@ from grainfit.errors import StoreError
 from grainfit.solvers.process import end_orphan
 
 RECORD_NAME = "run.json"
+RESULT_NAME = "result.json"
 #: A look at whether a folder is held takes its lock for a moment; nobody is refused for that.
 _LOCK_SECONDS = 1.0
 

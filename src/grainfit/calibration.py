@@ -12,7 +12,7 @@ from threadpoolctl import threadpool_limits
 
 from grainfit.campaign.runner import Campaign, response_name
 from grainfit.campaign.store import RunStore
-from grainfit.campaign.workdir import hold, recover
+from grainfit.campaign.workdir import RESULT_NAME, hold, recover
 from grainfit.conversation import Conversation, ConversationOptions
 from grainfit.errors import Fault, InputError
 from grainfit.problem import Problem
@@ -25,8 +25,6 @@ from grainfit.strategies.sequential import Preference
 from grainfit.verification import usual_verification_runs
 
 Simulate = Callable[[dict[str, float], int], Mapping[str, Any]] | Solver | Mapping[str, Solver]
-
-RESULT_NAME = "result.json"
 
 
 def calibrate(
