@@ -121,7 +121,7 @@ class Templates:
         self._guarded(where, lambda: self._parse(text, where))
 
     def _parse(self, text: str, name: str) -> None:
-        """Parse only: Jinja2 calculates constants when it compiles, and 9**9**9 takes for ever."""
+        """Parse only: Jinja2 calculates constants as it compiles; 9**(9**9) takes for ever."""
         tree = self._environment.parse(text, name)
         known: Mapping[str, Any]
         for kind, known in (
