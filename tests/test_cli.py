@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 
+from grainfit.campaign.store import RunStore
 from grainfit.campaign.workdir import hold
 
 MODEL = """
@@ -25,7 +26,7 @@ def drum(parameters, seed):
 """
 
 FILE = """
-name = "sand 'n' [gravel]"
+name = "../sand 'n' [gravel]"
 
 [parameters]
 friction = {{ min = 0.1, max = {high} }}
@@ -184,3 +185,41 @@ def test_what_cannot_be_done_is_said_in_one_message(
     calibration(tmp_path)
     done = grainfit(*arguments, folder=tmp_path, code=1)
     assert word in done.stderr
+
+
+def test_help_and_status_do_not_wait_for_libraries_that_they_do_not_need(tmp_path: Path) -> None:
+    (tmp_path / "work").mkdir()
+    RunStore.in_folder(tmp_path / "work").close()
+    program = (
+        "import sys\n"
+        "from grainfit.cli import app\n"
+        "app(sys.argv[1:], standalone_mode=False)\n"
+        "print(*sorted({name.partition('.')[0] for name in sys.modules}))"
+    )
+    slow = {"gpmp", "jinja2", "numpy", "pint", "PIL", "scipy"}
+    for arguments in (["--help"], ["new", "x.toml"], ["status", "work"]):
+        done = subprocess.run(
+            [sys.executable, "-c", program, *arguments],
+            cwd=tmp_path,
+            capture_output=True,
+            text=True,
+            check=True,
+        )
+        modules = set(done.stdout.splitlines()[-1].split())
+        assert "grainfit" in modules
+        assert not slow & modules
+        assert ("sqlalchemy" in modules) == ("status" in arguments)
+
+
+def test_everything_public_is_there_when_it_is_first_used() -> None:
+    program = (
+        "import grainfit, grainfit.calibration, inspect\n"
+        "missing = set(grainfit.__all__) - set(dir(grainfit))\n"
+        "assert not missing, missing\n"
+        "assert inspect.isfunction(grainfit.calibrate)\n"
+        "from grainfit import *\n"
+        "assert calibrate is grainfit.calibration.calibrate\n"
+        "assert StoreError is grainfit.errors.StoreError\n"
+        "assert not hasattr(grainfit, 'calibrat')\n"
+    )
+    subprocess.run([sys.executable, "-c", program], check=True)

@@ -1,20 +1,24 @@
 """Calibrates the material parameters of discrete element (DEM) models of bulk solids."""
 
-from grainfit.calibrate import calibrate
-from grainfit.errors import (
-    GrainfitError,
-    InputError,
-    NotMeasurableError,
-    RunFailedError,
-    SolverNotFoundError,
-    StoreError,
-)
-from grainfit.material import ParticleSizes
-from grainfit.problem import Parameter, Problem, Target
-from grainfit.progress import Progress
-from grainfit.result import Result
-from grainfit.solvers.base import Response, Solver, Workspace
-from grainfit.timestep import RayleighTimeStep, rayleigh_time_step
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from grainfit.calibration import calibrate
+    from grainfit.errors import (
+        GrainfitError,
+        InputError,
+        NotMeasurableError,
+        RunFailedError,
+        SolverNotFoundError,
+        StoreError,
+    )
+    from grainfit.material import ParticleSizes
+    from grainfit.problem import Parameter, Problem, Target
+    from grainfit.progress import Progress
+    from grainfit.result import Result
+    from grainfit.solvers.base import Response, Solver, Workspace
+    from grainfit.timestep import RayleighTimeStep, rayleigh_time_step
 
 __all__ = [
     "GrainfitError",
@@ -36,3 +40,25 @@ __all__ = [
     "calibrate",
     "rayleigh_time_step",
 ]
+
+# Imported when first used: the command line does without most of it, and SciPy takes a second.
+_HOMES = {
+    "calibrate": "calibration",
+    "ParticleSizes": "material",
+    "Progress": "progress",
+    "Result": "result",
+    **dict.fromkeys(("Parameter", "Problem", "Target"), "problem"),
+    **dict.fromkeys(("Response", "Solver", "Workspace"), "solvers.base"),
+    **dict.fromkeys(("RayleighTimeStep", "rayleigh_time_step"), "timestep"),
+    **{name: "errors" for name in __all__ if name.endswith("Error")},
+}
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _HOMES:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    return getattr(import_module(f"{__name__}.{_HOMES[name]}"), name)
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})

@@ -301,6 +301,10 @@ class ParametersFor(Solver):
         """Version of the program behind it."""
         return self.solver.version()
 
+    def executes(self) -> tuple[str, ...]:
+        """Say what a run executes."""
+        return self.solver.executes()
+
     def _taken(self, parameters: Mapping[str, float]) -> dict[str, float]:
         values = {**self._fixed, **parameters}
         takes = self._takes

@@ -1,4 +1,7 @@
-"""The command line: parse, call, print."""
+"""The command line: parse, call, print.
+
+What a command needs is imported when it is called: help and status are there at once.
+"""
 
 from __future__ import annotations
 
@@ -6,20 +9,16 @@ import os
 import signal
 import sys
 from pathlib import Path
-from typing import Annotated, Any, NoReturn
+from typing import TYPE_CHECKING, Annotated, Any, NoReturn
 
 import typer
 from rich.console import Console
 
 from grainfit import console as show
-from grainfit.assemble import Assembly, assemble
-from grainfit.calibrate import calibrate
-from grainfit.calibration_file import load_calibration_file, starter_file
-from grainfit.campaign.single import simulate_once
 from grainfit.errors import Fault, GrainfitError, InputError
-from grainfit.plan import describe_plan
-from grainfit.remeasure import measure_path
-from grainfit.status import read_status
+
+if TYPE_CHECKING:
+    from grainfit.assemble import Assembly
 
 EXIT_CODES = {"calibrated": 0, "out_of_tolerance": 3, "unreachable": 3, "interrupted": 130}
 _BAD_INPUT = 1
@@ -84,6 +83,8 @@ def run(
     Exit code: 0 calibrated, 1 bad input or a missing solver, 3 finished outside the tolerance or
     out of reach, 130 interrupted.
     """
+    from grainfit.calibration import calibrate
+
     assembly = _assemble(file)
     options = assembly.options(strategy=strategy, max_runs=max_runs, seed=seed, workers=workers)
     folder = workdir or default_workdir(file)
@@ -104,6 +105,8 @@ def run(
 @app.command()
 def check(file: CalibrationPath) -> None:
     """Validate a calibration file and show the plan. Nothing is simulated."""
+    from grainfit.plan import describe_plan
+
     assembly = _assemble(file)
     plan = describe_plan(assembly)
     show.print_plan(_out, plan)
@@ -116,6 +119,8 @@ def new(
     file: Annotated[Path, typer.Argument(metavar="FILE")] = Path("calibration.toml"),
 ) -> None:
     """Write a commented calibration file to start from."""
+    from grainfit.starter import starter_file
+
     try:
         with file.open("x", encoding="utf-8") as target:
             target.write(starter_file())
@@ -133,6 +138,8 @@ def status(
     workdir: Annotated[Path, typer.Argument(metavar="DIR", help="Work folder of a calibration.")],
 ) -> None:
     """Show how far a calibration is and what came of it. Disturbs nothing."""
+    from grainfit.status import read_status
+
     show.print_status(_out, read_status(workdir))
 
 
@@ -156,6 +163,8 @@ def simulate(
 
     Free parameters that are not set take the middle of their interval.
     """
+    from grainfit.campaign.single import simulate_once
+
     assembly = _assemble(file)
     folder = workdir or default_workdir(file)
     values = assembly.values(settings or [])
@@ -175,6 +184,8 @@ def measure(
     ],
 ) -> None:
     """Measure the responses on the particles that a run left behind, again."""
+    from grainfit.remeasure import measure_path
+
     show.print_measurement(_out, measure_path(path))
 
 
@@ -184,6 +195,9 @@ def default_workdir(file: Path) -> Path:
 
 
 def _assemble(file: Path) -> Assembly:
+    from grainfit.assemble import assemble
+    from grainfit.calibration_file import load_calibration_file
+
     return assemble(load_calibration_file(file))
 
 

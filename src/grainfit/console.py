@@ -7,21 +7,23 @@ from collections.abc import Mapping
 from math import isfinite
 from pathlib import Path
 from types import TracebackType
+from typing import TYPE_CHECKING
 
 from rich import box
 from rich.console import Console
 from rich.live import Live
-from rich.markup import escape
 from rich.table import Table
 from rich.text import Text
 
-from grainfit.campaign.evaluation import Evaluation
 from grainfit.errors import GrainfitError, InputError, RunFailedError
-from grainfit.plan import Plan
-from grainfit.progress import Progress
-from grainfit.result import ResponseResult, Result
-from grainfit.solvers.base import Response
-from grainfit.status import WorkdirStatus
+
+if TYPE_CHECKING:
+    from grainfit.campaign.evaluation import Evaluation
+    from grainfit.plan import Plan
+    from grainfit.progress import Progress
+    from grainfit.result import ResponseResult, Result
+    from grainfit.solvers.base import Response
+    from grainfit.status import WorkdirStatus
 
 _STATUS_WORDS = {
     "calibrated": ("green", "calibrated: every target is met within its tolerance"),
@@ -59,7 +61,7 @@ class LiveProgress:
     def update(self, progress: Progress) -> None:
         """Show where the calibration stands now."""
         for notice in progress.notices[self._notices :]:
-            self._console.print(Text(notice, style="yellow"))
+            self._console.print(_text(notice, "yellow"))
         self._notices = len(progress.notices)
         line = self._describe(progress)
         if self._console.is_terminal:
@@ -99,6 +101,15 @@ def _table(*columns: str) -> Table:
     return Table(*columns, box=box.SIMPLE, show_edge=False, pad_edge=False, expand=False)
 
 
+def _text(text: str, style: str = "") -> Text:
+    """Return text as it is: no markup, and no signs that a terminal would obey.
+
+    It may come from somebody else's file, from a program's output, or from the name of a file.
+    """
+    signs = (sign if sign.isprintable() or sign in "\n\t" else ascii(sign)[1:-1] for sign in text)
+    return Text("".join(signs), style=style)
+
+
 def _number(value: float | None, unit: str = "") -> str:
     if value is None or not isfinite(value):
         return "-"
@@ -109,12 +120,12 @@ def print_result(console: Console, result: Result, folder: Path) -> None:
     """Print the outcome: parameters, responses against targets, time step, cost."""
     colour, words = _STATUS_WORDS[result.status]
     title = f"{result.name}: {words}" if result.name else words
-    console.print(Text(title, style=f"bold {colour}"))
+    console.print(_text(title, f"bold {colour}"))
     for notice in result.notices:
-        console.print(Text(f"  {notice}", style="yellow"))
+        console.print(_text(f"  {notice}", "yellow"))
     for name, quality in result.metamodels.items():
         for warning in quality.warnings:
-            console.print(Text(f"  metamodel of {name}: {warning}", style="yellow"))
+            console.print(_text(f"  metamodel of {name}: {warning}", "yellow"))
     if result.parameters:
         console.print(_parameter_table(result))
         console.print(_response_table(result))
@@ -141,7 +152,7 @@ def _parameter_table(result: Result) -> Table:
     table = _table("parameter", "value")
     table.columns[1].justify = "right"
     for name, value in result.parameters.items():
-        table.add_row(escape(name), _number(value, result.units.get(name, "")))
+        table.add_row(_text(name), _text(_number(value, result.units.get(name, ""))))
     return table
 
 
@@ -155,16 +166,16 @@ def _response_table(result: Result) -> Table:
     return table
 
 
-def _response_cells(name: str, response: ResponseResult) -> tuple[str, ...]:
+def _response_cells(name: str, response: ResponseResult) -> tuple[Text, ...]:
     expected = f"predicted {response.predicted:.5g} ± {1.96 * response.std_error:.2g}"
     if response.verified_mean is not None and response.verified_interval is not None:
         expected = f"{response.verified_mean:.5g} ± {response.verified_interval:.2g}"
     return (
-        escape(name),
-        f"{response.target:.5g} ± {response.tolerance:.3g} {response.unit}".rstrip(),
-        expected,
-        f"{response.deviation_percent:+.2f} %",
-        "[green]met[/green]" if response.within_tolerance else "[red]missed[/red]",
+        _text(name),
+        _text(f"{response.target:.5g} ± {response.tolerance:.3g} {response.unit}".rstrip()),
+        _text(expected),
+        _text(f"{response.deviation_percent:+.2f} %"),
+        _text("met", "green") if response.within_tolerance else _text("missed", "red"),
     )
 
 
@@ -180,44 +191,51 @@ def _time_step_line(result: Result) -> str:
 
 def print_plan(console: Console, plan: Plan) -> None:
     """Print what a calibration file asks for."""
-    console.print(Text(plan.name, style="bold"))
+    console.print(_text(plan.name, "bold"))
     free = _table("free parameter", "from", "to", "scale")
     for parameter in plan.parameters:
         free.add_row(
-            escape(parameter.name),
-            _number(parameter.minimum, parameter.unit),
-            _number(parameter.maximum, parameter.unit),
+            _text(parameter.name),
+            _text(_number(parameter.minimum, parameter.unit)),
+            _text(_number(parameter.maximum, parameter.unit)),
             parameter.scale,
         )
     console.print(free)
     targets = _table("response", "target", "tolerance")
     for target in plan.targets:
         targets.add_row(
-            escape(target.name),
-            _number(target.value, target.unit),
-            f"± {_number(target.accepted_deviation, target.unit)}",
+            _text(target.name),
+            _text(_number(target.value, target.unit)),
+            _text(f"± {_number(target.accepted_deviation, target.unit)}"),
         )
     console.print(targets)
     for line in plan.lines:
-        console.print(line, highlight=False, markup=False)
+        console.print(_text(line))
+    console.print(_execution_heading(plan))
+    for line in plan.executes:
+        console.print(_text(f"  {line}"), soft_wrap=True)
     for problem in plan.problems:
-        console.print(Text(problem, style="red"))
+        console.print(_text(problem, "red"))
+
+
+def _execution_heading(plan: Plan) -> str:
+    if not plan.executes:
+        return "A run will execute: nothing."
+    return "A run will execute, with your rights and without a shell:"
 
 
 def print_status(console: Console, status: WorkdirStatus) -> None:
     """Print how far a work folder is."""
-    console.print(Text(f"{status.name or 'no calibration'}: {status.state}", style="bold"))
+    console.print(_text(f"{status.name or 'no calibration'}: {status.state}", "bold"))
     for stage, asked in status.asked.items():
-        console.print(
-            f"{stage}: {status.finished.get(stage, 0)} of {asked} runs asked for have ended",
-            highlight=False,
-        )
+        ended = status.finished.get(stage, 0)
+        console.print(_text(f"{stage}: {ended} of {asked} runs asked for have ended"))
     console.print(
         f"{status.running} running, {len(status.failed)} failed, {status.kept} finished runs kept",
         highlight=False,
     )
     for failure in status.failed:
-        console.print(Text(f"failed: {failure.reason} ({failure.folder})", style="red"))
+        console.print(_text(f"failed: {failure.reason} ({failure.folder})", "red"))
     if status.result is not None and status.state != "running":
         parameters = status.result.get("parameters")
         if not isinstance(parameters, Mapping):
@@ -225,18 +243,18 @@ def print_status(console: Console, status: WorkdirStatus) -> None:
         for name, value in parameters.items():
             # A result that somebody edited is shown as it is.
             shown = f"{value:.5g}" if isinstance(value, float) else f"{value}"
-            console.print(f"{name} = {shown}", highlight=False, markup=False)
+            console.print(_text(f"{name} = {shown}"))
 
 
 def print_run(console: Console, evaluation: Evaluation, folders: Mapping[str, Path]) -> None:
     """Print the responses of a single run."""
     table = _table("response", "value", "standard error of this run")
     for name, response in evaluation.responses.items():
-        table.add_row(escape(name), _number(response.value), _number(response.standard_error))
+        table.add_row(_text(name), _number(response.value), _number(response.standard_error))
     if evaluation.responses:
         console.print(table)
     for test, reason in evaluation.failures.items():
-        console.print(Text(f"{test} failed: {reason}", style="red"))
+        console.print(_text(f"{test} failed: {reason}", "red"))
     words = "known already" if evaluation.reused else f"{_duration(evaluation.seconds)}"
     console.print(f"Wall time: {words}", highlight=False)
     for folder in folders.values():
@@ -247,7 +265,7 @@ def print_measurement(console: Console, responses: Mapping[str, Response]) -> No
     """Print measured responses."""
     table = _table("response", "value", "standard error")
     for name, response in responses.items():
-        table.add_row(escape(name), _number(response.value), _number(response.standard_error))
+        table.add_row(_text(name), _number(response.value), _number(response.standard_error))
     console.print(table)
 
 
@@ -256,10 +274,10 @@ def print_error(console: Console, error: GrainfitError) -> None:
     if isinstance(error, InputError):
         for fault in error.faults:
             where = f"{error.source}: " if error.source else ""
-            console.print(Text(f"{where}{fault}", style="red"), soft_wrap=True)
+            console.print(_text(f"{where}{fault}", "red"), soft_wrap=True)
         return
-    console.print(Text(str(error), style="red"), soft_wrap=True)
+    console.print(_text(str(error), "red"), soft_wrap=True)
     if isinstance(error, RunFailedError) and error.log_tail:
         console.print("Last lines of its log:")
         for line in error.log_tail.splitlines():
-            console.print(Text(f"  | {line}"), soft_wrap=True)
+            console.print(_text(f"  | {line}"), soft_wrap=True)

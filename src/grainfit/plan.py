@@ -28,7 +28,9 @@ class Plan:
     parameters, targets : sequence
         What is free, and what has to be met.
     lines : tuple of str
-        Solvers, time step, cost, and what will be executed.
+        Solvers, time step, and cost.
+    executes : tuple of str
+        Programs and functions that a run executes.
     problems : tuple of str
         What keeps it from running; empty when nothing does.
     """
@@ -37,6 +39,7 @@ class Plan:
     parameters: Sequence[Parameter]
     targets: Sequence[Target]
     lines: tuple[str, ...]
+    executes: tuple[str, ...]
     problems: tuple[str, ...]
 
 
@@ -44,10 +47,13 @@ def describe_plan(assembly: Assembly) -> Plan:
     """Say what a calibration will do; starts no simulation and none of the user's code."""
     problems: list[str] = []
     lines: list[str] = []
+    executes: list[str] = []
     for test, solver in assembly.solvers.items():
         try:
+            # Before the check: it is shown whatever else is wrong.
+            executes += [f"test {test}: {line}" for line in solver.executes()]
             solver.check()
-            lines.append(f"Test {test}: {solver.name} {solver.version()}".rstrip() + " is ready.")
+            lines.append(_ready_line(test, solver))
             lines += _cost_lines(solver, assembly.problem)
         except GrainfitError as error:
             problems.append(f"Test {test}: {error}")
@@ -57,7 +63,21 @@ def describe_plan(assembly: Assembly) -> Plan:
     except InputError as error:
         problems += [str(fault) for fault in error.faults]
     problem = assembly.problem
-    return Plan(assembly.name, problem.parameters, problem.targets, tuple(lines), tuple(problems))
+    return Plan(
+        assembly.name,
+        problem.parameters,
+        problem.targets,
+        tuple(lines),
+        tuple(executes),
+        tuple(problems),
+    )
+
+
+def _ready_line(test: str, solver: Solver) -> str:
+    deck_solver = solver.solver if isinstance(solver, ParametersFor) else solver
+    if isinstance(deck_solver, DeckSolver) and deck_solver.executable is not None:
+        return f"Test {test}: {solver.name} is there; the first run asks it for its version."
+    return f"Test {test}: {solver.name} {solver.version()}".rstrip() + " is ready."
 
 
 def _rayleigh_lines(problem: Problem) -> Iterator[str]:

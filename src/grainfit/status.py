@@ -9,10 +9,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from grainfit.calibrate import RESULT_NAME
 from grainfit.campaign.records import CalibrationRecord, RequestRecord, RunRecord
 from grainfit.campaign.store import STORE_NAME, RunStore
-from grainfit.campaign.workdir import is_held
+from grainfit.campaign.workdir import RESULT_NAME, is_held
 from grainfit.errors import StoreError
 
 

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from grainfit.assemble import Assembly, ParametersFor, assemble
-from grainfit.calibrate import calibrate
+from grainfit.calibration import calibrate
 from grainfit.calibration_file import load_calibration_file
 from grainfit.errors import InputError
 from grainfit.solvers.base import Workspace

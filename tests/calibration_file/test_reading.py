@@ -15,11 +15,11 @@ from grainfit.calibration_file import (
     CalibrationFile,
     StrategyOptions,
     load_calibration_file,
-    starter_file,
 )
 from grainfit.calibration_file.bulk_tests import HEAP_OPTIONS, HEAP_TARGETS
 from grainfit.material import MATERIAL_PARAMETERS, ParticleSizes
 from grainfit.problem import Parameter, Target
+from grainfit.starter import starter_file
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 GLASS_BEADS = (EXAMPLES / "glass_beads" / "calibration.toml").read_text(encoding="utf-8")

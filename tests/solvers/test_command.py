@@ -582,11 +582,12 @@ def test_fixed_values_must_be_finite(tmp_path):
 # --- links and other oddities --------------------------------------------------------------------
 
 
-def test_link_to_a_file_counts_as_its_contents(tmp_path):
-    outside = tmp_path / "mesh.stl"
-    outside.write_text("first")
+def test_link_within_the_folder_counts_as_its_contents(tmp_path):
     folder = model_folder(tmp_path, model__py=f"x = 1\n{WRITE.format({'a': 1.0})}")
-    (folder / "mesh.stl").symlink_to(outside)
+    (folder / "meshes").mkdir()
+    original = folder / "meshes" / "fine.stl"
+    original.write_text("first")
+    (folder / "mesh.stl").symlink_to(original)
     solver = Command(folder, ["python3", "model.py"])
     solver.check()
     before = solver.definition({"x": 1.0}, 1)
@@ -595,7 +596,7 @@ def test_link_to_a_file_counts_as_its_contents(tmp_path):
 
     assert (where.folder / "mesh.stl").read_text() == "first"
     assert not (where.folder / "mesh.stl").is_symlink()
-    outside.write_text("second")
+    original.write_text("second")
     assert Command(folder, ["python3", "model.py"]).definition({"x": 1.0}, 1) != before
 
 

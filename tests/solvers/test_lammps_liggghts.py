@@ -132,7 +132,7 @@ class TestProgram:
     @pytest.mark.parametrize("solver_type", [Lammps, Liggghts])
     def test_another_program_is_not_taken_for_it(self, solver_type):
         with pytest.raises(SolverNotFoundError, match="does not run as"):
-            solver_type(SMALL, GLASS_BEADS, executable="true").check()
+            solver_type(SMALL, GLASS_BEADS, executable="true").definition({}, 1)
 
     def test_lammps_without_granular_is_said(self, tmp_path):
         program = tmp_path / "lmp"
@@ -143,7 +143,7 @@ class TestProgram:
         )
         program.chmod(program.stat().st_mode | stat.S_IXUSR)
         with pytest.raises(SolverNotFoundError, match="without the GRANULAR package"):
-            Lammps(SMALL, GLASS_BEADS, executable=str(program)).check()
+            Lammps(SMALL, GLASS_BEADS, executable=str(program)).definition({}, 1)
 
     @needs_liggghts
     def test_liggghts_refuses_a_low_restitution_before_any_run(self):

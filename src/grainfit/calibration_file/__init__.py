@@ -4,7 +4,6 @@ from grainfit.calibration_file.model import CalibrationFile, StrategyOptions, Te
 from grainfit.calibration_file.places import FileFault
 from grainfit.calibration_file.reading import load_calibration_file
 from grainfit.calibration_file.schema import calibration_file_schema, schema_path
-from grainfit.calibration_file.starter import starter_file
 
 __all__ = [
     "CalibrationFile",
@@ -14,5 +13,4 @@ __all__ = [
     "calibration_file_schema",
     "load_calibration_file",
     "schema_path",
-    "starter_file",
 ]

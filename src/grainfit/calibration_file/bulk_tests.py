@@ -6,7 +6,7 @@ from collections import Counter
 from dataclasses import dataclass
 from typing import Any
 
-from grainfit.calibration_file.files import Function, Located, Program, find_function
+from grainfit.calibration_file.files import Function, Located, Program, find_function_inside
 from grainfit.calibration_file.kinds import (
     Choice,
     Flag,
@@ -157,7 +157,7 @@ def _command(values: Values, place: Place) -> TestSpecification | None:
         )
     folder, evaluate = values.get("folder"), values.get("evaluate")
     if folder and evaluate:
-        values["evaluate"] = find_function(evaluate, folder, place.at("evaluate"))
+        values["evaluate"] = find_function_inside(evaluate, folder, place.at("evaluate"))
     return _specification(values, place)
 
 

@@ -9,6 +9,7 @@ from typing import Any
 from grainfit.calibration_file.kinds import Kind, Schema, Text
 from grainfit.calibration_file.places import Place, show
 from grainfit.errors import InputError
+from grainfit.solvers.model_folder import is_inside
 from grainfit.solvers.python_file import PythonFile
 
 
@@ -82,6 +83,28 @@ def find_function(reference: str, folder: Path, place: Place) -> str | None:
             place.fault(f"is {show(reference)}: {fault.message}", fault.remedy)
         return None
     return f"{function.path}:{function.function}"
+
+
+def find_function_inside(reference: str, folder: Path, place: Place) -> str | None:
+    """Find a function as `find_function` does, in a file that is in the folder itself.
+
+    Parameters
+    ----------
+    reference : str
+        ``"file.py:function"``.
+    folder : Path
+        The model's folder, of which a run sees a copy only.
+    place : Place
+        Of the reference.
+    """
+    written = Path(reference.rpartition(":")[0])
+    if ".." in written.parts or not is_inside(folder / written, folder):
+        place.fault(
+            f"is {show(reference)}, which is outside the model's folder.",
+            f"Put the file into {folder}.",
+        )
+        return None
+    return find_function(reference, folder, place)
 
 
 @dataclass(frozen=True)

@@ -16,6 +16,10 @@ from grainfit.errors import InputError
 from grainfit.problem import Parameter
 
 _LARGEST_FILE = 1_000_000
+# Python's TOML reader takes hours for a key of very many parts; three are all there are here.
+_DEEP_KEY = re.compile(
+    r"""(?<![\w"'-])(?:(?:[\w-]++|"(?:\\.|[^"\\\n])*+"|'[^'\n]*+')[ \t]*+\.[ \t]*+){33}"""
+)
 _NOT_TOML = "It must be a TOML file; docs/calibration_file.md shows one."
 
 
@@ -72,6 +76,10 @@ def _read_text(path: Path) -> str:
 
 
 def _parse(text: str, path: Path) -> dict[str, Any]:
+    deep = _DEEP_KEY.search(text)
+    if deep is not None:
+        start = text.count("\n", 0, deep.start()) + 1
+        raise _fault(path, "has a key of too many parts.", _NOT_TOML, start)
     try:
         return tomllib.loads(text)
     except RecursionError:

@@ -27,6 +27,7 @@ from grainfit.solvers.process import end_orphan
 #: came of it.
 Keep = Literal["all", "results"]
 RECORD_NAME = "run.json"
+RESULT_NAME = "result.json"
 PARTIAL_SUFFIX = ".partial"
 _KEPT_SUFFIXES = frozenset({".log", ".png", ".json"})
 #: A look at whether a folder is held takes its lock for a moment; nobody is refused for that.

@@ -91,3 +91,15 @@ class Solver(ABC):
     def version(self) -> str:
         """Version of the program behind it, for people and for the run's identity."""
         return ""
+
+    def executes(self) -> tuple[str, ...]:
+        """Say what a run executes, one line for each program or function, for people.
+
+        Nothing is executed to find out.
+
+        Raises
+        ------
+        SolverNotFoundError
+            A program is not there.
+        """
+        return ()

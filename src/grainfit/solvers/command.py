@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import shlex
 import shutil
 import sys
 import sysconfig
@@ -76,8 +77,8 @@ class Command(Solver):
     Raises
     ------
     InputError
-        The command is empty, the responses are outside the folder, or the evaluation names no
-        function in a file.
+        The command is empty, program or responses are outside the folder, or the evaluation names
+        no function in a file.
     """
 
     def __init__(
@@ -98,6 +99,15 @@ class Command(Solver):
                     "command",
                     f"is {command!r}.",
                     'Give program and arguments as a list: ["lmp", "-in", "in.deck"].',
+                )
+            )
+        if not Path(command[0]).is_absolute() and ".." in Path(command[0]).parts:
+            # It would be another file from the run's folder than from the model's.
+            raise InputError(
+                Fault(
+                    "command",
+                    f"{command[0]!r} is outside the model's folder.",
+                    "Put the program into the folder, or give its whole path.",
                 )
             )
         if Path(responses).is_absolute() or ".." in Path(responses).parts:
@@ -140,6 +150,16 @@ class Command(Solver):
         if (evaluation := self._evaluation()) is not None:
             evaluation.check()
         self._require_program()
+
+    def executes(self) -> tuple[str, ...]:
+        """Say which command runs, and which function evaluates the run."""
+        where = f"in a copy of {self._model.path.resolve()}"
+        program = _on_path(self._command[0]) or self._command[0]
+        lines = [f"{shlex.join([program, *self._command[1:]])}   ({where})"]
+        if (evaluation := self._evaluation()) is not None:
+            path = evaluation.path.resolve()
+            lines.append(f"{path}:{evaluation.function}   ({where}, in a Python process)")
+        return tuple(lines)
 
     def definition(self, parameters: Mapping[str, float], seed: int) -> dict[str, Any]:
         """Return the contents of all files, the command, all parameters and the seed.

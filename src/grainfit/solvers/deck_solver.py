@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import shlex
 import subprocess
 import tempfile
 from abc import abstractmethod
@@ -38,7 +39,8 @@ class DeckSolver(Solver):
     ranks : int
         MPI ranks of one run. Several runs at once use a machine better than several ranks.
     executable : str, optional
-        The program, where it is not found by its usual name.
+        The program, where it is not found by its usual name. It may be named in somebody else's
+        calibration file, so that `check` does not start it.
 
     Raises
     ------
@@ -120,6 +122,30 @@ class DeckSolver(Solver):
         except NotMeasurableError as error:
             tail = log_tail(folder / self._own_log)
             raise RunFailedError(str(error), tail, kind="evaluation") from error
+
+    def check(self) -> None:
+        """Raise `SolverNotFoundError` unless the program is there.
+
+        The one of the usual name is asked whether it is what it should be; one that was named is
+        asked by the first run only, when its version is wanted.
+        """
+        self.executes()
+        if self.executable is None:
+            self.version()
+
+    def executes(self) -> tuple[str, ...]:
+        """Say which command runs the decks; raises when a program of it is not there."""
+        return (shlex.join(self._command(Path(f"in.{self.name}"))),)
+
+    @abstractmethod
+    def version(self) -> str:
+        """Ask the program for its version.
+
+        Raises
+        ------
+        SolverNotFoundError
+            It is not there, or is not the program that the decks need.
+        """
 
     @abstractmethod
     def _command(self, deck: Path) -> list[str]:

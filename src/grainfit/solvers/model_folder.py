@@ -7,12 +7,14 @@ import os
 import shutil
 import stat
 from collections.abc import Callable, Iterator
+from itertools import islice
 from pathlib import Path, PurePosixPath
 
 from grainfit.errors import Fault, InputError
 
 #: The folder is copied for every run.
 LARGEST_FOLDER_BYTES = 200_000_000
+MOST_FILES = 20_000
 _SKIPPED_FOLDERS = frozenset({"__pycache__"})
 
 
@@ -21,8 +23,10 @@ class ModelFolder:
 
     All regular files are part of the model, in subfolders too. Not part of it are: names that
     start with a dot, ``__pycache__``, work folders of calibrations, and the files that grainfit or
-    the run writes anew (`ignored`). A link to a file counts as a file of its own with the contents
-    of what it points to; links to folders, broken links and special files are faults.
+    the run writes anew (`ignored`). A link to another file of the folder counts as a file of its
+    own with the contents of what it points to. Links that lead out of the folder are faults, since
+    a folder from somebody else would have any file of yours copied, and so are links to folders,
+    broken links and special files.
 
     Parameters
     ----------
@@ -41,6 +45,15 @@ class ModelFolder:
         if not self.path.is_dir():
             raise InputError(
                 Fault("folder", "does not exist.", "Give the folder of your model."), str(self.path)
+            )
+        if sum(1 for _ in islice(self._walk(), MOST_FILES + 1)) > MOST_FILES:
+            raise InputError(
+                Fault(
+                    "folder",
+                    f"holds more than {MOST_FILES} files and is copied for every run.",
+                    "Is it the folder of your model? Leave only what a run reads.",
+                ),
+                str(self.path),
             )
         faults = [
             Fault(name, problem, "Put a copy of the files there instead.")
@@ -85,10 +98,13 @@ class ModelFolder:
         Raises
         ------
         InputError
-            The file cannot be read.
+            The file cannot be read, or is outside the folder.
         """
+        path = self.path / name
+        if not self._is_inside(path):
+            raise InputError(Fault(name, "is outside the folder."), str(self.path))
         try:
-            return (self.path / name).read_bytes()
+            return path.read_bytes()
         except OSError as error:
             raise InputError(
                 Fault(name, f"cannot be read: {error.strerror}."), str(self.path)
@@ -114,6 +130,11 @@ class ModelFolder:
                 yield name, "is a link to a folder."
             elif not stat.S_ISREG(mode):
                 yield name, "is not a regular file."
+            elif not self._is_inside(path):
+                yield name, f"is a link to {path.resolve()}, which is outside the folder."
+
+    def _is_inside(self, path: Path) -> bool:
+        return is_inside(path, self.path)
 
     def _walk(self) -> Iterator[tuple[str, Path]]:
         """All that is not a folder itself; links to folders are not entered."""
@@ -125,6 +146,12 @@ class ModelFolder:
                 if not name.startswith("."):
                     path = base / name
                     yield str(PurePosixPath(path.relative_to(self.path))), path
+
+
+def is_inside(path: Path, folder: Path) -> bool:
+    """Whether a path is in a folder, wherever links on the way lead."""
+    # Unlike Path.resolve, this takes links that go round in circles.
+    return Path(os.path.realpath(path)).is_relative_to(os.path.realpath(folder))
 
 
 def _is_skipped(folder: Path) -> bool:

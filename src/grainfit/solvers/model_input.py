@@ -11,6 +11,7 @@ from types import SimpleNamespace
 from typing import Any, TypeVar
 
 import jinja2
+import jinja2.nodes
 from jinja2.sandbox import SandboxedEnvironment
 
 from grainfit.errors import Fault, InputError
@@ -90,6 +91,7 @@ class Templates:
 
     def __init__(self, read: Callable[[str], bytes], source: str) -> None:
         self._source = source
+        self._read = read
 
         def load(name: str) -> str | None:
             try:
@@ -97,7 +99,7 @@ class Templates:
             except InputError:
                 return None
 
-        # The sandbox keeps a template from taking for ever, and from more than formatting values.
+        # A template may come from somebody else: it is to format values and reach nothing else.
         self._environment = SandboxedEnvironment(
             undefined=jinja2.StrictUndefined,
             keep_trailing_newline=True,
@@ -112,11 +114,26 @@ class Templates:
         InputError
             The file is no text, or has a syntax error.
         """
-        self._guarded(name, lambda: self._environment.get_template(name))
+        self._guarded(name, lambda: self._parse(self._read(name).decode("utf-8"), name))
 
     def check_text(self, text: str, where: str) -> None:
         """Raise `InputError` unless a text is a valid template."""
-        self._guarded(where, lambda: self._environment.from_string(text))
+        self._guarded(where, lambda: self._parse(text, where))
+
+    def _parse(self, text: str, name: str) -> None:
+        """Parse only: Jinja2 calculates constants as it compiles; 9**(9**9) takes for ever."""
+        tree = self._environment.parse(text, name)
+        known: Mapping[str, Any]
+        for kind, known in (
+            (jinja2.nodes.Filter, self._environment.filters),
+            (jinja2.nodes.Test, self._environment.tests),
+        ):
+            for node in tree.find_all(kind):
+                if node.name not in known:
+                    word = kind.__name__.lower()
+                    raise jinja2.TemplateAssertionError(
+                        f"No {word} named {node.name!r}.", node.lineno, name
+                    )
 
     def fill(self, name: str, context: Mapping[str, Any]) -> str:
         """Fill in a file of the model.

@@ -111,6 +111,13 @@ class PythonCallable(Solver):
         if isinstance(self._function, PythonFile):
             self._function.check()
 
+    def executes(self) -> tuple[str, ...]:
+        """Say which function of which file is called."""
+        if not isinstance(self._function, PythonFile):
+            return ()
+        path = self._function.path.resolve()
+        return (f"{path}:{self._function.function}   (within grainfit itself)",)
+
     def definition(self, parameters: Mapping[str, float], seed: int) -> dict[str, Any]:
         """Return the function's identity, the parameters and the seed."""
         return {

@@ -6,6 +6,7 @@ import ast
 import hashlib
 import sys
 import threading
+import warnings
 from functools import cached_property
 from pathlib import Path
 from types import ModuleType
@@ -76,7 +77,14 @@ class PythonFile:
         Nothing in the file is executed.
         """
         try:
-            tree = ast.parse(self.source, str(self.path))
+            with warnings.catch_warnings():
+                # What Python thinks of the user's style is said when the file is executed.
+                warnings.simplefilter("ignore")
+                tree = ast.parse(self.source, str(self.path))
+        except (RecursionError, MemoryError):
+            raise InputError(
+                Fault("", "is nested too deeply for Python.", "Simplify it."), str(self.path)
+            ) from None
         except (SyntaxError, ValueError) as error:
             line = getattr(error, "lineno", None)
             raise InputError(

@@ -15,7 +15,7 @@ from grainfit.campaign.runner import Campaign, CampaignOptions, response_name
 from grainfit.campaign.shared import share
 from grainfit.campaign.sources import open_source, take_runs
 from grainfit.campaign.store import RunStore
-from grainfit.campaign.workdir import Keep, hold, recover
+from grainfit.campaign.workdir import RESULT_NAME, Keep, hold, recover
 from grainfit.conversation import Conversation, ConversationOptions
 from grainfit.errors import Fault, InputError
 from grainfit.problem import Problem
@@ -28,8 +28,6 @@ from grainfit.strategies.sequential import Preference
 from grainfit.verification import usual_verification_runs
 
 Simulate = Callable[[dict[str, float], int], Mapping[str, Any]] | Solver | Mapping[str, Solver]
-
-RESULT_NAME = "result.json"
 
 
 def calibrate(
