@@ -1,0 +1,130 @@
+"""A work folder with many finished runs: how long status, going on and learning from them take.
+
+The runs are those of the heap test, with definitions as LAMMPS has them and a folder each.
+
+Usage: python benchmarks/scale.py [--runs N] [--json PATH]
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Callable
+from contextlib import closing
+from pathlib import Path
+
+from rich.progress import track
+
+from grainfit.assemble import Assembly, assemble
+from grainfit.calibration_file import load_calibration_file
+from grainfit.campaign.evaluation import Proposal
+from grainfit.campaign.identity import run_identity
+from grainfit.campaign.known import most_telling, runs_of
+from grainfit.campaign.records import RequestRecord, RunRecord
+from grainfit.campaign.runner import Campaign, CampaignOptions
+from grainfit.campaign.store import RunStore
+from grainfit.campaign.workdir import RECORD_NAME, hold, recover, run_folder
+from grainfit.sampling import maximin_latin_hypercube
+from grainfit.solvers.base import Response
+from grainfit.status import read_status
+
+EXAMPLE = Path(__file__).parents[1] / "examples" / "glass_beads" / "calibration.toml"
+#: Each of them is to take less than this, s.
+GOAL = 1.0
+
+
+def fill(folder: Path, assembly: Assembly, count: int) -> list[Proposal]:
+    """Write a work folder as a calibration of so many runs leaves it."""
+    [(test, solver)] = assembly.solvers.items()
+    cube = maximin_latin_hypercube(100, assembly.problem.dimension, 1)
+    proposals = [
+        Proposal(assembly.problem.from_unit(cube[number % 100]), 1 + number, "design")
+        for number in range(count)
+    ]
+    with closing(RunStore.in_folder(folder)) as store:
+        store.begin_calibration("scale", assembly.name, {})
+        records = []
+        for position, proposal in enumerate(track(proposals, "writing"), start=1):
+            definition = solver.definition(proposal.parameters, proposal.seed)
+            identity = run_identity(definition)
+            responses = {"bulk_density": Response(1500.0), "angle_of_repose": Response(22.0, 0.3)}
+            record = RunRecord(
+                identity, test, "finished", definition, responses, seconds=6.0, ended=position
+            )
+            records.append(record)
+            run_folder(folder, identity).mkdir(parents=True)
+            text = json.dumps(record.to_json())
+            (run_folder(folder, identity) / RECORD_NAME).write_text(text)
+            store.add_request(
+                "scale",
+                RequestRecord(
+                    position, "design", dict(proposal.parameters), proposal.seed, {test: identity}
+                ),
+            )
+        store.save_many(records)
+    return proposals
+
+
+def resume(folder: Path, assembly: Assembly) -> None:
+    """Open the work folder, read the history, and answer all of it from the store."""
+    with hold(folder), closing(RunStore.in_folder(folder)) as store:
+        recover(folder, store)
+        campaign = Campaign(assembly.solvers, store, folder, CampaignOptions())
+        requests = store.requests("scale")
+        campaign.fetch([run for request in requests for run in request.runs.values()])
+        for request in requests:
+            campaign.start(Proposal(request.parameters, request.seed, request.stage))
+            [evaluation] = campaign.wait()
+            assert evaluation.reused
+        campaign.close()
+
+
+def learn(folder: Path, assembly: Assembly) -> None:
+    """Read all runs and recognise those of the problem."""
+    with closing(RunStore.read_only(folder)) as store:
+        known = runs_of(assembly.problem, assembly.solvers, store.runs())
+    assert most_telling(assembly.problem, known)
+
+
+def command(folder: Path) -> None:
+    """Run the command as a user does, the start of Python included."""
+    program = [sys.executable, "-m", "grainfit", "status", str(folder)]
+    subprocess.run(program, check=True, capture_output=True)
+
+
+def seconds(work: Callable[[], object]) -> float:
+    started = time.perf_counter()
+    work()
+    return time.perf_counter() - started
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--runs", type=int, default=10_000)
+    parser.add_argument("--json", type=Path)
+    options = parser.parse_args()
+    assembly = assemble(load_calibration_file(EXAMPLE))
+    for solver in assembly.solvers.values():
+        solver.version()
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        fill(folder, assembly, options.runs)
+        figures = {
+            "status": seconds(lambda: read_status(folder)),
+            "grainfit status": seconds(lambda: command(folder)),
+            "going on": seconds(lambda: resume(folder, assembly)),
+            "learning": seconds(lambda: learn(folder, assembly)),
+        }
+    print(f"{options.runs:,} finished runs (goal: under {GOAL:g} s each)")
+    for name, took in figures.items():
+        print(f"{name:16} {took:6.2f} s")
+    if options.json:
+        options.json.write_text(json.dumps(figures))
+
+
+if __name__ == "__main__":
+    main()
