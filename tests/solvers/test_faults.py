@@ -7,10 +7,12 @@ from __future__ import annotations
 
 import os
 import shutil
+import signal
 import subprocess
 import sys
 import threading
 import time
+from contextlib import suppress
 from pathlib import Path
 
 import pytest
@@ -78,6 +80,22 @@ def is_running(pid: str) -> bool:
     except OSError:
         return False
     return status.rpartition(")")[2].split()[0] != "Z"
+
+
+def working_in(folder: Path) -> list[int]:
+    found = []
+    for process in Path("/proc").glob("[0-9]*"):
+        with suppress(OSError):
+            if (process / "cwd").readlink() == folder:
+                found.append(int(process.name))
+    return found
+
+
+def program(pid: int) -> str:
+    try:
+        return str(Path(f"/proc/{pid}/exe").readlink())
+    except OSError:
+        return ""
 
 
 # --- the program cannot be started ---------------------------------------------------------------
@@ -174,9 +192,9 @@ def test_rank_that_is_killed_is_told_from_the_ranks_that_the_launcher_ends(
 ):
     if shutil.which(launcher[0]) is None:
         pytest.skip(f"{launcher[0]} is not installed")
-    rank = (
-        f"ulimit -c 0; [ ${{PMI_RANK:-$OMPI_COMM_WORLD_RANK}} = 1 ] && kill -{number} $$; sleep 60"
-    )
+    # A rank that dies while Hydra still starts the others leaves it without a word.
+    crash = f"{{ sleep 0.3; kill -{number} $$; }}"
+    rank = f"ulimit -c 0; [ ${{PMI_RANK:-$OMPI_COMM_WORLD_RANK}} = 1 ] && {crash}; sleep 60"
     solver = Command(model(tmp_path), [*launcher, "-n", "2", "sh", "-c", rank])
     error = failure(solver, tmp_path / "run")
 
@@ -219,6 +237,8 @@ def test_launcher_that_cannot_start_the_solver(tmp_path, launcher):
         (137, "ERROR on proc 1: Neighbor list overflow\nsigned off\n", "simulation", "overflow"),
         (255, "last words", "simulation", "ended with exit code 255: last words"),
         (-11, "", "simulation", "was killed by SIGSEGV"),
+        (254, "last words", "simulation", "ended with exit code 254"),
+        (15, "Fatal error in internal_Wait: Other MPI error, error stack:", "machine", "lost one"),
         (134, "slurmstepd: Detected 1 oom_kill event in StepId=1.0", "machine", "memory"),
         (1, "ERROR on proc 0: Failed to allocate 80000000000 bytes", "machine", "memory"),
         (1, "lmp: error while loading shared libraries: libmpi.so.12", "machine", "started"),
@@ -251,7 +271,8 @@ def test_words_for_a_missing_licence(line):
 @pytest.mark.parametrize(
     "line",
     [
-        "This program is distributed under the GNU General Public License; no warranty.",
+        "This program comes with NO WARRANTY: see the GNU General Public License.",
+        "There is no warranty, GNU license 2.",
         "License check out successful: feature dem_solver",
         "Per MPI rank memory allocation (min/avg/max) = 3.7 | 3.7 | 3.7 Mbytes",
         "ERROR: Lost atoms: original 400 current 0",
@@ -433,7 +454,8 @@ def rename_what_it_is_in(folder: Path) -> None:
 @pytest.mark.parametrize("phase", ["simulation", "evaluation"])
 def test_run_ends_soon_after_its_folder_was_taken_away(tmp_path, take_away, phase):
     note = tmp_path / "pid"
-    wait = f"import os, time\nopen({str(note)!r}, 'w').write(str(os.getpid()))\ntime.sleep(60)\n"
+    # It does not keep the folder alive by working in it.
+    wait = f"import os, time\nos.chdir('/')\nopen({str(note)!r}, 'w').write(str(os.getpid()))\ntime.sleep(60)\n"
     if phase == "simulation":
         solver = Command(
             model(tmp_path, wait__py=f"print('first words', flush=True)\n{wait}"),
@@ -461,7 +483,7 @@ def test_run_ends_soon_after_its_folder_was_taken_away(tmp_path, take_away, phas
     thread.join()
 
     assert (error.kind, error.reason) == ("machine", REMOVED)
-    assert ended - taken[0] < 1.5
+    assert ended - taken[0] < 2.0
     assert not Path(f"/proc/{note.read_text()}").exists()
     assert error.log_tail == ("first words" if phase == "simulation" else "")
     assert not folder.exists() or list(folder.iterdir()) == []
@@ -473,6 +495,24 @@ def test_program_that_takes_its_own_folder_away(tmp_path):
         solver = shell(tmp_path / str(number), f'ulimit -c 0; rm -r "$PWD"; {end}')
         error = failure(solver, tmp_path / f"run {number}")
         assert (error.kind, error.reason) == ("machine", REMOVED)
+
+
+@pytest.mark.parametrize(("number", "kind"), [(9, "machine"), (11, "simulation")])
+def test_signal_that_kills_a_real_solver_is_seen_through_what_started_it(tmp_path, number, kind):
+    def kill() -> None:
+        while not (found := [pid for pid in working_in(tmp_path) if program(pid).endswith("/lmp")]):
+            time.sleep(0.01)
+        time.sleep(0.3)
+        os.kill(found[0], number)
+
+    thread = threading.Thread(target=kill)
+    thread.start()
+    error = failure(heap(Lammps, material={"particle.youngs_modulus": 1e8}), tmp_path)
+    thread.join()
+
+    assert error.kind == kind
+    assert signal.Signals(number).name in error.reason
+    assert "Neighbor list info" in error.log_tail
 
 
 @each_solver
@@ -491,6 +531,7 @@ def test_real_solver_whose_folder_is_removed(solver_type, tmp_path):
 # --- hangs and clocks ----------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("launcher", LAUNCHERS)
 def test_ranks_that_will_not_end_are_gone_when_the_run_is(tmp_path, launcher):
     if shutil.which(launcher[0]) is None:

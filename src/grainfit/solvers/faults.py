@@ -17,8 +17,14 @@ from pathlib import Path
 from grainfit.errors import FailureKind
 
 _LONGEST_LINE = 200
-#: Exit codes of a shell (and of what starts programs as a shell does): this plus the signal.
+#: Exit code of a shell (and of what starts programs as a shell does): this plus the signal.
 _SIGNAL_CODES = 128
+#: Exit code of what starts programs from Python, as the ``lmp`` that pip installs: this minus the
+#: signal. Only the usual ends: programs of other languages end with -1 or -2 for reasons of theirs.
+_NEGATED_CODES = 256
+_USUAL_ENDS = tuple(
+    getattr(signal, f"SIG{name}") for name in ("SEGV", "KILL", "ABRT", "BUS", "FPE", "ILL", "TERM")
+)
 _NOT_STARTED_CODES = (126, 127)
 
 _DISK = re.compile(
@@ -45,9 +51,13 @@ _TERMS = re.compile(
 )
 _NOT_STARTED = re.compile(
     r"execvp error|unable to (find|launch) the specified|error while loading shared libraries"
-    r"|^\S+: (line )?\d+: .*: (not found|command not found|permission denied|exec format error)"
+    r"|^\S+: (line )?\d+: .*: (not found|command not found|exec format error)"
     r"|^\S+: (line )?\d+: (exec: )?\S+: (not found|cannot execute)",
     re.IGNORECASE,
+)
+#: An MPI that lost a rank without learning why.
+_RANK_LOST = re.compile(
+    r"process manager error|Fatal error in \w+: Other MPI error|has lost communication with"
 )
 _NAMES = {
     "Segmentation fault": signal.SIGSEGV,
@@ -115,6 +125,9 @@ def cause_of_exit(program: str, code: int, log: str) -> Cause:
     number = 0 if words.startswith("ERROR") else _reported_signal(code, log)
     if number:
         return _cause_of_signal(f"{name} ended because one of its processes was killed by", number)
+    if not words.startswith("ERROR"):
+        for line in filter(_RANK_LOST.search, _lines(log)):
+            return Cause(f"{name} lost one of its processes: {line}", "machine")
     said = f": {words}" if words else ""
     return Cause(f"{name} ended with exit code {code}{said}", "simulation")
 
@@ -163,6 +176,8 @@ def _reported_signal(code: int, log: str) -> int:
     reported = list(_signals_in(log))
     if code - _SIGNAL_CODES in set(signal.Signals):
         reported.append(code - _SIGNAL_CODES)
+    if _NEGATED_CODES - code in _USUAL_ENDS:
+        reported.append(_NEGATED_CODES - code)
     # A launcher kills the other ranks when one has crashed, and may report them first.
     own = [number for number in reported if number not in _OUTSIDE]
     return next(iter(own or reported), 0)
