@@ -27,6 +27,7 @@ from grainfit.solvers.lammps import Lammps
 from grainfit.solvers.liggghts import Liggghts
 from grainfit.solvers.process import PROCESS_NAME, run_process
 from grainfit.solvers.python_callable import PythonCallable
+from grainfit.solvers.run_folder import RunFolder
 from grainfit.testing.materials import GLASS_BEADS
 
 PYTHON = sys.executable
@@ -441,7 +442,7 @@ def rename(folder: Path) -> None:
 
 
 def replace(folder: Path) -> None:
-    """Many file systems give the new folder the number that the old one had."""
+    """Many file systems give the new folder the inode number that the old one had."""
     shutil.rmtree(folder)
     folder.mkdir()
 
@@ -454,8 +455,7 @@ def rename_what_it_is_in(folder: Path) -> None:
 @pytest.mark.parametrize("phase", ["simulation", "evaluation"])
 def test_run_ends_soon_after_its_folder_was_taken_away(tmp_path, take_away, phase):
     note = tmp_path / "pid"
-    # It does not keep the folder alive by working in it.
-    wait = f"import os, time\nos.chdir('/')\nopen({str(note)!r}, 'w').write(str(os.getpid()))\ntime.sleep(60)\n"
+    wait = f"import os, time\nopen({str(note)!r}, 'w').write(str(os.getpid()))\ntime.sleep(60)\n"
     if phase == "simulation":
         solver = Command(
             model(tmp_path, wait__py=f"print('first words', flush=True)\n{wait}"),
@@ -487,6 +487,15 @@ def test_run_ends_soon_after_its_folder_was_taken_away(tmp_path, take_away, phas
     assert not Path(f"/proc/{note.read_text()}").exists()
     assert error.log_tail == ("first words" if phase == "simulation" else "")
     assert not folder.exists() or list(folder.iterdir()) == []
+
+
+def test_folder_that_is_given_the_number_of_the_one_before_is_told_from_it(tmp_path):
+    folder = tmp_path / "run"
+    folder.mkdir()
+    with RunFolder(folder) as watched:
+        assert not watched.is_gone()
+        replace(folder)
+        assert watched.is_gone()
 
 
 def test_program_that_takes_its_own_folder_away(tmp_path):
