@@ -228,6 +228,12 @@ class TestMeasure:
         with pytest.raises(RunFailedError, match="unstable in the lift stage"):
             HeapTest(MONOSIZE).measure(tmp_path)
 
+    @pytest.mark.parametrize("energy", ["nan", "-nan", "inf"])
+    def test_an_energy_that_is_no_number_is_an_explosion_too(self, tmp_path, energy):
+        self.write_run(tmp_path, [f"STAGE heap restless 9000 1500 {energy}"])
+        with pytest.raises(RunFailedError, match=r"unstable in the heap stage .*(nan|inf) J"):
+            HeapTest(MONOSIZE).measure(tmp_path)
+
     def test_particles_that_break_out_are_counted(self, tmp_path):
         self.write_run(tmp_path, ["STAGE fill broken 2000 1490 1e-05"])
         with pytest.raises(RunFailedError, match="10 of 1500 particles broke out"):

@@ -29,7 +29,13 @@ from grainfit.solvers.model_input import (
     variable_name,
     write_parameters,
 )
-from grainfit.solvers.process import LOG_NAME, PROCESS_NAME, log_tail, run_process
+from grainfit.solvers.process import (
+    LOG_NAME,
+    PROCESS_NAME,
+    log_tail,
+    recorded_faults,
+    run_process,
+)
 from grainfit.solvers.python_file import PythonFile
 
 RESPONSES_NAME = "responses.json"
@@ -199,15 +205,13 @@ class Command(Solver):
         values = self._values(parameters)
         self._require_mentioned(parameters)
         started = time.monotonic()
-        command = self._prepare(values, int(seed), workspace.folder)
-        try:
+        with recorded_faults(workspace):
+            command = self._prepare(values, int(seed), workspace.folder)
             run_process(command, workspace)
-        except RunFailedError as error:
-            raise _with_last_words(error) from error
-        evaluation = self._evaluation()
-        if evaluation is not None:
-            self._measure(evaluation, workspace, started)
-        return self._read_responses(workspace.folder, evaluation)
+            evaluation = self._evaluation()
+            if evaluation is not None:
+                self._measure(evaluation, workspace, started)
+            return self._read_responses(workspace.folder, evaluation)
 
     def _values(self, parameters: Mapping[str, float]) -> dict[str, float]:
         return {**self._fixed, **finite_parameters(parameters)}
@@ -389,15 +393,6 @@ class Command(Solver):
         left = sorted(path.name for path in folder.iterdir() if path.name not in known)
         more = ", ..." if len(left) > _NAMED_FILES else ""
         return ", ".join(left[:_NAMED_FILES]) + more
-
-
-def _with_last_words(error: RunFailedError) -> RunFailedError:
-    """Add what the program itself said to "ended with exit code 1"."""
-    lines = [line.strip() for line in error.log_tail.splitlines() if line.strip()]
-    if not lines or "exit code" not in error.reason:
-        return error
-    words = next((line for line in lines if line.startswith("ERROR")), lines[-1])
-    return RunFailedError(f"{error.reason}: {words}", error.log_tail, error.kind)
 
 
 def _on_path(program: str) -> str | None:

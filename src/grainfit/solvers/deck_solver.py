@@ -22,7 +22,7 @@ from grainfit.errors import (
 )
 from grainfit.material import MATERIAL_PARAMETERS
 from grainfit.solvers.base import Response, Solver, Workspace
-from grainfit.solvers.process import LOG_NAME, log_tail, run_process
+from grainfit.solvers.process import LOG_NAME, log_tail, recorded_faults, run_process
 
 _HELP_SECONDS = 60.0
 
@@ -108,20 +108,29 @@ class DeckSolver(Solver):
         RunFailedError
             The program failed, the simulation went wrong, or a response cannot be measured.
         """
-        folder = workspace.folder
-        deck = self.test.write_deck(folder, self.name, self.all_parameters(parameters), seed)
+        material = self.all_parameters(parameters)
+        with recorded_faults(workspace):
+            deck = self.test.write_deck(workspace.folder, self.name, material, seed)
+            self._simulate(deck, workspace)
+            try:
+                return self.test.measure(workspace.folder)
+            except NotMeasurableError as error:
+                tail = log_tail(workspace.folder / self._own_log)
+                raise RunFailedError(str(error), tail, kind="evaluation") from error
+
+    def _simulate(self, deck: Path, workspace: Workspace) -> None:
+        """Run the program; in its own words where it fails, if it has any."""
+        own_log = workspace.folder / self._own_log
         try:
             run_process(self._command(deck), workspace)
         except RunFailedError as error:
-            message = _error_line(folder / LOG_NAME) or _error_line(folder / self._own_log)
+            message = _error_line(workspace.folder / LOG_NAME) or _error_line(own_log)
+            reason = f"{self.name}: {message}"
             if error.kind != "simulation" or not message:
-                raise
-            raise RunFailedError(f"{self.name}: {message}", error.log_tail) from error
-        try:
-            return self.test.measure(folder)
-        except NotMeasurableError as error:
-            tail = log_tail(folder / self._own_log)
-            raise RunFailedError(str(error), tail, kind="evaluation") from error
+                reason = error.reason
+            # What a program has not written out when it is killed is in no log of ours.
+            tail = error.log_tail or log_tail(own_log)
+            raise RunFailedError(reason, tail, error.kind) from error
 
     def check(self) -> None:
         """Raise `SolverNotFoundError` unless the program is there.

@@ -7,16 +7,25 @@ import os
 import signal
 import subprocess
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
 from pathlib import Path
+from typing import NamedTuple
 
-from grainfit.errors import RunFailedError
+from grainfit.errors import RunFailedError, SolverNotFoundError
 from grainfit.solvers.base import Workspace
+from grainfit.solvers.faults import Cause, cause_of_exit, machine_error, machine_fault
+from grainfit.solvers.run_folder import REMOVED, RunFolder
 
 LOG_NAME = "solver.log"
 PROCESS_NAME = "process.json"
 _POLL_SECONDS = 0.02
 _GRACE_SECONDS = 2.0
+#: How often the folder is looked for.
+_WATCH_SECONDS = 0.5
+#: How much of the end of a log is searched for causes, and how much is kept.
+_LOG_BYTES = 65536
+_TAIL_CHARACTERS = 8192
 
 
 def run_process(
@@ -29,17 +38,19 @@ def run_process(
 
     Standard output and error go to a log in the folder, ``solver.log`` unless another name is
     given. No shell is involved. The process leads its own group, so that a time-out or Ctrl-C ends
-    all of its MPI ranks too.
+    all of its MPI ranks too. The same happens soon after the folder was removed or renamed.
 
     Raises
     ------
     RunFailedError
         The program cannot be started, ends with a non-zero code, is killed by a signal, takes
-        longer than the workspace allows, or is cancelled.
+        longer than the workspace allows, loses its folder, or is cancelled.
+    OSError
+        The folder cannot be written; see `recorded_faults`.
     """
-    log_path = workspace.folder / log_name
     started = time.monotonic()
-    with log_path.open("wb") as log:
+    # Read back through the open file, which outlives its removal.
+    with RunFolder(workspace.folder) as folder, (workspace.folder / log_name).open("w+b") as log:
         try:
             process = subprocess.Popen(
                 list(command),
@@ -58,69 +69,161 @@ def run_process(
             ) from error
         try:
             _note_process(workspace.folder, process.pid)
-            _wait(process, workspace, started, log_path)
+            stopped = _wait(process, workspace, started, folder)
         finally:
-            end_process_group(process.pid)
-            process.wait()
-            (workspace.folder / PROCESS_NAME).unlink(missing_ok=True)
-    _raise_for_exit(process.returncode, command[0], log_path)
+            _end(process)
+            with suppress(OSError):
+                (workspace.folder / PROCESS_NAME).unlink()
+        text = _end_of(log.fileno())
+        if stopped is None and process.returncode != 0:
+            # Without its folder a program ends for all kinds of reasons, of which this is the one.
+            gone = Cause(REMOVED, "machine") if folder.is_gone() else None
+            stopped = gone or cause_of_exit(command[0], process.returncode, text)
+    if stopped is not None:
+        raise RunFailedError(stopped.reason, _last_lines(text), stopped.kind)
     return time.monotonic() - started
 
 
+@contextmanager
+def recorded_faults(workspace: Workspace) -> Iterator[None]:
+    """Turn what fails within into a `RunFailedError` that says what it comes from.
+
+    A full disk shows as a file cut short, a folder that is gone as a missing one, and a solver
+    that got no licence may end with exit code 0 all the same: the responses that cannot be measured
+    then are the machine's fault.
+    """
+    path = workspace.folder
+    try:
+        with RunFolder(path) as folder:
+            try:
+                yield
+            except RunFailedError as error:
+                reason = "" if error.kind == "cancelled" else folder.fault()
+                if not reason and error.kind == "evaluation":
+                    reason = machine_fault(_text(path / LOG_NAME))
+                if not reason or reason == error.reason:
+                    raise
+                raise RunFailedError(reason, error.log_tail, "machine") from error
+            except SolverNotFoundError as error:
+                raise RunFailedError(str(error), kind="machine") from error
+            except (OSError, MemoryError) as error:
+                reason = folder.fault() or machine_error(error)
+                if not reason and isinstance(error, OSError):
+                    reason = f"its folder cannot be used: {error}"
+                tail = log_tail(path / LOG_NAME)
+                raise RunFailedError(reason, tail, "machine") from error
+    except OSError as error:
+        raise RunFailedError(f"its folder cannot be used: {error}", kind="machine") from error
+
+
 def _wait(
-    process: subprocess.Popen[bytes], workspace: Workspace, started: float, log_path: Path
-) -> None:
+    process: subprocess.Popen[bytes], workspace: Workspace, started: float, folder: RunFolder
+) -> Cause | None:
+    """Wait for the end of a process; return why it must be ended before, if it must."""
     delay = _POLL_SECONDS / 10
+    watched = started
     while process.poll() is None:
+        now = time.monotonic()
         if workspace.cancelled.is_set():
-            raise RunFailedError("stopped by the user", kind="cancelled")
-        if workspace.timeout is not None and time.monotonic() - started > workspace.timeout:
-            raise RunFailedError(
-                f"took longer than its time-out of {workspace.timeout:g} s and was ended",
-                log_tail(log_path),
-                "timeout",
-            )
+            return Cause("stopped by the user", "cancelled")
+        if workspace.timeout is not None and now - started > workspace.timeout:
+            reason = f"took longer than its time-out of {workspace.timeout:g} s and was ended"
+            return Cause(reason, "timeout")
+        if now - watched > _WATCH_SECONDS:
+            if folder.is_gone():
+                return Cause(REMOVED, "machine")
+            watched = now
         time.sleep(delay)
         delay = min(delay * 2, _POLL_SECONDS)
-
-
-def _raise_for_exit(code: int, program: str, log_path: Path) -> None:
-    if code == 0:
-        return
-    name = Path(program).name
-    if code < 0:
-        try:
-            reason = f"{name} was killed by {signal.Signals(-code).name}"
-        except ValueError:
-            reason = f"{name} was killed by signal {-code}"
-        # An outside kill (out of memory, a person) is the machine's doing; a fault is the deck's.
-        outside = -code in (signal.SIGKILL, signal.SIGTERM, signal.SIGHUP, signal.SIGINT)
-        raise RunFailedError(reason, log_tail(log_path), "machine" if outside else "simulation")
-    raise RunFailedError(f"{name} ended with exit code {code}", log_tail(log_path))
+    return None
 
 
 def log_tail(path: Path, lines: int = 20) -> str:
     """Return the last lines of a log, or an empty text when there is none."""
+    return _last_lines(_text(path), lines)
+
+
+def _text(path: Path) -> str:
+    """Return the end of a log, or an empty text when there is none."""
     try:
         with path.open("rb") as file:
-            file.seek(0, os.SEEK_END)
-            file.seek(max(0, file.tell() - 8192))
-            text = file.read().decode("utf-8", errors="replace")
+            return _end_of(file.fileno())
     except OSError:
         return ""
-    return "\n".join(text.splitlines()[-lines:])
+
+
+def _end_of(file: int) -> str:
+    # The place in an open file is shared with the program that writes it: it is left alone.
+    size = os.fstat(file).st_size
+    start = max(0, size - _LOG_BYTES)
+    return os.pread(file, size - start, start).decode("utf-8", errors="replace")
+
+
+def _last_lines(text: str, lines: int = 20) -> str:
+    return "\n".join(text[-_TAIL_CHARACTERS:].splitlines()[-lines:])
+
+
+def _end(process: subprocess.Popen[bytes]) -> None:
+    end_process_group(process.pid)
+    # A process that waits for a disk that does not answer cannot even be killed.
+    with suppress(subprocess.TimeoutExpired):
+        process.wait(_GRACE_SECONDS)
 
 
 def end_process_group(leader: int) -> None:
-    """End a process group: ask first, then kill; does nothing when it is gone already."""
+    """End a process group and all that it started: ask first, then kill.
+
+    MPI launchers give their ranks groups or sessions of their own, so that the group is not all.
+    Nothing happens when it is gone already.
+    """
+    family = _descendants(leader)
     for number, grace in ((signal.SIGTERM, _GRACE_SECONDS), (signal.SIGKILL, 0.0)):
         try:
             os.killpg(leader, number)
         except (ProcessLookupError, PermissionError):
-            return
+            break
         deadline = time.monotonic() + grace
         while time.monotonic() < deadline and _is_alive(leader):
             time.sleep(_POLL_SECONDS)
+        family |= _descendants(leader)
+    # A number may have been given to another process since.
+    left = [pid for pid, known in _processes(family).items() if known.born == family[pid]]
+    for pid in left:
+        with suppress(ProcessLookupError, PermissionError):
+            os.kill(pid, signal.SIGKILL)
+    deadline = time.monotonic() + _GRACE_SECONDS
+    while time.monotonic() < deadline and any(map(_is_alive, left)):
+        time.sleep(_POLL_SECONDS)
+
+
+class _Process(NamedTuple):
+    parent: int
+    #: In clock ticks since the machine was started.
+    born: int
+
+
+def _processes(pids: Iterable[int]) -> dict[int, _Process]:
+    found = {}
+    for pid in pids:
+        try:
+            status = Path(f"/proc/{pid}/stat").read_text(encoding="utf-8", errors="replace")
+        except OSError:
+            continue
+        words = status.rpartition(")")[2].split()
+        found[pid] = _Process(int(words[1]), int(words[19]))
+    return found
+
+
+def _descendants(pid: int) -> dict[int, int]:
+    """Return children, their children and so on, each with the time of its birth."""
+    everybody = _processes(int(path.name) for path in Path("/proc").glob("[0-9]*"))
+    found: dict[int, int] = {}
+    parents = {pid}
+    while parents:
+        children = {child for child, known in everybody.items() if known.parent in parents}
+        parents = children - found.keys()
+        found |= {child: everybody[child].born for child in parents}
+    return found
 
 
 def _is_alive(pid: int) -> bool:

@@ -19,6 +19,7 @@ import numpy as np
 from grainfit.errors import Fault, GrainfitError, InputError, RunFailedError
 from grainfit.solvers.base import Response, Solver, Workspace
 from grainfit.solvers.exchange import finite_parameters, read_responses
+from grainfit.solvers.faults import machine_error
 from grainfit.solvers.python_file import PythonFile
 
 Function = Callable[[dict[str, float], int], Mapping[str, Any]]
@@ -154,8 +155,10 @@ class PythonCallable(Solver):
             raise
         # A function that ends the process it is in would end the whole calibration.
         except (Exception, SystemExit) as error:
-            tail = "".join(traceback.format_exc()).splitlines()[-_TRACEBACK_LINES:]
-            raise RunFailedError(_one_line(error), "\n".join(tail), "evaluation") from error
+            tail = "\n".join("".join(traceback.format_exc()).splitlines()[-_TRACEBACK_LINES:])
+            if reason := machine_error(error):
+                raise RunFailedError(reason, tail, "machine") from error
+            raise RunFailedError(_one_line(error), tail, "evaluation") from error
         return read_responses(found, self._response_names, "the function")
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from dataclasses import dataclass
 from pathlib import Path
@@ -77,6 +78,11 @@ def require_complete(log: Path, particle_count: int, time_limit: float) -> list[
 
 
 def _what_went_wrong(stage: Stage, particle_count: int, time_limit: float) -> str:
+    if not math.isfinite(stage.kinetic_energy):
+        return (
+            f"the simulation became unstable in the {stage.name} stage (kinetic energy "
+            f"{stage.kinetic_energy:.3g} J)"
+        )
     if stage.end == "restless":
         return (
             f"the bed did not come to rest in the {stage.name} stage within {time_limit:.3g} s of "

@@ -1,0 +1,203 @@
+"""What a failure of a run comes from, as far as it can be read from how its program ended.
+
+A failure of the machine is worth another try, one of the simulation is not: which of the two it was
+is seen in the exit code only now and then. Programs say the rest in words, and MPI launchers say
+what happened to their ranks in words of their own.
+"""
+
+from __future__ import annotations
+
+import errno
+import re
+import signal
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+from grainfit.errors import FailureKind
+
+_LONGEST_LINE = 200
+#: Exit code of a shell (and of what starts programs as a shell does): this plus the signal.
+_SIGNAL_CODES = 128
+#: Exit code of what starts programs from Python, as the ``lmp`` that pip installs: this minus the
+#: signal. Only the usual ends: programs of other languages end with -1 or -2 for reasons of theirs.
+_NEGATED_CODES = 256
+_USUAL_ENDS = tuple(
+    getattr(signal, f"SIG{name}") for name in ("SEGV", "KILL", "ABRT", "BUS", "FPE", "ILL", "TERM")
+)
+_NOT_STARTED_CODES = (126, 127)
+
+_DISK = re.compile(
+    r"no space left on device|disk quota exceeded|\b(ENOSPC|EDQUOT)\b|not enough space for",
+    re.IGNORECASE,
+)
+_MEMORY = re.compile(
+    r"std::bad_alloc|cannot allocate memory|out of memory|not enough memory|MemoryError\b"
+    r"|failed to (re)?allocate|insufficient (virtual )?memory|\boom[-_ ]?kill",
+    re.IGNORECASE,
+)
+_LICENCE = re.compile(
+    r"\bno\b.{0,30}\blicen[cs]|licen[cs].*"
+    r"(could not|cannot|can't|unable|fail|error|denied|expired|invalid|missing|refused|timed out"
+    r"|unavailable|in use|exceeded|reached|not (found|available|valid|granted|obtained))"
+    r"|(could not|cannot|can't|unable to|failed to) (check ?out|obtain|acquire|get|find).*licen[cs]"
+    r"|could not check ?out|\bflex(net|lm)\b.*-\d+,\d+",
+    re.IGNORECASE,
+)
+#: What programs say of their own licence when all is well.
+_TERMS = re.compile(
+    r"\b(A?L?GPL|GNU|MIT|BSD|Apache|Creative Commons|warranty|copyright|distributed|terms)\b",
+    re.IGNORECASE,
+)
+_NOT_STARTED = re.compile(
+    r"execvp error|unable to (find|launch) the specified|error while loading shared libraries"
+    r"|^\S+: (line )?\d+: .*: (not found|command not found|exec format error)"
+    r"|^\S+: (line )?\d+: (exec: )?\S+: (not found|cannot execute)",
+    re.IGNORECASE,
+)
+#: An MPI that lost a rank without learning why.
+_RANK_LOST = re.compile(
+    r"process manager error|Fatal error in \w+: Other MPI error|has lost communication with"
+)
+_NAMES = {
+    "Segmentation fault": signal.SIGSEGV,
+    "Killed": signal.SIGKILL,
+    "Aborted": signal.SIGABRT,
+    "Bus error": signal.SIGBUS,
+    "Floating point exception": signal.SIGFPE,
+    "Illegal instruction": signal.SIGILL,
+    "Terminated": signal.SIGTERM,
+}
+_NAMED = "|".join(_NAMES)
+#: Open MPI and its successors; Intel MPI; MPICH's Hydra; bash, srun and other shells.
+_SIGNALLED = (
+    re.compile(r"exited on signal (\d+)"),
+    re.compile(r"KILLED BY SIGNAL: (\d+)"),
+    re.compile(r"EXIT STRING: .*\(signal (\d+)\)"),
+    re.compile(rf"line \d+: +\d+ ({_NAMED})\b"),
+    re.compile(rf"^srun: error: .*: ({_NAMED})\b"),
+    re.compile(rf"^({_NAMED})( \(core dumped\))?$"),
+)
+#: Sent from outside, by the system or a person; all others are the program's own doing.
+_OUTSIDE = frozenset(
+    getattr(signal, name)
+    for name in ("SIGKILL", "SIGTERM", "SIGHUP", "SIGINT", "SIGXCPU", "SIGXFSZ", "SIGUSR1")
+)
+
+
+@dataclass(frozen=True)
+class Cause:
+    """Why a run failed.
+
+    Parameters
+    ----------
+    reason : str
+        One line for people.
+    kind : {"machine", "timeout", "simulation", "evaluation", "cancelled"}
+        Whose fault it was; see `RunFailedError`.
+    """
+
+    reason: str
+    kind: FailureKind
+
+
+def cause_of_exit(program: str, code: int, log: str) -> Cause:
+    """Return why a program ended with a code other than zero.
+
+    Parameters
+    ----------
+    program : str
+        What was started.
+    code : int
+        Its exit code; negative for the number of the signal that killed it.
+    log : str
+        The end of what it wrote.
+    """
+    name = Path(program).name
+    if reason := machine_fault(log):
+        return Cause(f"{name}: {reason}", "machine")
+    if code < 0:
+        return _cause_of_signal(f"{name} was killed by", -code)
+    words = _last_words(log)
+    if code in _NOT_STARTED_CODES:
+        return Cause(f"{name} could not start a program: {words or f'exit code {code}'}", "machine")
+    # A rank that gives up with a message has the others killed: the message is the cause.
+    number = 0 if words.startswith("ERROR") else _reported_signal(code, log)
+    if number:
+        return _cause_of_signal(f"{name} ended because one of its processes was killed by", number)
+    if not words.startswith("ERROR"):
+        for line in filter(_RANK_LOST.search, _lines(log)):
+            return Cause(f"{name} lost one of its processes: {line}", "machine")
+    said = f": {words}" if words else ""
+    return Cause(f"{name} ended with exit code {code}{said}", "simulation")
+
+
+def machine_fault(log: str) -> str:
+    """Return what a program's log says was wrong with the machine; empty when it says nothing."""
+    for line in _lines(log):
+        if _DISK.search(line):
+            return f"the disk of the run's folder, or another one it writes to, was full: {line}"
+        if _MEMORY.search(line):
+            return f"not enough memory: {line}"
+        if _LICENCE.search(line) and not _TERMS.search(line):
+            return f"no licence for the program: {line}"
+        if _NOT_STARTED.search(line):
+            return f"a program could not be started: {line}"
+    return ""
+
+
+def machine_error(error: BaseException) -> str:
+    """Return what an error of Python's says was wrong with the machine; empty if nothing."""
+    if isinstance(error, MemoryError):
+        return f"not enough memory: {' '.join(str(error).split()) or 'MemoryError'}"
+    if not isinstance(error, OSError):
+        return ""
+    if error.errno == errno.ENOSPC:
+        return "the disk of the run's folder is full"
+    if error.errno == errno.EDQUOT:
+        return "the disk quota for the run's folder is used up"
+    if error.errno == errno.ENOMEM:
+        return f"not enough memory: {error}"
+    return ""
+
+
+def _cause_of_signal(killed_by: str, number: int) -> Cause:
+    try:
+        name = signal.Signals(number).name
+    except ValueError:
+        name = f"signal {number}"
+    if number == signal.SIGKILL:
+        name += ", most often for lack of memory"
+    return Cause(f"{killed_by} {name}", "machine" if number in _OUTSIDE else "simulation")
+
+
+def _reported_signal(code: int, log: str) -> int:
+    """Return the signal that a launcher or a shell says a process died of, or 0."""
+    reported = list(_signals_in(log))
+    if code - _SIGNAL_CODES in set(signal.Signals):
+        reported.append(code - _SIGNAL_CODES)
+    if _NEGATED_CODES - code in _USUAL_ENDS:
+        reported.append(_NEGATED_CODES - code)
+    # A launcher kills the other ranks when one has crashed, and may report them first.
+    own = [number for number in reported if number not in _OUTSIDE]
+    return next(iter(own or reported), 0)
+
+
+def _signals_in(log: str) -> Iterator[int]:
+    for line in _lines(log):
+        for pattern in _SIGNALLED:
+            if found := pattern.search(line):
+                word = found.group(1)
+                yield int(word) if word.isdecimal() else int(_NAMES[word])
+
+
+def _last_words(log: str) -> str:
+    """Return the program's own error message, or else its last line."""
+    lines = list(_lines(log))
+    return next((line for line in lines if line.startswith("ERROR")), lines[-1] if lines else "")
+
+
+def _lines(log: str) -> Iterator[str]:
+    for line in log.splitlines():
+        if stripped := " ".join(line.split()):
+            yield stripped if len(stripped) <= _LONGEST_LINE else f"{stripped[:_LONGEST_LINE]}..."
