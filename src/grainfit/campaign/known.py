@@ -178,10 +178,12 @@ def _leaves(solver: Solver, values: Mapping[str, float], seed: int) -> dict[_Pat
 
 
 def _flatten(data: Any, path: _Path = ()) -> Iterator[tuple[_Path, Any]]:
-    if isinstance(data, Mapping) and data:
+    # Definitions come from JSON, and there may be many: their types are exactly these.
+    kind = type(data)
+    if kind is dict and data:
         for key, value in data.items():
             yield from _flatten(value, (*path, key))
-    elif isinstance(data, list) and data:
+    elif kind is list and data:
         for index, value in enumerate(data):
             yield from _flatten(value, (*path, index))
     else:

@@ -13,7 +13,7 @@ from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, S
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, TypeVar, cast
 from urllib.parse import unquote
 
 import sqlalchemy as sql
@@ -179,7 +179,8 @@ class RunStore:
     ) -> list[_Record]:
         with self._reading() as connection:
             try:
-                return [make(row._asdict()) for row in connection.execute(query)]
+                rows = connection.execute(query).mappings()
+                return [make(cast(Mapping[str, Any], row)) for row in rows]
             except (KeyError, TypeError, ValueError) as error:
                 raise StoreError(
                     f"the run store {self._where} is damaged: {error}. {_RENEW}"

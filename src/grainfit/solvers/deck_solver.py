@@ -8,7 +8,7 @@ import subprocess
 import tempfile
 from abc import abstractmethod
 from collections.abc import Iterator, Mapping
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from pathlib import Path
 from typing import Any, ClassVar
 
@@ -73,14 +73,17 @@ class DeckSolver(Solver):
 
     def definition(self, parameters: Mapping[str, float], seed: int) -> dict[str, Any]:
         """Return solver, version, ranks, test, all 14 material parameters and the seed."""
+        return {**self._common, "material": self.all_parameters(parameters), "seed": seed}
+
+    @cached_property
+    def _common(self) -> dict[str, Any]:
+        """What the definitions of all runs share; thousands are compared when a store is read."""
         return {
             "solver": self.name,
             "version": self.version(),
             # Another number of ranks sums forces in another order: another sample of a heap.
             "ranks": self.ranks,
             "test": self.test.definition(),
-            "material": self.all_parameters(parameters),
-            "seed": seed,
         }
 
     def all_parameters(self, parameters: Mapping[str, float]) -> dict[str, float]:
