@@ -86,9 +86,16 @@ class Assembly:
         max_runs: int | None = None,
         seed: int | None = None,
         workers: int | None = None,
+        keep: str | None = None,
     ) -> dict[str, Any]:
         """Return the arguments of `grainfit.calibrate` for the search; what is given here wins."""
-        given = {"strategy": strategy, "max_runs": max_runs, "seed": seed, "workers": workers}
+        given = {
+            "strategy": strategy,
+            "max_runs": max_runs,
+            "seed": seed,
+            "workers": workers,
+            "keep": keep,
+        }
         in_file = {
             "strategy": self.strategy.name,
             "max_runs": self.strategy.max_runs,
@@ -98,6 +105,7 @@ class Assembly:
             "verification_runs": self.strategy.verification_runs,
             "prefer": self.strategy.prefer,
             "extend_intervals": self.strategy.extend_intervals,
+            "keep": self.strategy.keep,
         }
         return _without_none(in_file) | _without_none(given)
 
@@ -131,11 +139,12 @@ class Assembly:
             place.fault("is not a parameter of the file.", suggest(name, known, "It has"))
         elif not text:
             place.fault("is given no value.", f"Write {name}=VALUE.")
-        elif (value := self._quantity(name).read(_number_or_text(text), place)) is not None:
+        elif (value := self.quantity(name).read(_number_or_text(text), place)) is not None:
             return {name: value}
         return {}
 
-    def _quantity(self, name: str) -> Quantity:
+    def quantity(self, name: str) -> Quantity:
+        """Return the unit and the physical limits of a parameter."""
         if name in MATERIAL_PARAMETERS:
             known = MATERIAL_PARAMETERS[name]
             return Quantity(known.unit, known.lowest, known.highest)

@@ -7,12 +7,12 @@ from concurrent.futures import Executor
 from contextlib import ExitStack
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 from threadpoolctl import threadpool_limits
 
 from grainfit.campaign.runner import Campaign, CampaignOptions, response_name
-from grainfit.campaign.shared import share
+from grainfit.campaign.shared import SharedRuns, share
 from grainfit.campaign.sources import open_source, take_runs
 from grainfit.campaign.store import RunStore
 from grainfit.campaign.workdir import RESULT_NAME, Keep, hold, recover
@@ -49,6 +49,7 @@ def calibrate(
     runs_from: Sequence[str | Path] = (),
     store: str | None = None,
     keep: Keep = "all",
+    retry_failed: bool = False,
     on_progress: Callable[[Progress], None] | None = None,
 ) -> Result:
     """Find the parameters at which the simulated responses meet their targets.
@@ -101,6 +102,9 @@ def calibrate(
         ``postgresql+psycopg://user@host/database``: what one has made, none makes again.
     keep : {"all", "results"}
         What stays of the folder of a finished run: all files, or record, logs and pictures.
+    retry_failed : bool
+        Make every run of the work folder that failed again, whatever the reason. By default, faults
+        of the machine and time-outs are tried again, and others would only fail again.
     on_progress : callable, optional
         Called with `Progress` whenever something changes, and a few times a second.
 
@@ -132,6 +136,7 @@ def calibrate(
     _check_numbers(max_runs, workers, seed, verification_runs, design_runs)
     _check_targets(problem, solvers)
     _check_timeouts(timeouts or {}, solvers)
+    _check_keep(keep)
     for solver in solvers.values():
         solver.check()
     verification_runs = verification_runs or usual_verification_runs(workers)
@@ -156,6 +161,8 @@ def calibrate(
         if store is not None:
             shared = stack.enter_context(share(store, folder, runs))
             take_runs(shared.store, problem, solvers, runs)
+        if retry_failed:
+            _forget_failed(runs, shared)
         making = CampaignOptions(workers, timeouts or {}, executor, keep)
         campaign = Campaign(solvers, runs, folder, making, shared)
         stack.callback(campaign.close)
@@ -171,6 +178,13 @@ def _keep(result: Result, path: Path) -> Result:
         notice = f"{str(path)!r} cannot be written: {error.strerror}."
         return replace(result, notices=(*result.notices, notice))
     return result
+
+
+def _forget_failed(runs: RunStore, shared: SharedRuns | None) -> None:
+    failed = [record.identity for record in runs.runs("failed")]
+    runs.forget_failed(failed)
+    if shared is not None:
+        shared.forget_failed(failed)
 
 
 def _solvers(simulate: Simulate) -> dict[str, Solver]:
@@ -225,6 +239,12 @@ def _check_timeouts(timeouts: Mapping[str, float], solvers: Mapping[str, Solver]
     ]
     if faults:
         raise InputError(faults)
+
+
+def _check_keep(keep: str) -> None:
+    if keep not in get_args(Keep):
+        words = " or ".join(f'"{word}"' for word in get_args(Keep))
+        raise InputError(Fault("keep", f"is {keep!r}.", f"Use {words}."))
 
 
 def _check_targets(problem: Problem, solvers: Mapping[str, Solver]) -> None:

@@ -75,6 +75,37 @@ def run(
         int | None,
         typer.Option(metavar="N", help="Runs at a time. [default: cores / ranks per run]"),
     ] = None,
+    runs_from: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="DIR-or-URL",
+            help="Work folder or store whose runs are used as far as they fit. Repeat as needed.",
+        ),
+    ] = None,
+    store: Annotated[
+        str | None,
+        typer.Option(
+            metavar="URL",
+            envvar="GRAINFIT_STORE",
+            help="Store that several machines share: no run is made twice.",
+        ),
+    ] = None,
+    keep: Annotated[
+        str | None,
+        typer.Option(
+            metavar="all|results",
+            help="What stays of a finished run: all its files, or record, logs and pictures. "
+            "[default: from the file, or all]",
+        ),
+    ] = None,
+    retry_failed: Annotated[
+        bool,
+        typer.Option(
+            "--retry-failed",
+            help="Make all failed runs of the work folder again. Without it: those that failed by "
+            "the machine or by time.",
+        ),
+    ] = False,
 ) -> None:
     """Calibrate: simulate, fit, verify, and write result.json.
 
@@ -86,7 +117,9 @@ def run(
     from grainfit.calibration import calibrate
 
     assembly = _assemble(file)
-    options = assembly.options(strategy=strategy, max_runs=max_runs, seed=seed, workers=workers)
+    options = assembly.options(
+        strategy=strategy, max_runs=max_runs, seed=seed, workers=workers, keep=keep
+    )
     folder = workdir or default_workdir(file)
     with show.LiveProgress(_err) as progress:
         result = calibrate(
@@ -95,6 +128,9 @@ def run(
             workdir=folder,
             name=assembly.name,
             timeouts=assembly.timeouts,
+            runs_from=runs_from or (),
+            store=store,
+            retry_failed=retry_failed,
             on_progress=progress.update,
             **options,
         )

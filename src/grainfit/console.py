@@ -16,6 +16,7 @@ from rich.table import Table
 from rich.text import Text
 
 from grainfit.errors import GrainfitError, InputError, RunFailedError
+from grainfit.printable import plain
 
 if TYPE_CHECKING:
     from grainfit.campaign.evaluation import Evaluation
@@ -43,6 +44,7 @@ class LiveProgress:
         self._live = Live(console=console, refresh_per_second=4, transient=True)
         self._last_line = ("", float("-inf"))
         self._notices = 0
+        self._says_what_it_learns_from = True
         self._started = time.monotonic()
 
     def __enter__(self) -> LiveProgress:
@@ -60,6 +62,9 @@ class LiveProgress:
 
     def update(self, progress: Progress) -> None:
         """Show where the calibration stands now."""
+        if self._says_what_it_learns_from and progress.learnt_from:
+            self._console.print(Text(_learnt_from(progress.learnt_from)), soft_wrap=True)
+            self._says_what_it_learns_from = False
         for notice in progress.notices[self._notices :]:
             self._console.print(_text(notice, "yellow"))
         self._notices = len(progress.notices)
@@ -86,6 +91,11 @@ class LiveProgress:
         if progress.seconds_left is not None:
             parts.append(f"about {_duration(progress.seconds_left)} left")
         return ", ".join(parts)
+
+
+def _learnt_from(origins: Mapping[str, int]) -> str:
+    places = (f"{plain(origin) or 'this work folder'} ({n})" for origin, n in origins.items())
+    return f"Learns from {sum(origins.values())} runs that were made before: {', '.join(places)}."
 
 
 def _duration(seconds: float) -> str:
@@ -137,9 +147,10 @@ def print_result(console: Console, result: Result, folder: Path) -> None:
             )
         console.print(_time_step_line(result), highlight=False)
     runs = result.runs
+    learnt = f", learnt from {runs.learnt_from} made before" if runs.learnt_from else ""
     console.print(
         f"DEM runs: {runs.total} = {runs.design} design + {runs.optimisation} optimisation + "
-        f"{runs.verification} verification; {runs.failed} failed, {runs.reused} reused. "
+        f"{runs.verification} verification; {runs.failed} failed, {runs.reused} reused{learnt}. "
         f"Wall time {_duration(result.wall_seconds)}, workers busy {result.utilisation:.0%}.",
         highlight=False,
     )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections import deque
+from collections import Counter, deque
 from collections.abc import Callable, Mapping
 from contextlib import suppress
 from dataclasses import asdict, dataclass
@@ -66,6 +66,8 @@ class Conversation:
         self._options = options
         self._evaluations: list[Evaluation] = []
         self._known: list[Evaluation] = []
+        #: Number of runs that are known, by where they came from.
+        self._origins: Mapping[str, int] = {}
         self._answer_from = 0
         self._verification_asked = 0
         self._stage = "design"
@@ -84,7 +86,10 @@ class Conversation:
         else:
             records = list(self._store.find_many(earlier.known).values())
         known = runs_of(self._problem, self._campaign.solvers, records)
-        return most_telling(self._problem, known)
+        telling = most_telling(self._problem, known)
+        used = {run for evaluation in telling for run in evaluation.runs.values()}
+        self._origins = Counter(record.origin for record in records if record.identity in used)
+        return telling
 
     def _define(self) -> dict[str, Any]:
         # Another deck or another version of a solver makes another calibration: its history would
@@ -108,6 +113,7 @@ class Conversation:
         self._store.begin_calibration(self._identity, self._options.name, self._definition, known)
         if self._known:
             self._strategy.learn(self._known)
+            self._show()
         self._campaign.fetch([run for r in self._recorded for run in r.runs.values()])
         answer: Answer | None = None
         status: Status
@@ -133,8 +139,9 @@ class Conversation:
             status,
         )
         verification = [] if answer is None else self._verification_of(answer)
+        known_runs = sum(self._origins.values())
         return make_result(
-            about, self._strategy, answer, self._evaluations, verification, len(self._known)
+            about, self._strategy, answer, self._evaluations, verification, known_runs
         )
 
     def _converse(self) -> tuple[Answer, Status]:
@@ -341,6 +348,7 @@ class Conversation:
                 seconds,
                 min(self._deviations(), default=None),
                 tuple(self._strategy.notices),
+                self._origins,
             )
         )
 

@@ -49,7 +49,7 @@ def make_result(
     verification : sequence of Evaluation
         Those of them that verify the answer.
     known : int
-        Parameter sets that were simulated before the calibration, for others.
+        Runs that were made before the calibration and that it learnt from.
     """
     problem = strategy.searched
     rayleigh = problem.rayleigh

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 
 
 @dataclass(frozen=True)
@@ -23,6 +24,9 @@ class Progress:
         Largest relative deviation from a target in the best run so far.
     notices : tuple of str
         What the user should know by now.
+    learnt_from : mapping of str to int
+        Number of runs that were made before it and that it learns from, by where they came from;
+        the empty text stands for the work folder itself.
     """
 
     stage: str
@@ -33,3 +37,4 @@ class Progress:
     seconds_left: float | None
     best_deviation: float | None
     notices: tuple[str, ...]
+    learnt_from: Mapping[str, int] = field(default_factory=dict)

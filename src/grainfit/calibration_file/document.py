@@ -66,6 +66,13 @@ STRATEGY = (
         "Weight of the Rayleigh criterion; above 0 it trades accuracy for a larger time step. "
         "Staged strategy only.",
     ),
+    Key(
+        "keep",
+        Choice(("all", "results")),
+        "What stays of the folder of a finished run: all its files (default), or its record, logs "
+        "and pictures.",
+        example='"results"',
+    ),
 )
 
 

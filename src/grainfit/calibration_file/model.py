@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Literal
 
 from grainfit.material import ParticleSizes
 from grainfit.problem import Parameter, Target
@@ -60,6 +60,8 @@ class StrategyOptions:
         Whether bounds that are in the way are moved.
     rayleigh_weight : float, optional
         Weight of the Rayleigh criterion in the misfit.
+    keep : {"all", "results"}, optional
+        What stays of the folder of a finished run.
     """
 
     name: str = DEFAULT_STRATEGY
@@ -71,6 +73,7 @@ class StrategyOptions:
     prefer: Preference | None = None
     extend_intervals: bool | None = None
     rayleigh_weight: float | None = None
+    keep: Literal["all", "results"] | None = None
 
     def choice(self) -> StrategyChoice:
         """Return the strategy with its options."""

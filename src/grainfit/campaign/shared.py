@@ -11,7 +11,7 @@ import socket
 import threading
 import time
 import uuid
-from collections.abc import Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
@@ -125,6 +125,10 @@ class SharedRuns:
     def forget(self, identity: str) -> None:
         """Give a run back, or let a failed one be made again."""
         self.store.forget(identity)
+
+    def forget_failed(self, identities: Collection[str]) -> None:
+        """Let those of some runs that failed be made again."""
+        self._store.forget_failed(identities)
 
     def close(self) -> None:
         """Show no more life, and give back what was not made."""

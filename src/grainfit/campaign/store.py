@@ -231,6 +231,14 @@ class RunStore:
         with self._transaction() as connection:
             connection.execute(_runs.delete().where(_runs.c.identity == identity))
 
+    def forget_failed(self, identities: Collection[str]) -> None:
+        """Drop those of some runs that failed, and no others: they are to be made again."""
+        wanted = list(identities)
+        with self._transaction() as connection:
+            for start in range(0, len(wanted), _CHUNK):
+                part = _runs.c.identity.in_(wanted[start : start + _CHUNK])
+                connection.execute(_runs.delete().where(part, _runs.c.status == "failed"))
+
     def identities(self) -> set[str]:
         """Return the identities of all runs."""
         with self._reading() as connection:
