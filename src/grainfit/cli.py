@@ -15,6 +15,7 @@ import typer
 from rich.console import Console
 
 from grainfit import console as show
+from grainfit.cli_runs import runs_app
 from grainfit.errors import Fault, GrainfitError, InputError
 
 if TYPE_CHECKING:
@@ -41,6 +42,7 @@ app = typer.Typer(
     grainfit check my_material.toml  →  grainfit run my_material.toml
     """,
 )
+app.add_typer(runs_app, name="runs")
 _out = Console()
 _err = Console(stderr=True)
 
@@ -115,6 +117,7 @@ def run(
     out of reach, 130 interrupted.
     """
     from grainfit.calibration import calibrate
+    from grainfit.campaign.workdir import default_workdir
 
     assembly = _assemble(file)
     options = assembly.options(
@@ -200,6 +203,7 @@ def simulate(
     Free parameters that are not set take the middle of their interval.
     """
     from grainfit.campaign.single import simulate_once
+    from grainfit.campaign.workdir import default_workdir
 
     assembly = _assemble(file)
     folder = workdir or default_workdir(file)
@@ -223,11 +227,6 @@ def measure(
     from grainfit.remeasure import measure_path
 
     show.print_measurement(_out, measure_path(path))
-
-
-def default_workdir(file: Path) -> Path:
-    """Work folder of a calibration file when none is named."""
-    return Path(f"{file.stem}.grainfit")
 
 
 def _assemble(file: Path) -> Assembly:

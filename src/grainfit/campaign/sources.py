@@ -42,8 +42,15 @@ def take_runs(
 
 
 @contextmanager
-def open_source(source: str | Path) -> Iterator[RunStore]:
+def open_source(source: str | Path, key: str = "runs_from") -> Iterator[RunStore]:
     """Open the store of a work folder, or one at an address, to read.
+
+    Parameters
+    ----------
+    source : path or str
+        A work folder, or the address of a store.
+    key : str
+        What a fault is said to be of.
 
     Raises
     ------
@@ -59,7 +66,7 @@ def open_source(source: str | Path) -> Iterator[RunStore]:
         if not (folder / STORE_NAME).is_file():
             raise InputError(
                 Fault(
-                    "runs_from",
+                    key,
                     f"{str(source)!r} is not a work folder of grainfit: it has no {STORE_NAME}.",
                     "Name the folder that 'grainfit run' wrote, or the address of a store.",
                 )

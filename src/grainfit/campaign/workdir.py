@@ -34,6 +34,11 @@ _KEPT_SUFFIXES = frozenset({".log", ".png", ".json"})
 _LOCK_SECONDS = 1.0
 
 
+def default_workdir(file: Path) -> Path:
+    """Work folder of a calibration file when none is named."""
+    return Path(f"{file.stem}.grainfit")
+
+
 @contextmanager
 def hold(folder: Path) -> Iterator[None]:
     """Hold a work folder for this process alone.

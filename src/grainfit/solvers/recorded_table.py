@@ -201,10 +201,36 @@ def _read(
 
 
 def _csv_rows(path: Path) -> list[tuple[str, Mapping[str, Any]]]:
+    lines = read_csv(path)
+    header = lines[0][1]
+    repeated = [name for name, count in Counter(header).items() if count > 1 and name]
+    faults = [Fault(f"column {name}", "is there more than once.") for name in repeated]
+    faults += [
+        Fault(f"line {number}", f"has {len(line)} cells, and the header {len(header)}.")
+        for number, line in lines[1:]
+        if len(line) != len(header)
+    ]
+    if faults:
+        raise InputError(faults[:_MOST_FAULTS], str(path))
+    return [(f"line {number}", dict(zip(header, line, strict=True))) for number, line in lines[1:]]
+
+
+def read_csv(path: Path) -> list[tuple[int, list[str]]]:
+    """Return the lines of a CSV file that are not blank, with their numbers; first its header.
+
+    Raises
+    ------
+    InputError
+        The file cannot be read, is no CSV file in UTF-8, or is empty.
+    """
     try:
         with path.open(newline="", encoding="utf-8-sig") as file:
             reader = csv.reader(file, strict=True)
-            lines = [(reader.line_num, line) for line in reader if any(map(str.strip, line))]
+            lines = [
+                (reader.line_num, [cell.strip() for cell in line])
+                for line in reader
+                if any(map(str.strip, line))
+            ]
     except OSError as error:
         raise InputError(
             Fault("", f"cannot be read: {error.strerror}.", "Give the path of a CSV file."),
@@ -216,17 +242,7 @@ def _csv_rows(path: Path) -> list[tuple[str, Mapping[str, Any]]]:
         ) from error
     if not lines:
         raise InputError(Fault("", "is empty.", "Give a header and one line per run."), str(path))
-    header = [name.strip() for name in lines[0][1]]
-    repeated = [name for name, count in Counter(header).items() if count > 1 and name]
-    faults = [Fault(f"column {name}", "is there more than once.") for name in repeated]
-    faults += [
-        Fault(f"line {number}", f"has {len(line)} cells, and the header {len(header)}.")
-        for number, line in lines[1:]
-        if len(line) != len(header)
-    ]
-    if faults:
-        raise InputError(faults[:_MOST_FAULTS], str(path))
-    return [(f"line {number}", dict(zip(header, line, strict=True))) for number, line in lines[1:]]
+    return lines
 
 
 def _require_columns(row: Mapping[str, Any], wanted: tuple[str, ...], file: str) -> None:
