@@ -9,7 +9,8 @@ from datetime import datetime
 from pathlib import Path
 
 from rich import box
-from rich.console import Console
+from rich.cells import cell_len
+from rich.console import Console, JustifyMethod
 from rich.table import Table
 from rich.text import Text
 
@@ -20,11 +21,11 @@ from grainfit.run_pruning import Pruned
 from grainfit.run_table import Cell, RunRow, RunTable
 
 #: So many digits of an identity tell runs apart, and `grainfit runs show` takes them.
-SHORT_IDENTITY = 8
+SHORT_IDENTITY = 7
 #: Where nobody looks at a terminal, lines are as long as they need to be.
 _WIDE = 100_000
 _NUMBER_WIDTH = 9
-_LEAST_REASON = 20
+_LEAST_STATUS = 8
 _GAP = 2
 _PREFIXES = ("", "k", "M", "G", "T")
 
@@ -45,7 +46,7 @@ def print_runs(
     shown = rows[:limit]
     if shown:
         columns, left_out = _columns_that_fit(table, rows, shown, console.width)
-        console.print(_as_rich(columns, shown))
+        console.print(_as_rich(columns, shown, console.width))
         if left_out:
             words = f"No room for {', '.join(left_out)}: widen the terminal, or export them."
             console.print(Text(plain(words)), soft_wrap=True)
@@ -65,51 +66,53 @@ def _columns_that_fit(
     table: RunTable, rows: Sequence[RunRow], shown: Sequence[RunRow], width: int
 ) -> tuple[list[str], list[str]]:
     """Return the columns to show, and the parameters and responses that there is no room for."""
-    columns = ["identity"]
-    columns += [name for name in ("test", "status") if len(_values(table.rows, name)) > 1]
-    columns += ["seed", "seconds"]
-    has_reasons = any(row.record.reason for row in shown)
+    first = ["identity", "test", "seed", "seconds"]
+    if len(_values(table.rows, "test")) == 1:
+        first.remove("test")
+    last = [] if _values(table.rows, "status") == {"finished"} else ["status"]
     # What is fixed is the same in all runs, and says nothing here.
     varied = [name for name in table.parameters if len(_values(table.rows, name)) > 1]
-    responses = [name for name in table.responses if len(_values(rows, name) - {None}) > 0]
-    numbers = [*varied, *responses]
+    responses = [name for name in table.responses if _values(rows, name) != {None}]
     left_out: list[str] = []
-    while numbers and _width([*columns, *numbers], shown, has_reasons) > width:
+    while (varied or responses) and _width(first + varied + responses, shown, last) > width:
         # The last of the longer list: some of both stay in sight.
         longer = varied if len(varied) > len(responses) else responses
         left_out.insert(0, longer.pop())
-        numbers = [*varied, *responses]
-    return [*columns, *numbers, *(["reason"] if has_reasons else [])], left_out
+    return first + varied + responses + last, left_out
 
 
-def _width(columns: Sequence[str], rows: Sequence[RunRow], has_reasons: bool) -> int:
+def _width(columns: Sequence[str], rows: Sequence[RunRow], last: Sequence[str]) -> int:
     widths = [_column_width(name, rows) for name in columns]
-    return sum(widths) + _GAP * len(widths) + (_LEAST_REASON if has_reasons else 0)
+    return sum(widths) + _GAP * (len(widths) - 1) + (_GAP + _LEAST_STATUS) * len(last)
 
 
 def _column_width(name: str, rows: Sequence[RunRow]) -> int:
     heading = max(map(len, _heading(name).split("\n")))
-    return max(heading, *(len(_shown(name, row.cells.get(name))) for row in rows))
+    return max(heading, *(cell_len(_shown(name, row.cells.get(name))) for row in rows))
 
 
 def _values(rows: Sequence[RunRow], name: str) -> set[Cell]:
     return {row.cells.get(name) for row in rows}
 
 
-def _as_rich(columns: Sequence[str], rows: Sequence[RunRow]) -> Table:
-    table = Table(box=box.SIMPLE, show_edge=False, pad_edge=False, expand=False, padding=(0, 1))
-    texts = ("identity", "test", "status", "reason")
+def _as_rich(columns: Sequence[str], rows: Sequence[RunRow], width: int) -> Table:
+    # With the column of its separator, the gap is of two.
+    table = Table(box=box.SIMPLE, show_edge=False, pad_edge=False, padding=(0, _GAP - 1, 0, 0))
+    left = width - _width([name for name in columns if name != "status"], rows, ()) - _GAP
     for name in columns:
-        table.add_column(
-            Text(_heading(name)),
-            justify="left" if name in texts else "right",
-            no_wrap=name != "reason",
-            overflow="ellipsis" if name == "reason" else "fold",
-        )
+        justify: JustifyMethod = "left" if name in ("identity", "test", "status") else "right"
+        table.add_column(Text(_heading(name)), justify=justify, no_wrap=True)
     for row in rows:
-        style = "red" if row.record.status == "failed" else ""
-        table.add_row(*(Text(_shown(n, row.cells.get(n))) for n in columns), style=style)
+        cells = {name: Text(_shown(name, row.cells.get(name))) for name in columns}
+        if "status" in cells:
+            cells["status"] = Text(_status(row.record))
+            cells["status"].truncate(max(left, _LEAST_STATUS), overflow="ellipsis")
+        table.add_row(*cells.values(), style="red" if row.record.status == "failed" else "")
     return table
+
+
+def _status(record: RunRecord) -> str:
+    return plain(f"{record.status}: {record.reason}" if record.reason else record.status)
 
 
 def _shown(name: str, cell: Cell) -> str:

@@ -5,10 +5,9 @@ from __future__ import annotations
 import time
 from collections import defaultdict
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import count
 from pathlib import Path
-from typing import Any
 
 from grainfit.assemble import Assembly
 from grainfit.calibration_file.model import TestSpecification
@@ -136,6 +135,7 @@ class _Importing:
     solver: Solver
     origin: str
     store: RunStore
+    now: float = field(default_factory=time.time)
     records: list[RunRecord] = field(default_factory=list)
     numbers: dict[str, int] = field(default_factory=lambda: defaultdict(int))
     _taken: set[str] = field(default_factory=set)
@@ -145,53 +145,85 @@ class _Importing:
     def take(self, rows: list[TableRow]) -> None:
         """Note what is to be saved of each row."""
         there = {record.identity: record for record in self.store.runs("finished")}
-        now = time.time()
-        # Repeats go on counting where the one before them ended.
-        counters: dict[tuple[float, ...], Iterator[int]] = defaultdict(lambda: count(FIRST_SEED))
+        unnumbered: dict[tuple[float, ...], list[TableRow]] = defaultdict(list)
         # Seeds that are given come first: no other run may take their place.
-        for row in sorted(rows, key=lambda row: row.seed is None):
-            seeds = iter((row.seed,)) if row.seed is not None else counters[_point(row)]
-            for seed in seeds:
-                definition = self.solver.definition(row.parameters, seed)
-                identity = run_identity(definition)
-                if identity in self._taken:
-                    continue
-                known = there.get(identity)
-                if known is None or self.origin == known.origin or _is_alike(known, row):
-                    self._place(row, identity, definition, known, now)
-                    break
-                if row.seed is not None:
-                    self._others.append((row.line, known.origin or "made here"))
+        for row in rows:
+            if row.seed is None:
+                unnumbered[tuple(row.parameters.values())].append(row)
+            else:
+                self._take_one(row, self._place(row, row.seed), there)
+        for repeats in unnumbered.values():
+            self._take_repeats(repeats, there)
         self._left_over = sum(
-            record.origin == self.origin and record.test == self.test
+            self._is_mine(record) and record.test == self.test
             for identity, record in there.items()
             if identity not in self._taken
         )
 
-    def _place(
-        self,
-        row: TableRow,
-        identity: str,
-        definition: Mapping[str, Any],
-        known: RunRecord | None,
-        now: float,
-    ) -> None:
-        self._taken.add(identity)
-        if known is not None and _is_alike(known, row):
+    def _take_one(self, row: TableRow, place: RunRecord, there: Mapping[str, RunRecord]) -> None:
+        known = there.get(place.identity)
+        if known is None or self._is_mine(known) or _is_alike(known, row):
+            self._fill(place, known)
+        else:
+            self._taken.add(place.identity)
+            self._others.append((row.line, known.origin or "made here"))
+
+    def _take_repeats(self, rows: list[TableRow], there: Mapping[str, RunRecord]) -> None:
+        """Give runs with the same parameters and no seed a seed each."""
+        places = self._places_for(rows, there)
+        others = []
+        for row in rows:
+            same = (
+                place
+                for place in places
+                if place.identity in there and _is_alike(there[place.identity], row)
+            )
+            if (place := next(same, None)) is None:
+                others.append(row)
+            else:
+                places.remove(place)
+                self._fill(replace(place, responses=row.responses), there[place.identity])
+        # What an earlier import of this table left over, it has other responses for now.
+        mine = [p for p in places if p.identity in there and self._is_mine(there[p.identity])]
+        empty = [place for place in places if place.identity not in there]
+        for row, place in zip(others, mine + empty, strict=False):
+            self._fill(replace(place, responses=row.responses), there.get(place.identity))
+
+    def _places_for(self, rows: list[TableRow], there: Mapping[str, RunRecord]) -> list[RunRecord]:
+        """Return the runs at the parameters of these rows: those there, and enough that are not."""
+        places: list[RunRecord] = []
+        empty = 0
+        seeds = count(FIRST_SEED)
+        while empty < len(rows):
+            place = self._place(rows[0], next(seeds))
+            if place.identity not in self._taken:
+                places.append(place)
+                empty += place.identity not in there
+        return places
+
+    def _is_mine(self, record: RunRecord) -> bool:
+        return record.origin == self.origin
+
+    def _place(self, row: TableRow, seed: int) -> RunRecord:
+        """Return the run that a row is with a seed."""
+        definition = self.solver.definition(row.parameters, seed)
+        return RunRecord(
+            run_identity(definition),
+            self.test,
+            "finished",
+            definition,
+            row.responses,
+            ended=self.now,
+            origin=self.origin,
+        )
+
+    def _fill(self, record: RunRecord, known: RunRecord | None) -> None:
+        self._taken.add(record.identity)
+        if known is not None and _is_alike(known, record):
             self.numbers["known"] += 1
             return
         self.numbers["new" if known is None else "replaced"] += 1
-        self.records.append(
-            RunRecord(
-                identity,
-                self.test,
-                "finished",
-                definition,
-                row.responses,
-                ended=now,
-                origin=self.origin,
-            )
-        )
+        self.records.append(record)
 
     def notices(self) -> Iterator[str]:
         """Say what was not taken, and what stays of earlier imports."""
@@ -209,12 +241,8 @@ class _Importing:
             )
 
 
-def _is_alike(record: RunRecord, row: TableRow) -> bool:
-    return dict(record.responses) == dict(row.responses)
-
-
-def _point(row: TableRow) -> tuple[float, ...]:
-    return tuple(row.parameters.values())
+def _is_alike(record: RunRecord, other: RunRecord | TableRow) -> bool:
+    return dict(record.responses) == dict(other.responses)
 
 
 def _ignored(columns: list[str]) -> Iterator[str]:
