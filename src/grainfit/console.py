@@ -63,7 +63,7 @@ class LiveProgress:
     def update(self, progress: Progress) -> None:
         """Show where the calibration stands now."""
         if self._says_what_it_learns_from and progress.learnt_from:
-            self._console.print(Text(_learnt_from(progress.learnt_from)), soft_wrap=True)
+            self._console.print(_text(_learnt_from(progress.learnt_from)), soft_wrap=True)
             self._says_what_it_learns_from = False
         for notice in progress.notices[self._notices :]:
             self._console.print(_text(notice, "yellow"))
@@ -94,7 +94,7 @@ class LiveProgress:
 
 
 def _learnt_from(origins: Mapping[str, int]) -> str:
-    places = (f"{plain(origin) or 'this work folder'} ({n})" for origin, n in origins.items())
+    places = (f"{origin or 'this work folder'} ({n})" for origin, n in origins.items())
     return f"Learns from {sum(origins.values())} runs that were made before: {', '.join(places)}."
 
 
@@ -116,8 +116,7 @@ def _text(text: str, style: str = "") -> Text:
 
     It may come from somebody else's file, from a program's output, or from the name of a file.
     """
-    signs = (sign if sign.isprintable() or sign in "\n\t" else ascii(sign)[1:-1] for sign in text)
-    return Text("".join(signs), style=style)
+    return Text("\n".join(plain(line) for line in text.split("\n")), style=style)
 
 
 def _number(value: float | None, unit: str = "") -> str:

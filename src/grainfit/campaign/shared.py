@@ -128,7 +128,7 @@ class SharedRuns:
 
     def forget_failed(self, identities: Collection[str]) -> None:
         """Let those of some runs that failed be made again."""
-        self._store.forget_failed(identities)
+        self.store.forget_failed(identities)
 
     def close(self) -> None:
         """Show no more life, and give back what was not made."""
