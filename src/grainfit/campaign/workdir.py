@@ -32,6 +32,18 @@ PARTIAL_SUFFIX = ".partial"
 _KEPT_SUFFIXES = frozenset({".log", ".png", ".json"})
 #: A look at whether a folder is held takes its lock for a moment; nobody is refused for that.
 _LOCK_SECONDS = 1.0
+_held: set[TextIO] = set()
+
+
+def _let_go() -> None:
+    for file in _held:
+        file.close()
+    _held.clear()
+
+
+# Workers of a pool are forked with all open files, and outlive a process that is killed: the lock
+# must not live on with them.
+os.register_at_fork(after_in_child=_let_go)
 
 
 @contextmanager
@@ -59,10 +71,19 @@ def hold(folder: Path) -> Iterator[None]:
                 f"the work folder {str(folder)!r} is in use by process {file.read().strip()}. "
                 "Wait for it to end, or choose another folder with --workdir."
             )
-        file.truncate(0)
-        file.write(f"{os.getpid()}\n")
-        file.flush()
-        yield
+        _held.add(file)
+        try:
+            _sign(file)
+            yield
+        finally:
+            _held.discard(file)
+
+
+def _sign(file: TextIO) -> None:
+    """Write down who holds the folder; the lock counts, so that a full disk is no hindrance."""
+    with suppress(OSError):
+        os.ftruncate(file.fileno(), 0)
+        os.write(file.fileno(), f"{os.getpid()}\n".encode())
 
 
 def _lock(file: TextIO, folder: Path) -> bool:

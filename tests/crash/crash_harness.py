@@ -1,0 +1,457 @@
+"""Kills calibrations at any moment and says what came of it: runs lost, repeated, another answer.
+
+A calibration happens in a process that is forked from this one, which has imported everything, so
+that a start takes no time. Its model is a real program that writes down every start of its own in a
+log outside the work folder: repeats are counted there, whatever the store believes.
+"""
+
+from __future__ import annotations
+
+import json
+import multiprocessing
+import os
+import random
+import signal
+import sys
+import time
+import traceback
+from collections import Counter
+from collections.abc import Callable, Iterator, Mapping
+from concurrent.futures import Executor, ProcessPoolExecutor
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import grainfit
+from grainfit.campaign.records import RunRecord
+from grainfit.campaign.runner import CampaignOptions
+from grainfit.campaign.store import STORE_NAME, RunStore
+from grainfit.campaign.workdir import PARTIAL_SUFFIX, read_record
+from grainfit.errors import StoreError
+from grainfit.result import Result
+from grainfit.solvers.command import Command
+from grainfit.solvers.python_callable import PythonCallable
+
+LOG_VARIABLE = "CRASH_LOG"
+SECONDS_VARIABLE = "CRASH_SECONDS"
+#: How long one run of the program takes, s: long enough to be hit, short enough for many.
+RUN_SECONDS = 0.01
+PROGRAM = """\
+#!/bin/sh
+echo "started $$ $1 $2" >> "$CRASH_LOG"
+sleep "$CRASH_SECONDS"
+awk -v friction="$1" -v seed="$2" 'BEGIN {
+    printf "{\\"angle\\": %.15g}\\n", 10 + 50 * friction * friction + (seed % 1009) / 1009 - 0.5
+}' > responses.json
+echo "ended $$ $1 $2" >> "$CRASH_LOG"
+"""
+PROBLEM = grainfit.Problem(
+    [grainfit.Parameter("friction", 0.1, 0.9)], [grainfit.Target("angle", 27.0, tolerance=0.6)]
+)
+#: A calibration that does not come back after so long hangs, s.
+_PATIENCE = 120.0
+
+#: What makes a run the same run for the program: the value and the seed that it was given.
+Key = tuple[float, int]
+
+
+def expected(key: Key) -> float:
+    """Response of a run, computed without the program."""
+    friction, seed = key
+    return 10 + 50 * friction * friction + (seed % 1009) / 1009 - 0.5
+
+
+def function(parameters: dict[str, float], seed: int) -> dict[str, float]:
+    """Do the same as the program, in this process."""
+    key = (parameters["friction"], seed)
+    _write_line(f"started {os.getpid()} {key[0]!r} {seed}")
+    time.sleep(float(os.environ[SECONDS_VARIABLE]))
+    _write_line(f"ended {os.getpid()} {key[0]!r} {seed}")
+    return {"angle": expected(key)}
+
+
+def _write_line(line: str) -> None:
+    with Path(os.environ[LOG_VARIABLE]).open("a", encoding="utf-8") as log:
+        log.write(f"{line}\n")
+
+
+@dataclass(frozen=True)
+class Variant:
+    """How a calibration is made that is going to be killed.
+
+    Parameters
+    ----------
+    name : str
+        What it is called in a table.
+    workers : int
+        Runs at a time. With more than one, the order in which runs come back decides what is asked
+        next, so that only the status of the answer is the same every time.
+    strategy : str
+        How runs are chosen.
+    solver : {"program", "function"}
+        A program that is started for each run, or a function in the process itself.
+    pool : bool
+        Whether worker processes make the runs.
+    seconds : float
+        How long a run takes, s.
+    """
+
+    name: str
+    workers: int = 1
+    strategy: str = "sequential"
+    solver: str = "program"
+    pool: bool = False
+    seconds: float = RUN_SECONDS
+
+    @property
+    def exact(self) -> bool:
+        """Whether the answer is the same to the last digit every time."""
+        return self.workers == 1
+
+
+VARIANTS = (
+    Variant("kill -9"),
+    Variant("kill -9, 2 workers", workers=2),
+    Variant("kill -9, staged", strategy="staged"),
+    Variant("kill -9, Python function", solver="function"),
+    Variant("kill -9, process pool", workers=2, pool=True),
+)
+
+
+@dataclass
+class Tally:
+    """What faults of one kind did.
+
+    Parameters
+    ----------
+    fault : str
+        What was done to the calibrations.
+    injected : int
+        How often.
+    lost, repeated, different : list of str
+        Finished runs that were gone, or were made again, and answers that were others.
+    """
+
+    fault: str
+    injected: int = 0
+    lost: list[str] = field(default_factory=list)
+    repeated: list[str] = field(default_factory=list)
+    different: list[str] = field(default_factory=list)
+
+    @property
+    def clean(self) -> bool:
+        """Whether nothing happened that must not."""
+        return not (self.lost or self.repeated or self.different)
+
+
+@dataclass
+class Ending:
+    """How the process of a calibration ended: with a result, with an error, or killed."""
+
+    result: dict[str, Any] | None = None
+    error: str = ""
+    message: str = ""
+
+
+class Trial:
+    """One calibration and its work folder, through all its starts.
+
+    Parameters
+    ----------
+    variant : Variant
+        How it is made.
+    folder : Path
+        Where; an empty folder of its own.
+    tally : Tally
+        Where complaints go.
+    work : Path, optional
+        The work folder, should it not be ``folder / "work"``.
+    """
+
+    def __init__(
+        self, variant: Variant, folder: Path, tally: Tally, work: Path | None = None
+    ) -> None:
+        folder.mkdir(parents=True, exist_ok=True)
+        self.variant = variant
+        self.work = work or folder / "work"
+        self.log = folder / "program.log"
+        self.log.touch()
+        self._tally = tally
+        self._model = folder / "model"
+        self._ending = folder / "ending.json"
+        self._groups: list[int] = []
+        self._finished: dict[Key, int] = {}
+        self._model.mkdir(exist_ok=True)
+        program = self._model / "simulate.sh"
+        program.write_text(PROGRAM, encoding="utf-8")
+        program.chmod(0o755)
+
+    # One start ---------------------------------------------------------------------------------
+
+    def start(self, **options: Any) -> int:
+        """Start the calibration, or let it go on; return its process."""
+        self._ending.unlink(missing_ok=True)
+        sys.stdout.flush()
+        sys.stderr.flush()
+        process = os.fork()
+        if process == 0:
+            code = 1
+            try:
+                os.setsid()
+                self._calibrate(options)
+                code = 0
+            finally:
+                os._exit(code)
+        self._groups.append(process)
+        return process
+
+    def _calibrate(self, options: Mapping[str, Any]) -> None:
+        """Calibrate in the forked process, and write down how it ended."""
+        os.environ[LOG_VARIABLE] = str(self.log)
+        os.environ[SECONDS_VARIABLE] = str(self.variant.seconds)
+        # A machine that fails here does so on purpose, and has recovered at once.
+        sys.modules["grainfit.calibrate"].CampaignOptions = partial(  # type: ignore[attr-defined]
+            CampaignOptions, retry_pauses=(0.0, 0.0)
+        )
+        try:
+            with self._executor() as executor:
+                result = grainfit.calibrate(
+                    PROBLEM,
+                    self._solver(),
+                    strategy=self.variant.strategy,
+                    workers=self.variant.workers,
+                    workdir=self.work,
+                    executor=executor,
+                    **options,
+                )
+            ending = {"result": _essence(result)}
+        except grainfit.GrainfitError as error:
+            ending = {"error": type(error).__name__, "message": str(error)}
+        except BaseException as error:
+            ending = {"error": type(error).__name__, "message": traceback.format_exc()}
+        new = self._ending.with_suffix(".new")
+        new.write_text(json.dumps(ending), encoding="utf-8")
+        new.rename(self._ending)
+
+    @contextmanager
+    def _executor(self) -> Iterator[Executor | None]:
+        if not self.variant.pool:
+            yield None
+            return
+        context = multiprocessing.get_context("fork")
+        pool = ProcessPoolExecutor(self.variant.workers, mp_context=context)
+        yield pool
+        pool.shutdown()
+
+    def _solver(self) -> Any:
+        if self.variant.solver == "function":
+            return PythonCallable(function, identity="crash")
+        return Command(self._model, ["./simulate.sh", "{{ friction }}", "{{ seed }}"])
+
+    def wait(self, process: int) -> Ending:
+        """Wait for the end of a start."""
+        deadline = time.monotonic() + _PATIENCE
+        while os.waitpid(process, os.WNOHANG)[0] == 0:
+            if time.monotonic() > deadline:
+                os.kill(process, signal.SIGKILL)
+                os.waitpid(process, 0)
+                return Ending(error="Hang", message=f"no end within {_PATIENCE:g} s")
+            time.sleep(0.002)
+        return self.ending()
+
+    def ending(self) -> Ending:
+        """How the last start ended; nothing when it was killed before it had ended."""
+        if not self._ending.exists():
+            return Ending()
+        return Ending(**json.loads(self._ending.read_text(encoding="utf-8")))
+
+    def kill_after(self, process: int, seconds: float) -> bool:
+        """Kill a start after a while, and nothing but it; return whether it was still there."""
+        deadline = time.monotonic() + seconds
+        while time.monotonic() < deadline:
+            if os.waitpid(process, os.WNOHANG)[0]:
+                return False
+            time.sleep(0.0005)
+        os.kill(process, signal.SIGKILL)
+        os.waitpid(process, 0)
+        return not self._ending.exists()
+
+    def clear_away(self) -> None:
+        """End what killed starts have left, such as workers of a pool."""
+        for group in self._groups:
+            try:
+                os.killpg(group, signal.SIGKILL)
+            except ProcessLookupError:
+                continue
+        self._groups.clear()
+
+    # What is there, and what must be ------------------------------------------------------------
+
+    def starts(self) -> Counter[Key]:
+        """How often the model was started for each run."""
+        lines = (line.split() for line in self.log.read_text(encoding="utf-8").splitlines())
+        return Counter(_key(*words[2:]) for words in lines if words[0] == "started")
+
+    def finished(self) -> dict[Key, RunRecord]:
+        """Runs that are finished: their record is in the store, or their folder has its name."""
+        found = {}
+        for path in (self.work / "runs").glob("*"):
+            record = None if path.suffix == PARTIAL_SUFFIX else read_record(path)
+            if record is not None and record.status == "finished":
+                found[_key_of(record)] = record
+        return found | {_key_of(record): record for record in self._stored()}
+
+    def _stored(self) -> list[RunRecord]:
+        path = self.work / STORE_NAME
+        if not path.exists() or path.stat().st_size == 0:
+            return []
+        try:
+            store = RunStore.read_only(self.work)
+        except StoreError as error:
+            # Killed before anything was written to it.
+            if "nothing was run yet" in str(error):
+                return []
+            raise
+        try:
+            return store.runs("finished")
+        finally:
+            store.close()
+
+    def look(self, when: str) -> None:
+        """Complain of runs that were finished at an earlier look and are gone, or made again."""
+        finished, starts = self.finished(), self.starts()
+        for key, before in self._finished.items():
+            if key not in finished:
+                self._tally.lost.append(f"{when}: {key}")
+            if starts[key] > before:
+                self._tally.repeated.append(f"{when}: {key}")
+        for key, record in finished.items():
+            if not _agree(record, key):
+                self._tally.different.append(f"{when}: {key} gave {record.responses}")
+        self._finished = {key: starts[key] for key in finished}
+
+    def forget_finished(self) -> None:
+        """Take what is finished now for all that ever was: the rest was destroyed on purpose."""
+        starts = self.starts()
+        self._finished = {key: starts[key] for key in self.finished()}
+
+    def compare(self, ending: Ending, reference: Mapping[str, Any]) -> None:
+        """Complain when an answer is not that of the undisturbed calibration."""
+        if ending.result is None:
+            self._tally.different.append(f"{ending.error or 'killed'}: {ending.message}")
+            return
+        wanted = reference if self.variant.exact else {"status": reference["status"]}
+        for name, value in wanted.items():
+            if ending.result[name] != value:
+                self._tally.different.append(f"{name}: {ending.result[name]} instead of {value}")
+        stored = {_key_of(record) for record in self._stored()}
+        history = ending.result["history"]
+        asked = {_key(run["parameters"]["friction"], run["seed"]) for run in history}
+        if not asked <= stored:
+            self._tally.lost.append(f"not in the store at the end: {asked - stored}")
+
+
+def undisturbed(variant: Variant, folder: Path) -> tuple[dict[str, Any], float]:
+    """Return the result of a calibration that nobody disturbs, and how long it took, s."""
+    trial = Trial(variant, folder, Tally("none"))
+    started = time.monotonic()
+    ending = trial.wait(trial.start())
+    seconds = time.monotonic() - started
+    if ending.result is None:
+        raise RuntimeError(f"the undisturbed calibration ended with {ending.message}")
+    repeats = [key for key, count in trial.starts().items() if count > 1]
+    if ending.result["status"] != "calibrated" or repeats:
+        raise RuntimeError(f"the undisturbed calibration is none: {ending.result}, {repeats}")
+    return ending.result, seconds
+
+
+def kill_at_random(
+    variant: Variant,
+    kills: int,
+    folder: Path,
+    seed: int = 1,
+    disturb: Callable[[Trial, random.Random], None] | None = None,
+    progress: Callable[[Tally], None] = lambda _tally: None,
+) -> Tally:
+    """Kill calibrations of one variant until the number of kills is reached.
+
+    A calibration is killed at a random moment of the time that an undisturbed one takes, started
+    again, killed again, and so on until it ends before its turn; then the next one begins.
+
+    Parameters
+    ----------
+    variant : Variant
+        What is killed.
+    kills : int
+        How often.
+    folder : Path
+        Where.
+    seed : int
+        Decides the moments.
+    disturb : callable, optional
+        Does more harm after each kill.
+    progress : callable
+        Called after each kill.
+    """
+    moments = random.Random(seed)
+    tally = Tally(variant.name)
+    reference, seconds = undisturbed(variant, folder / "undisturbed")
+    number = 0
+    while tally.injected < kills:
+        number += 1
+        trial = Trial(variant, folder / str(number), tally)
+        try:
+            while True:
+                process = trial.start()
+                # Every fourth one at once: before there is a store, or while it is put in order.
+                longest = seconds * (0.05 if moments.random() < 0.25 else 1.0)
+                if tally.injected == kills or not trial.kill_after(
+                    process, longest * moments.random()
+                ):
+                    break
+                tally.injected += 1
+                trial.look(f"calibration {number}, kill {tally.injected}")
+                if disturb is not None:
+                    disturb(trial, moments)
+                    trial.forget_finished()
+                progress(tally)
+            ending = trial.ending() if trial.ending().result else _end(trial, process)
+            trial.look(f"calibration {number}, end")
+            trial.compare(ending, reference)
+        finally:
+            trial.clear_away()
+    return tally
+
+
+def _end(trial: Trial, process: int) -> Ending:
+    try:
+        return trial.wait(process)
+    except ChildProcessError:
+        return trial.ending()
+
+
+def _essence(result: Result) -> dict[str, Any]:
+    """What must not depend on how often a calibration was interrupted."""
+    data = json.loads(json.dumps(result.to_dict()))
+    history = [{name: run[name] for name in ("stage", "parameters", "seed", "responses")}
+               for run in data["history"]]
+    return {
+        "status": data["status"],
+        "parameters": data["parameters"],
+        "responses": data["responses"],
+        "history": history,
+    }
+
+
+def _key(friction: str | float, seed: str | int) -> Key:
+    return float(friction), int(seed)
+
+
+def _key_of(record: RunRecord) -> Key:
+    return _key(record.definition["parameters"]["friction"], record.definition["seed"])
+
+
+def _agree(record: RunRecord, key: Key) -> bool:
+    return abs(record.responses["angle"].value - expected(key)) < 1e-9
