@@ -8,6 +8,7 @@ import threading
 import time
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from concurrent.futures import BrokenExecutor, CancelledError, Executor, Future, ThreadPoolExecutor
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from pickle import PicklingError
@@ -245,9 +246,11 @@ class Campaign:
             waits = all(solver.uses_folder for solver in self._solvers.values())
             self._own_executor.shutdown(wait=waits, cancel_futures=True)
         workdir.discard_partial_folders(self._folder, self._under_way)
-        for identity, known in self._store.find_many(self._under_way).items():
-            if known.status == "running":
-                self._store.forget(identity)
+        # What cannot be noted now, on a full disk for example, the next start puts in order.
+        with suppress(StoreError):
+            for identity, known in self._store.find_many(self._under_way).items():
+                if known.status == "running":
+                    self._store.forget(identity)
 
     def close(self) -> None:
         """Release threads and temporary folders."""
@@ -337,6 +340,8 @@ class Campaign:
         """Take a run that has ended: hand it on, or try it again later."""
         self._futures.pop(record.identity, None)
         if self._is_to_be_tried_again(record):
+            # A worker that was lost may have left a solver behind.
+            workdir.discard_partial_folders(self._folder, [record.identity])
             pause = self._options.retry_pauses[self._tries[record.identity] - 1]
             self._postponed.append((time.monotonic() + pause, self._under_way[record.identity]))
             return

@@ -118,18 +118,19 @@ def is_held(folder: Path) -> bool:
 def recover(folder: Path, store: RunStore) -> None:
     """Put in order what a killed process left: end its solvers, keep every finished run."""
     store.forget_running()
-    known = store.identities()
-    found = []
-    for path in sorted((folder / "runs").iterdir()):
-        if path.suffix == PARTIAL_SUFFIX:
-            end_orphan(path)
-            shutil.rmtree(path, ignore_errors=True)
-        elif path.name not in known:
-            record = read_record(path)
-            # Failures that the store has forgotten are to be made again.
-            if record is not None and record.status == "finished":
-                found.append(record)
-    store.save_many(found)
+    runs = folder / "runs"
+    for path in runs.glob(f"*{PARTIAL_SUFFIX}"):
+        end_orphan(path)
+        shutil.rmtree(path, ignore_errors=True)
+    # A worker that has outlived its process may have finished its run up to now, but not later.
+    states = store.states()
+    records = (
+        read_record(path) for path in sorted(runs.iterdir()) if states.get(path.name) != "finished"
+    )
+    # Failures that the store has forgotten are to be made again.
+    store.save_many(
+        record for record in records if record is not None and record.status == "finished"
+    )
 
 
 def read_record(folder: Path) -> RunRecord | None:
@@ -154,14 +155,14 @@ def open_run_folder(folder: Path, identity: str) -> Path:
     must not write among the files of its successor.
     """
     partial = folder / "runs" / f"{identity}.{secrets.token_hex(4)}{PARTIAL_SUFFIX}"
-    partial.mkdir(parents=True)
+    # A work folder that was removed must not come to life again, without its store.
+    partial.parent.mkdir(exist_ok=True)
+    partial.mkdir()
     return partial
 
 
 def close_run_folder(partial: Path, final: Path, record: RunRecord, keep: Keep = "all") -> None:
     """Keep the folder of a run that has ended, with its record in it."""
-    if keep == "results" and record.status == "finished":
-        prune_run_folder(partial)
     write_atomically(partial / RECORD_NAME, json.dumps(record.to_json(), indent=1))
     shutil.rmtree(final, ignore_errors=True)
     try:
@@ -171,12 +172,20 @@ def close_run_folder(partial: Path, final: Path, record: RunRecord, keep: Keep =
         if read_record(final) is None:
             raise
         shutil.rmtree(partial, ignore_errors=True)
+    if keep == "results" and record.status == "finished":
+        # Only now: to remove many files takes a while, in which the run could be lost.
+        with suppress(OSError):
+            prune_run_folder(final)
 
 
 def discard_partial_folders(folder: Path, identities: Iterable[str]) -> None:
-    """Remove the folders of runs that have not ended: their workers notice it and end."""
+    """End the solvers of runs that have not ended, as far as they are here; remove the folders.
+
+    Workers elsewhere notice that their folder is gone, and end.
+    """
     for identity in identities:
         for partial in (folder / "runs").glob(f"{identity}.*{PARTIAL_SUFFIX}"):
+            end_orphan(partial)
             shutil.rmtree(partial, ignore_errors=True)
 
 
