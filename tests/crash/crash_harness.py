@@ -11,14 +11,16 @@ import json
 import multiprocessing
 import os
 import random
+import shutil
 import signal
+import subprocess
 import sys
 import time
 import traceback
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import Executor, ProcessPoolExecutor
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
@@ -36,12 +38,15 @@ from grainfit.solvers.python_callable import PythonCallable
 
 LOG_VARIABLE = "CRASH_LOG"
 SECONDS_VARIABLE = "CRASH_SECONDS"
+OUTPUT_VARIABLE = "CRASH_OUTPUT"
 #: How long one run of the program takes, s: long enough to be hit, short enough for many.
 RUN_SECONDS = 0.01
 PROGRAM = """\
 #!/bin/sh
+set -e
 echo "started $$ $1 $2" >> "$CRASH_LOG"
 sleep "$CRASH_SECONDS"
+head -c "$CRASH_OUTPUT" /dev/zero > dump
 awk -v friction="$1" -v seed="$2" 'BEGIN {
     printf "{\\"angle\\": %.15g}\\n", 10 + 50 * friction * friction + (seed % 1009) / 1009 - 0.5
 }' > responses.json
@@ -52,6 +57,7 @@ PROBLEM = grainfit.Problem(
 )
 #: A calibration that does not come back after so long hangs, s.
 _PATIENCE = 120.0
+_DISK_BYTES = 32 * 2**20
 
 #: What makes a run the same run for the program: the value and the seed that it was given.
 Key = tuple[float, int]
@@ -96,6 +102,11 @@ class Variant:
         Whether worker processes make the runs.
     seconds : float
         How long a run takes, s.
+    output : int
+        How much a run of the program writes besides its responses, bytes.
+    same_history : bool
+        Whether the store keeps what was asked for. Without that a calibration learns from the runs
+        that are left, and comes to an answer that is as good, but another one.
     """
 
     name: str
@@ -104,11 +115,13 @@ class Variant:
     solver: str = "program"
     pool: bool = False
     seconds: float = RUN_SECONDS
+    output: int = 100
+    same_history: bool = True
 
     @property
     def exact(self) -> bool:
         """Whether the answer is the same to the last digit every time."""
-        return self.workers == 1
+        return self.workers == 1 and self.same_history
 
 
 VARIANTS = (
@@ -144,6 +157,13 @@ class Tally:
     def clean(self) -> bool:
         """Whether nothing happened that must not."""
         return not (self.lost or self.repeated or self.different)
+
+
+Progress = Callable[[Tally], None]
+
+
+def _silent(_tally: Tally) -> None:
+    """Show nothing."""
 
 
 @dataclass
@@ -211,6 +231,7 @@ class Trial:
         """Calibrate in the forked process, and write down how it ended."""
         os.environ[LOG_VARIABLE] = str(self.log)
         os.environ[SECONDS_VARIABLE] = str(self.variant.seconds)
+        os.environ[OUTPUT_VARIABLE] = str(self.variant.output)
         # A machine that fails here does so on purpose, and has recovered at once.
         sys.modules["grainfit.calibrate"].CampaignOptions = partial(  # type: ignore[attr-defined]
             CampaignOptions, retry_pauses=(0.0, 0.0)
@@ -250,10 +271,11 @@ class Trial:
             return PythonCallable(function, identity="crash")
         return Command(self._model, ["./simulate.sh", "{{ friction }}", "{{ seed }}"])
 
-    def wait(self, process: int) -> Ending:
-        """Wait for the end of a start."""
+    def wait(self, process: int, meanwhile: Callable[[], None] = lambda: None) -> Ending:
+        """Wait for the end of a start, and do something again and again meanwhile."""
         deadline = time.monotonic() + _PATIENCE
         while os.waitpid(process, os.WNOHANG)[0] == 0:
+            meanwhile()
             if time.monotonic() > deadline:
                 os.kill(process, signal.SIGKILL)
                 os.waitpid(process, 0)
@@ -291,17 +313,19 @@ class Trial:
 
     def starts(self) -> Counter[Key]:
         """How often the model was started for each run."""
-        lines = (line.split() for line in self.log.read_text(encoding="utf-8").splitlines())
-        return Counter(_key(*words[2:]) for words in lines if words[0] == "started")
+        return Counter(key for _, key in self.programs())
 
     def finished(self) -> dict[Key, RunRecord]:
         """Runs that are finished: their record is in the store, or their folder has its name."""
+        return self._in_folders() | {_key_of(record): record for record in self._stored()}
+
+    def _in_folders(self) -> dict[Key, RunRecord]:
         found = {}
         for path in (self.work / "runs").glob("*"):
             record = None if path.suffix == PARTIAL_SUFFIX else read_record(path)
             if record is not None and record.status == "finished":
                 found[_key_of(record)] = record
-        return found | {_key_of(record): record for record in self._stored()}
+        return found
 
     def _stored(self) -> list[RunRecord]:
         path = self.work / STORE_NAME
@@ -319,6 +343,11 @@ class Trial:
         finally:
             store.close()
 
+    def programs(self) -> list[tuple[int, Key]]:
+        """Process of every program that was started, and the run that it was for."""
+        lines = (line.split() for line in self.log.read_text(encoding="utf-8").splitlines())
+        return [(int(words[1]), _key(*words[2:])) for words in lines if words[0] == "started"]
+
     def look(self, when: str) -> None:
         """Complain of runs that were finished at an earlier look and are gone, or made again."""
         finished, starts = self.finished(), self.starts()
@@ -332,10 +361,16 @@ class Trial:
                 self._tally.different.append(f"{when}: {key} gave {record.responses}")
         self._finished = {key: starts[key] for key in finished}
 
-    def forget_finished(self) -> None:
+    def forget_finished(self, folders_only: bool = False) -> None:
         """Take what is finished now for all that ever was: the rest was destroyed on purpose."""
         starts = self.starts()
-        self._finished = {key: starts[key] for key in self.finished()}
+        finished = self._in_folders() if folders_only else self.finished()
+        self._finished = {key: starts[key] for key in finished}
+
+    def complain(self, condition: bool, message: str) -> None:
+        """Take note of something that must not be."""
+        if not condition:
+            self._tally.different.append(message)
 
     def compare(self, ending: Ending, reference: Mapping[str, Any]) -> None:
         """Complain when an answer is not that of the undisturbed calibration."""
@@ -373,7 +408,7 @@ def kill_at_random(
     folder: Path,
     seed: int = 1,
     disturb: Callable[[Trial, random.Random], None] | None = None,
-    progress: Callable[[Tally], None] = lambda _tally: None,
+    progress: Progress = _silent,
 ) -> Tally:
     """Kill calibrations of one variant until the number of kills is reached.
 
@@ -430,6 +465,320 @@ def _end(trial: Trial, process: int) -> Ending:
         return trial.wait(process)
     except ChildProcessError:
         return trial.ending()
+
+
+# Faults other than a kill of the whole process ----------------------------------------------------
+
+
+def kill_solvers(times: int, folder: Path, seed: int = 1, progress: Progress = _silent) -> Tally:
+    """Kill the program of a run, up to twice for each run: it is to be tried again, and no other.
+
+    Parameters
+    ----------
+    times : int
+        How often.
+    folder : Path
+        Where.
+    seed : int
+        Decides which ones.
+    progress : callable
+        Called after each kill.
+    """
+    variant = Variant("solver killed")
+    tally = Tally(variant.name)
+    chance = random.Random(seed)
+    reference, _ = undisturbed(variant, folder / "undisturbed")
+    number = 0
+    while tally.injected < times:
+        number += 1
+        trial = Trial(variant, folder / str(number), tally)
+        seen: set[int] = set()
+        killed: Counter[Key] = Counter()
+
+        def kill(trial: Trial = trial, seen: set[int] = seen, killed: Counter[Key] = killed) -> None:
+            for pid, key in trial.programs():
+                if pid in seen or killed[key] == 2 or tally.injected == times:
+                    continue
+                seen.add(pid)
+                if chance.random() < 0.5 and _kill_program(pid):
+                    killed[key] += 1
+                    tally.injected += 1
+                    progress(tally)
+
+        trial.compare(trial.wait(trial.start(), kill), reference)
+        trial.look(f"calibration {number}")
+        tally.repeated += [
+            f"calibration {number}: {key} was started {count} times, killed {killed[key]} times"
+            for key, count in trial.starts().items()
+            if count > 1 + killed[key]
+        ]
+    return tally
+
+
+def _kill_program(pid: int) -> bool:
+    """Kill a program of ours, unless it has ended by now."""
+    try:
+        if "simulate.sh" not in Path(f"/proc/{pid}/cmdline").read_text(encoding="utf-8"):
+            return False
+        os.kill(pid, signal.SIGKILL)
+    except (OSError, ValueError):
+        return False
+    return True
+
+
+def kill_pool_workers(
+    times: int, folder: Path, seed: int = 1, progress: Progress = _silent
+) -> Tally:
+    """Kill a worker of a pool: the calibration ends with a message, and goes on when started again.
+
+    Parameters
+    ----------
+    times : int
+        How often.
+    folder : Path
+        Where.
+    seed : int
+        Decides when.
+    progress : callable
+        Called after each kill.
+    """
+    variant = Variant("pool worker killed", workers=2, pool=True)
+    tally = Tally(variant.name)
+    chance = random.Random(seed)
+    reference, seconds = undisturbed(variant, folder / "undisturbed")
+    number = 0
+    while tally.injected < times:
+        number += 1
+        trial = Trial(variant, folder / str(number), tally)
+        try:
+            while True:
+                process = trial.start()
+                moment = time.monotonic() + seconds * chance.random()
+                killed: list[int] = []
+
+                def kill(
+                    process: int = process, moment: float = moment, killed: list[int] = killed
+                ) -> None:
+                    workers = _children(process)
+                    if not killed and workers and time.monotonic() > moment:
+                        killed.append(chance.choice(workers))
+                        os.kill(killed[0], signal.SIGKILL)
+
+                ending = trial.wait(process, kill if tally.injected < times else lambda: None)
+                trial.look(f"calibration {number}, kill {tally.injected}")
+                if ending.result is not None:
+                    break
+                tally.injected += 1
+                trial.complain(
+                    ending.error == "ExecutorError" and "start again to go on" in ending.message,
+                    f"{ending.error}: {ending.message}",
+                )
+                progress(tally)
+            trial.compare(ending, reference)
+        finally:
+            trial.clear_away()
+    return tally
+
+
+def _children(process: int) -> list[int]:
+    found = []
+    for path in Path("/proc").glob("[0-9]*/stat"):
+        with suppress(OSError):
+            words = path.read_text(encoding="utf-8", errors="replace").rpartition(")")[2].split()
+            if int(words[1]) == process:
+                found.append(int(path.parent.name))
+    return found
+
+
+def truncate_newest(trial: Trial, chance: random.Random) -> None:
+    """Do to the newest files what a power cut may do to them: cut them short, or fill with zeros.
+
+    The store itself has its own test, see `damage_stores`.
+    """
+    runs = sorted(trial.work.glob("runs/*"), key=lambda path: path.stat().st_mtime)
+    newest = [file for run in runs[-2:] for file in run.glob("*") if file.is_file()]
+    beside = [trial.work / name for name in (f"{STORE_NAME}-shm", "lock", "result.json")]
+    for path in [trial.work / f"{STORE_NAME}-wal", *newest, *beside]:
+        if not path.exists() or chance.random() < 0.3:
+            continue
+        size = path.stat().st_size
+        left = chance.randrange(size + 1)
+        os.truncate(path, left)
+        if chance.random() < 0.3 and not path.name.startswith(STORE_NAME):
+            os.truncate(path, size)
+
+
+def damage_stores(times: int, folder: Path, seed: int = 1, progress: Progress = _silent) -> Tally:
+    """Cut the store itself short, or fill it with zeros, and do what the message says.
+
+    Parameters
+    ----------
+    times : int
+        How often.
+    folder : Path
+        Where.
+    seed : int
+        Decides when and how.
+    progress : callable
+        Called after each time.
+    """
+    variant = Variant("store truncated", same_history=False)
+    tally = Tally(variant.name)
+    chance = random.Random(seed)
+    reference, seconds = undisturbed(variant, folder / "undisturbed")
+    while tally.injected < times:
+        trial = Trial(variant, folder / str(tally.injected), tally)
+        store = trial.work / STORE_NAME
+        while trial.kill_after(trial.start(), seconds * (0.5 + 0.5 * chance.random())):
+            if store.exists() and store.stat().st_size:
+                break
+        tally.injected += 1
+        trial.look("killed")
+        size = store.stat().st_size
+        left = chance.choice([0, 100, chance.randrange(size), size - size % 4096 - 4096])
+        os.truncate(store, left)
+        if chance.random() < 0.3:
+            os.truncate(store, size)
+        trial.forget_finished(folders_only=True)
+        ending = trial.wait(trial.start())
+        if ending.result is None:
+            trial.complain(
+                ending.error == "StoreError" and f"Move {STORE_NAME} away" in ending.message,
+                f"{ending.error}: {ending.message}",
+            )
+            for name in (STORE_NAME, f"{STORE_NAME}-wal", f"{STORE_NAME}-shm"):
+                if (trial.work / name).exists():
+                    (trial.work / name).rename(trial.work / f"{name}.damaged")
+            ending = trial.wait(trial.start())
+        trial.look("end")
+        trial.compare(ending, reference)
+        progress(tally)
+    return tally
+
+
+def remove_folders(times: int, folder: Path, seed: int = 1, progress: Progress = _silent) -> Tally:
+    """Remove the folder of a run, or the whole work folder, while runs are under way.
+
+    Parameters
+    ----------
+    times : int
+        How often; the first half of them the work folder.
+    folder : Path
+        Where.
+    seed : int
+        Decides when.
+    progress : callable
+        Called after each time.
+    """
+    variant = Variant("folder removed")
+    tally = Tally(variant.name)
+    chance = random.Random(seed)
+    reference, seconds = undisturbed(variant, folder / "undisturbed")
+    while tally.injected < times:
+        trial = Trial(variant, folder / str(tally.injected), tally)
+        whole = tally.injected < times // 2
+        moment = time.monotonic() + seconds * chance.random()
+        removed: list[Path] = []
+
+        def remove(
+            trial: Trial = trial,
+            whole: bool = whole,
+            moment: float = moment,
+            removed: list[Path] = removed,
+        ) -> None:
+            if removed or time.monotonic() < moment:
+                return
+            if whole and (trial.work / STORE_NAME).exists():
+                removed.append(trial.work)
+            elif not whole:
+                removed.extend(list(trial.work.glob(f"runs/*{PARTIAL_SUFFIX}"))[:1])
+            for path in removed:
+                while path.exists():
+                    shutil.rmtree(path, ignore_errors=True)
+
+        ending = trial.wait(trial.start(), remove)
+        if not removed:
+            continue
+        tally.injected += 1
+        if whole and ending.result is None:
+            trial.complain(
+                ending.error in ("StoreError", "RunFailedError") and "again" in ending.message,
+                f"{ending.error}: {ending.message}",
+            )
+            trial.forget_finished()
+            ending = trial.wait(trial.start())
+        trial.look(f"removed {removed[0].name}")
+        trial.compare(ending, reference)
+        progress(tally)
+    return tally
+
+
+@contextmanager
+def small_disk(place: Path, size: int) -> Iterator[Path]:
+    """Give a file system of so many bytes.
+
+    Raises
+    ------
+    PermissionError
+        Only root may mount one, and not everywhere.
+    """
+    place.mkdir(parents=True)
+    command = ["mount", "-t", "tmpfs", "-o", f"size={size}", "tmpfs", str(place)]
+    try:
+        done = subprocess.run(command, capture_output=True, text=True, check=False)
+    except OSError as error:
+        raise PermissionError(f"a file system cannot be mounted here: {error}") from error
+    if done.returncode:
+        raise PermissionError(f"a file system cannot be mounted here: {done.stderr.strip()}")
+    try:
+        yield place
+    finally:
+        subprocess.run(["umount", "-l", str(place)], check=True)
+
+
+def fill_disks(times: int, folder: Path, seed: int = 1, progress: Progress = _silent) -> Tally:
+    """Let the disk become full, then make room and start again.
+
+    Parameters
+    ----------
+    times : int
+        How often.
+    folder : Path
+        Where.
+    seed : int
+        Decides how much room there is.
+    progress : callable
+        Called after each time.
+    """
+    variant = Variant("disk full", output=400_000)
+    tally = Tally(variant.name)
+    chance = random.Random(seed)
+    reference, _ = undisturbed(variant, folder / "undisturbed")
+    number = 0
+    while tally.injected < times:
+        number += 1
+        place = folder / str(number)
+        with small_disk(place / "disk", _DISK_BYTES) as disk:
+            trial = Trial(variant, place, tally, work=disk / "work")
+            ballast = disk / "ballast"
+            # The runs write 7 MB, and 4 MB are set aside where there is room for it.
+            left = chance.choice([100_000, 4_100_000, 8_200_000, chance.randrange(9_000_000)])
+            with ballast.open("wb") as file:
+                os.posix_fallocate(file.fileno(), 0, _DISK_BYTES - left)
+            ending = trial.wait(trial.start())
+            trial.look("full")
+            if ending.result is None:
+                tally.injected += 1
+                trial.complain(
+                    ending.error in ("StoreError", "RunFailedError") and "full" in ending.message,
+                    f"{ending.error}: {ending.message}",
+                )
+                ballast.unlink()
+                ending = trial.wait(trial.start())
+            trial.look("room again")
+            trial.compare(ending, reference)
+        progress(tally)
+    return tally
 
 
 def _essence(result: Result) -> dict[str, Any]:
