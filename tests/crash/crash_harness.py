@@ -495,7 +495,9 @@ def kill_solvers(times: int, folder: Path, seed: int = 1, progress: Progress = _
         seen: set[int] = set()
         killed: Counter[Key] = Counter()
 
-        def kill(trial: Trial = trial, seen: set[int] = seen, killed: Counter[Key] = killed) -> None:
+        def kill(
+            trial: Trial = trial, seen: set[int] = seen, killed: Counter[Key] = killed
+        ) -> None:
             for pid, key in trial.programs():
                 if pid in seen or killed[key] == 2 or tally.injected == times:
                     continue
@@ -784,8 +786,10 @@ def fill_disks(times: int, folder: Path, seed: int = 1, progress: Progress = _si
 def _essence(result: Result) -> dict[str, Any]:
     """What must not depend on how often a calibration was interrupted."""
     data = json.loads(json.dumps(result.to_dict()))
-    history = [{name: run[name] for name in ("stage", "parameters", "seed", "responses")}
-               for run in data["history"]]
+    history = [
+        {name: run[name] for name in ("stage", "parameters", "seed", "responses")}
+        for run in data["history"]
+    ]
     return {
         "status": data["status"],
         "parameters": data["parameters"],
