@@ -44,7 +44,7 @@ def test_a_calibration_killed_at_100_random_moments_comes_to_the_same_answer(
 def test_a_killed_calibration_goes_on_and_repeats_no_finished_run(
     variant: Variant, tmp_path: Path
 ) -> None:
-    assert_nothing_happened(kill_at_random(variant, 6, tmp_path, seed=2), 6)
+    assert_nothing_happened(kill_at_random(variant, 5, tmp_path, seed=2), 5)
 
 
 def test_a_killed_solver_is_started_again_and_costs_no_other_run(tmp_path: Path) -> None:
