@@ -27,6 +27,7 @@ from pathlib import Path
 from typing import Any
 
 import grainfit
+from grainfit import calibration
 from grainfit.campaign.records import RunRecord
 from grainfit.campaign.runner import CampaignOptions
 from grainfit.campaign.store import STORE_NAME, RunStore
@@ -233,12 +234,12 @@ class Trial:
         os.environ[SECONDS_VARIABLE] = str(self.variant.seconds)
         os.environ[OUTPUT_VARIABLE] = str(self.variant.output)
         # A machine that fails here does so on purpose, and has recovered at once.
-        sys.modules["grainfit.calibrate"].CampaignOptions = partial(  # type: ignore[attr-defined]
+        calibration.CampaignOptions = partial(  # type: ignore[misc, assignment]
             CampaignOptions, retry_pauses=(0.0, 0.0)
         )
         try:
             with self._executor() as executor:
-                result = grainfit.calibrate(
+                result = calibration.calibrate(
                     PROBLEM,
                     self._solver(),
                     strategy=self.variant.strategy,
