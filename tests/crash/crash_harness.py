@@ -368,6 +368,12 @@ class Trial:
         finished = self._in_folders() if folders_only else self.finished()
         self._finished = {key: starts[key] for key in finished}
 
+    def look_into_folders(self) -> None:
+        """Complain of finished runs of the store that could not be found without it."""
+        found = self._in_folders()
+        lost = [_key_of(record) for record in self._stored() if _key_of(record) not in found]
+        self._tally.lost += [f"in no folder: {key}" for key in lost]
+
     def complain(self, condition: bool, message: str) -> None:
         """Take note of something that must not be."""
         if not condition:
@@ -387,6 +393,9 @@ class Trial:
         asked = {_key(run["parameters"]["friction"], run["seed"]) for run in history}
         if not asked <= stored:
             self._tally.lost.append(f"not in the store at the end: {asked - stored}")
+        # A run that no start asks for again was made in vain.
+        if self.variant.same_history and not stored <= asked:
+            self._tally.lost.append(f"not used for the answer: {stored - asked}")
 
 
 def undisturbed(variant: Variant, folder: Path) -> tuple[dict[str, Any], float]:
@@ -562,7 +571,7 @@ def kill_pool_workers(
                 def kill(
                     process: int = process, moment: float = moment, killed: list[int] = killed
                 ) -> None:
-                    workers = _children(process)
+                    workers = children(process)
                     if not killed and workers and time.monotonic() > moment:
                         killed.append(chance.choice(workers))
                         os.kill(killed[0], signal.SIGKILL)
@@ -583,7 +592,8 @@ def kill_pool_workers(
     return tally
 
 
-def _children(process: int) -> list[int]:
+def children(process: int) -> list[int]:
+    """Processes that a process has started and that have not ended."""
     found = []
     for path in Path("/proc").glob("[0-9]*/stat"):
         with suppress(OSError):
@@ -591,6 +601,15 @@ def _children(process: int) -> list[int]:
             if int(words[1]) == process:
                 found.append(int(path.parent.name))
     return found
+
+
+def is_alive(process: int) -> bool:
+    """Whether a process is at work; one that nobody has asked for its exit code is not."""
+    try:
+        status = Path(f"/proc/{process}/stat").read_text(encoding="utf-8", errors="replace")
+    except OSError:
+        return False
+    return status.rpartition(")")[2].split()[0] != "Z"
 
 
 def truncate_newest(trial: Trial, chance: random.Random) -> None:
@@ -637,6 +656,7 @@ def damage_stores(times: int, folder: Path, seed: int = 1, progress: Progress = 
                 break
         tally.injected += 1
         trial.look("killed")
+        trial.look_into_folders()
         size = store.stat().st_size
         left = chance.choice([0, 100, chance.randrange(size), size - size % 4096 - 4096])
         os.truncate(store, left)
@@ -691,7 +711,7 @@ def remove_folders(times: int, folder: Path, seed: int = 1, progress: Progress =
         ) -> None:
             if removed or time.monotonic() < moment:
                 return
-            if whole and (trial.work / STORE_NAME).exists():
+            if whole and list(trial.work.glob("runs/*")):
                 removed.append(trial.work)
             elif not whole:
                 removed.extend(list(trial.work.glob(f"runs/*{PARTIAL_SUFFIX}"))[:1])

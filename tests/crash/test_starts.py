@@ -10,7 +10,7 @@ import time
 from pathlib import Path
 
 import pytest
-from crash_harness import PROGRAM, Tally, Trial, Variant, small_disk
+from crash_harness import PROGRAM, Tally, Trial, Variant, children, is_alive, small_disk
 
 from grainfit.campaign.reserve import RESERVE_NAME, Reserve
 from grainfit.campaign.store import RunStore
@@ -89,6 +89,25 @@ def test_a_second_start_in_the_same_folder_says_who_is_at_work_and_disturbs_noth
     third = start(file, seconds=0)
     out, message = third.communicate(timeout=120)
     assert third.returncode == 0, out + message
+
+
+def test_the_solvers_of_killed_workers_end_with_the_calibration(tmp_path: Path) -> None:
+    variant = Variant("pool", workers=2, pool=True, seconds=60.0)
+    trial = Trial(variant, tmp_path, Tally(""))
+    process = trial.start()
+    try:
+        while len(list(trial.work.glob("runs/*/process.json"))) < 2:
+            assert trial.ending().error == ""
+            time.sleep(0.02)
+        for worker in children(process):
+            os.kill(worker, signal.SIGKILL)
+        ending = trial.wait(process)
+    finally:
+        trial.clear_away()
+    assert ending.error == "ExecutorError"
+    programs = [pid for pid, _ in trial.programs()]
+    assert len(programs) == 2
+    assert not any(map(is_alive, programs))
 
 
 def test_a_disk_that_cannot_be_written_ends_in_a_message(tmp_path: Path) -> None:

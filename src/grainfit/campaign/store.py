@@ -176,13 +176,16 @@ class RunStore:
                 "'grainfit run' in its work folder once: that brings it up to date."
             )
 
-    @contextmanager
-    def _transaction(self) -> Iterator[sql.Connection]:
+    def _require_file(self) -> None:
         if self._file is not None and not self._file.is_there():
             raise StoreError(
                 f"the run store {self._where} was removed or replaced while it was in use. Start "
                 "again: that goes on with the runs whose folders are still there."
             )
+
+    @contextmanager
+    def _transaction(self) -> Iterator[sql.Connection]:
+        self._require_file()
         with (
             self._lock,
             self._connection(self._engine.execution_options(writes=True)) as connection,
@@ -200,6 +203,7 @@ class RunStore:
             with engine.begin() as connection:
                 yield connection
         except SQLAlchemyError as error:
+            self._require_file()
             cause = getattr(error, "orig", None) or error
             raise StoreError(
                 f"the run store {self._where} cannot be used: {cause}. {_remedy(cause)}"
