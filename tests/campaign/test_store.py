@@ -145,6 +145,25 @@ def test_a_run_that_a_worker_finished_after_its_process_had_died_is_found(
     assert store.find("abc") == record
 
 
+@pytest.mark.parametrize("second", [{}, {"angle": Response(22.5)}])
+def test_the_folder_of_a_finished_run_is_not_given_up_for_that_of_the_same_run(
+    tmp_path: Path, second: dict[str, Response]
+) -> None:
+    final = run_folder(tmp_path, "abc")
+    first = RunRecord("abc", "heap", "finished", {}, {"angle": Response(22.0)})
+    close_run_folder(open_run_folder(tmp_path, "abc"), final, first)
+    status: RunStatus = "finished" if second else "failed"
+    close_run_folder(
+        open_run_folder(tmp_path, "abc"), final, RunRecord("abc", "heap", status, {}, second)
+    )
+    assert read_record(final) == first
+    # A model that has learnt to yield another response replaces what is there.
+    more = RunRecord("abc", "heap", "finished", {}, {**first.responses, "density": Response(1.0)})
+    close_run_folder(open_run_folder(tmp_path, "abc"), final, more)
+    assert read_record(final) == more
+    assert [path.name for path in (tmp_path / "runs").iterdir()] == ["abc"]
+
+
 def test_a_kill_while_a_run_folder_is_thinned_out_does_not_cost_the_run(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

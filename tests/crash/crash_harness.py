@@ -15,6 +15,7 @@ import shutil
 import signal
 import subprocess
 import sys
+import tempfile
 import time
 import traceback
 from collections import Counter
@@ -329,20 +330,25 @@ class Trial:
         return found
 
     def _stored(self) -> list[RunRecord]:
-        path = self.work / STORE_NAME
-        if not path.exists() or path.stat().st_size == 0:
+        """Read a copy of the store: on a full disk there is no room even for reading."""
+        files = [self.work / STORE_NAME, self.work / f"{STORE_NAME}-wal"]
+        if not files[0].exists() or files[0].stat().st_size == 0:
             return []
-        try:
-            store = RunStore.read_only(self.work)
-        except StoreError as error:
-            # Killed before anything was written to it.
-            if "nothing was run yet" in str(error):
-                return []
-            raise
-        try:
-            return store.runs("finished")
-        finally:
-            store.close()
+        with tempfile.TemporaryDirectory() as copy:
+            for file in files:
+                if file.exists():
+                    shutil.copy(file, copy)
+            try:
+                store = RunStore.read_only(Path(copy))
+            except StoreError as error:
+                # Killed before anything was written to it.
+                if "nothing was run yet" in str(error):
+                    return []
+                raise
+            try:
+                return store.runs("finished")
+            finally:
+                store.close()
 
     def programs(self) -> list[tuple[int, Key]]:
         """Process of every program that was started, and the run that it was for."""

@@ -159,13 +159,29 @@ class Campaign:
         """Read runs that will be asked for, all at once: many at a time are read much faster."""
         self._fetched.update(self._store.find_many(identities))
 
-    def start(self, proposal: Proposal) -> dict[str, str]:
-        """Start the runs of a proposal that are not known yet; return identities by test."""
+    def start(
+        self, proposal: Proposal, note: Callable[[dict[str, str]], None] | None = None
+    ) -> None:
+        """Start the runs of a proposal that are not known yet.
+
+        Parameters
+        ----------
+        proposal : Proposal
+            What is asked for.
+        note : callable, optional
+            Told the identities of its runs by test, before any of them starts: a worker that
+            outlives this process may finish one that nobody knew of otherwise.
+        """
         entry = _Pending(proposal)
-        identities = {}
+        definitions = {
+            test: solver.definition(proposal.parameters, proposal.seed)
+            for test, solver in self._solvers.items()
+        }
+        identities = {test: run_identity(definition) for test, definition in definitions.items()}
+        if note is not None:
+            note(identities)
         for test, solver in self._solvers.items():
-            definition = solver.definition(proposal.parameters, proposal.seed)
-            identity = identities[test] = run_identity(definition)
+            identity = identities[test]
             known = self._find(identity, solver)
             if known is not None:
                 entry.records[test] = known
@@ -174,10 +190,9 @@ class Campaign:
                 continue
             entry.waiting.setdefault(identity, []).append(test)
             if identity not in self._under_way and identity not in self._elsewhere:
-                record = RunRecord(identity, test, "running", definition)
+                record = RunRecord(identity, test, "running", definitions[test])
                 self._begin(self._order(record, solver, proposal))
         self._pending.append(entry)
-        return identities
 
     def _order(self, record: RunRecord, solver: Solver, proposal: Proposal) -> RunOrder:
         return RunOrder(

@@ -164,11 +164,14 @@ def open_run_folder(folder: Path, identity: str) -> Path:
 def close_run_folder(partial: Path, final: Path, record: RunRecord, keep: Keep = "all") -> None:
     """Keep the folder of a run that has ended, with its record in it."""
     write_atomically(partial / RECORD_NAME, json.dumps(record.to_json(), indent=1))
+    if _is_as_good(read_record(final), record):
+        # Another worker has made the same run meanwhile; what is finished is never removed.
+        shutil.rmtree(partial, ignore_errors=True)
+        return
     shutil.rmtree(final, ignore_errors=True)
     try:
         partial.rename(final)
     except OSError:
-        # Another worker has made the same run meanwhile; one of the two is enough.
         if read_record(final) is None:
             raise
         shutil.rmtree(partial, ignore_errors=True)
@@ -176,6 +179,12 @@ def close_run_folder(partial: Path, final: Path, record: RunRecord, keep: Keep =
         # Only now: to remove many files takes a while, in which the run could be lost.
         with suppress(OSError):
             prune_run_folder(final)
+
+
+def _is_as_good(kept: RunRecord | None, record: RunRecord) -> bool:
+    if kept is None or kept.status != "finished":
+        return False
+    return record.responses.keys() <= kept.responses.keys()
 
 
 def discard_partial_folders(folder: Path, identities: Iterable[str]) -> None:
