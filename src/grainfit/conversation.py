@@ -261,15 +261,15 @@ class Conversation:
 
     def _start(self, proposal: Proposal) -> None:
         self._stage = proposal.stage
-        runs = self._campaign.start(proposal)
         self._requested += 1
-        self._store.add_request(
-            self._identity,
-            RequestRecord(
-                self._requested, proposal.stage, dict(proposal.parameters), proposal.seed, runs
-            ),
-        )
+        self._campaign.start(proposal, lambda runs: self._note_request(proposal, runs))
         self._show()
+
+    def _note_request(self, proposal: Proposal, runs: dict[str, str]) -> None:
+        request = RequestRecord(
+            self._requested, proposal.stage, dict(proposal.parameters), proposal.seed, runs
+        )
+        self._store.add_request(self._identity, request)
 
     def _wait(self) -> list[Evaluation]:
         evaluations = self._campaign.wait(self._show)

@@ -182,3 +182,12 @@ def test_several_workers_run_at_a_time(tmp_path: Path) -> None:
     while len(evaluations) < 2:
         evaluations += campaign.wait()
     assert all(not e.failures for e in evaluations)
+
+
+def test_what_is_asked_for_is_noted_before_any_of_its_runs_starts(tmp_path: Path) -> None:
+    campaign, store = start(tmp_path, Counting())
+    noted = []
+    campaign.start(proposal(3.0), lambda runs: noted.append((runs, store.states())))
+    [evaluation] = campaign.wait()
+    campaign.close()
+    assert noted == [(evaluation.runs, {})]

@@ -1,15 +1,23 @@
 """The run store keeps what it was given, and says when it cannot."""
 
 import re
+import shutil
 import sqlite3
 from pathlib import Path
 
 import pytest
 
+from grainfit.campaign import workdir
 from grainfit.campaign.identity import run_identity
-from grainfit.campaign.records import RequestRecord, RunRecord
+from grainfit.campaign.records import RequestRecord, RunRecord, RunStatus
 from grainfit.campaign.store import RunStore
-from grainfit.campaign.workdir import close_run_folder, open_run_folder, recover, run_folder
+from grainfit.campaign.workdir import (
+    close_run_folder,
+    open_run_folder,
+    read_record,
+    recover,
+    run_folder,
+)
 from grainfit.errors import StoreError
 from grainfit.solvers.base import Response
 
@@ -111,6 +119,63 @@ def test_a_damaged_store_moved_away_is_made_anew_from_the_run_folders(tmp_path: 
     store = RunStore.in_folder(tmp_path)
     recover(tmp_path, store)
     assert store.find("abc") == record
+
+
+def test_a_store_emptied_beside_its_log_is_not_taken_for_a_new_one(tmp_path: Path) -> None:
+    store = RunStore.in_folder(tmp_path)
+    store.save(RunRecord("abc", "python", "finished", {}, {"angle": Response(22.0)}))
+    killed = tmp_path / "killed"
+    killed.mkdir()
+    shutil.copy(tmp_path / "runs.sqlite-wal", killed)
+    (killed / "runs.sqlite").touch()
+    with pytest.raises(StoreError, match=r"it is empty\. Move runs\.sqlite away"):
+        RunStore.in_folder(killed)
+    assert (killed / "runs.sqlite-wal").stat().st_size > 0
+
+
+@pytest.mark.parametrize("status", ["failed", "running"])
+def test_a_run_that_a_worker_finished_after_its_process_had_died_is_found(
+    tmp_path: Path, status: RunStatus
+) -> None:
+    record = RunRecord("abc", "heap", "finished", {}, {"angle": Response(22.0)})
+    close_run_folder(open_run_folder(tmp_path, "abc"), run_folder(tmp_path, "abc"), record)
+    store = RunStore.in_folder(tmp_path)
+    store.save(RunRecord("abc", "heap", status, {}, reason="the worker was lost", kind="machine"))
+    recover(tmp_path, store)
+    assert store.find("abc") == record
+
+
+@pytest.mark.parametrize("second", [{}, {"angle": Response(22.5)}])
+def test_the_folder_of_a_finished_run_is_not_given_up_for_that_of_the_same_run(
+    tmp_path: Path, second: dict[str, Response]
+) -> None:
+    final = run_folder(tmp_path, "abc")
+    first = RunRecord("abc", "heap", "finished", {}, {"angle": Response(22.0)})
+    close_run_folder(open_run_folder(tmp_path, "abc"), final, first)
+    status: RunStatus = "finished" if second else "failed"
+    close_run_folder(
+        open_run_folder(tmp_path, "abc"), final, RunRecord("abc", "heap", status, {}, second)
+    )
+    assert read_record(final) == first
+    # A model that has learnt to yield another response replaces what is there.
+    more = RunRecord("abc", "heap", "finished", {}, {**first.responses, "density": Response(1.0)})
+    close_run_folder(open_run_folder(tmp_path, "abc"), final, more)
+    assert read_record(final) == more
+    assert [path.name for path in (tmp_path / "runs").iterdir()] == ["abc"]
+
+
+def test_a_kill_while_a_run_folder_is_thinned_out_does_not_cost_the_run(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def die(_folder: Path) -> int:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(workdir, "prune_run_folder", die)
+    record = RunRecord("abc", "heap", "finished", {}, {"angle": Response(22.0)})
+    final = run_folder(tmp_path, "abc")
+    with pytest.raises(KeyboardInterrupt):
+        close_run_folder(open_run_folder(tmp_path, "abc"), final, record, "results")
+    assert read_record(final) == record
 
 
 def test_a_folder_in_place_of_the_store_is_an_error_that_says_what_to_do(tmp_path: Path) -> None:

@@ -8,6 +8,7 @@ import threading
 import time
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from concurrent.futures import BrokenExecutor, CancelledError, Executor, Future, ThreadPoolExecutor
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from pickle import PicklingError
@@ -158,13 +159,29 @@ class Campaign:
         """Read runs that will be asked for, all at once: many at a time are read much faster."""
         self._fetched.update(self._store.find_many(identities))
 
-    def start(self, proposal: Proposal) -> dict[str, str]:
-        """Start the runs of a proposal that are not known yet; return identities by test."""
+    def start(
+        self, proposal: Proposal, note: Callable[[dict[str, str]], None] | None = None
+    ) -> None:
+        """Start the runs of a proposal that are not known yet.
+
+        Parameters
+        ----------
+        proposal : Proposal
+            What is asked for.
+        note : callable, optional
+            Told the identities of its runs by test, before any of them starts: a worker that
+            outlives this process may finish one that nobody knew of otherwise.
+        """
         entry = _Pending(proposal)
-        identities = {}
+        definitions = {
+            test: solver.definition(proposal.parameters, proposal.seed)
+            for test, solver in self._solvers.items()
+        }
+        identities = {test: run_identity(definition) for test, definition in definitions.items()}
+        if note is not None:
+            note(identities)
         for test, solver in self._solvers.items():
-            definition = solver.definition(proposal.parameters, proposal.seed)
-            identity = identities[test] = run_identity(definition)
+            identity = identities[test]
             known = self._find(identity, solver)
             if known is not None:
                 entry.records[test] = known
@@ -173,10 +190,9 @@ class Campaign:
                 continue
             entry.waiting.setdefault(identity, []).append(test)
             if identity not in self._under_way and identity not in self._elsewhere:
-                record = RunRecord(identity, test, "running", definition)
+                record = RunRecord(identity, test, "running", definitions[test])
                 self._begin(self._order(record, solver, proposal))
         self._pending.append(entry)
-        return identities
 
     def _order(self, record: RunRecord, solver: Solver, proposal: Proposal) -> RunOrder:
         return RunOrder(
@@ -245,9 +261,11 @@ class Campaign:
             waits = all(solver.uses_folder for solver in self._solvers.values())
             self._own_executor.shutdown(wait=waits, cancel_futures=True)
         workdir.discard_partial_folders(self._folder, self._under_way)
-        for identity, known in self._store.find_many(self._under_way).items():
-            if known.status == "running":
-                self._store.forget(identity)
+        # What cannot be noted now, on a full disk for example, the next start puts in order.
+        with suppress(StoreError):
+            for identity, known in self._store.find_many(self._under_way).items():
+                if known.status == "running":
+                    self._store.forget(identity)
 
     def close(self) -> None:
         """Release threads and temporary folders."""
@@ -337,6 +355,8 @@ class Campaign:
         """Take a run that has ended: hand it on, or try it again later."""
         self._futures.pop(record.identity, None)
         if self._is_to_be_tried_again(record):
+            # A worker that was lost may have left a solver behind.
+            workdir.discard_partial_folders(self._folder, [record.identity])
             pause = self._options.retry_pauses[self._tries[record.identity] - 1]
             self._postponed.append((time.monotonic() + pause, self._under_way[record.identity]))
             return

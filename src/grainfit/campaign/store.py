@@ -52,6 +52,25 @@ class Claim:
     beat: int
 
 
+class _File:
+    """A file that is told from any other that may later be found at its path."""
+
+    def __init__(self, path: Path) -> None:
+        self._path = path
+        self._identity = self._look()
+
+    def is_there(self) -> bool:
+        # What is written to a file that was removed is gone without an error.
+        return self._look() == self._identity
+
+    def _look(self) -> tuple[int, int] | None:
+        try:
+            found = self._path.stat()
+        except OSError:
+            return None
+        return found.st_dev, found.st_ino
+
+
 class RunStore:
     """Index of runs in a database.
 
@@ -74,6 +93,7 @@ class RunStore:
         self._lock = threading.RLock()
         url = _database_url(url)
         self._where = place_of(url)
+        self._file: _File | None = None
         options: dict[str, Any] = {"pool_pre_ping": True}
         if url == sql.make_url("sqlite://"):
             options = {"poolclass": StaticPool, "connect_args": {"check_same_thread": False}}
@@ -99,7 +119,13 @@ class RunStore:
     def in_folder(cls, folder: Path) -> RunStore:
         """Open the store of a work folder, and make it if there is none."""
         path = _path(folder)
-        return cls(sql.URL.create("sqlite", database=str(path)))
+        log = path.with_name(f"{STORE_NAME}-wal")
+        # SQLite would take it for a new store, and drop the log.
+        if path.exists() and not path.stat().st_size and log.exists() and log.stat().st_size:
+            raise StoreError(f"the run store {path} is damaged: it is empty. {_RENEW}")
+        store = cls(sql.URL.create("sqlite", database=str(path)))
+        store._file = _File(path)
+        return store
 
     @classmethod
     def read_only(cls, folder: Path) -> RunStore:
@@ -150,8 +176,16 @@ class RunStore:
                 "'grainfit run' in its work folder once: that brings it up to date."
             )
 
+    def _require_file(self) -> None:
+        if self._file is not None and not self._file.is_there():
+            raise StoreError(
+                f"the run store {self._where} was removed or replaced while it was in use. Start "
+                "again: that goes on with the runs whose folders are still there."
+            )
+
     @contextmanager
     def _transaction(self) -> Iterator[sql.Connection]:
+        self._require_file()
         with (
             self._lock,
             self._connection(self._engine.execution_options(writes=True)) as connection,
@@ -169,6 +203,7 @@ class RunStore:
             with engine.begin() as connection:
                 yield connection
         except SQLAlchemyError as error:
+            self._require_file()
             cause = getattr(error, "orig", None) or error
             raise StoreError(
                 f"the run store {self._where} cannot be used: {cause}. {_remedy(cause)}"

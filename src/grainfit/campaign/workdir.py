@@ -32,6 +32,18 @@ PARTIAL_SUFFIX = ".partial"
 _KEPT_SUFFIXES = frozenset({".log", ".png", ".json"})
 #: A look at whether a folder is held takes its lock for a moment; nobody is refused for that.
 _LOCK_SECONDS = 1.0
+_held: set[TextIO] = set()
+
+
+def _let_go() -> None:
+    for file in _held:
+        file.close()
+    _held.clear()
+
+
+# Workers of a pool are forked with all open files, and outlive a process that is killed: the lock
+# must not live on with them.
+os.register_at_fork(after_in_child=_let_go)
 
 
 def default_workdir(file: Path) -> Path:
@@ -64,10 +76,19 @@ def hold(folder: Path) -> Iterator[None]:
                 f"the work folder {str(folder)!r} is in use by process {file.read().strip()}. "
                 "Wait for it to end, or choose another folder with --workdir."
             )
-        file.truncate(0)
-        file.write(f"{os.getpid()}\n")
-        file.flush()
-        yield
+        _held.add(file)
+        try:
+            _sign(file)
+            yield
+        finally:
+            _held.discard(file)
+
+
+def _sign(file: TextIO) -> None:
+    """Write down who holds the folder; the lock counts, so that a full disk is no hindrance."""
+    with suppress(OSError):
+        os.ftruncate(file.fileno(), 0)
+        os.write(file.fileno(), f"{os.getpid()}\n".encode())
 
 
 def _lock(file: TextIO, folder: Path) -> bool:
@@ -102,18 +123,19 @@ def is_held(folder: Path) -> bool:
 def recover(folder: Path, store: RunStore) -> None:
     """Put in order what a killed process left: end its solvers, keep every finished run."""
     store.forget_running()
-    known = store.identities()
-    found = []
-    for path in sorted((folder / "runs").iterdir()):
-        if path.suffix == PARTIAL_SUFFIX:
-            end_orphan(path)
-            shutil.rmtree(path, ignore_errors=True)
-        elif path.name not in known:
-            record = read_record(path)
-            # Failures that the store has forgotten are to be made again.
-            if record is not None and record.status == "finished":
-                found.append(record)
-    store.save_many(found)
+    runs = folder / "runs"
+    for path in runs.glob(f"*{PARTIAL_SUFFIX}"):
+        end_orphan(path)
+        shutil.rmtree(path, ignore_errors=True)
+    # A worker that has outlived its process may have finished its run up to now, but not later.
+    states = store.states()
+    records = (
+        read_record(path) for path in sorted(runs.iterdir()) if states.get(path.name) != "finished"
+    )
+    # Failures that the store has forgotten are to be made again.
+    store.save_many(
+        record for record in records if record is not None and record.status == "finished"
+    )
 
 
 def read_record(folder: Path) -> RunRecord | None:
@@ -138,29 +160,46 @@ def open_run_folder(folder: Path, identity: str) -> Path:
     must not write among the files of its successor.
     """
     partial = folder / "runs" / f"{identity}.{secrets.token_hex(4)}{PARTIAL_SUFFIX}"
-    partial.mkdir(parents=True)
+    # A work folder that was removed must not come to life again, without its store.
+    partial.parent.mkdir(exist_ok=True)
+    partial.mkdir()
     return partial
 
 
 def close_run_folder(partial: Path, final: Path, record: RunRecord, keep: Keep = "all") -> None:
     """Keep the folder of a run that has ended, with its record in it."""
-    if keep == "results" and record.status == "finished":
-        prune_run_folder(partial)
     write_atomically(partial / RECORD_NAME, json.dumps(record.to_json(), indent=1))
+    if _is_as_good(read_record(final), record):
+        # Another worker has made the same run meanwhile; what is finished is never removed.
+        shutil.rmtree(partial, ignore_errors=True)
+        return
     shutil.rmtree(final, ignore_errors=True)
     try:
         partial.rename(final)
     except OSError:
-        # Another worker has made the same run meanwhile; one of the two is enough.
         if read_record(final) is None:
             raise
         shutil.rmtree(partial, ignore_errors=True)
+    if keep == "results" and record.status == "finished":
+        # Only now: to remove many files takes a while, in which the run could be lost.
+        with suppress(OSError):
+            prune_run_folder(final)
+
+
+def _is_as_good(kept: RunRecord | None, record: RunRecord) -> bool:
+    if kept is None or kept.status != "finished":
+        return False
+    return record.responses.keys() <= kept.responses.keys()
 
 
 def discard_partial_folders(folder: Path, identities: Iterable[str]) -> None:
-    """Remove the folders of runs that have not ended: their workers notice it and end."""
+    """End the solvers of runs that have not ended, as far as they are here; remove the folders.
+
+    Workers elsewhere notice that their folder is gone, and end.
+    """
     for identity in identities:
         for partial in (folder / "runs").glob(f"{identity}.*{PARTIAL_SUFFIX}"):
+            end_orphan(partial)
             shutil.rmtree(partial, ignore_errors=True)
 
 

@@ -1,0 +1,122 @@
+"""Faults that are inflicted on calibrations, and what they cost: runs lost, runs made again.
+
+Each row is one kind of fault, at random moments, with real processes and a real program that counts
+its own starts (see `tests/crash/crash_harness.py`). After each fault the calibration is started
+again; at its end, status, parameters, responses and history are compared with those of a
+calibration that nobody disturbed. With several workers the order in which runs come back decides
+what is asked next, and where the record of what was asked is destroyed there is none to follow:
+then only the status is compared.
+
+A full disk is a file system of 32 MB, which only root may mount; without that the row is left out.
+Exits with code 1 when anything was lost, made again, or other than it should be.
+
+    python benchmarks/faults.py [--kills N] [--seed N] [--json PATH]
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+import tempfile
+import time
+from collections.abc import Callable, Iterator
+from functools import partial
+from pathlib import Path
+
+from threadpoolctl import threadpool_limits
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "crash"))
+
+from crash_harness import (
+    VARIANTS,
+    Progress,
+    Tally,
+    Variant,
+    damage_stores,
+    fill_disks,
+    kill_at_random,
+    kill_pool_workers,
+    kill_solvers,
+    remove_folders,
+    truncate_newest,
+)
+
+#: Takes the folder to work in, and is told of every fault.
+Infliction = Callable[[Path, Progress], Tally]
+
+
+def inflictions(kills: int, seed: int) -> Iterator[Infliction]:
+    """What is done, in the order of the table; the first kind as often as asked for."""
+    some = max(1, kills // 5)
+    for variant in VARIANTS:
+        times = kills if variant is VARIANTS[0] else some
+        yield partial(_kill, variant, times, seed)
+    for inflict in (kill_solvers, kill_pool_workers):
+        yield partial(_inflict, inflict, some, seed)
+    yield partial(_truncate, some, seed)
+    for inflict in (damage_stores, fill_disks, remove_folders):
+        yield partial(_inflict, inflict, some, seed)
+
+
+def _kill(variant: Variant, times: int, seed: int, folder: Path, progress: Progress) -> Tally:
+    return kill_at_random(variant, times, folder, seed, progress=progress)
+
+
+def _truncate(times: int, seed: int, folder: Path, progress: Progress) -> Tally:
+    variant = Variant("files truncated", same_history=False)
+    return kill_at_random(variant, times, folder, seed, truncate_newest, progress)
+
+
+def _inflict(
+    inflict: Callable[..., Tally], times: int, seed: int, folder: Path, progress: Progress
+) -> Tally:
+    return inflict(times, folder, seed, progress)
+
+
+def _show_progress(tally: Tally) -> None:
+    print(f"\r{tally.fault}: {tally.injected} ", end="", file=sys.stderr, flush=True)
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--kills", type=int, default=100, help="of the first kind; of others 1/5")
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--json", type=Path)
+    options = parser.parse_args()
+    rows, complaints = [], []
+    print("| fault | injected | runs lost | runs repeated | answer equal |")
+    print("|---|---|---|---|---|", flush=True)
+    for inflict in inflictions(options.kills, options.seed):
+        started = time.monotonic()
+        with tempfile.TemporaryDirectory() as folder, threadpool_limits(1, user_api="blas"):
+            try:
+                tally = inflict(Path(folder), _show_progress)
+            except PermissionError as error:
+                print(f"\rleft out: {error}", file=sys.stderr)
+                continue
+        row = {
+            "fault": tally.fault,
+            "injected": tally.injected,
+            "lost": len(tally.lost),
+            "repeated": len(tally.repeated),
+            "equal": not tally.different,
+            "seconds": time.monotonic() - started,
+        }
+        rows.append(row)
+        complaints += [*tally.lost, *tally.repeated, *tally.different]
+        equal = "yes" if row["equal"] else "NO"
+        print("\r", end="", file=sys.stderr, flush=True)
+        print(
+            f"| {tally.fault} | {tally.injected} | {row['lost']} | {row['repeated']} | {equal} |",
+            flush=True,
+        )
+        if options.json:
+            options.json.write_text(json.dumps(rows, indent=1))
+    for complaint in complaints:
+        print(complaint, file=sys.stderr)
+    sys.exit(1 if complaints else 0)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,837 @@
+"""Kills calibrations at any moment and says what came of it: runs lost, repeated, another answer.
+
+A calibration happens in a process that is forked from this one, which has imported everything, so
+that a start takes no time. Its model is a real program that writes down every start of its own in a
+log outside the work folder: repeats are counted there, whatever the store believes.
+"""
+
+from __future__ import annotations
+
+import json
+import multiprocessing
+import os
+import random
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+import traceback
+from collections import Counter
+from collections.abc import Callable, Iterator, Mapping
+from concurrent.futures import Executor, ProcessPoolExecutor
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass, field
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import grainfit
+from grainfit import calibration
+from grainfit.campaign.records import RunRecord
+from grainfit.campaign.runner import CampaignOptions
+from grainfit.campaign.store import STORE_NAME, RunStore
+from grainfit.campaign.workdir import PARTIAL_SUFFIX, read_record
+from grainfit.errors import StoreError
+from grainfit.result import Result
+from grainfit.solvers.command import Command
+from grainfit.solvers.python_callable import PythonCallable
+
+LOG_VARIABLE = "CRASH_LOG"
+SECONDS_VARIABLE = "CRASH_SECONDS"
+OUTPUT_VARIABLE = "CRASH_OUTPUT"
+#: How long one run of the program takes, s: long enough to be hit, short enough for many.
+RUN_SECONDS = 0.01
+PROGRAM = """\
+#!/bin/sh
+set -e
+echo "started $$ $1 $2" >> "$CRASH_LOG"
+sleep "$CRASH_SECONDS"
+head -c "$CRASH_OUTPUT" /dev/zero > dump
+awk -v friction="$1" -v seed="$2" 'BEGIN {
+    printf "{\\"angle\\": %.15g}\\n", 10 + 50 * friction * friction + (seed % 1009) / 1009 - 0.5
+}' > responses.json
+echo "ended $$ $1 $2" >> "$CRASH_LOG"
+"""
+PROBLEM = grainfit.Problem(
+    [grainfit.Parameter("friction", 0.1, 0.9)], [grainfit.Target("angle", 27.0, tolerance=1.0)]
+)
+#: A calibration that does not come back after so long hangs, s.
+_PATIENCE = 120.0
+_DISK_BYTES = 32 * 2**20
+
+#: What makes a run the same run for the program: the value and the seed that it was given.
+Key = tuple[float, int]
+
+
+def expected(key: Key) -> float:
+    """Response of a run, computed without the program."""
+    friction, seed = key
+    return 10 + 50 * friction * friction + (seed % 1009) / 1009 - 0.5
+
+
+def function(parameters: dict[str, float], seed: int) -> dict[str, float]:
+    """Do the same as the program, in this process."""
+    key = (parameters["friction"], seed)
+    _write_line(f"started {os.getpid()} {key[0]!r} {seed}")
+    time.sleep(float(os.environ[SECONDS_VARIABLE]))
+    _write_line(f"ended {os.getpid()} {key[0]!r} {seed}")
+    return {"angle": expected(key)}
+
+
+def _write_line(line: str) -> None:
+    with Path(os.environ[LOG_VARIABLE]).open("a", encoding="utf-8") as log:
+        log.write(f"{line}\n")
+
+
+@dataclass(frozen=True)
+class Variant:
+    """How a calibration is made that is going to be killed.
+
+    Parameters
+    ----------
+    name : str
+        What it is called in a table.
+    workers : int
+        Runs at a time. With more than one, the order in which runs come back decides what is asked
+        next, so that only the status of the answer is the same every time.
+    strategy : str
+        How runs are chosen.
+    solver : {"program", "function"}
+        A program that is started for each run, or a function in the process itself.
+    pool : bool
+        Whether worker processes make the runs.
+    seconds : float
+        How long a run takes, s.
+    output : int
+        How much a run of the program writes besides its responses, bytes.
+    same_history : bool
+        Whether the store keeps what was asked for. Without that a calibration learns from the runs
+        that are left, and comes to an answer that is as good, but another one.
+    """
+
+    name: str
+    workers: int = 1
+    strategy: str = "sequential"
+    solver: str = "program"
+    pool: bool = False
+    seconds: float = RUN_SECONDS
+    output: int = 100
+    same_history: bool = True
+
+    @property
+    def exact(self) -> bool:
+        """Whether the answer is the same to the last digit every time."""
+        return self.workers == 1 and self.same_history
+
+
+VARIANTS = (
+    Variant("kill -9"),
+    Variant("kill -9, 2 workers", workers=2),
+    Variant("kill -9, staged", strategy="staged"),
+    Variant("kill -9, Python function", solver="function"),
+    Variant("kill -9, process pool", workers=2, pool=True),
+)
+
+
+@dataclass
+class Tally:
+    """What faults of one kind did.
+
+    Parameters
+    ----------
+    fault : str
+        What was done to the calibrations.
+    injected : int
+        How often.
+    lost, repeated, different : list of str
+        Finished runs that were gone, or were made again, and answers that were others.
+    """
+
+    fault: str
+    injected: int = 0
+    lost: list[str] = field(default_factory=list)
+    repeated: list[str] = field(default_factory=list)
+    different: list[str] = field(default_factory=list)
+
+    @property
+    def clean(self) -> bool:
+        """Whether nothing happened that must not."""
+        return not (self.lost or self.repeated or self.different)
+
+
+Progress = Callable[[Tally], None]
+
+
+def _silent(_tally: Tally) -> None:
+    """Show nothing."""
+
+
+@dataclass
+class Ending:
+    """How the process of a calibration ended: with a result, with an error, or killed."""
+
+    result: dict[str, Any] | None = None
+    error: str = ""
+    message: str = ""
+
+
+class Trial:
+    """One calibration and its work folder, through all its starts.
+
+    Parameters
+    ----------
+    variant : Variant
+        How it is made.
+    folder : Path
+        Where; an empty folder of its own.
+    tally : Tally
+        Where complaints go.
+    work : Path, optional
+        The work folder, should it not be ``folder / "work"``.
+    """
+
+    def __init__(
+        self, variant: Variant, folder: Path, tally: Tally, work: Path | None = None
+    ) -> None:
+        folder.mkdir(parents=True, exist_ok=True)
+        self.variant = variant
+        self.work = work or folder / "work"
+        self.log = folder / "program.log"
+        self.log.touch()
+        self._tally = tally
+        self._model = folder / "model"
+        self._ending = folder / "ending.json"
+        self._groups: list[int] = []
+        self._finished: dict[Key, int] = {}
+        self._model.mkdir(exist_ok=True)
+        program = self._model / "simulate.sh"
+        program.write_text(PROGRAM, encoding="utf-8")
+        program.chmod(0o755)
+
+    # One start ---------------------------------------------------------------------------------
+
+    def start(self, **options: Any) -> int:
+        """Start the calibration, or let it go on; return its process."""
+        self._ending.unlink(missing_ok=True)
+        sys.stdout.flush()
+        sys.stderr.flush()
+        process = os.fork()
+        if process == 0:
+            code = 1
+            try:
+                os.setsid()
+                self._calibrate(options)
+                code = 0
+            finally:
+                os._exit(code)
+        self._groups.append(process)
+        return process
+
+    def _calibrate(self, options: Mapping[str, Any]) -> None:
+        """Calibrate in the forked process, and write down how it ended."""
+        os.environ[LOG_VARIABLE] = str(self.log)
+        os.environ[SECONDS_VARIABLE] = str(self.variant.seconds)
+        os.environ[OUTPUT_VARIABLE] = str(self.variant.output)
+        # A machine that fails here does so on purpose, and has recovered at once.
+        calibration.CampaignOptions = partial(  # type: ignore[misc, assignment]
+            CampaignOptions, retry_pauses=(0.0, 0.0)
+        )
+        try:
+            with self._executor() as executor:
+                result = calibration.calibrate(
+                    PROBLEM,
+                    self._solver(),
+                    strategy=self.variant.strategy,
+                    workers=self.variant.workers,
+                    workdir=self.work,
+                    executor=executor,
+                    **options,
+                )
+            ending = {"result": _essence(result)}
+        except grainfit.GrainfitError as error:
+            ending = {"error": type(error).__name__, "message": str(error)}
+        except BaseException as error:
+            ending = {"error": type(error).__name__, "message": traceback.format_exc()}
+        new = self._ending.with_suffix(".new")
+        new.write_text(json.dumps(ending), encoding="utf-8")
+        new.rename(self._ending)
+
+    @contextmanager
+    def _executor(self) -> Iterator[Executor | None]:
+        if not self.variant.pool:
+            yield None
+            return
+        context = multiprocessing.get_context("fork")
+        pool = ProcessPoolExecutor(self.variant.workers, mp_context=context)
+        yield pool
+        pool.shutdown()
+
+    def _solver(self) -> Any:
+        if self.variant.solver == "function":
+            return PythonCallable(function, identity="crash")
+        return Command(self._model, ["./simulate.sh", "{{ friction }}", "{{ seed }}"])
+
+    def wait(self, process: int, meanwhile: Callable[[], None] = lambda: None) -> Ending:
+        """Wait for the end of a start, and do something again and again meanwhile."""
+        deadline = time.monotonic() + _PATIENCE
+        while os.waitpid(process, os.WNOHANG)[0] == 0:
+            meanwhile()
+            if time.monotonic() > deadline:
+                os.kill(process, signal.SIGKILL)
+                os.waitpid(process, 0)
+                return Ending(error="Hang", message=f"no end within {_PATIENCE:g} s")
+            time.sleep(0.002)
+        return self.ending()
+
+    def ending(self) -> Ending:
+        """How the last start ended; nothing when it was killed before it had ended."""
+        if not self._ending.exists():
+            return Ending()
+        return Ending(**json.loads(self._ending.read_text(encoding="utf-8")))
+
+    def kill_after(self, process: int, seconds: float) -> bool:
+        """Kill a start after a while, and nothing but it; return whether it was still there."""
+        deadline = time.monotonic() + seconds
+        while time.monotonic() < deadline:
+            if os.waitpid(process, os.WNOHANG)[0]:
+                return False
+            time.sleep(0.0005)
+        os.kill(process, signal.SIGKILL)
+        os.waitpid(process, 0)
+        return not self._ending.exists()
+
+    def clear_away(self) -> None:
+        """End what killed starts have left, such as workers of a pool."""
+        for group in self._groups:
+            try:
+                os.killpg(group, signal.SIGKILL)
+            except ProcessLookupError:
+                continue
+        self._groups.clear()
+
+    # What is there, and what must be ------------------------------------------------------------
+
+    def starts(self) -> Counter[Key]:
+        """How often the model was started for each run."""
+        return Counter(key for _, key in self.programs())
+
+    def finished(self) -> dict[Key, RunRecord]:
+        """Runs that are finished: their record is in the store, or their folder has its name."""
+        return self._in_folders() | {_key_of(record): record for record in self._stored()}
+
+    def _in_folders(self) -> dict[Key, RunRecord]:
+        found = {}
+        for path in (self.work / "runs").glob("*"):
+            record = None if path.suffix == PARTIAL_SUFFIX else read_record(path)
+            if record is not None and record.status == "finished":
+                found[_key_of(record)] = record
+        return found
+
+    def _stored(self) -> list[RunRecord]:
+        """Read a copy of the store: on a full disk there is no room even for reading."""
+        files = [self.work / STORE_NAME, self.work / f"{STORE_NAME}-wal"]
+        if not files[0].exists() or files[0].stat().st_size == 0:
+            return []
+        with tempfile.TemporaryDirectory() as copy:
+            for file in files:
+                if file.exists():
+                    shutil.copy(file, copy)
+            try:
+                store = RunStore.read_only(Path(copy))
+            except StoreError as error:
+                # Killed before anything was written to it.
+                if "nothing was run yet" in str(error):
+                    return []
+                raise
+            try:
+                return store.runs("finished")
+            finally:
+                store.close()
+
+    def programs(self) -> list[tuple[int, Key]]:
+        """Process of every program that was started, and the run that it was for."""
+        lines = (line.split() for line in self.log.read_text(encoding="utf-8").splitlines())
+        return [(int(words[1]), _key(*words[2:])) for words in lines if words[0] == "started"]
+
+    def look(self, when: str) -> None:
+        """Complain of runs that were finished at an earlier look and are gone, or made again."""
+        finished, starts = self.finished(), self.starts()
+        for key, before in self._finished.items():
+            if key not in finished:
+                self._tally.lost.append(f"{when}: {key}")
+            if starts[key] > before:
+                self._tally.repeated.append(f"{when}: {key}")
+        for key, record in finished.items():
+            if not _agree(record, key):
+                self._tally.different.append(f"{when}: {key} gave {record.responses}")
+        self._finished = {key: starts[key] for key in finished}
+
+    def forget_finished(self, folders_only: bool = False) -> None:
+        """Take what is finished now for all that ever was: the rest was destroyed on purpose."""
+        starts = self.starts()
+        finished = self._in_folders() if folders_only else self.finished()
+        self._finished = {key: starts[key] for key in finished}
+
+    def look_into_folders(self) -> None:
+        """Complain of finished runs of the store that could not be found without it."""
+        found = self._in_folders()
+        lost = [_key_of(record) for record in self._stored() if _key_of(record) not in found]
+        self._tally.lost += [f"in no folder: {key}" for key in lost]
+
+    def complain(self, condition: bool, message: str) -> None:
+        """Take note of something that must not be."""
+        if not condition:
+            self._tally.different.append(message)
+
+    def compare(self, ending: Ending, reference: Mapping[str, Any]) -> None:
+        """Complain when an answer is not that of the undisturbed calibration."""
+        if ending.result is None:
+            self._tally.different.append(f"{ending.error or 'killed'}: {ending.message}")
+            return
+        wanted = reference if self.variant.exact else {"status": reference["status"]}
+        for name, value in wanted.items():
+            if ending.result[name] != value:
+                self._tally.different.append(f"{name}: {ending.result[name]} instead of {value}")
+        stored = {_key_of(record) for record in self._stored()}
+        history = ending.result["history"]
+        asked = {_key(run["parameters"]["friction"], run["seed"]) for run in history}
+        if not asked <= stored:
+            self._tally.lost.append(f"not in the store at the end: {asked - stored}")
+        # A run that no start asks for again was made in vain.
+        if self.variant.same_history and not stored <= asked:
+            self._tally.lost.append(f"not used for the answer: {stored - asked}")
+
+
+def undisturbed(variant: Variant, folder: Path) -> tuple[dict[str, Any], float]:
+    """Return the result of a calibration that nobody disturbs, and how long it took, s."""
+    trial = Trial(variant, folder, Tally("none"))
+    started = time.monotonic()
+    ending = trial.wait(trial.start())
+    seconds = time.monotonic() - started
+    if ending.result is None:
+        raise RuntimeError(f"the undisturbed calibration ended with {ending.message}")
+    repeats = [key for key, count in trial.starts().items() if count > 1]
+    if ending.result["status"] != "calibrated" or repeats:
+        raise RuntimeError(f"the undisturbed calibration is none: {ending.result}, {repeats}")
+    return ending.result, seconds
+
+
+def kill_at_random(
+    variant: Variant,
+    kills: int,
+    folder: Path,
+    seed: int = 1,
+    disturb: Callable[[Trial, random.Random], None] | None = None,
+    progress: Progress = _silent,
+) -> Tally:
+    """Kill calibrations of one variant until the number of kills is reached.
+
+    A calibration is killed at a random moment of the time that an undisturbed one takes, started
+    again, killed again, and so on until it ends before its turn; then the next one begins.
+
+    Parameters
+    ----------
+    variant : Variant
+        What is killed.
+    kills : int
+        How often.
+    folder : Path
+        Where.
+    seed : int
+        Decides the moments.
+    disturb : callable, optional
+        Does more harm after each kill.
+    progress : callable
+        Called after each kill.
+    """
+    moments = random.Random(seed)
+    tally = Tally(variant.name)
+    reference, seconds = undisturbed(variant, folder / "undisturbed")
+    number = 0
+    while tally.injected < kills:
+        number += 1
+        trial = Trial(variant, folder / str(number), tally)
+        try:
+            while True:
+                process = trial.start()
+                # Every fourth one at once: before there is a store, or while it is put in order.
+                longest = seconds * (0.05 if moments.random() < 0.25 else 1.0)
+                if tally.injected == kills or not trial.kill_after(
+                    process, longest * moments.random()
+                ):
+                    break
+                tally.injected += 1
+                trial.look(f"calibration {number}, kill {tally.injected}")
+                if disturb is not None:
+                    disturb(trial, moments)
+                    trial.forget_finished()
+                progress(tally)
+            ending = trial.ending() if trial.ending().result else _end(trial, process)
+            trial.look(f"calibration {number}, end")
+            trial.compare(ending, reference)
+        finally:
+            trial.clear_away()
+    return tally
+
+
+def _end(trial: Trial, process: int) -> Ending:
+    try:
+        return trial.wait(process)
+    except ChildProcessError:
+        return trial.ending()
+
+
+# Faults other than a kill of the whole process ----------------------------------------------------
+
+
+def kill_solvers(times: int, folder: Path, seed: int = 1, progress: Progress = _silent) -> Tally:
+    """Kill the program of a run, up to twice for each run: it is to be tried again, and no other.
+
+    Parameters
+    ----------
+    times : int
+        How often.
+    folder : Path
+        Where.
+    seed : int
+        Decides which ones.
+    progress : callable
+        Called after each kill.
+    """
+    variant = Variant("solver killed")
+    tally = Tally(variant.name)
+    chance = random.Random(seed)
+    reference, _ = undisturbed(variant, folder / "undisturbed")
+    number = 0
+    while tally.injected < times:
+        number += 1
+        trial = Trial(variant, folder / str(number), tally)
+        seen: set[int] = set()
+        killed: Counter[Key] = Counter()
+
+        def kill(
+            trial: Trial = trial, seen: set[int] = seen, killed: Counter[Key] = killed
+        ) -> None:
+            for pid, key in trial.programs():
+                if pid in seen or killed[key] == 2 or tally.injected == times:
+                    continue
+                seen.add(pid)
+                if chance.random() < 0.5 and _kill_program(pid):
+                    killed[key] += 1
+                    tally.injected += 1
+                    progress(tally)
+
+        trial.compare(trial.wait(trial.start(), kill), reference)
+        trial.look(f"calibration {number}")
+        tally.repeated += [
+            f"calibration {number}: {key} was started {count} times, killed {killed[key]} times"
+            for key, count in trial.starts().items()
+            if count > 1 + killed[key]
+        ]
+    return tally
+
+
+def _kill_program(pid: int) -> bool:
+    """Kill a program of ours, unless it has ended by now."""
+    try:
+        if "simulate.sh" not in Path(f"/proc/{pid}/cmdline").read_text(encoding="utf-8"):
+            return False
+        os.kill(pid, signal.SIGKILL)
+    except (OSError, ValueError):
+        return False
+    return True
+
+
+def kill_pool_workers(
+    times: int, folder: Path, seed: int = 1, progress: Progress = _silent
+) -> Tally:
+    """Kill a worker of a pool: the calibration ends with a message, and goes on when started again.
+
+    Parameters
+    ----------
+    times : int
+        How often.
+    folder : Path
+        Where.
+    seed : int
+        Decides when.
+    progress : callable
+        Called after each kill.
+    """
+    variant = Variant("pool worker killed", workers=2, pool=True)
+    tally = Tally(variant.name)
+    chance = random.Random(seed)
+    reference, seconds = undisturbed(variant, folder / "undisturbed")
+    number = 0
+    while tally.injected < times:
+        number += 1
+        trial = Trial(variant, folder / str(number), tally)
+        try:
+            while True:
+                process = trial.start()
+                moment = time.monotonic() + seconds * chance.random()
+                killed: list[int] = []
+
+                def kill(
+                    process: int = process, moment: float = moment, killed: list[int] = killed
+                ) -> None:
+                    workers = children(process)
+                    if not killed and workers and time.monotonic() > moment:
+                        killed.append(chance.choice(workers))
+                        os.kill(killed[0], signal.SIGKILL)
+
+                ending = trial.wait(process, kill if tally.injected < times else lambda: None)
+                trial.look(f"calibration {number}, kill {tally.injected}")
+                if ending.result is not None:
+                    break
+                tally.injected += 1
+                trial.complain(
+                    ending.error == "ExecutorError" and "start again to go on" in ending.message,
+                    f"{ending.error}: {ending.message}",
+                )
+                progress(tally)
+            trial.compare(ending, reference)
+        finally:
+            trial.clear_away()
+    return tally
+
+
+def children(process: int) -> list[int]:
+    """Processes that a process has started and that have not ended."""
+    found = []
+    for path in Path("/proc").glob("[0-9]*/stat"):
+        with suppress(OSError):
+            words = path.read_text(encoding="utf-8", errors="replace").rpartition(")")[2].split()
+            if int(words[1]) == process:
+                found.append(int(path.parent.name))
+    return found
+
+
+def is_alive(process: int) -> bool:
+    """Whether a process is at work; one that nobody has asked for its exit code is not."""
+    try:
+        status = Path(f"/proc/{process}/stat").read_text(encoding="utf-8", errors="replace")
+    except OSError:
+        return False
+    return status.rpartition(")")[2].split()[0] != "Z"
+
+
+def truncate_newest(trial: Trial, chance: random.Random) -> None:
+    """Do to the newest files what a power cut may do to them: cut them short, or fill with zeros.
+
+    The store itself has its own test, see `damage_stores`.
+    """
+    runs = sorted(trial.work.glob("runs/*"), key=lambda path: path.stat().st_mtime)
+    newest = [file for run in runs[-2:] for file in run.glob("*") if file.is_file()]
+    beside = [trial.work / name for name in (f"{STORE_NAME}-shm", "lock", "result.json")]
+    for path in [trial.work / f"{STORE_NAME}-wal", *newest, *beside]:
+        if not path.exists() or chance.random() < 0.3:
+            continue
+        size = path.stat().st_size
+        left = chance.randrange(size + 1)
+        os.truncate(path, left)
+        if chance.random() < 0.3 and not path.name.startswith(STORE_NAME):
+            os.truncate(path, size)
+
+
+def damage_stores(times: int, folder: Path, seed: int = 1, progress: Progress = _silent) -> Tally:
+    """Cut the store itself short, or fill it with zeros, and do what the message says.
+
+    Parameters
+    ----------
+    times : int
+        How often.
+    folder : Path
+        Where.
+    seed : int
+        Decides when and how.
+    progress : callable
+        Called after each time.
+    """
+    variant = Variant("store truncated", same_history=False)
+    tally = Tally(variant.name)
+    chance = random.Random(seed)
+    reference, seconds = undisturbed(variant, folder / "undisturbed")
+    while tally.injected < times:
+        trial = Trial(variant, folder / str(tally.injected), tally)
+        store = trial.work / STORE_NAME
+        while trial.kill_after(trial.start(), seconds * (0.5 + 0.5 * chance.random())):
+            if store.exists() and store.stat().st_size:
+                break
+        tally.injected += 1
+        trial.look("killed")
+        trial.look_into_folders()
+        size = store.stat().st_size
+        left = chance.choice([0, 100, chance.randrange(size), size - size % 4096 - 4096])
+        os.truncate(store, left)
+        if chance.random() < 0.3:
+            os.truncate(store, size)
+        trial.forget_finished(folders_only=True)
+        ending = trial.wait(trial.start())
+        if ending.result is None:
+            trial.complain(
+                ending.error == "StoreError" and f"Move {STORE_NAME} away" in ending.message,
+                f"{ending.error}: {ending.message}",
+            )
+            for name in (STORE_NAME, f"{STORE_NAME}-wal", f"{STORE_NAME}-shm"):
+                if (trial.work / name).exists():
+                    (trial.work / name).rename(trial.work / f"{name}.damaged")
+            ending = trial.wait(trial.start())
+        trial.look("end")
+        trial.compare(ending, reference)
+        progress(tally)
+    return tally
+
+
+def remove_folders(times: int, folder: Path, seed: int = 1, progress: Progress = _silent) -> Tally:
+    """Remove the folder of a run, or the whole work folder, while runs are under way.
+
+    Parameters
+    ----------
+    times : int
+        How often; the first half of them the work folder.
+    folder : Path
+        Where.
+    seed : int
+        Decides when.
+    progress : callable
+        Called after each time.
+    """
+    variant = Variant("folder removed")
+    tally = Tally(variant.name)
+    chance = random.Random(seed)
+    reference, seconds = undisturbed(variant, folder / "undisturbed")
+    while tally.injected < times:
+        trial = Trial(variant, folder / str(tally.injected), tally)
+        whole = tally.injected < times // 2
+        moment = time.monotonic() + seconds * chance.random()
+        removed: list[Path] = []
+
+        def remove(
+            trial: Trial = trial,
+            whole: bool = whole,
+            moment: float = moment,
+            removed: list[Path] = removed,
+        ) -> None:
+            if removed or time.monotonic() < moment:
+                return
+            if whole and list(trial.work.glob("runs/*")):
+                removed.append(trial.work)
+            elif not whole:
+                removed.extend(list(trial.work.glob(f"runs/*{PARTIAL_SUFFIX}"))[:1])
+            for path in removed:
+                while path.exists():
+                    shutil.rmtree(path, ignore_errors=True)
+
+        ending = trial.wait(trial.start(), remove)
+        if not removed:
+            continue
+        tally.injected += 1
+        if whole and ending.result is None:
+            trial.complain(
+                ending.error in ("StoreError", "RunFailedError") and "again" in ending.message,
+                f"{ending.error}: {ending.message}",
+            )
+            trial.forget_finished()
+            ending = trial.wait(trial.start())
+        trial.look(f"removed {removed[0].name}")
+        trial.compare(ending, reference)
+        progress(tally)
+    return tally
+
+
+@contextmanager
+def small_disk(place: Path, size: int) -> Iterator[Path]:
+    """Give a file system of so many bytes.
+
+    Raises
+    ------
+    PermissionError
+        Only root may mount one, and not everywhere.
+    """
+    place.mkdir(parents=True)
+    command = ["mount", "-t", "tmpfs", "-o", f"size={size}", "tmpfs", str(place)]
+    try:
+        done = subprocess.run(command, capture_output=True, text=True, check=False)
+    except OSError as error:
+        raise PermissionError(f"a file system cannot be mounted here: {error}") from error
+    if done.returncode:
+        raise PermissionError(f"a file system cannot be mounted here: {done.stderr.strip()}")
+    try:
+        yield place
+    finally:
+        subprocess.run(["umount", "-l", str(place)], check=True)
+
+
+def fill_disks(times: int, folder: Path, seed: int = 1, progress: Progress = _silent) -> Tally:
+    """Let the disk become full, then make room and start again.
+
+    Parameters
+    ----------
+    times : int
+        How often.
+    folder : Path
+        Where.
+    seed : int
+        Decides how much room there is.
+    progress : callable
+        Called after each time.
+    """
+    variant = Variant("disk full", output=400_000)
+    tally = Tally(variant.name)
+    chance = random.Random(seed)
+    reference, _ = undisturbed(variant, folder / "undisturbed")
+    number = 0
+    while tally.injected < times:
+        number += 1
+        place = folder / str(number)
+        with small_disk(place / "disk", _DISK_BYTES) as disk:
+            trial = Trial(variant, place, tally, work=disk / "work")
+            ballast = disk / "ballast"
+            # The runs write 7 MB, and 4 MB are set aside where there is room for it.
+            left = chance.choice([100_000, 4_100_000, 8_200_000, chance.randrange(9_000_000)])
+            with ballast.open("wb") as file:
+                os.posix_fallocate(file.fileno(), 0, _DISK_BYTES - left)
+            ending = trial.wait(trial.start())
+            trial.look("full")
+            if ending.result is None:
+                tally.injected += 1
+                trial.complain(
+                    ending.error in ("StoreError", "RunFailedError") and "full" in ending.message,
+                    f"{ending.error}: {ending.message}",
+                )
+                ballast.unlink()
+                ending = trial.wait(trial.start())
+            trial.look("room again")
+            trial.compare(ending, reference)
+        progress(tally)
+    return tally
+
+
+def _essence(result: Result) -> dict[str, Any]:
+    """What must not depend on how often a calibration was interrupted."""
+    data = json.loads(json.dumps(result.to_dict()))
+    history = [
+        {name: run[name] for name in ("stage", "parameters", "seed", "responses")}
+        for run in data["history"]
+    ]
+    return {
+        "status": data["status"],
+        "parameters": data["parameters"],
+        "responses": data["responses"],
+        "history": history,
+    }
+
+
+def _key(friction: str | float, seed: str | int) -> Key:
+    return float(friction), int(seed)
+
+
+def _key_of(record: RunRecord) -> Key:
+    return _key(record.definition["parameters"]["friction"], record.definition["seed"])
+
+
+def _agree(record: RunRecord, key: Key) -> bool:
+    return abs(record.responses["angle"].value - expected(key)) < 1e-9
