@@ -8,6 +8,8 @@ from __future__ import annotations
 import os
 import signal
 import sys
+from contextlib import ExitStack
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, NoReturn
 
@@ -75,6 +77,9 @@ def run(
         int | None,
         typer.Option(metavar="N", help="Runs at a time. [default: cores / ranks per run]"),
     ] = None,
+    local: Annotated[
+        bool, typer.Option("--local", help="Make the runs here, not on the file's cluster.")
+    ] = False,
 ) -> None:
     """Calibrate: simulate, fit, verify, and write result.json.
 
@@ -84,11 +89,17 @@ def run(
     out of reach, 130 interrupted.
     """
     from grainfit.calibration import calibrate
+    from grainfit.campaign.cluster import cluster_executor, missing_scheduler
 
-    assembly = _assemble(file)
+    assembly = replace(_assemble(file), local=local)
     options = assembly.options(strategy=strategy, max_runs=max_runs, seed=seed, workers=workers)
     folder = workdir or default_workdir(file)
-    with show.LiveProgress(_err) as progress:
+    with ExitStack() as stack:
+        if assembly.cluster is not None:
+            options["executor"] = stack.enter_context(cluster_executor(assembly.cluster, folder))
+        elif assembly.file.cluster is not None and not local:
+            _err.print(f"Cluster: {missing_scheduler(assembly.file.cluster)}")
+        progress = stack.enter_context(show.LiveProgress(_err))
         result = calibrate(
             assembly.problem,
             assembly.solvers,
