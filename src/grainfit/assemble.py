@@ -12,6 +12,7 @@ from grainfit.bulk_tests.heap.cost import estimate_cost
 from grainfit.calibration_file import CalibrationFile, StrategyOptions, TestSpecification
 from grainfit.calibration_file.kinds import Quantity, suggest
 from grainfit.calibration_file.places import Findings, Place
+from grainfit.campaign.cluster import ClusterOptions, is_available
 from grainfit.campaign.runner import response_name
 from grainfit.errors import Fault, InputError
 from grainfit.material import MATERIAL_PARAMETERS
@@ -46,11 +47,14 @@ class Assembly:
     solvers : dict of str to Solver
         By name of the test. They take the values of the free parameters, and of fixed ones that
         are to differ from the file.
+    local : bool
+        Make the runs on this machine even when the file has a cluster.
     """
 
     file: CalibrationFile
     problem: Problem
     solvers: dict[str, Solver]
+    local: bool = False
 
     @property
     def name(self) -> str:
@@ -73,12 +77,26 @@ class Assembly:
         return _default_timeouts(self) | given
 
     @property
+    def cluster(self) -> ClusterOptions | None:
+        """Jobs in which the runs are made; None when they are made on this machine."""
+        cluster = self.file.cluster
+        if cluster is None or self.local or not is_available(cluster):
+            return None
+        return replace(cluster, cores_per_run=cluster.cores_per_run or self._ranks)
+
+    @property
     def workers(self) -> int:
-        """Runs at a time: as the file says, or as many as there are cores for."""
+        """Runs at a time: as many as the jobs take, as the file says, or as there are cores for."""
+        if self.cluster is not None:
+            return self.cluster.workers
         if self.strategy.workers is not None:
             return self.strategy.workers
+        return max(1, len(os.sched_getaffinity(0)) // self._ranks)
+
+    @property
+    def _ranks(self) -> int:
         ranks: int = max(test.options.get("ranks", 1) for test in self.file.tests)
-        return max(1, len(os.sched_getaffinity(0)) // ranks)
+        return ranks
 
     def options(
         self,

@@ -8,6 +8,8 @@ from __future__ import annotations
 import os
 import signal
 import sys
+from contextlib import ExitStack
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, NoReturn
 
@@ -108,6 +110,9 @@ def run(
             "the machine or by time.",
         ),
     ] = False,
+    local: Annotated[
+        bool, typer.Option("--local", help="Make the runs here, not on the file's cluster.")
+    ] = False,
 ) -> None:
     """Calibrate: simulate, fit, verify, and write result.json.
 
@@ -117,14 +122,20 @@ def run(
     out of reach, 130 interrupted.
     """
     from grainfit.calibration import calibrate
+    from grainfit.campaign.cluster import cluster_executor, missing_scheduler
     from grainfit.campaign.workdir import default_workdir
 
-    assembly = _assemble(file)
+    assembly = replace(_assemble(file), local=local)
     options = assembly.options(
         strategy=strategy, max_runs=max_runs, seed=seed, workers=workers, keep=keep
     )
     folder = workdir or default_workdir(file)
-    with show.LiveProgress(_err) as progress:
+    with ExitStack() as stack:
+        if assembly.cluster is not None:
+            options["executor"] = stack.enter_context(cluster_executor(assembly.cluster, folder))
+        elif assembly.file.cluster is not None and not local:
+            _err.print(f"Cluster: {missing_scheduler(assembly.file.cluster)}")
+        progress = stack.enter_context(show.LiveProgress(_err))
         result = calibrate(
             assembly.problem,
             assembly.solvers,

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from grainfit.assemble import Assembly, ParametersFor
 from grainfit.bulk_tests.heap import HeapTest
 from grainfit.bulk_tests.heap.cost import estimate_cost
+from grainfit.campaign.cluster import describe_cluster, executed_by
 from grainfit.errors import GrainfitError, InputError
 from grainfit.material import MATERIAL_PARAMETERS
 from grainfit.problem import Parameter, Problem, Target
@@ -30,7 +31,7 @@ class Plan:
     lines : tuple of str
         Solvers, time step, and cost.
     executes : tuple of str
-        Programs and functions that a run executes.
+        Programs, functions and shell lines that a run executes.
     problems : tuple of str
         What keeps it from running; empty when nothing does.
     """
@@ -58,6 +59,10 @@ def describe_plan(assembly: Assembly) -> Plan:
         except GrainfitError as error:
             problems.append(f"Test {test}: {error}")
     lines += _rayleigh_lines(assembly.problem)
+    cluster = assembly.cluster or assembly.file.cluster
+    if cluster is not None:
+        lines += describe_cluster(cluster)
+        executes += [f"cluster: {line}" for line in executed_by(cluster)]
     try:
         lines += _run_lines(assembly)
     except InputError as error:

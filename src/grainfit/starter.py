@@ -76,7 +76,7 @@ name = "sequential"                     # every run where it helps most; or "sta
 # extend_intervals = true               # move a bound that keeps a target out of reach
 
 # A DEM model of your own, instead of the heap test or beside it, and all other keys:
-# docs/calibration_file.md
+# docs/calibration_file.md; runs in jobs of a cluster: docs/clusters.md
 """)
 
 

@@ -457,3 +457,51 @@ def test_hostile_keys_and_values_are_shown_harmlessly(faults_of: FaultsOf) -> No
     for fault in faults:
         assert str(fault).isprintable()
         assert len(str(fault)) < 600
+
+
+CLUSTER = '[cluster]\nwalltime = "2 h"\n'
+WALL = "\n[wall]\n"
+
+
+@pytest.mark.parametrize(
+    ("lines", "key", "value", "remedy"),
+    [
+        ("jobs = 2", "walltime", "missing", 'walltime = "2 h"'),
+        ('walltime = "30 s"', "walltime", "30 s", "from 60 to"),
+        ('walltime = "2 kg"', "walltime", "2 kg", "10 min"),
+        (f"{CLUSTER}jobs = 0", "jobs", "0", "from 1 to"),
+        (f"{CLUSTER}runs_per_job = -1", "runs_per_job", "-1", "from 1 to"),
+        (f'{CLUSTER}scheduler = "slrm"', "scheduler", "slrm", '"slurm"'),
+        # what would become a directive, or a command, that nobody is shown
+        (f'{CLUSTER}partition = "a\\n#SBATCH --uid=0"', "partition", "SBATCH", "one line"),
+        (f'{CLUSTER}partition = "a --uid=0"', "partition", "a --uid=0", "letters"),
+        (f'{CLUSTER}account = "$(reboot)"', "account", "reboot", "letters"),
+        (f'{CLUSTER}options = ["--mem=4G\\nreboot"]', "options[0]", "reboot", "one line"),
+        (f'{CLUSTER}options = ["reboot"]', "options", "reboot", "--mem=4G"),
+        (f'{CLUSTER}setup = ["true\\nreboot"]', "setup[0]", "reboot", "one line"),
+        # what grainfit decides itself
+        (f'{CLUSTER}options = ["--time=9"]', "options", "--time=9", "walltime"),
+        (f'{CLUSTER}options = ["--arr=1-9"]', "options", "--arr=1-9", "Remove it"),
+        (f"{CLUSTER}parallelism = 1", "parallelism", "", "runs_per_job"),
+        # a Parsl configuration of one's own
+        ('parsl = "config"', "parsl", "config", "my_parsl.py:config"),
+        ('parsl = "my_parsl.py:config"', "parsl", "my_parsl.py", "no such file"),
+        ('parsl = "own.py:confg"', "parsl", "confg", "my_parsl.py:config"),
+        ('parsl = "own.py:config"\nwalltime = "2 h"', "walltime", "beside parsl", "your Parsl"),
+    ],
+)
+def test_faults_of_the_cluster(
+    faults_of: FaultsOf, tmp_path: Path, lines: str, key: str, value: str, remedy: str
+) -> None:
+    (tmp_path / "own.py").write_text("config = 1\nraise SystemExit('executed')\n")
+    table = lines if lines.startswith("[cluster]") else f"[cluster]\n{lines}"
+    [fault] = faults_of((WALL, f"\n{table}\n{WALL}"))
+    assert fault.key == f"cluster.{key}"
+    assert value in fault.message
+    assert remedy in f"{fault.message} {fault.remedy}"
+    assert fault.line is not None
+
+
+def test_keys_of_the_cluster_are_sent_home(faults_of: FaultsOf) -> None:
+    [fault] = faults_of((WALL, f"{WALL}walltime = 7200\n"))
+    assert "[cluster]" in fault.remedy

@@ -24,6 +24,7 @@ WORDS = """
     youngs_modulus restitution min max scale unit value mass_fraction type solver ranks targets
     timeout bulk_density angle_of_repose measurements uncertainty tolerance weight folder command
     function file nearest templates responses evaluate seed max_runs views lift_speed
+    cluster walltime jobs runs_per_job partition setup options parsl
 """
 KEYS = st.sampled_from(WORDS.split()) | st.text(max_size=8)
 QUANTITIES = st.builds(

@@ -17,6 +17,7 @@ from grainfit.calibration_file import (
     load_calibration_file,
 )
 from grainfit.calibration_file.bulk_tests import HEAP_OPTIONS, HEAP_TARGETS
+from grainfit.campaign.cluster import ClusterOptions
 from grainfit.material import MATERIAL_PARAMETERS, ParticleSizes
 from grainfit.problem import Parameter, Target
 from grainfit.starter import starter_file
@@ -161,6 +162,46 @@ def test_own_model_keeps_its_own_units(tmp_path: Path) -> None:
     assert angle == Target("angle_10rpm", 36.0, uncertainty=0.5)
     assert (torque.value, torque.tolerance, torque.weight) == pytest.approx((0.5, 0.05, 2.0))
     assert torque.unit == "N*m"
+
+
+def test_the_jobs_of_a_cluster(tmp_path: Path) -> None:
+    cluster = """
+[cluster]
+partition = "short,long"
+account = "bulk-solids"
+walltime = "2 h"
+jobs = 4
+runs_per_job = 16
+setup = ["module load liggghts", "source ~/venv/bin/activate"]
+options = ["--mem=4G", "--constraint=skylake"]
+"""
+    assert load(GLASS_BEADS, tmp_path).cluster is None
+    read = load(GLASS_BEADS + cluster, tmp_path).cluster
+    assert read == ClusterOptions(
+        partition="short,long",
+        account="bulk-solids",
+        walltime=7200.0,
+        jobs=4,
+        runs_per_job=16,
+        setup=("module load liggghts", "source ~/venv/bin/activate"),
+        options=("--mem=4G", "--constraint=skylake"),
+    )
+    assert read.workers == 64
+
+
+def test_the_example_of_the_documentation_loads(tmp_path: Path) -> None:
+    text = (EXAMPLES.parent / "docs" / "clusters.md").read_text(encoding="utf-8")
+    [example, *_] = re.findall(r"```toml\n(name = .*?)```", text, re.DOTALL)
+    read = load(example, tmp_path).cluster
+    assert read is not None
+    assert read.workers == 16
+
+
+def test_a_parsl_configuration_of_ones_own_is_named_and_not_executed(tmp_path: Path) -> None:
+    (tmp_path / "my_parsl.py").write_text("config = 1\nraise SystemExit('executed')\n")
+    cluster = '[cluster]\nparsl = "my_parsl.py:config"\njobs = 3\n'
+    read = load(f"{GLASS_BEADS}\n{cluster}", tmp_path).cluster
+    assert read == ClusterOptions(parsl=f"{tmp_path}/my_parsl.py:config", jobs=3)
 
 
 def test_relative_paths_start_at_the_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

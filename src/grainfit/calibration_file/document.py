@@ -6,6 +6,7 @@ from typing import Any
 
 from grainfit.bulk_tests.heap import HeapTest
 from grainfit.calibration_file.bulk_tests import HEAP_OPTIONS, Tests
+from grainfit.calibration_file.cluster import CLUSTER, cluster_options
 from grainfit.calibration_file.kinds import Choice, Flag, Quantity, Text, Whole
 from grainfit.calibration_file.model import StrategyOptions
 from grainfit.calibration_file.parameters import Diameters, FixedOrFree, OwnParameter
@@ -91,6 +92,7 @@ def _homes() -> dict[str, str]:
     """Where keys belong that people put into the wrong section."""
     homes = {"diameter": "[particle]", "name": "the top of the file, above all sections"}
     homes |= {key.name: "[strategy]" for key in STRATEGY if key.name != "name"}
+    homes |= {key.name: "[cluster]" for key in CLUSTER}
     homes |= {key.name: "[[test]]" for key in HEAP_OPTIONS}
     homes |= dict.fromkeys(("solver", "ranks", "timeout", "executable", "targets"), "[[test]]")
     for name in MATERIAL_PARAMETERS:
@@ -143,6 +145,11 @@ LAYOUT = Table(
         ),
         Key("test", Tests(), "The bulk tests that were measured."),
         Key("strategy", Table(STRATEGY, _strategy, _homes()), "How to search; all optional."),
+        Key(
+            "cluster",
+            Table(CLUSTER, cluster_options, _homes()),
+            "Jobs of a cluster to make the runs in; without it they are made on this machine.",
+        ),
     ),
     homes=_homes(),
 )

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, ClassVar, Literal
 
+from grainfit.campaign.cluster import ClusterOptions
 from grainfit.material import ParticleSizes
 from grainfit.problem import Parameter, Target
 from grainfit.strategies.choice import DEFAULT_STRATEGY, StrategyChoice
@@ -101,6 +102,8 @@ class CalibrationFile:
         At least one.
     strategy : StrategyOptions
         How to search.
+    cluster : ClusterOptions or None
+        Jobs of a cluster to make the runs in, when the file speaks of them.
     """
 
     name: str
@@ -110,3 +113,4 @@ class CalibrationFile:
     parameters: tuple[Parameter, ...]
     tests: tuple[TestSpecification, ...]
     strategy: StrategyOptions
+    cluster: ClusterOptions | None = None

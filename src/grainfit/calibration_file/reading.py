@@ -110,4 +110,5 @@ def _calibration_file(values: dict[str, Any], path: Path) -> CalibrationFile:
         parameters=tuple(v for v in everything.values() if isinstance(v, Parameter)),
         tests=values["test"],
         strategy=values.get("strategy", StrategyOptions()),
+        cluster=values.get("cluster"),
     )

@@ -322,6 +322,9 @@ class Campaign:
             outcome = future.result()
         except CancelledError:
             return None
+        except ExecutorError:
+            # There is nobody left who could make a run.
+            raise
         except (PicklingError, AttributeError, TypeError) as error:
             # A run raises none of these: it is the order that could not be sent.
             raise ExecutorError(

@@ -26,6 +26,19 @@ _WATCH_SECONDS = 0.5
 #: How much of the end of a log is searched for causes, and how much is kept.
 _LOG_BYTES = 65536
 _TAIL_CHARACTERS = 8192
+_ENVIRONMENT = {
+    "OMP_NUM_THREADS": "1",
+    # Within a job of a cluster, mpiexec of MPICH, Intel MPI and Open MPI would have the scheduler
+    # start the ranks, with as many as there are tasks in the job; a run stays on its machine.
+    "HYDRA_LAUNCHER": "fork",
+    "HYDRA_RMK": "user",
+    "I_MPI_HYDRA_BOOTSTRAP": "fork",
+    "I_MPI_HYDRA_RMK": "user",
+    "OMPI_MCA_plm": "isolated",
+    "OMPI_MCA_ras": "^slurm",
+    "PRTE_MCA_plm": "isolated",
+    "PRTE_MCA_ras": "^slurm",
+}
 
 
 def run_process(
@@ -58,7 +71,7 @@ def run_process(
                 stdin=subprocess.DEVNULL,
                 stdout=log,
                 stderr=subprocess.STDOUT,
-                env={**os.environ, "OMP_NUM_THREADS": "1", **(environment or {})},
+                env={**os.environ, **_ENVIRONMENT, **(environment or {})},
                 start_new_session=True,
             )
         # ValueError: an argument that no program can be given, such as one with a zero byte.

@@ -100,10 +100,14 @@ class PythonFile:
 
     def __call__(self, *arguments: Any) -> Any:
         """Call the function, executing its file before the first call."""
+        return self.load()(*arguments)
+
+    def load(self) -> Any:
+        """Return what has this name in the file, executing the file the first time."""
         with self._lock:
             if self._loaded is None:
                 self._loaded = getattr(self._execute(), self.function)
-        return self._loaded(*arguments)
+        return self._loaded
 
     def _execute(self) -> ModuleType:
         module = ModuleType(f"grainfit_user_{hashlib.sha256(self.source).hexdigest()[:16]}")

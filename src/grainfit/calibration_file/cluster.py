@@ -1,0 +1,99 @@
+"""The ``[cluster]`` table of the calibration file: jobs in which runs are made."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from grainfit.calibration_file.files import note_not_there
+from grainfit.calibration_file.kinds import Choice, Kind, ListOf, Quantity, Schema, Text, Whole
+from grainfit.calibration_file.places import Place, show
+from grainfit.calibration_file.tables import Key, Values
+from grainfit.campaign.cluster import (
+    LONGEST_WALLTIME,
+    SCHEDULERS,
+    SHORTEST_WALLTIME,
+    ClusterOptions,
+)
+from grainfit.errors import InputError
+from grainfit.solvers.python_file import PythonFile
+
+
+@dataclass(frozen=True)
+class ParslConfiguration(Kind):
+    """A Parsl configuration, ``"file.py:name"``, which is looked for but not executed."""
+
+    def read(self, value: Any, place: Place) -> str | None:
+        """Read a reference to it; in the result, the path of its file is absolute."""
+        text = Text().read(value, place)
+        if text is None:
+            return None
+        folder = place.findings.folder
+        remedy = 'Write the file and the name of the parsl.Config in it: "my_parsl.py:config".'
+        try:
+            file = PythonFile(text, folder)
+        except InputError:
+            place.fault(f"is {show(text)}.", remedy)
+            return None
+        if not file.path.is_file():
+            note_not_there(text, folder, place)
+            return None
+        try:
+            file.check()
+        except InputError as error:
+            for fault in error.faults:
+                message = fault.message.replace("has no function", "has no")
+                place.fault(f"is {show(text)}: {message}", remedy)
+            return None
+        return f"{file.path}:{file.function}"
+
+    def schema(self) -> Schema:
+        """Return the JSON Schema of a reference."""
+        return {"type": "string", "pattern": r"\.py:\w+$"}
+
+
+_COUNT = Whole(1, 4096)
+
+CLUSTER = (
+    Key("scheduler", Choice(tuple(SCHEDULERS)), "Who gives out the nodes; slurm by default."),
+    Key("partition", Text(), "Partition of the jobs; the scheduler's own by default."),
+    Key("account", Text(), "Account that pays; the scheduler's own by default."),
+    Key(
+        "walltime",
+        Quantity("s", lowest=SHORTEST_WALLTIME, highest=LONGEST_WALLTIME),
+        "Longest time that a job lasts.",
+        example='"2 h"',
+    ),
+    Key("jobs", _COUNT, "Largest number of jobs at a time; 1 by default.", example="4"),
+    Key("runs_per_job", _COUNT, "Runs at a time in one job; 1 by default.", example="16"),
+    Key("cores_per_run", _COUNT, "Cores that a run takes; the ranks of the tests by default."),
+    Key(
+        "setup",
+        ListOf(Text()),
+        "Shell lines that a job executes first.",
+        example='["module load liggghts"]',
+    ),
+    Key(
+        "options",
+        ListOf(Text()),
+        "Further directives for the scheduler.",
+        example='["--mem=4G", "--constraint=skylake"]',
+    ),
+    Key(
+        "parsl",
+        ParslConfiguration(),
+        "A Parsl configuration of your own instead: a file and the name in it.",
+    ),
+)
+
+
+def cluster_options(values: Values, place: Place) -> ClusterOptions | None:
+    """Make the options of what was read; None after noting what is wrong with them."""
+    if None in values.values():
+        return None
+    try:
+        return ClusterOptions(**values)
+    except InputError as error:
+        for fault in error.faults:
+            place.at(fault.key).fault(fault.message, fault.remedy)
+    return None

@@ -1,0 +1,51 @@
+from __future__ import annotations
+
+import os
+import shutil
+import socket
+import subprocess
+import tempfile
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+HERE = Path(__file__).parent
+PROGRAMS = ("slurmctld", "slurmd", "munged", "sbatch")
+
+
+def free_ports() -> int:
+    """A port that is free, and so is the next one."""
+    for _ in range(50):
+        with socket.socket() as first, socket.socket() as second:
+            first.bind(("127.0.0.1", 0))
+            port: int = first.getsockname()[1]
+            try:
+                second.bind(("127.0.0.1", port + 1))
+            except OSError:
+                continue
+            return port
+    raise RuntimeError("no two ports are free")
+
+
+@pytest.fixture(scope="session")
+def _slurm() -> Iterator[Path]:
+    """A Slurm of this process's own: tests of several processes do not disturb each other."""
+    missing = [program for program in PROGRAMS if shutil.which(program) is None]
+    if missing or os.geteuid() != 0:
+        pytest.skip(f"Slurm is tested as root only, with {', '.join(PROGRAMS)} installed")
+    # Not pytest's own folder: the path of a socket must be short.
+    folder = Path(tempfile.mkdtemp(prefix="slurm-"))
+    try:
+        subprocess.run([HERE / "start_slurm.sh", folder, str(free_ports())], check=True, timeout=60)
+        yield folder
+    finally:
+        subprocess.run([HERE / "stop_slurm.sh", folder], check=False, timeout=60)
+        shutil.rmtree(folder, ignore_errors=True)
+
+
+@pytest.fixture
+def slurm(_slurm: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A Slurm whose commands work here."""
+    monkeypatch.setenv("SLURM_CONF", str(_slurm / "slurm.conf"))
+    return _slurm

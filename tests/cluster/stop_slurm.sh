@@ -1,0 +1,22 @@
+#!/usr/bin/env bash
+# Ends the Slurm that start_slurm.sh started in a folder, with its jobs.
+#
+#     stop_slurm.sh FOLDER
+set -uo pipefail
+folder=$(realpath "${1:?the folder of start_slurm.sh}")
+export SLURM_CONF=$folder/slurm.conf
+
+squeue --noheader --format=%i 2>/dev/null | xargs --no-run-if-empty scancel
+for _ in $(seq 50); do
+    [ -z "$(squeue --noheader 2>/dev/null)" ] && break
+    sleep 0.2
+done
+scontrol shutdown 2>/dev/null
+for _ in $(seq 50); do
+    [ -e "$folder/slurmctld.pid" ] || [ -e "$folder/slurmd.pid" ] || break
+    sleep 0.2
+done
+for pid in "$folder"/slurmctld.pid "$folder"/slurmd.pid "$folder"/munge/pid; do
+    [ -e "$pid" ] && kill "$(cat "$pid")" 2>/dev/null
+done
+exit 0

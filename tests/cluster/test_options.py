@@ -1,0 +1,74 @@
+"""Options of a cluster, without one."""
+
+import subprocess
+import sys
+from concurrent.futures.process import BrokenProcessPool
+from pathlib import Path
+
+import pytest
+
+from grainfit.campaign.cluster import ClusterOptions, cluster_executor, is_available
+from grainfit.campaign.lost_worker import is_lost_worker
+from grainfit.errors import GrainfitError, InputError
+
+HOUR = ClusterOptions(walltime=3600.0)
+
+
+def test_every_fault_of_the_options_is_told_at_once() -> None:
+    with pytest.raises(InputError) as caught:
+        ClusterOptions(
+            partition="a\n#SBATCH --uid=0", walltime=30.0, jobs=0, options=("--nodes=9",)
+        )
+    assert [fault.key for fault in caught.value.faults] == [
+        "jobs",
+        "partition",
+        "walltime",
+        "options",
+    ]
+
+
+@pytest.mark.parametrize("setup", ["", "a\nb", "a\rb", "a\u2028b"])
+def test_a_line_of_the_setup_is_one_line(setup: str) -> None:
+    with pytest.raises(InputError, match="setup"):
+        ClusterOptions(walltime=3600.0, setup=(setup,))
+
+
+def test_a_cluster_is_there_where_its_scheduler_is(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("PATH", str(tmp_path))
+    assert not is_available(HOUR)
+    sbatch = tmp_path / "sbatch"
+    sbatch.touch(mode=0o755)
+    assert is_available(HOUR)
+
+
+def test_a_work_folder_that_scripts_of_jobs_cannot_have_is_refused(tmp_path: Path) -> None:
+    with (
+        pytest.raises(GrainfitError, match=r"my \$\(beads\).*--workdir"),
+        cluster_executor(HOUR, tmp_path / "my $(beads)"),
+    ):
+        raise AssertionError("never here")
+
+
+def test_without_parsl_it_is_said_how_to_get_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(sys.modules, "parsl", None)
+    monkeypatch.setattr("importlib.util.find_spec", lambda _name: None)
+    with pytest.raises(GrainfitError, match=r'pip install "grainfit\[parsl\]"'):
+        cluster_executor(HOUR, tmp_path).__enter__()
+
+
+def test_parsl_is_not_imported_unless_it_is_used() -> None:
+    code = "import grainfit.cli, sys; sys.exit('parsl' in sys.modules)"
+    subprocess.run([sys.executable, "-c", code], check=True, timeout=60)
+
+
+def test_lost_workers_are_told_from_failed_runs() -> None:
+    errors = pytest.importorskip("parsl.executors.high_throughput.errors")
+    assert is_lost_worker(errors.ManagerLost(b"id", "node7"))
+    assert is_lost_worker(errors.WorkerLost(1, "node7"))
+    assert is_lost_worker(BrokenProcessPool())
+    assert not is_lost_worker(ValueError("the heap is a puddle"))
+    assert not is_lost_worker(GrainfitError("no job starts"))

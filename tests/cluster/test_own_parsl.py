@@ -1,0 +1,58 @@
+"""A Parsl configuration of the user's own, on this machine."""
+
+from __future__ import annotations
+
+import subprocess
+from pathlib import Path
+
+import pytest
+
+from grainfit.campaign.cluster import ClusterOptions, cluster_executor
+from grainfit.errors import GrainfitError
+
+pytest.importorskip("parsl")
+
+OWN = """
+import sys
+from pathlib import Path
+from parsl import Config
+from parsl.executors import HighThroughputExecutor
+from parsl.providers import LocalProvider
+
+pool = Path(sys.prefix) / "bin" / "process_worker_pool.py"
+local = HighThroughputExecutor(
+    address="127.0.0.1",
+    max_workers_per_node=2,
+    provider=LocalProvider(init_blocks=1, worker_init=f"export PATH={pool.parent}:$PATH"),
+)
+config = Config([local], run_dir="somewhere/else", retries=7, strategy_period=1)
+number = 3
+"""
+
+
+@pytest.fixture
+def own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    (tmp_path / "my_parsl.py").write_text(OWN)
+    (tmp_path / "here").mkdir()
+    monkeypatch.chdir(tmp_path / "here")
+    return tmp_path / "my_parsl.py"
+
+
+def test_runs_go_through_it_and_nothing_is_left_anywhere_else(own: Path) -> None:
+    options = ClusterOptions(parsl=f"{own}:config", runs_per_job=2)
+    folder = own.with_name("work")
+    with cluster_executor(options, folder) as executor:
+        futures = [executor.submit(divmod, number, 3) for number in (7, 8)]
+        assert [future.result(60) for future in futures] == [(2, 1), (2, 2)]
+        failed = executor.submit(divmod, 1, 0)
+        assert isinstance(failed.exception(60), ZeroDivisionError)
+    assert list(Path().iterdir()) == []
+    assert (folder / "parsl" / "000").is_dir()
+    processes = subprocess.run(["ps", "-eo", "args"], capture_output=True, text=True, check=True)
+    assert str(folder) not in processes.stdout
+
+
+def test_something_else_than_a_configuration_is_refused(own: Path) -> None:
+    options = ClusterOptions(parsl=f"{own}:number")
+    with pytest.raises(GrainfitError, match=r"my_parsl.py:number is a int, not a parsl.Config"):
+        cluster_executor(options, own.with_name("work")).__enter__()
