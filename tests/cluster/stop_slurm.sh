@@ -12,11 +12,18 @@ for _ in $(seq 50); do
     sleep 0.2
 done
 scontrol shutdown 2>/dev/null
-for _ in $(seq 50); do
-    [ -e "$folder/slurmctld.pid" ] || [ -e "$folder/slurmd.pid" ] || break
-    sleep 0.2
-done
-for pid in "$folder"/slurmctld.pid "$folder"/slurmd.pid "$folder"/munge/pid; do
+pids=("$folder"/slurmctld.pid "$folder"/slurmd.pid "$folder"/munge/pid)
+
+# Each removes its own when it has ended.
+wait_for() {
+    for _ in $(seq 50); do
+        for pid in "$@"; do [ -e "$pid" ] && sleep 0.2 && continue 2; done
+        return
+    done
+}
+wait_for "${pids[@]:0:2}"
+for pid in "${pids[@]}"; do
     [ -e "$pid" ] && kill "$(cat "$pid")" 2>/dev/null
 done
+wait_for "${pids[@]}"
 exit 0

@@ -221,6 +221,7 @@ def test_runs_of_several_ranks_are_the_same_in_a_job(tmp_path: Path) -> None:
     here, there = tmp_path / "here", tmp_path / "there"
 
     def order(solver: Solver, folder: Path) -> RunOrder:
+        (folder / "runs").mkdir(parents=True, exist_ok=True)
         record = RunRecord(solver.name, "heap", "running", solver.definition({}, 1))
         return RunOrder(record, solver, {}, 1, folder)
 
