@@ -715,8 +715,10 @@ def remove_folders(times: int, folder: Path, seed: int = 1, progress: Progress =
     tally = Tally(variant.name)
     chance = random.Random(seed)
     reference, seconds = undisturbed(variant, folder / "undisturbed")
+    number = 0
     while tally.injected < times:
-        trial = Trial(variant, folder / str(tally.injected), tally)
+        number += 1
+        trial = Trial(variant, folder / str(number), tally)
         whole = tally.injected < times // 2
         moment = time.monotonic() + seconds * chance.random()
         removed: list[Path] = []
