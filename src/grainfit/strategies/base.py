@@ -178,6 +178,7 @@ class BatchStrategy(Strategy):
         self._batch: list[Proposal] = []
         self._asked: deque[Proposal] = deque()
         self._told: dict[int, Evaluation] = {}
+        self._results: list[Evaluation] = []
         self._begun = False
 
     @abstractmethod
@@ -200,8 +201,20 @@ class BatchStrategy(Strategy):
         for position, proposal in enumerate(self._batch):
             if position not in self._told and proposal == evaluation.proposal:
                 self._told[position] = evaluation
+                self._close_batch()
                 return
         self.evaluations.append(evaluation)
+
+    def _close_batch(self) -> None:
+        """Keep a batch that is complete, whether or not the plan is going to ask what came of it.
+
+        After a restart during the verification it does not, and another plan may follow.
+        """
+        if self._asked or len(self._told) < len(self._batch):
+            return
+        self._results = [self._told[position] for position in range(len(self._batch))]
+        self.evaluations += self._results
+        self._batch, self._told = [], {}
 
     def learn(self, evaluations: Sequence[Evaluation]) -> None:
         """Fit metamodels to these runs too."""
@@ -221,12 +234,9 @@ class BatchStrategy(Strategy):
     def _advance(self) -> None:
         if not self._begun:
             self.follow(self.plan())
-        while self._plan is not None and not self._asked and len(self._told) == len(self._batch):
-            results = [self._told[position] for position in range(len(self._batch))]
-            self.evaluations += results
-            self._batch, self._told = [], {}
+        while self._plan is not None and not self._batch:
             try:
-                batch = self._plan.send(results)
+                batch = self._plan.send(self._results)
             except StopIteration:
                 batch = None
             self._receive(batch)
@@ -236,4 +246,4 @@ class BatchStrategy(Strategy):
             self._plan = None
         self._batch = batch or []
         self._asked = deque(self._batch)
-        self._told = {}
+        self._told, self._results = {}, []
