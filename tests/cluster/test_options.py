@@ -2,13 +2,11 @@
 
 import subprocess
 import sys
-from concurrent.futures.process import BrokenProcessPool
 from pathlib import Path
 
 import pytest
 
 from grainfit.campaign.cluster import ClusterOptions, cluster_executor, is_available
-from grainfit.campaign.lost_worker import is_lost_worker
 from grainfit.errors import GrainfitError, InputError
 
 HOUR = ClusterOptions(walltime=3600.0)
@@ -63,12 +61,3 @@ def test_without_parsl_it_is_said_how_to_get_it(
 def test_parsl_is_not_imported_unless_it_is_used() -> None:
     code = "import grainfit.cli, sys; sys.exit('parsl' in sys.modules)"
     subprocess.run([sys.executable, "-c", code], check=True, timeout=60)
-
-
-def test_lost_workers_are_told_from_failed_runs() -> None:
-    errors = pytest.importorskip("parsl.executors.high_throughput.errors")
-    assert is_lost_worker(errors.ManagerLost(b"id", "node7"))
-    assert is_lost_worker(errors.WorkerLost(1, "node7"))
-    assert is_lost_worker(BrokenProcessPool())
-    assert not is_lost_worker(ValueError("the heap is a puddle"))
-    assert not is_lost_worker(GrainfitError("no job starts"))

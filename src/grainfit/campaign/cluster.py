@@ -183,9 +183,9 @@ def missing_scheduler(options: ClusterOptions) -> str:
 def cluster_executor(options: ClusterOptions, folder: Path) -> Iterator[Executor]:
     """Give an executor that makes runs in jobs of a cluster, and end all jobs on leaving.
 
-    Jobs are submitted when there are runs for them. A run whose job is lost fails with an error
-    that `grainfit.campaign.lost_worker.is_lost_worker` knows, and another job is submitted; when
-    no job starts at all, every run fails with a `GrainfitError` that says why.
+    Jobs are submitted when there are runs for them. A run whose job is lost fails with an error of
+    Parsl's, and another job is submitted; when no job starts at all, every run fails with a
+    `GrainfitError` that says why.
 
     Parameters
     ----------

@@ -213,7 +213,7 @@ def prune_run_folder(folder: Path) -> int:
         if path.is_dir() and not path.is_symlink():
             with suppress(OSError):
                 path.rmdir()
-        elif path.name != RECORD_NAME and path.suffix not in _KEPT_SUFFIXES:
+        elif path.suffix not in _KEPT_SUFFIXES and not path.name.startswith("log."):
             freed += path.lstat().st_size
             path.unlink()
     return freed
