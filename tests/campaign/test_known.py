@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 import grainfit as gf
-from grainfit.assemble import assemble
+from grainfit.assemble import ParametersFor, assemble
 from grainfit.bulk_tests.heap import HeapTest
 from grainfit.calibration_file import load_calibration_file
 from grainfit.campaign.evaluation import Evaluation, Proposal
@@ -81,6 +81,23 @@ def test_with_several_tests_a_point_counts_when_all_of_them_were_run_with_its_se
     records = [run(one, values, 1), run(two, values, 1), run(one, values, 2)]
     [found] = runs_of(problem, {"drum": one, "heap": two}, records)
     assert set(found.responses) == {"drum.angle", "heap.angle"}
+
+
+def test_a_test_that_takes_fewer_parameters_is_joined_with_those_that_take_them_all() -> None:
+    problem, one = drum()
+    two = ParametersFor(
+        PythonCallable(lambda p, s: {"angle": p["rolling"]}, identity="heap"),
+        takes={"rolling"}.__contains__,
+    )
+    records = [
+        run(one, {"sliding": sliding, "rolling": rolling}, seed)
+        for sliding, rolling, seed in ((0.3, 0.4, 1), (0.5, 0.4, 1), (0.3, 0.6, 1), (0.3, 0.4, 2))
+    ]
+    found = runs_of(problem, {"heap": two, "drum": one}, [*records, run(two, {"rolling": 0.4}, 1)])
+    assert [evaluation.proposal.parameters for evaluation in found] == [
+        {"sliding": 0.3, "rolling": 0.4},
+        {"sliding": 0.5, "rolling": 0.4},
+    ]
 
 
 def test_the_order_of_the_store_does_not_count() -> None:

@@ -11,6 +11,7 @@ import json
 import math
 from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 from grainfit.campaign.evaluation import Evaluation, Proposal
@@ -48,17 +49,22 @@ class Recogniser:
         first, second = (_leaves(solver, *sample) for sample in ((low, 12347), (high, 54323)))
         self._fixed = {path: leaf for path, leaf in first.items() if second.get(path) == leaf}
         varied = first.keys() - self._fixed.keys()
-        self._places = {
+        places = {
             name: [p for p in varied if first[p] == low[name] and second.get(p) == high[name]]
             for name in low
         }
+        # Not every test takes every parameter.
+        self._places = {name: paths for name, paths in places.items() if paths}
         self._seeds = [p for p in varied if first[p] == 12347 and second.get(p) == 54323]
         seen = {path for paths in (*self._places.values(), self._seeds) for path in paths}
         #: Whether the definition holds nothing that is computed from parameters or seed.
         self._is_plain = seen == varied and first.keys() == second.keys()
 
     def recognise(self, record: RunRecord) -> tuple[dict[str, float], int] | None:
-        """Return values and seed of a run; None when it is not a run of this solver and problem."""
+        """Return values and seed of a run; None when it is not a run of this solver and problem.
+
+        The values are those of the parameters that the solver takes.
+        """
         leaves = dict(_flatten(record.definition))
         if any(leaves.get(path) != leaf for path, leaf in self._fixed.items()):
             return None
@@ -105,24 +111,56 @@ def runs_of(
         recognisers = {test: Recogniser(solver, problem) for test, solver in solvers.items()}
     except GrainfitError:
         return []
-    points: dict[tuple[Any, ...], dict[str, RunRecord]] = defaultdict(dict)
+    points: list[_Point] = [_Point({}, None, {})]
+    found: dict[str, list[_Point]] = defaultdict(list)
     for record in records:
         if record.status == "running" or record.kind in ("machine", "timeout"):
             continue
         for test, recogniser in recognisers.items():
-            found = recogniser.recognise(record)
-            if found is not None and _is_inside(problem, found[0]):
-                points[(*found[0].values(), found[1])][test] = record
+            run = recogniser.recognise(record)
+            if run is not None and _is_inside(problem, run[0]):
+                found[test].append(_Point(*run, {test: record}))
+    for test in solvers:
+        points = list(_together(points, found[test]))
     names = [parameter.name for parameter in problem.parameters]
     return [
         evaluation_of(
-            Proposal(dict(zip(names, point[:-1], strict=True)), point[-1], "design"),
-            {test: runs[test] for test in solvers},
-            reused=len(runs),
+            Proposal({name: point.values[name] for name in names}, point.seed or 0, "design"),
+            point.runs,
+            reused=len(point.runs),
         )
-        for point, runs in sorted(points.items())
-        if len(runs) == len(solvers)
+        for point in sorted(points, key=lambda point: point.order(names))
     ]
+
+
+@dataclass(frozen=True)
+class _Point:
+    """Values of some parameters and a seed, with the runs that were made there by test."""
+
+    values: Mapping[str, float]
+    seed: int | None
+    runs: Mapping[str, RunRecord]
+
+    def order(self, names: Sequence[str]) -> tuple[float, ...]:
+        return (*(self.values[name] for name in names), self.seed or 0)
+
+
+def _together(points: Sequence[_Point], others: Sequence[_Point]) -> Iterator[_Point]:
+    """Join points with those of another test that have the same seed and agree in all values."""
+    if not points or not others:
+        return
+    shared = points[0].values.keys() & others[0].values.keys()
+    with_seed = points[0].seed is not None
+
+    def key(point: _Point) -> tuple[Any, ...]:
+        return (*(point.values[name] for name in sorted(shared)), with_seed and point.seed)
+
+    of_key = defaultdict(list)
+    for other in others:
+        of_key[key(other)].append(other)
+    for point in points:
+        for other in of_key[key(point)]:
+            yield _Point({**point.values, **other.values}, other.seed, {**point.runs, **other.runs})
 
 
 def is_run_of(problem: Problem, solvers: Mapping[str, Solver]) -> Callable[[RunRecord], bool]:
@@ -169,6 +207,7 @@ def _is_inside(problem: Problem, values: Mapping[str, float]) -> bool:
     return all(
         parameter.minimum <= values[parameter.name] <= parameter.maximum
         for parameter in problem.parameters
+        if parameter.name in values
     )
 
 
