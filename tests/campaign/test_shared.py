@@ -6,7 +6,6 @@ import multiprocessing
 import os
 import random
 import signal
-import tempfile
 import time
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
@@ -23,21 +22,18 @@ from grainfit.campaign.store import RunStore
 from grainfit.errors import StoreError
 from grainfit.solvers.base import Response
 from grainfit.solvers.python_callable import PythonCallable
-from postgresql_server import postgresql_server, program
+from postgresql_server import PostgresqlServer, postgresql_server, program
 
 FORK = multiprocessing.get_context("fork")
 
 
 @pytest.fixture(scope="module")
-def postgresql() -> Iterator[str]:
+def server() -> Iterator[PostgresqlServer]:
     pytest.importorskip("psycopg")
     if program("initdb") is None:
         pytest.skip("PostgreSQL is not installed")
-    # The path of a socket must be short.
-    with tempfile.TemporaryDirectory(prefix="pg") as folder:
-        Path(folder).chmod(0o755)
-        with postgresql_server(Path(folder) / "server") as url:
-            yield url
+    with postgresql_server() as server:
+        yield server
 
 
 @pytest.fixture(params=["sqlite", "postgresql"])
@@ -45,7 +41,7 @@ def address(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[str]:
     if request.param == "sqlite":
         yield f"sqlite:///{tmp_path / 'shared.sqlite'}"
         return
-    url = request.getfixturevalue("postgresql")
+    url = request.getfixturevalue("server").url
     yield url
     store = RunStore(url)
     for identity in store.identities():
@@ -102,7 +98,7 @@ def test_of_all_processes_one_makes_a_run_and_all_get_it(
 ) -> None:
     address = f"sqlite:///{tmp_path / 'shared.sqlite'}"
     if backend == "postgresql":
-        address = request.getfixturevalue("postgresql")
+        address = request.getfixturevalue("server").url
     made = tmp_path / "made"
     # Every run is wanted by two processes, by all of them in turn.
     wanted = [
@@ -202,6 +198,36 @@ def test_a_work_folder_gives_a_shared_store_what_it_has(address: str, tmp_path: 
     store = RunStore(address)
     assert len(store.runs("finished")) == alone.runs.total
     store.close()
+
+
+def test_a_server_that_goes_away_costs_nothing_that_is_finished(
+    server: PostgresqlServer, tmp_path: Path
+) -> None:
+    made: list[int] = []
+
+    def simulate(parameters: dict[str, float], seed: int) -> dict[str, float]:
+        made.append(seed)
+        if len(made) == 3:
+            server.stop()
+        return drum(parameters, seed)
+
+    problem = gf.Problem([gf.Parameter("friction", 0.1, 0.9)], [gf.Target("angle", 33.0)])
+    solver = PythonCallable(simulate, identity="drum of a server that stops")
+    try:
+        with pytest.raises(StoreError, match="See that the database server runs"):
+            gf.calibrate(problem, solver, workdir=tmp_path, store=server.url)
+    finally:
+        server.start()
+    assert len(made) == 3
+    own = RunStore.read_only(tmp_path)
+    assert len(own.runs("finished")) == 3
+    own.close()
+    result = gf.calibrate(problem, solver, workdir=tmp_path, store=server.url)
+    assert result.status == "calibrated"
+    assert len(made) == len(set(made)) == result.runs.total
+    shared = RunStore(server.url)
+    assert len(shared.runs("finished")) == result.runs.total
+    shared.close()
 
 
 @pytest.mark.parametrize(

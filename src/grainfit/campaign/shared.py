@@ -12,7 +12,7 @@ import threading
 import time
 import uuid
 from collections.abc import Collection, Iterable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import replace
 from pathlib import Path
 
@@ -134,7 +134,9 @@ class SharedRuns:
         """Show no more life, and give back what was not made."""
         self._ended.set()
         self._pulse.join()
-        self.store.release(self._owner)
+        # Without the database, others take the claims over when they show no more life.
+        with suppress(StoreError):
+            self.store.release(self._owner)
 
     def _show_life(self) -> None:
         while not self._ended.wait(self._beat_seconds):
