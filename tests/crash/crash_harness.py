@@ -697,6 +697,12 @@ def damage_stores(times: int, folder: Path, seed: int = 1, progress: Progress = 
     return tally
 
 
+def _removable(trial: Trial, whole: bool) -> list[Path]:
+    if whole:
+        return [trial.work] if list(trial.work.glob("runs/*")) else []
+    return list(trial.work.glob(f"runs/*{PARTIAL_SUFFIX}"))[:1]
+
+
 def remove_folders(times: int, folder: Path, seed: int = 1, progress: Progress = _silent) -> Tally:
     """Remove the folder of a run, or the whole work folder, while runs are under way.
 
@@ -722,19 +728,19 @@ def remove_folders(times: int, folder: Path, seed: int = 1, progress: Progress =
         whole = tally.injected < times // 2
         moment = time.monotonic() + seconds * chance.random()
         removed: list[Path] = []
+        before: list[int] = []
 
         def remove(
             trial: Trial = trial,
+            before: list[int] = before,
             whole: bool = whole,
             moment: float = moment,
             removed: list[Path] = removed,
         ) -> None:
             if removed or time.monotonic() < moment:
                 return
-            if whole and list(trial.work.glob("runs/*")):
-                removed.append(trial.work)
-            elif not whole:
-                removed.extend(list(trial.work.glob(f"runs/*{PARTIAL_SUFFIX}"))[:1])
+            removed.extend(_removable(trial, whole))
+            before.append(len(trial.programs()))
             for path in removed:
                 while path.exists():
                     shutil.rmtree(path, ignore_errors=True)
@@ -742,8 +748,12 @@ def remove_folders(times: int, folder: Path, seed: int = 1, progress: Progress =
         ending = trial.wait(trial.start(), remove)
         if not removed:
             continue
+        if whole and ending.result is not None:
+            # Too late to matter: nothing but the result was left to be written.
+            trial.complain(len(trial.programs()) == before[0], "the removal was not noticed")
+            continue
         tally.injected += 1
-        if whole and ending.result is None:
+        if whole:
             trial.complain(
                 ending.error in ("StoreError", "RunFailedError") and "again" in ending.message,
                 f"{ending.error}: {ending.message}",
