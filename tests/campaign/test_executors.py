@@ -106,7 +106,7 @@ def test_runs_in_other_processes_end_with_the_calibration(
     options = CampaignOptions(2, executor=processes)
     campaign = Campaign({"own": Command(model, ["./run.sh"])}, store, work, options)
     campaign.start(Proposal({"friction": 0.25}, 1, "design"))
-    while not list(work.glob("runs/*.partial/process.json")):
+    while not list(work.glob("runs/*.partial/solver.log")):
         time.sleep(0.01)
     began = time.monotonic()
     campaign.cancel()

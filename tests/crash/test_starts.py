@@ -71,7 +71,7 @@ def test_a_second_start_in_the_same_folder_says_who_is_at_work_and_disturbs_noth
     work = tmp_path / "beads.grainfit"
     first = start(file, seconds=60)
     try:
-        while not list(work.glob("runs/*/process.json")):
+        while not list(work.glob("runs/*.partial/solver.log")):
             assert first.poll() is None, first.communicate()
             time.sleep(0.05)
         before = files(work)
@@ -96,7 +96,7 @@ def test_the_solvers_of_killed_workers_end_with_the_calibration(tmp_path: Path) 
     trial = Trial(variant, tmp_path, Tally(""))
     process = trial.start()
     try:
-        while len(list(trial.work.glob("runs/*/process.json"))) < 2:
+        while len(list(trial.work.glob("runs/*.partial/solver.log"))) < 2:
             assert trial.ending().error == ""
             time.sleep(0.02)
         for worker in children(process):

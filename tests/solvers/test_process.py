@@ -14,7 +14,7 @@ import pytest
 
 from grainfit.errors import RunFailedError
 from grainfit.solvers.base import Workspace
-from grainfit.solvers.process import LOG_NAME, PROCESS_NAME, end_orphan, log_tail, run_process
+from grainfit.solvers.process import LOG_NAME, end_orphan, log_tail, run_process
 
 PYTHON = sys.executable
 
@@ -66,7 +66,6 @@ def test_output_goes_to_the_log_and_the_wall_time_is_returned(tmp_path):
 
     assert set((tmp_path / LOG_NAME).read_text().split()) == {"out", "err"}
     assert 0.2 <= seconds < 10
-    assert not (tmp_path / PROCESS_NAME).exists()
 
 
 def test_log_can_have_another_name(tmp_path):
@@ -144,7 +143,6 @@ def test_program_that_cannot_be_started(tmp_path, command):
         run_process(command, Workspace(tmp_path))
 
     assert caught.value.kind == "machine"
-    assert not (tmp_path / PROCESS_NAME).exists()
 
 
 def test_time_out_ends_the_whole_family(tmp_path):
@@ -196,27 +194,6 @@ def test_program_that_ignores_the_request_to_end_is_killed(tmp_path):
     assert time.monotonic() - started < 6.0
 
 
-def test_process_is_ended_when_its_note_cannot_be_written(tmp_path):
-    # A folder in the note's place makes writing it fail, as a full disk would.
-    (tmp_path / PROCESS_NAME).mkdir()
-
-    with pytest.raises(OSError, match=PROCESS_NAME):
-        run_process(python("import time; time.sleep(600)"), Workspace(tmp_path, timeout=30))
-
-    assert wait_for(lambda: not _working_in(tmp_path))
-
-
-def _working_in(folder: Path) -> list[str]:
-    found = []
-    for process in Path("/proc").glob("[0-9]*"):
-        try:
-            if (process / "cwd").readlink() == folder:
-                found.append(process.name)
-        except OSError:
-            continue
-    return found
-
-
 def test_tail_of_a_log(tmp_path):
     log = tmp_path / "log"
     log.write_bytes(b"\n".join(b"line %d" % i for i in range(10_000)) + b"\nbroken \xff text\n")
@@ -250,24 +227,28 @@ run_process([{PYTHON!r}, "-c", {STUBBORN_FAMILY!r}], Workspace(Path({str(folder)
     assert wait_for(lambda: not any(is_running(pid) for pid in pids))
 
 
-def test_process_that_works_elsewhere_is_not_taken_for_an_orphan(tmp_path):
-    elsewhere, folder = tmp_path / "elsewhere", tmp_path / "run"
-    elsewhere.mkdir()
-    folder.mkdir()
-    other = subprocess.Popen(python("import time; time.sleep(600)"), cwd=elsewhere)
+def test_somebody_who_looks_into_a_folder_is_not_taken_for_an_orphan(tmp_path):
+    other = subprocess.Popen(python("import time; time.sleep(600)"), cwd=tmp_path)
     try:
-        (folder / PROCESS_NAME).write_text(json.dumps({"pid": other.pid}))
-
-        assert not end_orphan(folder)
+        assert not end_orphan(tmp_path)
         assert other.poll() is None
     finally:
         other.kill()
         other.wait()
 
 
-@pytest.mark.parametrize("note", [None, "", "{", "{}", '{"pid": "x"}', '{"pid": 999999999}', "[]"])
-def test_no_orphan_without_a_readable_note(tmp_path, note):
-    if note is not None:
-        (tmp_path / PROCESS_NAME).write_text(note)
+def test_solvers_of_other_folders_are_not_ended(tmp_path):
+    here, elsewhere = tmp_path / "here", tmp_path / "elsewhere"
+    here.mkdir()
+    elsewhere.mkdir()
+    ended = []
 
-    assert not end_orphan(tmp_path)
+    def work():
+        ended.append(run_process(python("import time; time.sleep(1)"), Workspace(elsewhere)))
+
+    run = threading.Thread(target=work)
+    run.start()
+    assert wait_for((elsewhere / LOG_NAME).exists)
+    assert not end_orphan(here)
+    run.join()
+    assert ended

@@ -31,7 +31,6 @@ from grainfit.solvers.model_input import (
 )
 from grainfit.solvers.process import (
     LOG_NAME,
-    PROCESS_NAME,
     log_tail,
     recorded_faults,
     run_process,
@@ -232,7 +231,7 @@ class Command(Solver):
 
     def _is_written_anew(self, name: str) -> bool:
         """Whether a file of the user's (from trying the model by hand) is replaced in each run."""
-        if name in (JSON_NAME, INCLUDE_NAME, LOG_NAME, EVALUATION_LOG_NAME, PROCESS_NAME):
+        if name in (JSON_NAME, INCLUDE_NAME, LOG_NAME, EVALUATION_LOG_NAME):
             return True
         if name == self._responses_name:
             return True

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 import signal
 import subprocess
@@ -18,7 +17,8 @@ from grainfit.solvers.faults import Cause, cause_of_exit, machine_error, machine
 from grainfit.solvers.run_folder import REMOVED, RunFolder
 
 LOG_NAME = "solver.log"
-PROCESS_NAME = "process.json"
+#: Variable in the environment of solvers, by which they are known after a crash.
+_MARK = "GRAINFIT_RUN"
 _POLL_SECONDS = 0.02
 _GRACE_SECONDS = 2.0
 #: How often the folder is looked for.
@@ -71,7 +71,7 @@ def run_process(
                 stdin=subprocess.DEVNULL,
                 stdout=log,
                 stderr=subprocess.STDOUT,
-                env={**os.environ, **_ENVIRONMENT, **(environment or {})},
+                env={**os.environ, **_ENVIRONMENT, _MARK: "", **(environment or {})},
                 start_new_session=True,
             )
         # ValueError: an argument that no program can be given, such as one with a zero byte.
@@ -81,12 +81,9 @@ def run_process(
                 f"cannot start {command[0]!r}: {reason}", kind="machine"
             ) from error
         try:
-            _note_process(workspace.folder, process.pid)
             stopped = _wait(process, workspace, started, folder)
         finally:
             _end(process)
-            with suppress(OSError):
-                (workspace.folder / PROCESS_NAME).unlink()
         text = _end_of(log.fileno())
         if stopped is None and process.returncode != 0:
             # Without its folder a program ends for all kinds of reasons, of which this is the one.
@@ -247,22 +244,25 @@ def _is_alive(pid: int) -> bool:
     return status.rpartition(")")[2].split()[0] != "Z"
 
 
-def _note_process(folder: Path, pid: int) -> None:
-    (folder / PROCESS_NAME).write_text(json.dumps({"pid": pid}), encoding="utf-8")
-
-
 def end_orphan(folder: Path) -> bool:
-    """End the solver that a killed calibration left running in this folder, if there is one.
+    """End the solvers that a killed calibration left running in this folder, if there are any.
 
-    A process number alone may have been given to somebody else since, so the process must still
-    work in this folder.
+    They carry a mark in their environment: whoever else works in the folder, such as a person who
+    looks at it, is left alone.
     """
-    note = folder / PROCESS_NAME
-    try:
-        pid = int(json.loads(note.read_text(encoding="utf-8"))["pid"])
-        if Path(f"/proc/{pid}/cwd").readlink() != folder.resolve():
-            return False
-    except (OSError, ValueError, KeyError, TypeError):
-        return False
-    end_process_group(pid)
-    return True
+    here = folder.resolve()
+    leaders = set()
+    for process in Path("/proc").glob("[0-9]*"):
+        try:
+            if (process / "cwd").readlink() == here and _is_marked(process):
+                leaders.add(os.getpgid(int(process.name)))
+        except OSError:
+            continue
+    for leader in leaders:
+        end_process_group(leader)
+    return bool(leaders)
+
+
+def _is_marked(process: Path) -> bool:
+    variables = (process / "environ").read_bytes().split(b"\0")
+    return any(variable.startswith(f"{_MARK}=".encode()) for variable in variables)
