@@ -11,3 +11,8 @@ def _one_thread_of_linear_algebra() -> Iterator[None]:
     """As in a calibration: threads on small matrices cost more than they give."""
     with threadpool_limits(limits=1, user_api="blas"):
         yield
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Begin with the slow tests: at the end, one of them alone would keep everybody waiting."""
+    items.sort(key=lambda item: item.get_closest_marker("slow") is None)

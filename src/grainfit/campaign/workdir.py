@@ -129,12 +129,13 @@ def recover(folder: Path, store: RunStore) -> None:
         shutil.rmtree(path, ignore_errors=True)
     # A worker that has outlived its process may have finished its run up to now, but not later.
     states = store.states()
-    records = (
-        read_record(path) for path in sorted(runs.iterdir()) if states.get(path.name) != "finished"
-    )
+    unknown = [path for path in sorted(runs.iterdir()) if states.get(path.name) != "finished"]
+    records = {path.name: read_record(path) for path in unknown}
     # Failures that the store has forgotten are to be made again.
     store.save_many(
-        record for record in records if record is not None and record.status == "finished"
+        record
+        for name, record in records.items()
+        if record is not None and record.status == "finished" and record.identity == name
     )
 
 
@@ -142,10 +143,9 @@ def read_record(folder: Path) -> RunRecord | None:
     """Read the record kept in a run folder; None when there is none or it is damaged."""
     try:
         data = json.loads((folder / RECORD_NAME).read_text(encoding="utf-8"))
-        record = RunRecord.from_json(data)
+        return RunRecord.from_json(data)
     except (OSError, ValueError, KeyError, TypeError, AttributeError):
         return None
-    return record if record.identity == folder.name else None
 
 
 def run_folder(folder: Path, identity: str) -> Path:
@@ -199,8 +199,12 @@ def discard_partial_folders(folder: Path, identities: Iterable[str]) -> None:
     """
     for identity in identities:
         for partial in (folder / "runs").glob(f"{identity}.*{PARTIAL_SUFFIX}"):
-            end_orphan(partial)
-            shutil.rmtree(partial, ignore_errors=True)
+            # First of all out of the worker's reach, who would keep what it takes for a failed run.
+            gone = partial.with_name(f"{secrets.token_hex(8)}{PARTIAL_SUFFIX}")
+            with suppress(OSError):
+                partial.rename(gone)
+            end_orphan(gone)
+            shutil.rmtree(gone, ignore_errors=True)
 
 
 def prune_run_folder(folder: Path) -> int:
