@@ -91,7 +91,7 @@ def summarise(pairs: list[tuple[Outcome, Outcome]]) -> dict[str, dict[str, float
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--pairs", type=int, default=40, help="pairs of materials")
+    parser.add_argument("--pairs", type=int, default=100, help="pairs of materials")
     parser.add_argument("--workers", type=int, default=2)
     parser.add_argument("--json", type=Path)
     options = parser.parse_args()

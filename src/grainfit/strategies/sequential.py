@@ -77,7 +77,7 @@ _LARGEST_TIME_STEP = (
     "time step was taken:"
 )
 #: Runs at the answer that are still wanted when it is verified, where runs of others were learnt
-#: from: with 5, a third fewer runs are made in all, but one answer in seven is off (benchmark).
+#: from. Each one more saves a run of the search, and costs some certainty (docs/decisions.md).
 _LEFT_TO_VERIFICATION = 3
 _TRIES_OF_A_MACHINE = 3
 _MOST_WIDENINGS = 4
