@@ -6,7 +6,7 @@ import time
 from collections import Counter, deque
 from collections.abc import Callable, Mapping
 from contextlib import suppress
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 from grainfit.campaign.evaluation import Evaluation, Proposal
@@ -152,6 +152,9 @@ class Conversation:
             earlier, answer = answer, self._strategy.answer(self._recorded_answer())
             if answer.parameters == earlier.parameters:
                 break
+        # The runs of the verification tell how sure it is, too.
+        agreement = self._strategy.answer(answer.parameters).agreement
+        answer = replace(answer, agreement=agreement)
         if meets_targets(self._problem, self._verified(answer)):
             return answer, "calibrated"
         return answer, "unreachable" if answer.out_of_reach else "out_of_tolerance"

@@ -104,7 +104,8 @@ class Result:
     utilisation : float
         Share of the workers' time in which they simulated, in this start; 1 is all of it.
     agreement : float, optional
-        Probability, by the metamodels, that all expected responses are within their tolerances.
+        Probability, by the metamodels of all runs, those of the verification included, that all
+        expected responses are within their tolerances.
     name, identity, strategy, seed, version : str, str, str, int, str
         What was calibrated, and how to repeat it.
     units : mapping of str to str

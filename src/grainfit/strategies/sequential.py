@@ -356,7 +356,7 @@ class Sequential(Strategy):
             return
         if self._is_out_of_reach(view):
             self._note(str(miss) for miss in view.misses)
-        elif not view.agrees:
+        elif not view.agrees and not self._is_left_to_verification(view):
             self._note([view.why_undecided(self.options.confidence)])
         elif (gained := view.time_step_gained) > EQUAL_TIME_STEPS:
             self._note([f"{_LARGEST_TIME_STEP} {gained:+.1%} against the closest one."])
