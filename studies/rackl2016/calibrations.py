@@ -7,7 +7,6 @@ from pathlib import Path
 from typing import Any, Literal
 
 from grainfit.calibration import calibrate
-from grainfit.campaign.runner import response_name
 from grainfit.problem import Problem
 from grainfit.progress import Progress
 from grainfit.result import Result
@@ -17,7 +16,7 @@ from studies.rackl2016.setting import RESPONSES
 from studies.rackl2016.tasks import Context, Record
 
 _TIMEOUT = 1800.0
-#: Runs of step 3 that are no finite differences; the last of them is what the paper reports.
+#: Runs of step 3 that are no finite differences.
 _STEP = "step"
 
 
@@ -55,10 +54,10 @@ def calibrate_with_grainfit(
     )
     if result.status == "interrupted":
         raise KeyboardInterrupt
-    return _record(result, problem)
+    return _record(result)
 
 
-def _record(result: Result, problem: Problem) -> Record:
+def _record(result: Result) -> Record:
     searched = [run for run in result.history if run.stage != "verification"]
     return {
         "status": result.status,
@@ -76,7 +75,6 @@ def _record(result: Result, problem: Problem) -> Record:
         "notices": list(result.notices),
         "out_of_reach": [asdict(miss) for miss in result.out_of_reach],
         "version": result.version,
-        "names": [response_name("heap", target.name, 1) for target in problem.targets],
     }
 
 
@@ -95,8 +93,7 @@ def calibrate_with_peer(
     names = [parameter.name for parameter in problem.parameters]
     parameters = dict(zip(names, map(float, found["parameters"]), strict=True))
     behind_design = [run for run in history if run["purpose"] != "design"]
-    # What the fit returns is its best step; the paper reports the deviation of that run.
-    at_answer = [run for run in behind_design if _is_at(run["parameters"], parameters)]
+    steps = [run for run in behind_design if run["purpose"] == _STEP]
     assert problem.rayleigh is not None, "this material has a Rayleigh time step"
     return {
         "status": "stopped" if found["reason"] else "finished",
@@ -104,11 +101,11 @@ def calibrate_with_peer(
         "design_runs": len(history) - len(behind_design),
         "optimisation_runs": len(behind_design),
         "difference_runs": sum(run["purpose"] == "differences" for run in behind_design),
-        "serial_runs": sum(run["purpose"] == _STEP for run in behind_design),
+        "serial_runs": len(steps),
         "verification_runs": 0,
         "failed_runs": sum(run["responses"] is None for run in history),
         "runs_made": len(_different(history)),
-        "last_run": (at_answer or behind_design)[-1]["responses"],
+        "last_run": _nearest(steps, parameters)["responses"],
         "rayleigh_time_step": problem.rayleigh_time_step(parameters),
         "notices": [found["reason"]] if found["reason"] else [],
         "out_of_reach": [],
@@ -116,9 +113,13 @@ def calibrate_with_peer(
     }
 
 
-def _is_at(parameters: dict[str, float], others: dict[str, float]) -> bool:
-    # Numbers come back from Octave with fewer digits.
-    return all(abs(parameters[n] / others[n] - 1) < 1e-4 for n in others)
+def _nearest(steps: list[dict[str, Any]], parameters: dict[str, float]) -> dict[str, Any]:
+    """The run of the best step, which the fit returns; numbers come back with fewer digits."""
+
+    def distance(run: dict[str, Any]) -> float:
+        return max(abs(run["parameters"][n] / value - 1) for n, value in parameters.items())
+
+    return min(steps, key=distance)
 
 
 def _different(history: list[dict[str, Any]]) -> set[tuple[float, ...]]:

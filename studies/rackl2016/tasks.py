@@ -171,9 +171,13 @@ class Study:
         self._solver = solver
         self._workers = workers
 
-    def of_steps(self, steps: Iterable[str]) -> list[Task]:
-        """Tasks of some steps, with all that these need."""
-        wanted = {task.name for task in self.tasks if task.step in set(steps)}
+    def of_steps(self, steps: Iterable[str], beginning: str = "") -> list[Task]:
+        """Tasks of some steps, those whose name begins so, with all that these need."""
+        wanted = {
+            task.name
+            for task in self.tasks
+            if task.step in set(steps) and task.name.startswith(beginning)
+        }
         for task in reversed(self.tasks):
             if task.name in wanted:
                 wanted.update(task.needs)
