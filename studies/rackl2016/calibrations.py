@@ -44,7 +44,7 @@ def calibrate_with_grainfit(
         seed=seed,
         workers=context.workers,
         workdir=context.folder / "grainfit",
-        name=context.folder.name,
+        name=context.folder.parent.name,
         design_runs=design_runs,
         max_runs=max_runs,
         verification_runs=verification_runs,

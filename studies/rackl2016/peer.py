@@ -106,6 +106,8 @@ def _octave(settings: Path, log: Path) -> Iterator[subprocess.Popen[str]]:
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             stderr=stderr,
+            # When it is ended, it leaves its variables behind where it is.
+            cwd=log.parent,
             text=True,
             encoding="utf-8",
         ) as octave,

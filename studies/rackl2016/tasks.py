@@ -128,6 +128,10 @@ class Results:
             raise KeyError(missing[0])
         return {name: kept["record"] for name, kept in found.items() if kept is not None}
 
+    def work_folder(self, task: Task) -> Path:
+        """Folder of a task as it is defined now: runs of another definition are not learnt from."""
+        return self.folder / task.step / task.name / run_identity(self._made_from(task))[:8]
+
     def _made_from(self, task: Task) -> dict[str, Any]:
         needed = {name: self._read(name) for name in task.needs}
         return {
@@ -209,7 +213,7 @@ class Study:
         known = self.results.find(task)
         if known is not None:
             return known
-        folder = self.results.folder / task.step / task.name
+        folder = self.results.work_folder(task)
         folder.mkdir(parents=True, exist_ok=True)
         needed = self.results.needed(task)
         with Clock(folder / "clock.json") as clock:
