@@ -5,6 +5,7 @@ Drawn with Plotly; a PNG needs kaleido and a Chrome or Chromium.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
@@ -32,8 +33,8 @@ _TITLES = (
     "Figure 6: runs behind the design, before verification",
 )
 _TICKS = (0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 20)
-#: The smallest deviation that is drawn, %.
-_SMALLEST = 0.01
+#: Deviations that are drawn, %; smaller ones lie on the lower edge.
+_SMALLEST, _LARGEST = 0.01, 30
 
 
 def draw(findings: Findings, path: Path) -> None:
@@ -45,12 +46,16 @@ def make_figure(findings: Findings) -> go.Figure:
     """One panel per figure of the paper."""
     figure = make_subplots(3, 1, subplot_titles=_TITLES, vertical_spacing=0.07)
     for number, panel in enumerate(PANELS, 1):
-        known = PUBLISHED[panel]
-        figure.add_hrect(known.smallest, known.largest, line_width=0, fillcolor=BAND, row=number)
-        figure.add_hline(known.mean, line={"color": "grey", "dash": "dot"}, row=number)
+        place = {"row": number, "col": 1}
         for position, method in enumerate(METHODS):
             for trace in _traces(findings.rows(method), panel, method, position, number == 1):
-                figure.add_trace(trace, row=number, col=1)
+                figure.add_trace(trace, **place)
+        known, band = PUBLISHED[panel], {"line_width": 0, "fillcolor": BAND, "layer": "below"}
+        figure.add_hrect(
+            known.smallest, known.largest, exclude_empty_subplots=False, **band, **place
+        )
+        mean = {"color": "grey", "dash": "dot"}
+        figure.add_hline(known.mean, line=mean, exclude_empty_subplots=False, **place)
     _lay_out(figure)
     return figure
 
@@ -108,7 +113,11 @@ def _lay_out(figure: go.Figure) -> None:
     figure.update_yaxes(**axes)
     for row in (1, 2):
         figure.update_yaxes(
-            type="log", tickvals=_TICKS, title_text="absolute deviation / %", row=row
+            type="log",
+            range=[math.log10(0.8 * _SMALLEST), math.log10(_LARGEST)],
+            tickvals=_TICKS,
+            title_text="absolute deviation / %",
+            row=row,
         )
     figure.update_yaxes(title_text="DEM runs", rangemode="tozero", row=3)
     figure.update_layout(

@@ -28,6 +28,7 @@ from studies.rackl2016.setting import (
     ANGLE,
     BULK_DENSITY,
     DENSITY,
+    PUBLISHED,
     RESPONSES,
     ROLLING_FRICTION,
     SEEDS,
@@ -80,6 +81,8 @@ def render(findings: Findings, workers: int, figure: str | None = None) -> str:
         methods=METHODS,
         summaries={m: s for m in METHODS if (s := _summary(findings.whole(m)))},
         goals=findings.goals(),
+        agreement=_agreement(findings),
+        wide=_answers_of_wide_intervals(findings),
         narrow=_narrow(findings),
         unfavourable=_unfavourable(findings),
         modulus=findings.record("modulus"),
@@ -143,6 +146,66 @@ def _spread(values: Sequence[float | None], digits: int = 2) -> str:
         return NOT_RUN
     low, high = min(known), max(known)
     return f"{low:.{digits}f} to {high:.{digits}f}, mean {fmean(known):.{max(1, digits)}f}"
+
+
+def _agreement(findings: Findings) -> list[dict[str, Any]]:
+    """What the paper says of its six calibrations, and what is found here, by method."""
+    found = []
+    for method in METHODS:
+        rows = findings.whole(method)
+        if rows:
+            found.append(
+                {
+                    "method": METHODS[method],
+                    "last": sum(_is_within(row) for row in rows),
+                    "expected": sum(row.can_meet_targets() for row in rows),
+                    "whole": all(row.truth for row in rows),
+                    "ranges": {name: _against(rows, name) for name in PUBLISHED},
+                    "by_width": [_mean_runs(rows, width) for width in setting.WIDTHS],
+                    "by_seed": [_mean_expected_angle(rows, seed) for seed in SEEDS],
+                }
+            )
+    return found
+
+
+def _is_within(row: Row) -> bool:
+    """Whether its last run meets the targets within the tolerances."""
+    offs = [
+        (row.at_last_run(n), 100 * setting.TOLERANCES[n] / setting.MEASURED[n]) for n in RESPONSES
+    ]
+    return all(off is not None and abs(off) <= accepted for off, accepted in offs)
+
+
+def _against(rows: Sequence[Row], name: str) -> str:
+    """Whether the mean lies within the range that was published."""
+    if name == "optimisation_runs":
+        values: list[float | None] = [float(row.record[name]) for row in rows]
+    else:
+        values = [row.at_last_run(name) for row in rows]
+    known = [abs(value) for value in values if value is not None]
+    if not known:
+        return "no run"
+    mean, published = fmean(known), PUBLISHED[name]
+    if mean < published.smallest:
+        return f"{mean:.2g}, below"
+    return f"{mean:.2g}, {'above' if mean > published.largest else 'inside'}"
+
+
+def _mean_runs(rows: Sequence[Row], width: float) -> str:
+    return f"{fmean(r.record['optimisation_runs'] for r in rows if r.case.width == width):.1f}"
+
+
+def _mean_expected_angle(rows: Sequence[Row], seed: int) -> str:
+    offs = [row.expected(ANGLE) for row in rows if row.case.seed == seed]
+    known = [off.percent for off in offs if off is not None]
+    return f"{fmean(known):+.2f}" if len(known) == len(offs) else NOT_RUN
+
+
+def _answers_of_wide_intervals(findings: Findings) -> tuple[float, float] | None:
+    """Smallest and largest density that grainfit finds where the interval is wide."""
+    rows = [row for m in ("staged", "sequential") for row in findings.whole(m)]
+    found = [r.record["parameters"][DENSITY] for r in rows if r.case.width > setting.WIDTHS[0]]
+    return (min(found), max(found)) if found else None
 
 
 def _narrow(findings: Findings) -> list[dict[str, Any]]:
