@@ -15,8 +15,9 @@ from threadpoolctl import threadpool_limits
 
 from grainfit.campaign.identity import run_identity
 from grainfit.errors import GrainfitError
+from grainfit.testing.materials import GLASS_BEADS
 from studies.rackl2016.plan import STEPS, all_tasks
-from studies.rackl2016.setting import GLASS_BEADS, make_solver
+from studies.rackl2016.setting import make_solver
 from studies.rackl2016.tasks import Report, Results, Study, Task
 
 _console = Console(stderr=True)
@@ -55,6 +56,7 @@ def main(
     tasks = study.of_steps([step for step in wanted if step in STEPS], only)
     _print_estimate(study, tasks if tasks else list(study.tasks), workers)
     if "estimate" in wanted:
+        _print_steps(study)
         return
     with threadpool_limits(limits=1, user_api="blas"):
         _do(study, tasks)
@@ -82,6 +84,14 @@ def _print_estimate(study: Study, tasks: list[Task], workers: int) -> None:
         highlight=False,
         soft_wrap=True,
     )
+
+
+def _print_steps(study: Study) -> None:
+    for step in STEPS:
+        tasks = [task for task in study.tasks if task.step == step]
+        left = len(study.open_tasks(tasks))
+        minutes = study.seconds_left(tasks) / 60
+        print(f"{step:13} {len(tasks) - left:3} of {len(tasks):3} there, {minutes:4.0f} min left")
 
 
 def _do(study: Study, tasks: list[Task]) -> None:

@@ -68,6 +68,7 @@ def _record(result: Result) -> Record:
         "verification_runs": result.runs.verification,
         "failed_runs": result.runs.failed,
         "runs_made": result.runs.total,
+        "searched_again": _has_searched_again(result),
         "last_run": dict(searched[-1].responses),
         "rayleigh_time_step": result.rayleigh_time_step,
         "rayleigh_time_step_before": result.rayleigh_time_step_before,
@@ -76,6 +77,13 @@ def _record(result: Result) -> Record:
         "out_of_reach": [asdict(miss) for miss in result.out_of_reach],
         "version": result.version,
     }
+
+
+def _has_searched_again(result: Result) -> bool:
+    """Whether it went on searching after a verification; a run under way then comes back late."""
+    stages = [run.stage for run in result.history]
+    verified = [place for place, stage in enumerate(stages) if stage == "verification"]
+    return len(verified) > 2 and "optimisation" in stages[verified[2] :]
 
 
 def calibrate_with_peer(
@@ -117,7 +125,8 @@ def _nearest(steps: list[dict[str, Any]], parameters: dict[str, float]) -> dict[
     """The run of the best step, which the fit returns; numbers come back with fewer digits."""
 
     def distance(run: dict[str, Any]) -> float:
-        return max(abs(run["parameters"][n] / value - 1) for n, value in parameters.items())
+        point: dict[str, float] = run["parameters"]
+        return max(abs(point[name] / value - 1) for name, value in parameters.items())
 
     return min(steps, key=distance)
 

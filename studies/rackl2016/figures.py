@@ -91,13 +91,13 @@ def _traces(
         **common,
     )
     last = [
-        (place, off)
+        (place, single)
         for place, row in zip(places, rows, strict=True)
-        if (off := row.at_last_run(panel)) is not None
+        if (single := row.at_last_run(panel)) is not None
     ]
     yield go.Scatter(
         x=[place for place, _ in last],
-        y=[max(abs(off), _SMALLEST) for _, off in last],
+        y=[max(abs(single), _SMALLEST) for _, single in last],
         marker=marker | {"symbol": f"{symbol}-open", "size": 8},
         showlegend=False,
         **common,
@@ -109,6 +109,7 @@ def _lay_out(figure: go.Figure) -> None:
     widths = [f"±{100 * width:.0f} %" for width in WIDTHS]
     ends = [-0.5, len(WIDTHS) - 0.5]
     figure.update_xaxes(tickvals=list(range(len(WIDTHS))), ticktext=widths, range=ends, **axes)
+    figure.update_xaxes(zeroline=False)
     figure.update_xaxes(title_text="width of the intervals", row=3)
     figure.update_yaxes(**axes)
     for row in (1, 2):

@@ -20,10 +20,10 @@ from typing import Any
 
 from grainfit.errors import SolverNotFoundError
 from grainfit.problem import Problem
+from grainfit.testing.materials import GLASS_BEADS
 from studies.rackl2016.runs import Responses, Runs
 from studies.rackl2016.setting import (
     DIAMETER,
-    GLASS_BEADS,
     MEASURED,
     MODULUS,
     RESPONSES,
@@ -77,7 +77,8 @@ def calibrate_with_octave(
         for line in octave.stdout:
             word, _, rest = line.partition(" ")
             if word == "RESULT":
-                return json.loads(rest) | {"history": history}
+                found: dict[str, Any] = json.loads(rest)
+                return found | {"history": history}
             if word != "RUNS":
                 continue
             purpose, points = _read_request(rest)
