@@ -14,6 +14,7 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 from threadpoolctl import threadpool_limits
 
 from grainfit.campaign.identity import run_identity
+from grainfit.console import print_error
 from grainfit.errors import GrainfitError
 from grainfit.testing.materials import GLASS_BEADS
 from studies.rackl2016.plan import STEPS, all_tasks
@@ -142,5 +143,5 @@ if __name__ == "__main__":
         _console.print("Interrupted. What was made is kept; start again to go on.")
         sys.exit(130)
     except GrainfitError as error:
-        _console.print(str(error), style="red", highlight=False)
+        print_error(_console, error)
         sys.exit(1)

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any, Literal
 
 from grainfit.calibration import calibrate
+from grainfit.errors import RunFailedError
 from grainfit.problem import Problem
 from grainfit.progress import Progress
 from grainfit.result import Result
@@ -144,7 +145,7 @@ def expected_responses(
         made = making.make(orders, lambda ended, asked: context.report(ended, asked, "fresh seeds"))
     finished = [responses for responses in made if responses is not None]
     if len(finished) < 2:
-        raise RuntimeError(f"{name}: {len(made) - len(finished)} of {len(made)} runs failed.")
+        raise RunFailedError(f"{name}: {len(made) - len(finished)} of {len(made)} runs failed.")
     return {
         "parameters": parameters,
         "values": {response: [run[response] for run in finished] for response in RESPONSES},

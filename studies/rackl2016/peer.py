@@ -18,7 +18,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from grainfit.errors import SolverNotFoundError
+from grainfit.errors import RunFailedError, SolverNotFoundError
 from grainfit.problem import Problem
 from grainfit.testing.materials import GLASS_BEADS
 from studies.rackl2016.runs import Responses, Runs
@@ -91,7 +91,7 @@ def calibrate_with_octave(
             octave.stdin.write(_reply(made))
             octave.stdin.flush()
     log = (folder / "octave.log").read_text(encoding="utf-8", errors="replace")
-    raise RuntimeError(f"Octave gave no result. {INSTALL}. Its log ends: {log[-800:]}")
+    raise RunFailedError(f"Octave gave no result. {INSTALL}", log[-800:])
 
 
 @contextmanager
@@ -123,7 +123,7 @@ def _read_request(text: str) -> tuple[str, list[list[float]]]:
     purpose, rows, columns, *values = text.split()
     numbers, width = [float(value) for value in values], int(columns)
     if len(numbers) != int(rows) * width:
-        raise RuntimeError(f"Octave asks for {rows} runs and gives {len(numbers)} numbers.")
+        raise RunFailedError(f"Octave asks for {rows} runs and gives {len(numbers)} numbers.")
     return purpose, [numbers[start : start + width] for start in range(0, len(numbers), width)]
 
 
