@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import signal
-import sys
 import time
 from pathlib import Path
 from typing import Annotated, Any, NoReturn
@@ -53,6 +52,17 @@ def main(
     wanted = steps or [*STEPS, "report"]
     if unknown := [step for step in wanted if step not in (*STEPS, "estimate", "report")]:
         raise typer.BadParameter(f"There is no step {unknown[0]!r}.")
+    try:
+        _make(wanted, workdir, workers, only)
+    except KeyboardInterrupt:
+        _console.print("Interrupted. What was made is kept; start again to go on.")
+        raise typer.Exit(130) from None
+    except GrainfitError as error:
+        print_error(_console, error)
+        raise typer.Exit(1) from None
+
+
+def _make(wanted: list[str], workdir: Path, workers: int, only: str) -> None:
     study = _study(workdir, workers)
     tasks = study.of_steps([step for step in wanted if step in STEPS], only)
     _print_estimate(study, tasks if tasks else list(study.tasks), workers)
@@ -62,6 +72,7 @@ def main(
     with threadpool_limits(limits=1, user_api="blas"):
         _do(study, tasks)
     if "report" in wanted:
+        # Its figure takes a library that nothing else needs.
         from studies.rackl2016.report import write_report
 
         for path in write_report(study.results, workers):
@@ -137,11 +148,4 @@ def _stop(_signal: int, _frame: Any) -> NoReturn:
 
 if __name__ == "__main__":
     signal.signal(signal.SIGTERM, _stop)
-    try:
-        app()
-    except KeyboardInterrupt:
-        _console.print("Interrupted. What was made is kept; start again to go on.")
-        sys.exit(130)
-    except GrainfitError as error:
-        print_error(_console, error)
-        sys.exit(1)
+    app()
