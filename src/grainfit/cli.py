@@ -37,8 +37,9 @@ app = typer.Typer(
     context_settings={"help_option_names": ["-h", "--help"]},
     help="""Calibrate the material parameters of DEM models of bulk solids.
 
-    You give laboratory measurements and an interval for every unknown parameter; grainfit runs
-    the simulated tests, finds the parameters that reproduce the measurements, and verifies them.
+    You give laboratory measurements and an interval for every unknown
+    parameter; grainfit runs the simulated tests, finds the parameters that
+    reproduce the measurements, and verifies them.
 
     [bold]First steps:[/bold]  grainfit new my_material.toml  →  edit it  →
     grainfit check my_material.toml  →  grainfit run my_material.toml
