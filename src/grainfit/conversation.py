@@ -65,7 +65,6 @@ class Conversation:
         self._store = store
         self._options = options
         self._evaluations: list[Evaluation] = []
-        self._known: list[Evaluation] = []
         #: Number of runs that are known, by where they came from.
         self._origins: Mapping[str, int] = {}
         self._answer_from = 0
@@ -108,11 +107,11 @@ class Conversation:
     def hold(self) -> Result:
         """Hold the conversation to its end; Ctrl-C ends it early with what is known."""
         self._recorded.extend(self._store.requests(self._identity))
-        self._known = self._runs_known_before()
-        known = [run for evaluation in self._known for run in evaluation.runs.values()]
-        self._store.begin_calibration(self._identity, self._options.name, self._definition, known)
-        if self._known:
-            self._strategy.learn(self._known)
+        known = self._runs_known_before()
+        runs = [run for evaluation in known for run in evaluation.runs.values()]
+        self._store.begin_calibration(self._identity, self._options.name, self._definition, runs)
+        if known:
+            self._strategy.learn(known)
             self._show()
         self._campaign.fetch([run for r in self._recorded for run in r.runs.values()])
         answer: Answer | None = None
@@ -278,6 +277,7 @@ class Conversation:
         evaluations = self._campaign.wait(self._show)
         self._evaluations += evaluations
         self._stop_when_hopeless()
+        self._stop_when_the_machine_fails()
         self._show()
         return evaluations
 
@@ -292,7 +292,6 @@ class Conversation:
         reasons = {tuple(e.failures.values()) for e in self._evaluations}
         alike = _HOPELESS if len(reasons) == 1 else _HOPELESS_WHATEVER
         if not missing or count < alike:
-            self._stop_when_the_machine_fails()
             return
         last = self._evaluations[-1]
         why = "; ".join(last.failures.values()) or (

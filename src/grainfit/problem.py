@@ -76,6 +76,10 @@ class Parameter:
             raise InputError(faults)
         _make_plain(self, "minimum", "maximum")
 
+    def contains(self, value: float) -> bool:
+        """Whether a value is within the interval."""
+        return self.minimum <= value <= self.maximum
+
     def to_unit(self, value: float) -> float:
         """Position of a value in the interval: 0 at the minimum, 1 at the maximum."""
         if self.scale == "log":

@@ -254,9 +254,7 @@ def _outside(assembly: Assembly, rows: list[TableRow]) -> Iterator[str]:
     """Say which rows no calibration of the file as it is now can use."""
     for parameter in assembly.problem.parameters:
         lines = [
-            str(row.line)
-            for row in rows
-            if not parameter.minimum <= row.parameters[parameter.name] <= parameter.maximum
+            str(row.line) for row in rows if not parameter.contains(row.parameters[parameter.name])
         ]
         if lines:
             some = ", ".join(lines[:_NAMED_LINES]) + (", ..." if len(lines) > _NAMED_LINES else "")

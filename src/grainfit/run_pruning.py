@@ -7,7 +7,7 @@ import time
 from dataclasses import dataclass
 from pathlib import Path
 
-from grainfit.campaign.store import STORE_NAME
+from grainfit.campaign.store import STORE_NAME, not_a_work_folder
 from grainfit.campaign.workdir import PARTIAL_SUFFIX, hold, prune_run_folder, read_record
 from grainfit.errors import Fault, InputError
 
@@ -52,13 +52,7 @@ def prune_runs(folder: Path, failed: bool = False) -> Pruned:
         It is in use.
     """
     if not (folder / STORE_NAME).is_file():
-        raise InputError(
-            Fault(
-                "",
-                f"{str(folder)!r} is not a work folder of grainfit: it has no {STORE_NAME}.",
-                "Name the folder that 'grainfit run' wrote.",
-            )
-        )
+        raise InputError(not_a_work_folder(folder))
     if (folder / _RUNS).is_symlink():
         raise InputError(
             Fault(

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from grainfit.campaign.records import CalibrationRecord, RequestRecord, RunRecord
-from grainfit.campaign.store import STORE_NAME, RunStore
+from grainfit.campaign.store import STORE_NAME, RunStore, not_a_work_folder
 from grainfit.campaign.workdir import RESULT_NAME, is_held
 from grainfit.errors import StoreError
 
@@ -65,10 +65,7 @@ def read_status(folder: Path) -> WorkdirStatus:
         The folder is not a work folder, or its store cannot be read.
     """
     if not (folder / STORE_NAME).exists():
-        raise StoreError(
-            f"{str(folder)!r} is not a work folder of grainfit: it has no {STORE_NAME}. "
-            "Name the folder that 'grainfit run' wrote."
-        )
+        raise StoreError(str(not_a_work_folder(folder)))
     store = RunStore.read_only(folder)
     try:
         states = store.states()

@@ -7,7 +7,6 @@ so that a run is kept even when nobody is left to be told.
 
 from __future__ import annotations
 
-import errno
 import math
 import shutil
 import threading
@@ -26,6 +25,7 @@ from grainfit.campaign.workdir import (
 )
 from grainfit.errors import GrainfitError, RunFailedError
 from grainfit.solvers.base import Response, Solver, Workspace
+from grainfit.solvers.faults import machine_error
 
 _TAIL_CHARACTERS = 2000
 
@@ -118,13 +118,9 @@ def _failed(record: RunRecord, error: Exception) -> RunRecord:
         return failed_record(record, error.reason, error.kind, error.log_tail)
     if isinstance(error, GrainfitError):
         return failed_record(record, str(error), "simulation")
-    if isinstance(error, MemoryError):
-        return failed_record(record, "there was not enough memory", "machine")
     tail = "".join(traceback.format_exception(error))[-_TAIL_CHARACTERS:]
-    if isinstance(error, OSError):
-        full = error.errno in (errno.ENOSPC, errno.EDQUOT)
-        reason = f"the disk is full: {error}" if full else str(error)
-        return failed_record(record, reason, "machine", tail)
+    if isinstance(error, (MemoryError, OSError)):
+        return failed_record(record, machine_error(error) or str(error), "machine", tail)
     return failed_record(record, f"unexpected {type(error).__name__}: {error}", "evaluation", tail)
 
 

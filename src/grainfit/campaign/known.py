@@ -12,6 +12,7 @@ import math
 from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import reduce
 from typing import Any
 
 from grainfit.campaign.evaluation import Evaluation, Proposal
@@ -111,21 +112,19 @@ def runs_of(
         recognisers = {test: Recogniser(solver, problem) for test, solver in solvers.items()}
     except GrainfitError:
         return []
-    points: list[_Point] = [_Point({}, None, {})]
     found: dict[str, list[_Point]] = defaultdict(list)
     for record in records:
-        if record.status == "running" or record.kind in ("machine", "timeout"):
+        if record.status == "running" or record.may_succeed_next_time:
             continue
         for test, recogniser in recognisers.items():
             run = recogniser.recognise(record)
             if run is not None and _is_inside(problem, run[0]):
                 found[test].append(_Point(*run, {test: record}))
-    for test in solvers:
-        points = list(_together(points, found[test]))
+    points = reduce(_together, (found[test] for test in solvers))
     names = [parameter.name for parameter in problem.parameters]
     return [
         evaluation_of(
-            Proposal({name: point.values[name] for name in names}, point.seed or 0, "design"),
+            Proposal({name: point.values[name] for name in names}, point.seed, "design"),
             point.runs,
             reused=len(point.runs),
         )
@@ -138,29 +137,30 @@ class _Point:
     """Values of some parameters and a seed, with the runs that were made there by test."""
 
     values: Mapping[str, float]
-    seed: int | None
+    seed: int
     runs: Mapping[str, RunRecord]
 
     def order(self, names: Sequence[str]) -> tuple[float, ...]:
-        return (*(self.values[name] for name in names), self.seed or 0)
+        return (*(self.values[name] for name in names), self.seed)
 
 
-def _together(points: Sequence[_Point], others: Sequence[_Point]) -> Iterator[_Point]:
+def _together(points: list[_Point], others: list[_Point]) -> list[_Point]:
     """Join points with those of another test that have the same seed and agree in all values."""
     if not points or not others:
-        return
+        return []
     shared = points[0].values.keys() & others[0].values.keys()
-    with_seed = points[0].seed is not None
 
     def key(point: _Point) -> tuple[Any, ...]:
-        return (*(point.values[name] for name in sorted(shared)), with_seed and point.seed)
+        return (*(point.values[name] for name in sorted(shared)), point.seed)
 
     of_key = defaultdict(list)
     for other in others:
         of_key[key(other)].append(other)
-    for point in points:
-        for other in of_key[key(point)]:
-            yield _Point({**point.values, **other.values}, other.seed, {**point.runs, **other.runs})
+    return [
+        _Point({**point.values, **other.values}, point.seed, {**point.runs, **other.runs})
+        for point in points
+        for other in of_key[key(point)]
+    ]
 
 
 def is_run_of(problem: Problem, solvers: Mapping[str, Solver]) -> Callable[[RunRecord], bool]:
@@ -205,7 +205,7 @@ def _distance(problem: Problem, evaluation: Evaluation) -> float:
 
 def _is_inside(problem: Problem, values: Mapping[str, float]) -> bool:
     return all(
-        parameter.minimum <= values[parameter.name] <= parameter.maximum
+        parameter.contains(values[parameter.name])
         for parameter in problem.parameters
         if parameter.name in values
     )

@@ -48,6 +48,11 @@ class RunRecord:
     ended: float = 0.0
     origin: str = ""
 
+    @property
+    def may_succeed_next_time(self) -> bool:
+        """Whether it failed for a reason that says nothing of the run itself."""
+        return self.status == "failed" and self.kind in ("machine", "timeout")
+
     def to_json(self) -> dict[str, Any]:
         """Return plain data that `from_json` reads."""
         return asdict(self)

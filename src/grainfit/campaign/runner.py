@@ -12,6 +12,7 @@ from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from pickle import PicklingError
+from typing import Any
 
 from grainfit.campaign import workdir
 from grainfit.campaign.evaluation import Evaluation, Proposal
@@ -102,10 +103,9 @@ class Campaign:
         self._temporary = tempfile.TemporaryDirectory() if folder is None else None
         self._folder = Path(self._temporary.name) if self._temporary else folder or Path()
         self._reserve = Reserve(None if folder is None else self._folder)
-        self._own_executor = (
-            ThreadPoolExecutor(self._options.workers, thread_name_prefix="run")
-            if self._options.executor is None
-            else None
+        self._owns_executor = self._options.executor is None
+        self._executor = self._options.executor or ThreadPoolExecutor(
+            self._options.workers, thread_name_prefix="run"
         )
         self._cancelled = threading.Event()
         self._ended: queue.SimpleQueue[RunRecord | BaseException] = queue.SimpleQueue()
@@ -130,8 +130,12 @@ class Campaign:
 
     def identities(self, proposal: Proposal) -> dict[str, str]:
         """Identity of the run of a proposal by name of the test."""
+        definitions = self._definitions(proposal)
+        return {test: run_identity(definition) for test, definition in definitions.items()}
+
+    def _definitions(self, proposal: Proposal) -> dict[str, dict[str, Any]]:
         return {
-            test: run_identity(solver.definition(proposal.parameters, proposal.seed))
+            test: solver.definition(proposal.parameters, proposal.seed)
             for test, solver in self._solvers.items()
         }
 
@@ -173,10 +177,7 @@ class Campaign:
             outlives this process may finish one that nobody knew of otherwise.
         """
         entry = _Pending(proposal)
-        definitions = {
-            test: solver.definition(proposal.parameters, proposal.seed)
-            for test, solver in self._solvers.items()
-        }
+        definitions = self._definitions(proposal)
         identities = {test: run_identity(definition) for test, definition in definitions.items()}
         if note is not None:
             note(identities)
@@ -241,7 +242,10 @@ class Campaign:
                 raise record
             self._receive(record)
         self._pending = [entry for entry in self._pending if entry.waiting]
-        return [_evaluation(entry) for entry in complete]
+        return [
+            evaluation_of(entry.proposal, entry.records, entry.reused, entry.reused_seconds)
+            for entry in complete
+        ]
 
     def forget_failures(self, evaluations: Iterable[Evaluation]) -> None:
         """Let failed runs be made again at the next start: what made them fail may be mended."""
@@ -256,10 +260,10 @@ class Campaign:
         self._cancelled.set()
         for future in list(self._futures.values()):
             future.cancel()
-        if self._own_executor is not None:
+        if self._owns_executor:
             # In-process functions cannot be ended from outside and must not hold up the user.
             waits = all(solver.uses_folder for solver in self._solvers.values())
-            self._own_executor.shutdown(wait=waits, cancel_futures=True)
+            self._executor.shutdown(wait=waits, cancel_futures=True)
         workdir.discard_partial_folders(self._folder, self._under_way)
         # What cannot be noted now, on a full disk for example, the next start puts in order.
         with suppress(StoreError):
@@ -269,8 +273,8 @@ class Campaign:
 
     def close(self) -> None:
         """Release threads and temporary folders."""
-        if self._own_executor is not None:
-            self._own_executor.shutdown(wait=not self._cancelled.is_set())
+        if self._owns_executor:
+            self._executor.shutdown(wait=not self._cancelled.is_set())
         self._reserve.close()
         if self._temporary is not None:
             self._temporary.cleanup()
@@ -281,6 +285,9 @@ class Campaign:
         if self._shared is not None and not self._shared.claim(order.record):
             self._elsewhere[order.record.identity] = order
             return
+        self._make(order)
+
+    def _make(self, order: RunOrder) -> None:
         self._store.save(order.record)
         self._under_way[order.record.identity] = order
         self._submit(order)
@@ -288,15 +295,11 @@ class Campaign:
     def _submit(self, order: RunOrder) -> None:
         identity = order.record.identity
         self._tries[identity] = self._tries.get(identity, 0) + 1
-        executor = self._options.executor
+        executor = self._executor
+        # Other processes cannot be sent an event; they look for the folder of their run.
+        cancelled = [self._cancelled] if isinstance(executor, ThreadPoolExecutor) else []
         try:
-            if self._own_executor is not None:
-                future = self._own_executor.submit(execute, order, self._cancelled)
-            elif isinstance(executor, ThreadPoolExecutor):
-                future = executor.submit(execute, order, self._cancelled)
-            else:
-                assert executor is not None, "without an own executor there is the user's"
-                future = executor.submit(execute, order)
+            future = executor.submit(execute, order, *cancelled)
         except (BrokenExecutor, RuntimeError) as error:
             raise ExecutorError(
                 f"the executor takes no more runs: {error or type(error).__name__}. Finished runs "
@@ -393,9 +396,7 @@ class Campaign:
                 self._settle(record)
             elif self._shared.take_over(order.record):
                 del self._elsewhere[identity]
-                self._store.save(order.record)
-                self._under_way[identity] = order
-                self._submit(order)
+                self._make(order)
 
 
 def response_name(test: str, name: str, tests: int) -> str:
@@ -408,11 +409,7 @@ def _is_final(record: RunRecord, solver: Solver) -> bool:
     if record.status == "finished":
         # An own model may yield a response now that it did not yield then.
         return set(solver.response_names or ()) <= record.responses.keys()
-    return record.status == "failed" and record.kind not in ("machine", "timeout")
-
-
-def _evaluation(entry: _Pending) -> Evaluation:
-    return evaluation_of(entry.proposal, entry.records, entry.reused, entry.reused_seconds)
+    return record.status == "failed" and not record.may_succeed_next_time
 
 
 def evaluation_of(

@@ -8,8 +8,8 @@ from dataclasses import replace
 from pathlib import Path
 
 from grainfit.campaign.known import is_run_of
-from grainfit.campaign.store import STORE_NAME, RunStore
-from grainfit.errors import Fault, InputError
+from grainfit.campaign.store import STORE_NAME, RunStore, not_a_work_folder
+from grainfit.errors import InputError
 from grainfit.problem import Problem
 from grainfit.solvers.base import Solver
 
@@ -64,13 +64,8 @@ def open_source(source: str | Path, key: str = "runs_from") -> Iterator[RunStore
     else:
         folder = Path(source)
         if not (folder / STORE_NAME).is_file():
-            raise InputError(
-                Fault(
-                    key,
-                    f"{str(source)!r} is not a work folder of grainfit: it has no {STORE_NAME}.",
-                    "Name the folder that 'grainfit run' wrote, or the address of a store.",
-                )
-            )
+            remedy = "Name the folder that 'grainfit run' wrote, or the address of a store."
+            raise InputError(replace(not_a_work_folder(source, key), remedy=remedy))
         store = RunStore.read_only(folder)
     try:
         yield store

@@ -26,7 +26,7 @@ from grainfit.campaign.schema import SCHEMA_VERSION
 from grainfit.campaign.schema import calibrations as _calibrations
 from grainfit.campaign.schema import requests as _requests
 from grainfit.campaign.schema import runs as _runs
-from grainfit.errors import StoreError
+from grainfit.errors import Fault, StoreError
 
 STORE_NAME = "runs.sqlite"
 
@@ -92,7 +92,7 @@ class RunStore:
     def __init__(self, url: str | sql.URL, *, read_only: bool = False) -> None:
         self._lock = threading.RLock()
         url = _database_url(url)
-        self._where = place_of(url)
+        self._where = _place(url)
         self._file: _File | None = None
         options: dict[str, Any] = {"pool_pre_ping": True}
         if url == sql.make_url("sqlite://"):
@@ -447,12 +447,21 @@ def _database_url(url: str | sql.URL) -> sql.URL:
     return found
 
 
-def place_of(url: sql.URL) -> str:
+def _place(url: sql.URL) -> str:
     """Return where a database is, for people; never the password in its address."""
     if url.get_backend_name() != "sqlite":
         return url.render_as_string(hide_password=True)
     place = str(url.database or url)
     return unquote(place.removeprefix("file://")) if place.startswith("file://") else place
+
+
+def not_a_work_folder(folder: str | Path, key: str = "") -> Fault:
+    """Return what to say of a folder that has no store."""
+    return Fault(
+        key,
+        f"{str(folder)!r} is not a work folder of grainfit: it has no {STORE_NAME}.",
+        "Name the folder that 'grainfit run' wrote.",
+    )
 
 
 def _path(folder: Path) -> Path:
