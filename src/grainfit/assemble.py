@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -17,6 +18,7 @@ from grainfit.campaign.runner import response_name
 from grainfit.errors import Fault, InputError
 from grainfit.material import MATERIAL_PARAMETERS
 from grainfit.problem import Problem
+from grainfit.provenance import Provenance
 from grainfit.solvers.base import Response, Solver, Workspace
 from grainfit.solvers.command import Command
 from grainfit.solvers.deck_solver import DeckSolver
@@ -97,6 +99,18 @@ class Assembly:
     def _ranks(self) -> int:
         ranks: int = max(test.options.get("ranks", 1) for test in self.file.tests)
         return ranks
+
+    @property
+    def provenance(self) -> Provenance:
+        """The file and its fixed parameters, for a report."""
+        text = ""
+        with suppress(OSError):
+            text = self.file.path.read_text(encoding="utf-8", errors="replace")
+        fixed = self.file.fixed
+        units = {
+            name: MATERIAL_PARAMETERS[name].unit for name in fixed.keys() & MATERIAL_PARAMETERS
+        }
+        return Provenance(self.file.path.name, text, fixed, units)
 
     def options(
         self,

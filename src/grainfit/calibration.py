@@ -20,6 +20,7 @@ from grainfit.conversation import Conversation, ConversationOptions
 from grainfit.errors import Fault, InputError
 from grainfit.problem import Problem
 from grainfit.progress import Progress
+from grainfit.provenance import Provenance
 from grainfit.result import Result
 from grainfit.solvers.base import Solver
 from grainfit.solvers.python_callable import PythonCallable
@@ -50,6 +51,7 @@ def calibrate(
     store: str | None = None,
     keep: Keep = "all",
     retry_failed: bool = False,
+    provenance: Provenance | None = None,
     on_progress: Callable[[Progress], None] | None = None,
 ) -> Result:
     """Find the parameters at which the simulated responses meet their targets.
@@ -105,6 +107,8 @@ def calibrate(
     retry_failed : bool
         Make every run of the work folder that failed again, whatever the reason. By default, faults
         of the machine and time-outs are tried again, and others would only fail again.
+    provenance : Provenance, optional
+        What a report says of where the calibration comes from.
     on_progress : callable, optional
         Called with `Progress` whenever something changes, and a few times a second.
 
@@ -140,7 +144,9 @@ def calibrate(
     for solver in solvers.values():
         solver.check()
     verification_runs = verification_runs or usual_verification_runs(workers)
-    options = ConversationOptions(name, workers, max_runs, verification_runs, on_progress)
+    options = ConversationOptions(
+        name, workers, max_runs, verification_runs, on_progress, provenance
+    )
     wanted = StrategyChoice(strategy, design_runs, prefer, extend_intervals)
     chosen = make_strategy(problem, wanted, len(solvers), seed, max_runs, verification_runs)
     with ExitStack() as stack:

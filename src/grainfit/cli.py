@@ -146,6 +146,7 @@ def run(
             runs_from=runs_from or (),
             store=store,
             retry_failed=retry_failed,
+            provenance=assembly.provenance,
             on_progress=progress.update,
             **options,
         )

@@ -7,6 +7,7 @@ from collections import Counter, deque
 from collections.abc import Callable, Mapping
 from contextlib import suppress
 from dataclasses import asdict, dataclass, replace
+from importlib.metadata import version
 from typing import Any
 
 from grainfit.campaign.evaluation import Evaluation, Proposal
@@ -20,6 +21,7 @@ from grainfit.misfit import relative_deviation
 from grainfit.outcome import About, make_result
 from grainfit.problem import Problem
 from grainfit.progress import Progress
+from grainfit.provenance import Provenance
 from grainfit.result import Result, Status
 from grainfit.strategies.answer import Answer
 from grainfit.strategies.base import Strategy, insertion_seed
@@ -46,6 +48,7 @@ class ConversationOptions:
     max_runs: int | None
     verification_runs: int
     on_progress: Callable[[Progress], None] | None = None
+    provenance: Provenance | None = None
 
 
 class Conversation:
@@ -104,12 +107,24 @@ class Conversation:
             "options": self._strategy.definition,
         }
 
+    def _about(self) -> dict[str, Any]:
+        rayleigh = self._problem.rayleigh
+        return {
+            "rayleigh": asdict(rayleigh) if rayleigh else None,
+            "rayleigh_weight": self._problem.rayleigh_weight,
+            "version": version("grainfit"),
+            "workers": self._options.workers,
+            "provenance": asdict(self._options.provenance or Provenance()),
+        }
+
     def hold(self) -> Result:
         """Hold the conversation to its end; Ctrl-C ends it early with what is known."""
         self._recorded.extend(self._store.requests(self._identity))
         known = self._runs_known_before()
         runs = [run for evaluation in known for run in evaluation.runs.values()]
-        self._store.begin_calibration(self._identity, self._options.name, self._definition, runs)
+        self._store.begin_calibration(
+            self._identity, self._options.name, self._definition, runs, self._about()
+        )
         if known:
             self._strategy.learn(known)
             self._show()

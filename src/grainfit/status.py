@@ -77,17 +77,18 @@ def read_status(folder: Path) -> WorkdirStatus:
     held = is_held(folder)
     return WorkdirStatus(
         name=calibration.name if calibration else "",
-        state=_state(calibration, held),
+        state=state_of(calibration, held),
         finished=_by_stage(requests, states, ("finished", "failed")),
         asked=_by_stage(requests, None, ()),
         running=sum(state == "running" for state in states.values()) if held else 0,
         failed=tuple(_failures(folder, requests, failed)),
         kept=sum(state == "finished" for state in states.values()),
-        result=None if held or calibration is None else _read_result(folder, calibration),
+        result=None if held or calibration is None else read_result(folder, calibration),
     )
 
 
-def _state(calibration: CalibrationRecord | None, held: bool) -> str:
+def state_of(calibration: CalibrationRecord | None, held: bool) -> str:
+    """Return whether a calibration is running, or how it ended."""
     if held:
         return "running"
     if calibration is None:
@@ -119,7 +120,7 @@ def _failures(
     ]
 
 
-def _read_result(folder: Path, calibration: CalibrationRecord) -> Mapping[str, Any] | None:
+def read_result(folder: Path, calibration: CalibrationRecord) -> Mapping[str, Any] | None:
     """Read the result; that of an earlier calibration in the folder is not this one's."""
     try:
         data = json.loads((folder / RESULT_NAME).read_text(encoding="utf-8"))

@@ -6,6 +6,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from numbers import Real
+from typing import Any
 
 from grainfit.errors import Fault
 
@@ -64,6 +65,12 @@ class RayleighTimeStep:
     radius: float
     fixed: Mapping[str, float]
 
+    def __post_init__(self) -> None:
+        # Results are written as JSON, which has no numbers of NumPy.
+        object.__setattr__(self, "radius", _plain(self.radius))
+        fixed = {name: _plain(value) for name, value in self.fixed.items()}
+        object.__setattr__(self, "fixed", fixed)
+
     def faults(self, intervals: Mapping[str, tuple[float, float]]) -> list[Fault]:
         """Say why there is no Rayleigh time step somewhere in the intervals; empty if there is."""
         found = _value_faults("radius", self.radius, self.radius)
@@ -118,6 +125,11 @@ class RayleighTimeStep:
         if largest - smallest <= 1e-12 * largest:
             return 0.0
         return (largest - self(parameters)) / (largest - smallest)
+
+
+def _plain(value: Any) -> Any:
+    """The number as a float; what is no number is left for `RayleighTimeStep.faults` to name."""
+    return float(value) if isinstance(value, Real) and not isinstance(value, bool) else value
 
 
 def _value_faults(name: str, low: float, high: float) -> list[Fault]:

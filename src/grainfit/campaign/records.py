@@ -97,6 +97,8 @@ class CalibrationRecord:
         When it was started last, seconds since the epoch.
     known : sequence of str
         Identities of the runs that were there before its first start and that it learnt from.
+    about : mapping
+        What a report tells of it besides: see `grainfit.provenance`. It decides nothing.
     """
 
     identity: str
@@ -105,6 +107,7 @@ class CalibrationRecord:
     status: str
     started: float
     known: Sequence[str] = ()
+    about: Mapping[str, Any] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 import sqlalchemy as sql
 
-SCHEMA_VERSION = 2
+SCHEMA_VERSION = 3
 
 metadata = sql.MetaData()
 about = sql.Table("about", metadata, sql.Column("schema_version", sql.Integer, primary_key=True))
@@ -39,6 +39,7 @@ calibrations = sql.Table(
     sql.Column("known", sql.JSON, nullable=False, server_default="[]"),
     # The latest one has the largest number, whatever the clock said.
     sql.Column("number", sql.Integer, nullable=False, server_default="0"),
+    sql.Column("about", sql.JSON, nullable=False, server_default="{}"),
 )
 requests = sql.Table(
     "requests",
@@ -63,6 +64,7 @@ _MIGRATIONS: Mapping[int, tuple[str, ...]] = {
         "(SELECT count(*) FROM calibrations AS earlier "
         "WHERE earlier.started <= calibrations.started)",
     ),
+    2: ("ALTER TABLE calibrations ADD COLUMN about JSON NOT NULL DEFAULT '{}'",),
 }
 
 

@@ -355,7 +355,12 @@ class RunStore:
     # Calibrations ------------------------------------------------------------------------------
 
     def begin_calibration(
-        self, identity: str, name: str, definition: Mapping[str, Any], known: Sequence[str] = ()
+        self,
+        identity: str,
+        name: str,
+        definition: Mapping[str, Any],
+        known: Sequence[str] = (),
+        about: Mapping[str, Any] | None = None,
     ) -> None:
         """Note that a calibration starts, or goes on with what it asked for before.
 
@@ -367,6 +372,8 @@ class RunStore:
             All that decides what it asks for.
         known : sequence of str
             Identities of the runs that it learns from and did not ask for.
+        about : mapping, optional
+            What a report tells of it besides, as JSON.
         """
         latest = sql.select(sql.func.coalesce(sql.func.max(_calibrations.c.number), 0))
         with self._transaction() as connection:
@@ -381,6 +388,7 @@ class RunStore:
                     started=time.time(),
                     known=list(known),
                     number=number,
+                    about=dict(about or {}),
                 )
             )
 

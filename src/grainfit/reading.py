@@ -1,0 +1,187 @@
+"""What a work folder tells of its calibration, read from outside while it may be running."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from grainfit.campaign.evaluation import Evaluation, Proposal
+from grainfit.campaign.records import CalibrationRecord, RequestRecord, RunRecord
+from grainfit.campaign.runner import evaluation_of
+from grainfit.campaign.store import STORE_NAME, RunStore, not_a_work_folder
+from grainfit.campaign.workdir import is_held
+from grainfit.errors import GrainfitError, StoreError
+from grainfit.material import MATERIAL_PARAMETERS
+from grainfit.problem import Parameter, Problem, Target
+from grainfit.provenance import Provenance
+from grainfit.status import read_result, state_of
+from grainfit.timestep import RayleighTimeStep
+
+
+@dataclass(frozen=True)
+class CalibrationReading:
+    """What a work folder tells of the calibration that was started last.
+
+    Parameters
+    ----------
+    folder : Path
+        The work folder.
+    name, identity : str
+        What it is called, and what it is.
+    state : str
+        ``running``, or how it ended; ``interrupted`` also when its process died.
+    problem : Problem
+        What is calibrated; the intervals hold all that was asked for, also where they were moved.
+    strategy, seed : str, int
+        How runs were chosen.
+    evaluations : tuple of Evaluation
+        Every parameter set of which all runs have ended, in the order in which it was asked for.
+    running : int
+        Runs under way.
+    runs : mapping of str to RunRecord
+        Runs of the evaluations, by identity.
+    result : mapping, optional
+        What result.json holds; None while it runs.
+    fixed : mapping of str to float
+        Parameters that are not free, SI, as far as they are known.
+    units : mapping of str to str
+        SI units of free and fixed parameters.
+    source, source_text : str
+        Name of the calibration file and what stood in it; empty when started from Python.
+    version : str
+        Version of grainfit that started it.
+    workers : int
+        Runs at a time.
+    started : float
+        When it was started last, seconds since the epoch.
+    """
+
+    folder: Path
+    name: str
+    identity: str
+    state: str
+    problem: Problem
+    strategy: str
+    seed: int
+    evaluations: tuple[Evaluation, ...]
+    running: int
+    runs: Mapping[str, RunRecord]
+    result: Mapping[str, Any] | None
+    fixed: Mapping[str, float]
+    units: Mapping[str, str]
+    source: str
+    source_text: str
+    version: str
+    workers: int
+    started: float
+
+
+def read_calibration(folder: Path) -> CalibrationReading:
+    """Read a work folder; nothing in it is changed, and nobody at work disturbed.
+
+    Raises
+    ------
+    StoreError
+        The folder is not a work folder, its store cannot be read, or nothing was ever calibrated
+        in it.
+    """
+    if not (folder / STORE_NAME).is_file():
+        raise StoreError(str(not_a_work_folder(folder)))
+    store = RunStore.read_only(folder)
+    try:
+        calibration = store.latest_calibration()
+        if calibration is None:
+            raise StoreError(
+                f"nothing has been calibrated in {str(folder)!r} yet. Start 'grainfit run' first."
+            )
+        requests = store.requests(calibration.identity)
+        records = store.find_many({run for request in requests for run in request.runs.values()})
+    finally:
+        store.close()
+    held = is_held(folder)
+    ended = [request for request in requests if _has_ended(request, records)]
+    evaluations = tuple(_evaluation(request, records) for request in ended)
+    used = {run for request in ended for run in request.runs.values()}
+    runs = {identity: record for identity, record in records.items() if identity in used}
+    try:
+        return _reading(folder, calibration, evaluations, runs, held, records)
+    except (GrainfitError, KeyError, TypeError, ValueError, AttributeError) as error:
+        raise StoreError(
+            f"the calibration that {str(folder / STORE_NAME)!r} tells of cannot be read: {error}. "
+            "It was written by another version of grainfit, or edited."
+        ) from error
+
+
+def _reading(
+    folder: Path,
+    calibration: CalibrationRecord,
+    evaluations: tuple[Evaluation, ...],
+    runs: Mapping[str, RunRecord],
+    held: bool,
+    records: Mapping[str, RunRecord],
+) -> CalibrationReading:
+    definition, about = calibration.definition, calibration.about
+    problem = _problem(definition, about, evaluations)
+    provenance = Provenance.from_json(about.get("provenance", {}))
+    free = {parameter.name: parameter.unit for parameter in problem.parameters}
+    fixed = {**_material(runs.values(), free), **provenance.fixed}
+    known = {name: known.unit for name, known in MATERIAL_PARAMETERS.items()}
+    return CalibrationReading(
+        folder=folder,
+        name=calibration.name,
+        identity=calibration.identity,
+        state=state_of(calibration, held),
+        problem=problem,
+        strategy=str(definition["strategy"]),
+        seed=int(definition["seed"]),
+        evaluations=evaluations,
+        running=sum(record.status == "running" for record in records.values()) if held else 0,
+        runs=runs,
+        result=None if held else read_result(folder, calibration),
+        fixed=fixed,
+        units={n: u for n, u in {**known, **provenance.units, **free}.items() if n in fixed | free},
+        source=provenance.file,
+        source_text=provenance.text,
+        version=str(about.get("version", "")),
+        workers=int(about.get("workers", 1)),
+        started=calibration.started,
+    )
+
+
+def _problem(
+    definition: Mapping[str, Any], about: Mapping[str, Any], evaluations: Iterable[Evaluation]
+) -> Problem:
+    rayleigh = about.get("rayleigh")
+    return Problem(
+        [_widened(Parameter(**data), evaluations) for data in definition["parameters"]],
+        [Target(**data) for data in definition["targets"]],
+        RayleighTimeStep(rayleigh["radius"], rayleigh["fixed"]) if rayleigh else None,
+        float(about.get("rayleigh_weight", 0.0)),
+    )
+
+
+def _widened(parameter: Parameter, evaluations: Iterable[Evaluation]) -> Parameter:
+    """Hold all values that were asked for: a strategy may move a bound that is in the way."""
+    values = [evaluation.proposal.parameters[parameter.name] for evaluation in evaluations]
+    low, high = parameter.minimum, parameter.maximum
+    return replace(parameter, minimum=min([low, *values]), maximum=max([high, *values]))
+
+
+def _material(runs: Iterable[RunRecord], free: Iterable[str]) -> dict[str, float]:
+    """Fixed material parameters, as the definition of a built-in test has them."""
+    for record in runs:
+        material = record.definition.get("material")
+        if isinstance(material, dict):
+            return {name: float(v) for name, v in material.items() if name not in free}
+    return {}
+
+
+def _has_ended(request: RequestRecord, records: Mapping[str, RunRecord]) -> bool:
+    return all(run in records and records[run].status != "running" for run in request.runs.values())
+
+
+def _evaluation(request: RequestRecord, records: Mapping[str, RunRecord]) -> Evaluation:
+    proposal = Proposal(request.parameters, request.seed, request.stage)
+    return evaluation_of(proposal, {test: records[run] for test, run in request.runs.items()})

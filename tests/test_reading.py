@@ -1,0 +1,68 @@
+"""What a work folder tells of its calibration, without the file that it was started from."""
+
+from __future__ import annotations
+
+import sqlite3
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import grainfit
+from grainfit.errors import StoreError
+from grainfit.provenance import Provenance
+from grainfit.reading import read_calibration
+
+PROBLEM = grainfit.Problem(
+    [grainfit.Parameter("particle.density", 2000, 3000, unit="kg/m^3")],
+    [grainfit.Target("angle", 25.0, tolerance=0.5, unit="deg")],
+    grainfit.RayleighTimeStep(
+        np.float32(0.005), {"particle.youngs_modulus": 1e7, "particle.poissons_ratio": 0.25}
+    ),
+)
+
+
+def simulate(parameters: dict[str, float], seed: int) -> dict[str, float]:
+    scatter = np.random.default_rng(seed).normal(0, 0.1)
+    return {"angle": parameters["particle.density"] / 100 + scatter}
+
+
+def test_a_work_folder_tells_all_of_its_calibration(tmp_path: Path) -> None:
+    provenance = Provenance("beads.toml", "name = 'beads'", {"wall.density": 7700.0})
+    result = grainfit.calibrate(
+        PROBLEM, simulate, workdir=tmp_path, name="beads", workers=2, provenance=provenance
+    )
+    reading = read_calibration(tmp_path)
+    assert (reading.name, reading.state, reading.seed) == ("beads", "calibrated", 1)
+    assert reading.problem == PROBLEM
+    assert [e.proposal.seed for e in reading.evaluations] != []
+    assert {e.proposal.seed for e in reading.evaluations} == {run.seed for run in result.history}
+    assert reading.runs.keys() == {run for r in result.history for run in r.runs.values()}
+    assert reading.result is not None
+    assert reading.result["parameters"] == result.parameters
+    assert (reading.source, reading.source_text) == ("beads.toml", "name = 'beads'")
+    assert reading.fixed == {"wall.density": 7700.0}
+    assert reading.units == {"particle.density": "kg/m^3", "wall.density": "kg/m^3"}
+    assert reading.workers == 2
+
+
+def test_intervals_hold_what_was_asked_for_beyond_a_bound_that_was_moved(tmp_path: Path) -> None:
+    narrow = grainfit.Problem([grainfit.Parameter("particle.density", 2000, 2300)], PROBLEM.targets)
+    grainfit.calibrate(narrow, simulate, workdir=tmp_path, extend_intervals=True)
+    (parameter,) = read_calibration(tmp_path).problem.parameters
+    assert parameter.minimum == 2000
+    assert parameter.maximum > 2450
+
+
+def test_folders_without_a_calibration_are_named(tmp_path: Path) -> None:
+    with pytest.raises(StoreError, match="is not a work folder"):
+        read_calibration(tmp_path / "none")
+    grainfit.calibrate(PROBLEM, simulate, workdir=tmp_path)
+    with sqlite3.connect(tmp_path / "runs.sqlite") as connection:
+        connection.execute("UPDATE calibrations SET definition = '{}'")
+    with pytest.raises(StoreError, match="another version of grainfit, or edited"):
+        read_calibration(tmp_path)
+    with sqlite3.connect(tmp_path / "runs.sqlite") as connection:
+        connection.execute("DELETE FROM calibrations")
+    with pytest.raises(StoreError, match="nothing has been calibrated"):
+        read_calibration(tmp_path)
