@@ -1,0 +1,100 @@
+"""How parameters and responses are called on the page: symbol, unit, and what it is in words."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from html import escape
+
+from markupsafe import Markup
+
+from grainfit.material import MATERIAL_PARAMETERS
+from grainfit.printable import plain
+
+_UNITS = {"kg/m^3": "kg/m³", "deg": "°", "m^3": "m³", "m^2": "m²", "m/s^2": "m/s²"}
+_RESPONSES = {
+    "bulk_density": ("ρ_b", "bulk density: mass of the bed over its volume, voids included"),
+    "angle_of_repose": ("α", "angle of repose: inclination of the heap's flanks"),
+}
+
+
+@dataclass(frozen=True)
+class Label:
+    """What a quantity is called.
+
+    Parameters
+    ----------
+    name : str
+        As in the calibration file; any text.
+    symbol : str
+        As in ``"μ_r_pp"``, what is behind the first ``_`` being the index; or the name.
+    unit : str
+        For people, ``""`` when there is none.
+    description : str
+        What it is, in words; ``""`` when that is not known.
+    """
+
+    name: str
+    symbol: str
+    unit: str
+    description: str
+
+    @property
+    def html(self) -> Markup:
+        """Symbol for HTML, with the description to hover over."""
+        if not self.description:
+            return Markup("<span>{}</span>").format(plain(self.symbol))
+        return Markup('<abbr title="{}">{}</abbr>').format(self.description, self._marked())
+
+    @property
+    def plot(self) -> str:
+        """Symbol for a figure's text, where Plotly takes some tags."""
+        return str(self._marked())
+
+    @property
+    def axis(self) -> str:
+        """Symbol and unit for an axis."""
+        words = f" ({escape(self.unit)})" if self.unit else ""
+        return f"{self.plot}{words}"
+
+    def _marked(self) -> Markup:
+        if self.symbol == self.name:
+            return Markup.escape(plain(self.name))
+        symbol, _, index = self.symbol.partition("_")
+        return (
+            Markup("{}<sub>{}</sub>").format(symbol, index.replace("_", ","))
+            if index
+            else (Markup.escape(symbol))
+        )
+
+
+def parameter_label(name: str, unit: str = "") -> Label:
+    """Return the label of a parameter; one of the user's own is called by its name."""
+    known = MATERIAL_PARAMETERS.get(name)
+    if known is None:
+        return Label(name, name, unit_for_people(unit), "")
+    return Label(name, known.symbol, unit_for_people(known.unit), known.description)
+
+
+def response_label(name: str, unit: str = "") -> Label:
+    """Return the label of a response; with several tests it is called ``test.response``."""
+    test, _, last = name.rpartition(".")
+    symbol, description = _RESPONSES.get(last, (name, ""))
+    if test and symbol != name:
+        symbol = name
+    return Label(name, symbol, unit_for_people(unit), description)
+
+
+def unit_for_people(unit: str) -> str:
+    """Return a unit as it is printed."""
+    return _UNITS.get(unit, plain(unit))
+
+
+def number(value: float | None, digits: int = 4) -> str:
+    """Return a number with so many significant digits, for people."""
+    if value is None:
+        return "–"
+    text = f"{value:.{digits}g}"
+    if "e" not in text:
+        return text.replace("-", "−")
+    mantissa, _, power = text.partition("e")
+    return f"{mantissa}·10^{int(power)}".replace("-", "−")

@@ -1,0 +1,107 @@
+"""What a section of the report is, and what it is made from.
+
+A section is a function of the context: it returns its HTML, its figures as Plotly's JSON, and data
+for its own script, or None when it has nothing to say. It reads no files but run folders, and knows
+nothing of the page around it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from markupsafe import Markup
+
+from grainfit.analysis import Analysis
+from grainfit.problem import Parameter, Target
+from grainfit.reading import CalibrationReading
+from grainfit.report.labels import Label, parameter_label, response_label
+
+
+@dataclass(frozen=True)
+class Figure:
+    """A figure of the page, drawn by Plotly when it comes into view.
+
+    Parameters
+    ----------
+    data, layout : sequence of mapping, mapping
+        As Plotly has them. Fonts, paper, grid and colours of text are the page's, which knows
+        whether it is light or dark: leave them out. Names in them are escaped (`Label.plot`).
+    description : str
+        What is seen, for those who do not see it.
+    height : int
+        In pixels.
+    """
+
+    data: tuple[Mapping[str, Any], ...]
+    layout: Mapping[str, Any]
+    description: str
+    height: int = 420
+
+
+@dataclass(frozen=True)
+class Section:
+    """A part of the page.
+
+    Parameters
+    ----------
+    key : str
+        Its address in the page, and prefix of the keys of its figures.
+    title : str
+        Heading: a question that a person asks, or a noun.
+    html : Markup
+        Content. An element ``<div data-figure="KEY">`` is where a figure goes.
+    figures : mapping of str to Figure
+        By key.
+    data : mapping
+        What its script reads, as JSON.
+    """
+
+    key: str
+    title: str
+    html: Markup
+    figures: Mapping[str, Figure] = field(default_factory=dict)
+    data: Mapping[str, Any] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class ReportContext:
+    """What all sections are made from.
+
+    Parameters
+    ----------
+    reading : CalibrationReading
+        What the work folder tells.
+    analysis : Analysis
+        What follows from it.
+    """
+
+    reading: CalibrationReading
+    analysis: Analysis
+
+    @property
+    def answer(self) -> Mapping[str, float]:
+        """Parameters of the answer, SI; empty when there is none yet."""
+        result = self.reading.result
+        found: Mapping[str, float] = result["parameters"] if result else {}
+        return found
+
+    @property
+    def parameters(self) -> tuple[Parameter, ...]:
+        """The free parameters."""
+        return tuple(self.reading.problem.parameters)
+
+    @property
+    def targets(self) -> tuple[Target, ...]:
+        """What was measured."""
+        return tuple(self.reading.problem.targets)
+
+    def parameter_label(self, name: str) -> Label:
+        """How a free or fixed parameter is called on the page."""
+        return parameter_label(name, self.reading.units.get(name, ""))
+
+    def response_label(self, name: str) -> Label:
+        """How a response is called on the page."""
+        units = {target.name: target.unit for target in self.targets}
+        return response_label(name, units.get(name, ""))
