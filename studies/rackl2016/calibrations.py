@@ -28,33 +28,49 @@ def calibrate_with_grainfit(
     strategy: Literal["staged", "sequential"],
     seed: int,
     design_runs: int | None = None,
-    max_runs: int | None = None,
-    verification_runs: int | None = None,
+    most_search_runs: int | None = None,
+    verification_runs: int = 0,
 ) -> Record:
-    """Calibrate in the task's folder; an interrupted one goes on."""
+    """Calibrate in the task's folder; an interrupted one goes on.
+
+    With a limit of the search, every verification is paid for besides: one that fails is followed
+    by more search up to the limit, as when a user starts again with a larger budget.
+    """
 
     def show(progress: Progress) -> None:
         if progress.stage == "verification":
             context.clock.note_end_of_search()
         context.report(progress.done, progress.done + progress.left, progress.stage)
 
-    result = calibrate(
-        problem,
-        {"heap": context.solver},
-        strategy=strategy,
-        seed=seed,
-        workers=context.workers,
-        workdir=context.folder / "grainfit",
-        name=context.folder.parent.name,
-        design_runs=design_runs,
-        max_runs=max_runs,
-        verification_runs=verification_runs,
-        timeouts={"heap": _TIMEOUT},
-        keep="results",
-        on_progress=show,
-    )
-    if result.status == "interrupted":
-        raise KeyboardInterrupt
+    def start(max_runs: int | None) -> Result:
+        result = calibrate(
+            problem,
+            {"heap": context.solver},
+            strategy=strategy,
+            seed=seed,
+            workers=context.workers,
+            workdir=context.folder / "grainfit",
+            name=context.folder.parent.name,
+            design_runs=design_runs,
+            max_runs=max_runs,
+            verification_runs=verification_runs or None,
+            timeouts={"heap": _TIMEOUT},
+            keep="results",
+            on_progress=show,
+        )
+        if result.status == "interrupted":
+            raise KeyboardInterrupt
+        return result
+
+    if most_search_runs is None:
+        return _record(start(None))
+    budget = 0
+    affordable = most_search_runs + verification_runs
+    while affordable > budget:
+        budget = affordable
+        result = start(budget)
+        if result.status == "out_of_tolerance":
+            affordable = most_search_runs + result.runs.verification + verification_runs
     return _record(result)
 
 

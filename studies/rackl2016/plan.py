@@ -88,7 +88,7 @@ def _sequential(case: Case) -> Task:
             paper_problem(case.width),
             strategy="sequential",
             seed=case.seed,
-            max_runs=MOST_SEARCH_RUNS + VERIFICATION_RUNS,
+            most_search_runs=MOST_SEARCH_RUNS,
             verification_runs=VERIFICATION_RUNS,
         )
 

@@ -65,6 +65,6 @@ def recover(context: Context, number: int) -> Record:
         wanted,
         strategy="sequential",
         seed=_SEED + number,
-        max_runs=MOST_SEARCH_RUNS + VERIFICATION_RUNS,
+        most_search_runs=MOST_SEARCH_RUNS,
         verification_runs=VERIFICATION_RUNS,
     )

@@ -19,6 +19,7 @@ import grainfit
 from grainfit.campaign import schema
 from grainfit.campaign.store import RunStore
 from grainfit.errors import StoreError
+from grainfit.reading import read_calibration
 from grainfit.result import Result
 from grainfit.solvers.command import Command
 from grainfit.status import read_status
@@ -74,6 +75,14 @@ def test_an_older_store_has_its_runs_and_the_order_of_its_calibrations(old: Path
     assert latest is not None
     assert latest.name == "beads"
     store.close()
+
+
+def test_an_interrupted_calibration_of_an_older_version_can_be_read(old: Path) -> None:
+    RunStore.in_folder(old).close()
+    reading = read_calibration(old)
+    assert (reading.name, reading.state, len(reading.evaluations)) == ("beads", "interrupted", RUNS)
+    assert reading.problem.intervals == PROBLEM.intervals
+    assert reading.source == ""
 
 
 def test_status_of_an_older_store_says_what_to_do_and_leaves_it_as_it_is(old: Path) -> None:
