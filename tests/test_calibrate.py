@@ -399,6 +399,28 @@ def test_an_unexpected_error_in_one_run_costs_that_run_alone() -> None:
     assert result.runs.failed > 0
 
 
+@pytest.mark.parametrize("strategy", ["sequential", "staged"])
+@pytest.mark.parametrize(("highest", "is_cut_off"), [(0.51, True), (0.9, False)])
+def test_an_interval_that_cuts_off_what_agrees_is_named(
+    strategy: str, highest: float, is_cut_off: bool
+) -> None:
+    narrow = gf.Problem(
+        [gf.Parameter("friction", 0.1, highest), gf.Parameter("restitution", 0.1, 0.9)],
+        [gf.Target("angle", 30.0, tolerance=1.0)],
+    )
+
+    def angle(parameters: dict[str, float], seed: int) -> dict[str, float]:
+        scatter = 0.1 * np.random.default_rng(seed).standard_normal()
+        return {"angle": 10 + 40 * parameters["friction"] + scatter}
+
+    result = gf.calibrate(narrow, angle, strategy=strategy)
+    notices = [notice for notice in result.notices if "its bound max = 0.51" in notice]
+    assert bool(notices) == is_cut_off
+    assert all(notice.startswith("friction ") for notice in notices)
+    # That nothing depends on it is no reason for a wider interval.
+    assert not any("restitution agrees up to" in notice for notice in result.notices)
+
+
 def test_a_rayleigh_weight_works_at_the_bounds_of_a_wide_interval() -> None:
     rayleigh = gf.RayleighTimeStep(
         0.005, {"particle.density": 2100.0, "particle.poissons_ratio": 0.2}

@@ -10,7 +10,7 @@ from grainfit.campaign.evaluation import Evaluation
 from grainfit.misfit import relative_deviation
 from grainfit.problem import Problem, Target
 from grainfit.result import ResponseResult, Result, RunCounts, RunSummary, Status
-from grainfit.strategies.answer import Answer
+from grainfit.strategies.answer import Answer, bound_at
 from grainfit.strategies.base import Strategy
 from grainfit.verification import Verified, verified_responses
 
@@ -139,18 +139,17 @@ def _failure_notices(verification: Sequence[Evaluation]) -> Iterator[str]:
 
 
 def _edge_notices(problem: Problem, answer: Answer) -> Iterator[str]:
-    """Say when the answer lies on a bound of an interval."""
+    """Say when the answer, or more that agrees, reaches a bound of an interval."""
     for parameter in problem.parameters:
-        position = parameter.to_unit(answer.parameters[parameter.name])
-        for bound, value, near in (
-            ("min", parameter.minimum, position < 0.01),
-            ("max", parameter.maximum, position > 0.99),
-        ):
-            if near:
-                yield (
-                    f"{parameter.name} lies on its bound {bound} = {value:g}: a wider interval "
-                    "may fit better."
-                )
+        on = bound_at(parameter.to_unit(answer.parameters[parameter.name]))
+        bound = on or answer.cut_off.get(parameter.name)
+        if bound is not None:
+            value = parameter.minimum if bound == "min" else parameter.maximum
+            where = "lies on" if on else "agrees up to"
+            yield (
+                f"{parameter.name} {where} its bound {bound} = {value:g}: a wider interval may "
+                "fit better."
+            )
 
 
 def _summary(evaluation: Evaluation) -> RunSummary:

@@ -389,9 +389,8 @@ def names_upper_density_bound(record: Record) -> bool:
     bound: Sequence[dict[str, Any]] = record["out_of_reach"]
     if any(miss["parameter"] == DENSITY and miss["bound"] == "max" for miss in bound):
         return True
-    return any(
-        notice.startswith(f"{DENSITY} lies on its bound max") for notice in record["notices"]
-    )
+    words = tuple(f"{DENSITY} {verb} its bound max" for verb in ("lies on", "agrees up to"))
+    return any(notice.startswith(words) for notice in record["notices"])
 
 
 def proposed_density(record: Record) -> float | None:

@@ -5,12 +5,19 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from math import isfinite
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from grainfit.strategies.metamodels import Metamodels
 from grainfit.strategies.reachability import OutOfReach
+
+Bound = Literal["min", "max"]
+#: Nearer to a bound than this share of the interval counts as on it.
+_ON_BOUND = 0.01
+#: In squared tolerances: what fits worse than the best by less fits as well, and by more does not.
+_AS_GOOD, _WORSE = 1.0, 4.0
 
 
 @dataclass(frozen=True)
@@ -52,6 +59,9 @@ class Answer:
         Targets that no parameter set within the intervals meets.
     quality : mapping of str to MetamodelQuality
         By name of the target.
+    cut_off : mapping of str to {"min", "max"}
+        Parameters of which what agrees reaches a bound, though not everything does: more may agree
+        beyond.
     """
 
     parameters: Mapping[str, float]
@@ -60,18 +70,21 @@ class Answer:
     agreement: float
     out_of_reach: tuple[OutOfReach, ...] = ()
     quality: Mapping[str, MetamodelQuality] = field(default_factory=dict)
+    cut_off: Mapping[str, Bound] = field(default_factory=dict)
 
 
 def make_answer(
     metamodels: Metamodels,
     parameters: Mapping[str, float],
     out_of_reach: Sequence[OutOfReach],
+    closest: NDArray[np.float64],
     *,
     spread: bool = True,
 ) -> Answer:
     """Make a parameter set the answer, with all that the metamodels say of it.
 
-    ``spread`` tells whether the runs are spread by a design, see `Kriging.warnings`.
+    ``closest`` is the point of the unit cube where they meet the targets best, and ``spread`` tells
+    whether the runs are spread by a design, see `Kriging.warnings`.
     """
     point: NDArray[np.float64] = metamodels.problem.to_unit(parameters)
     means, variances = metamodels.predict(point)
@@ -83,7 +96,27 @@ def make_answer(
         agreement=float(metamodels.agreement(point)[0]),
         out_of_reach=tuple(out_of_reach),
         quality=dict(zip(names, _quality(metamodels, spread), strict=True)),
+        cut_off=dict(_cut_off(metamodels, closest)),
     )
+
+
+def bound_at(position: float) -> Bound | None:
+    """Return the bound that a position in an interval is on, 0 being its minimum; or None."""
+    if _ON_BOUND <= position <= 1 - _ON_BOUND:
+        return None
+    return "min" if position < _ON_BOUND else "max"
+
+
+def _cut_off(metamodels: Metamodels, closest: NDArray[np.float64]) -> Iterator[tuple[str, Bound]]:
+    least = float(metamodels.misfit(closest[None])[0])
+    for axis, parameter in enumerate(metamodels.problem.parameters):
+        ends = np.array([closest, closest])
+        ends[:, axis] = 0.0, 1.0
+        low, high = metamodels.misfit(ends) - least
+        if low <= _AS_GOOD and high >= _WORSE:
+            yield parameter.name, "min"
+        elif high <= _AS_GOOD and low >= _WORSE:
+            yield parameter.name, "max"
 
 
 def _quality(metamodels: Metamodels, spread: bool) -> Iterator[MetamodelQuality]:

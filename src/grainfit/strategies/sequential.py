@@ -264,7 +264,8 @@ class Sequential(Strategy):
             raise AssertionError("metamodels that can be fitted make a view")
         misses = view.misses if self._is_out_of_reach(view) else ()
         chosen = parameters or view.problem.from_unit(view.answer)
-        return make_answer(view.metamodels, chosen, misses, spread=False)
+        closest = view.search.closest[0]
+        return make_answer(view.metamodels, chosen, misses, closest, spread=False)
 
     def reconsider(self, affordable: int | None = None) -> bool:
         """Go on with the verification runs known, if there is any doubt and budget left."""

@@ -145,8 +145,9 @@ class Staged(BatchStrategy):
     def answer(self, parameters: Mapping[str, float] | None = None) -> Answer:
         """Return the simulated parameter set with the smallest expected misfit."""
         metamodels = self._metamodels()
+        closest = fit_on_metamodels(metamodels, self.seed)
         if parameters is not None:
-            return make_answer(metamodels, parameters, self._out_of_reach)
+            return make_answer(metamodels, parameters, self._out_of_reach, closest)
         candidates = [dict(e.proposal.parameters) for e in self._successful()]
         if not candidates:
             raise RunFailedError("no parameter set gave all responses, so none can be the answer")
@@ -155,7 +156,8 @@ class Staged(BatchStrategy):
             expected_misfit(self.problem, *known)
             for known in zip(candidates, means, variances, strict=True)
         ]
-        return make_answer(metamodels, candidates[int(np.argmin(misfits))], self._out_of_reach)
+        best = candidates[int(np.argmin(misfits))]
+        return make_answer(metamodels, best, self._out_of_reach, closest)
 
     def _optimise(self) -> Plan:
         """Steps 2 and 3 with all that is known."""
