@@ -8,6 +8,7 @@ import io
 import json
 import os
 import re
+import shutil
 import sqlite3
 import subprocess
 import sys
@@ -17,13 +18,15 @@ from pathlib import Path
 
 import pytest
 from exported_beads import FIXED, FREE
+from typer.testing import CliRunner
 
 import grainfit
 from grainfit.bulk_tests.heap import HeapTest
-from grainfit.errors import InputError, StoreError
+from grainfit.cli import app
+from grainfit.cli_export import write_card
+from grainfit.errors import GrainfitError, InputError, StoreError
 from grainfit.export import FORMATS, MaterialCard, material_card, render
 from grainfit.material import MATERIAL_PARAMETERS
-
 
 DRUM = grainfit.Problem(
     [grainfit.Parameter("Kohäsion", 0.0, 7e4, unit="J/m^3")],
@@ -39,10 +42,25 @@ def table(card: MaterialCard) -> list[dict[str, str]]:
     return list(csv.DictReader(io.StringIO(render(card, "csv"), newline="")))
 
 
-def calibrated_drum(folder: Path, target: float = 36.0) -> Path:
-    problem = replace(DRUM, targets=[replace(DRUM.targets[0], value=target)])
+@pytest.fixture(scope="session")
+def calibrated_drum(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("calibrated.grainfit")
+    grainfit.calibrate(DRUM, drum, workdir=folder)
+    return folder
+
+
+@pytest.fixture(scope="session")
+def unreachable_drum(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("unreachable.grainfit")
+    problem = replace(DRUM, targets=[replace(DRUM.targets[0], value=50.0)])
     grainfit.calibrate(problem, drum, workdir=folder, max_runs=20)
     return folder
+
+
+@pytest.fixture
+def drum_folder(calibrated_drum: Path, tmp_path: Path) -> Path:
+    """A work folder of its own, to be damaged."""
+    return shutil.copytree(calibrated_drum, tmp_path / "drum.grainfit")
 
 
 def edit_result(folder: Path, edit: Callable[[dict], object]) -> None:
@@ -132,7 +150,11 @@ def test_the_csv_card_has_a_line_for_each_parameter_and_response(card: MaterialC
     assert [line["kind"] for line in lines] == ["parameter"] * 14 + ["response"] * 2
     density = next(line for line in lines if line["name"] == "particle.density")
     assert float(density["value"]) == card.values["particle.density"]
-    assert (density["unit"], density["low_95"], density["high_95"]) == ("kg/m^3", "2290.0", "2330.0")
+    assert (density["unit"], density["low_95"], density["high_95"]) == (
+        "kg/m^3",
+        "2290.0",
+        "2330.0",
+    )
     assert {line["met"] for line in lines if line["kind"] == "response"} == {"yes"}
 
 
@@ -173,25 +195,24 @@ def test_a_card_that_is_not_calibrated_says_so_at_the_top(
     assert "NOT CALIBRATED" not in render(card, to)
 
 
-def test_a_target_out_of_reach_makes_a_card_that_is_not_calibrated(tmp_path: Path) -> None:
-    card = material_card(calibrated_drum(tmp_path, target=50.0), {})
+def test_a_target_out_of_reach_makes_a_card_that_is_not_calibrated(unreachable_drum: Path) -> None:
+    card = material_card(unreachable_drum, {})
     assert not card.calibrated
     assert card.status == "unreachable"
     assert [parameter.origin for parameter in card.parameters] == ["not calibrated"]
     assert {line["verdict"] for line in table(card)} == {card.verdict}
 
 
-def test_a_calibration_that_was_started_again_and_killed_is_not_calibrated(tmp_path: Path) -> None:
-    folder = calibrated_drum(tmp_path)
-    assert material_card(folder, {}).calibrated
-    with sqlite3.connect(folder / "runs.sqlite") as connection:
+def test_a_calibration_that_was_started_again_and_killed_is_not_calibrated(
+    drum_folder: Path,
+) -> None:
+    assert material_card(drum_folder, {}).calibrated
+    with sqlite3.connect(drum_folder / "runs.sqlite") as connection:
         connection.execute("UPDATE calibrations SET status = 'running'")
-    assert material_card(folder, {}).verdict.startswith("NOT CALIBRATED: interrupted")
+    assert material_card(drum_folder, {}).verdict.startswith("NOT CALIBRATED: interrupted")
 
 
-def test_an_answer_that_was_not_verified_is_not_called_met(tmp_path: Path) -> None:
-    folder = calibrated_drum(tmp_path)
-
+def test_an_answer_that_was_not_verified_is_not_called_met(drum_folder: Path) -> None:
     def stop_before_verification(result: dict) -> None:
         result["status"] = "interrupted"
         for response in result["responses"].values():
@@ -199,24 +220,25 @@ def test_an_answer_that_was_not_verified_is_not_called_met(tmp_path: Path) -> No
                 ("verified_mean", "verified_std_error", "verified_interval"), None
             )
 
-    edit_result(folder, stop_before_verification)
-    (response,) = material_card(folder, {}).responses
+    edit_result(drum_folder, stop_before_verification)
+    (response,) = material_card(drum_folder, {}).responses
     assert (response.verified, response.met) == (False, False)
-    assert table(material_card(folder, {}))[1]["origin"] == "predicted"
+    assert table(material_card(drum_folder, {}))[1]["origin"] == "predicted"
 
 
-def test_without_an_answer_there_is_no_card_but_what_to_do(tmp_path: Path) -> None:
+def test_without_an_answer_there_is_no_card_but_what_to_do(
+    drum_folder: Path,
+) -> None:
     with pytest.raises(StoreError, match="is not a work folder"):
-        material_card(tmp_path / "none")
-    folder = calibrated_drum(tmp_path)
-    (folder / "result.json").rename(folder / "result.old")
-    with pytest.raises(InputError, match="no answer yet.*missing.*Start the calibration again"):
-        material_card(folder)
+        material_card(drum_folder / "none")
+    (drum_folder / "result.json").rename(drum_folder / "result.old")
+    with pytest.raises(InputError, match=r"no answer yet.*missing.*Start the calibration again"):
+        material_card(drum_folder)
     for status, words in (("running", "was interrupted before"), ("failed", "failed.*Mend")):
-        with sqlite3.connect(folder / "runs.sqlite") as connection:
+        with sqlite3.connect(drum_folder / "runs.sqlite") as connection:
             connection.execute("UPDATE calibrations SET status = ?", (status,))
         with pytest.raises(InputError, match=f"no answer yet.*{words}"):
-            material_card(folder)
+            material_card(drum_folder)
 
 
 @pytest.mark.parametrize(
@@ -236,19 +258,20 @@ def test_without_an_answer_there_is_no_card_but_what_to_do(tmp_path: Path) -> No
     ],
 )
 def test_a_damaged_result_is_named_and_never_exported(
-    tmp_path: Path, edit: Callable[[dict], object]
+    drum_folder: Path, edit: Callable[[dict], object]
 ) -> None:
-    folder = calibrated_drum(tmp_path)
-    edit_result(folder, edit)
+    edit_result(drum_folder, edit)
     with pytest.raises(StoreError, match=r"result\.json' is damaged: .*no finished run"):
-        material_card(folder, {})
+        material_card(drum_folder, {})
 
 
 # --- models of one's own --------------------------------------------------------------------------
 
 
-def test_a_model_of_ones_own_makes_cards_for_programs_and_no_others(tmp_path: Path) -> None:
-    card = material_card(calibrated_drum(tmp_path), {})
+def test_a_model_of_ones_own_makes_cards_for_programs_and_no_others(
+    calibrated_drum: Path,
+) -> None:
+    card = material_card(calibrated_drum, {})
     data = json.loads(render(card, "json"))
     assert data["parameters"][0]["name"] == "Kohäsion"
     assert data["particle_sizes"] is None
@@ -265,7 +288,7 @@ def test_a_solver_is_not_given_what_no_material_has(card: MaterialCard) -> None:
         replace(p, value=0.0) if p.name == "particle.youngs_modulus" else p for p in card.parameters
     )
     for to in ("liggghts", "lammps", "yade"):
-        with pytest.raises(InputError, match="particle.youngs_modulus: is 0"):
+        with pytest.raises(InputError, match=r"particle\.youngs_modulus: is 0"):
             render(replace(card, parameters=parameters), to)
 
 
@@ -278,7 +301,7 @@ def test_lammps_and_yade_need_the_size_of_the_particles(card: MaterialCard) -> N
 
 
 def test_an_unknown_format_lists_those_that_there_are(card: MaterialCard) -> None:
-    with pytest.raises(InputError, match="'xml'.*liggghts, lammps, yade, json or csv"):
+    with pytest.raises(InputError, match=r"'xml'.*liggghts, lammps, yade, json or csv"):
         render(card, "xml")
 
 
@@ -334,44 +357,55 @@ def test_names_come_back_from_json_as_they_were(card: MaterialCard) -> None:
 # --- grainfit export ------------------------------------------------------------------------------
 
 
-def export(*arguments: str | Path, code: int = 0) -> subprocess.CompletedProcess[bytes]:
-    command = [sys.executable, "-m", "grainfit", "export", *map(str, arguments)]
+def test_export_prints_a_card_with_intervals(calibrated_drum: Path) -> None:
+    command = [sys.executable, "-m", "grainfit", "export", str(calibrated_drum), "--to", "json"]
     # A terminal that knows no umlauts must not cost the card.
     environment = {**os.environ, "PYTHONIOENCODING": "ascii"}
     done = subprocess.run(command, capture_output=True, timeout=120, check=False, env=environment)
-    assert b"Traceback" not in done.stdout + done.stderr
-    assert done.returncode == code, done.stderr
-    return done
+    assert (done.returncode, done.stderr) == (0, b"")
+    data = json.loads(done.stdout.decode())
+    (parameter,) = data["parameters"]
+    low, high = parameter["interval_95"]
+    assert parameter["name"] == "Kohäsion"
+    assert DRUM.intervals["Kohäsion"][0] < low < 4.2e4 < high < DRUM.intervals["Kohäsion"][1]
 
 
-def test_export_prints_a_card_or_writes_it_to_a_file(tmp_path: Path) -> None:
-    folder = calibrated_drum(tmp_path / "drum.grainfit", target=50.0)
-    printed = export(folder, "--to", "csv")
-    assert "Kohäsion" in printed.stdout.decode()
-    assert b"NOT CALIBRATED" in printed.stderr
+def test_export_writes_a_file_in_place_of_an_old_one_and_says_what_it_is(
+    unreachable_drum: Path, tmp_path: Path
+) -> None:
     file = tmp_path / "card.csv"
     file.write_text("of yesterday")
-    written = export(folder, "--to", "csv", "-o", file)
-    assert file.read_bytes() == printed.stdout
-    assert written.stdout == b""
-    assert [path.name for path in tmp_path.iterdir() if ".new" in path.name] == []
+    done = CliRunner().invoke(
+        app, ["export", str(unreachable_drum), "--to", "csv", "-o", str(file)]
+    )
+    assert (done.exit_code, done.stdout) == (0, "")
+    assert "card.csv" in done.stderr
+    assert "NOT CALIBRATED: out of reach" in done.stderr
+    assert file.read_text(encoding="utf-8").startswith("kind,name,")
+    assert list(tmp_path.iterdir()) == [file]
 
 
-def test_export_says_in_one_line_what_is_wrong(tmp_path: Path) -> None:
-    folder = calibrated_drum(tmp_path / "drum.grainfit")
-    for arguments, words in (
-        ((folder, "--to", "xml"), b"liggghts, lammps, yade, json or csv"),
-        ((tmp_path, "--to", "json"), b"is not a work folder"),
-        ((folder, "--to", "json", "-o", tmp_path), b"cannot be written"),
-        ((folder, "--to", "json", "-o", tmp_path / "none" / "card"), b"cannot be written"),
+def test_export_says_in_one_line_what_is_wrong(drum_folder: Path) -> None:
+    (drum_folder / "result.json").unlink()
+    for folder, to, words in (
+        (drum_folder, "xml", "liggghts, lammps, yade, json or csv"),
+        (drum_folder / "runs", "json", "is not a work folder"),
+        (drum_folder, "json", "there is no answer yet"),
     ):
-        done = export(*arguments, code=1)
-        assert words in done.stderr
-        assert len(done.stderr.strip().splitlines()) == 1
-        assert done.stdout == b""
+        done = CliRunner().invoke(app, ["export", str(folder), "--to", to])
+        assert isinstance(done.exception, GrainfitError)
+        assert words in str(done.exception)
+        assert "\n" not in str(done.exception)
+        assert done.stdout == ""
 
 
-def test_a_device_is_written_to_and_not_replaced(tmp_path: Path) -> None:
-    folder = calibrated_drum(tmp_path / "drum.grainfit")
-    export(folder, "--to", "json", "-o", "/dev/null")
-    assert Path("/dev/null").is_char_device()
+def test_a_card_goes_where_it_is_told_to_or_that_is_said(tmp_path: Path) -> None:
+    for place in (tmp_path, tmp_path / "none" / "card", Path("/"), tmp_path / ("x" * 300)):
+        with pytest.raises(InputError, match="cannot be written"):
+            write_card(place, "card")
+    write_card(Path("/dev/null"), "card")
+    assert Path("/dev/null").is_char_device(), "a device is written to, never replaced"
+    (tmp_path / "link").symlink_to("card")
+    write_card(tmp_path / "link", "Körnung")
+    assert (tmp_path / "card").read_text(encoding="utf-8") == "Körnung"
+    assert (tmp_path / "link").is_symlink()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from pathlib import Path
 
 from grainfit.errors import Fault, InputError
@@ -68,7 +69,11 @@ def material_card(
     ('friction', True)
     """
     reading = source if isinstance(source, CalibrationReading) else read_calibration(Path(source))
-    return make_card(reading, _credible_intervals(reading) if posterior is None else posterior)
+    if posterior is not None:
+        return make_card(reading, posterior)
+    intervals, notes = _credible_intervals(reading)
+    card = make_card(reading, intervals)
+    return replace(card, notices=(*card.notices, *notes))
 
 
 def render(card: MaterialCard, to: str) -> str:
@@ -104,13 +109,14 @@ def require_format(to: str) -> Callable[[MaterialCard], str]:
     return _RENDERERS[to]
 
 
-def _credible_intervals(reading: CalibrationReading) -> dict[str, tuple[float, float]]:
+def _credible_intervals(
+    reading: CalibrationReading,
+) -> tuple[dict[str, tuple[float, float]], tuple[str, ...]]:
+    """Intervals by name of the free parameter, and what the reader should know of them."""
     from grainfit.analysis import analyse
 
     answer = read_answer(reading).parameters
-    posterior = analyse(
-        reading.problem, reading.evaluations, seed=reading.seed, answer=answer
-    ).posterior
-    if posterior is None:
-        return {}
-    return {name: posterior.interval(name) for name in answer}
+    analysis = analyse(reading.problem, reading.evaluations, seed=reading.seed, answer=answer)
+    if analysis.posterior is None:
+        return {}, analysis.notes
+    return {name: analysis.posterior.interval(name) for name in answer}, analysis.notes

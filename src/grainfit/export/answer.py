@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Mapping
 from dataclasses import dataclass
-from numbers import Real
 from typing import Any, get_args
 
 from grainfit.campaign.workdir import RESULT_NAME
@@ -119,6 +119,7 @@ def _response(data: Any) -> ResponseResult:
 
 
 def _number(value: Any) -> float:
-    if isinstance(value, Real) and not isinstance(value, bool) and abs(value) <= 1e308:
+    is_number = isinstance(value, (int, float)) and not isinstance(value, bool)
+    if is_number and abs(value) <= sys.float_info.max:
         return float(value)
     raise TypeError(f"{value!r} is not a finite number")

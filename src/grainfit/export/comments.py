@@ -16,7 +16,8 @@ _LONGEST = 300
 def header(card: MaterialCard) -> str:
     """Return the lines that a card begins with: what it is, how sure, and where it comes from."""
     lines = [f"Material: {card.name}" if card.name else "Material"]
-    verdict = card.verdict if card.calibrated else f"*** {card.verdict} ***"
+    verdict = card.verdict[:1].upper() + card.verdict[1:]
+    verdict = verdict if card.calibrated else f"*** {verdict} ***"
     lines += [verdict, "", *_responses(card), *_time_step(card), "", *_provenance(card)]
     if card.notices:
         lines += ["", "Notices:", *(f"  {notice}" for notice in card.notices)]
@@ -90,7 +91,8 @@ def _time_step(card: MaterialCard) -> Iterator[str]:
 def _provenance(card: MaterialCard) -> Iterator[str]:
     programs = " and ".join(f"{p.name} {p.version}".strip() for p in card.programs)
     yield f"Calibrated with: {programs or 'nothing that is known'}"
-    yield f"DEM runs: {card.runs}, {card.failed_runs} of them failed; the last one ended {card.date}"
+    ended = f"; the last one ended {card.date}" if card.date else ""
+    yield f"DEM runs: {card.runs}, {card.failed_runs} of them failed{ended}"
     yield f"Calibration file: {card.calibration_file or 'none, started from Python'}"
     yield f"Identity of the calibration: {card.identity}"
     yield f"grainfit {card.version}".rstrip()

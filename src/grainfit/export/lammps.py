@@ -60,7 +60,7 @@ def render_lammps(card: MaterialCard) -> str:
             "sizes": sizes,
             "variables": list(variables(card.parameters, taken)),
             "about": about,
-            "load": contact.TYPICAL_LOAD,
+            "load": f"{contact.TYPICAL_LOAD:g}",
             "particle_contacts": between,
             "wall_contacts": walls,
         },
@@ -89,9 +89,7 @@ def _on_wall(
         yield _Contact(f"particle_wall_contact{suffix}", (i,), suffix, coefficients)
 
 
-def _coefficients(
-    material: Mapping[str, float], body: str, spring: contact.RollingSpring
-) -> str:
+def _coefficients(material: Mapping[str, float], body: str, spring: contact.RollingSpring) -> str:
     found = contact.lammps_coefficients(material, body)
     return (
         f"hertz/material {found['modulus']!r} {found['restitution']!r} "

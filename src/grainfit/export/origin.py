@@ -20,10 +20,10 @@ def _lines(card: MaterialCard, solver: str) -> list[str]:
     if found and found <= _DECKS.keys():
         others = " and ".join(_DECKS[name] for name in sorted(found))
         return [
-            f"CHECK: the values were calibrated with {others}, not with {_DECKS[solver]}, whose",
-            "rolling friction is not quite the same. Repeat the bulk test before you rely on them.",
+            f"CHECK: the values were calibrated with {others}. Rolling friction is not quite the",
+            f"same in {_DECKS[solver]}: repeat the bulk test before you rely on them.",
         ]
     return [
-        "CHECK: the values were calibrated with a model of the user's own. They hold for its contact",
+        "CHECK: the values were calibrated with a model of the user's own and hold for its contact",
         "model; that of this card is the one of grainfit's own tests. See that they are the same.",
     ]

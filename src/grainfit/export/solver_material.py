@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-
 from grainfit.errors import Fault, InputError
 from grainfit.export.card import MaterialCard
 from grainfit.material import MATERIAL_PARAMETERS, ParticleSizes
@@ -28,9 +27,7 @@ def require_material(
     faults = [
         Fault(name, f"is {values[name]:g}, which no card for {solver} can hold.", _limits(name))
         for name in needed
-        if not MATERIAL_PARAMETERS[name].lowest
-        <= values[name]
-        <= MATERIAL_PARAMETERS[name].highest
+        if not MATERIAL_PARAMETERS[name].lowest <= values[name] <= MATERIAL_PARAMETERS[name].highest
     ]
     if faults:
         raise InputError(faults)

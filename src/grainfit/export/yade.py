@@ -45,7 +45,7 @@ def render_yade(card: MaterialCard) -> str:
             "about": about,
             "quoted": repr,
             "diameter": diameter,
-            "load": contact.TYPICAL_LOAD,
+            "load": f"{contact.TYPICAL_LOAD:g}",
             "eta": material["particle_particle.rolling_friction"] / 2,
             # The spring of LAMMPS is a force with the lever R* = r / 2, that of YADE a moment.
             "krot": spring.stiffness * (radius / 2) ** 2,

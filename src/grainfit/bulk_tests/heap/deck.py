@@ -186,9 +186,7 @@ class HeapDeck:
             {
                 "i": i + 1,
                 "j": j + 1,
-                "rolling": contact.rolling_between_particles(
-                    material, radii[i], radii[j], gravity
-                ),
+                "rolling": contact.rolling_between_particles(material, radii[i], radii[j], gravity),
             }
             for i in range(len(radii))
             for j in range(i, len(radii))
