@@ -17,6 +17,7 @@ import typer
 from rich.console import Console
 
 from grainfit import console as show
+from grainfit.cli_export import export
 from grainfit.cli_runs import runs_app
 from grainfit.errors import Fault, GrainfitError, InputError
 
@@ -240,6 +241,9 @@ def measure(
     from grainfit.remeasure import measure_path
 
     show.print_measurement(_out, measure_path(path))
+
+
+app.command()(export)
 
 
 def _assemble(file: Path) -> Assembly:

@@ -21,7 +21,9 @@ from dataclasses import dataclass
 #: EPSD takes the rolling stiffness from that of the normal contact: k_r = 2.25 k_n (mu_r R*)^2.
 _EPSD_STIFFNESS = 2.25
 #: Normal force, in particle weights, at which the constant rolling stiffness of LAMMPS is taken.
-_TYPICAL_LOAD = 5.0
+TYPICAL_LOAD = 5.0
+#: Moment of inertia about the point of contact over mass times squared radius.
+_ROLLING_INERTIA = 7 / 5
 
 
 @dataclass(frozen=True)
@@ -138,8 +140,70 @@ def rolling_spring(
     rolling_friction, rolling_damping : float
         mu_r and eta_r of EPSD.
     """
-    overlap = hertz_overlap(_TYPICAL_LOAD * weight, moduli, effective_radius)
+    overlap = hertz_overlap(TYPICAL_LOAD * weight, moduli, effective_radius)
     normal_stiffness = hertz_stiffness(overlap, moduli, effective_radius)
     stiffness = _EPSD_STIFFNESS * normal_stiffness * rolling_friction**2
     damping = 2 * rolling_damping * math.sqrt(rolling_inertia * stiffness) / effective_radius
     return RollingSpring(stiffness, damping)
+
+
+def lammps_coefficients(material: Mapping[str, float], body: str) -> dict[str, float]:
+    """Return what ``hertz/material`` and ``mindlin`` take for a particle against a body.
+
+    Parameters
+    ----------
+    material : mapping of str to float
+        The material parameters by dotted name.
+    body : str
+        ``"particle"`` or ``"wall"``.
+    """
+    moduli = particle_moduli(material, body)
+    return {
+        # LAMMPS works out E* of two particles of this material, against a wall too.
+        "modulus": 2 * (1 - material["particle.poissons_ratio"] ** 2) * moduli.young,
+        "restitution": material[f"particle_{body}.restitution"],
+        "tangential_stiffness": tangential_stiffness(moduli),
+        "tangential_damping": tangential_damping_ratio(moduli),
+    }
+
+
+def rolling_between_particles(
+    material: Mapping[str, float], radius: float, other: float, gravity: float
+) -> RollingSpring:
+    """Return the rolling spring of two particles, see `rolling_spring`."""
+    masses = particle_mass(material, radius), particle_mass(material, other)
+    inertias = [
+        _ROLLING_INERTIA * mass * r**2 for mass, r in zip(masses, (radius, other), strict=True)
+    ]
+    return rolling_spring(
+        particle_moduli(material, "particle"),
+        _reduced(radius, other),
+        2 * _reduced(*masses) * gravity,
+        _reduced(*inertias),
+        material["particle_particle.rolling_friction"],
+        material["particle_particle.rolling_damping"],
+    )
+
+
+def rolling_on_wall(
+    material: Mapping[str, float], radius: float, gravity: float, rolling_friction: float
+) -> RollingSpring:
+    """Return the rolling spring of a particle on a wall of this friction, see `rolling_spring`."""
+    mass = particle_mass(material, radius)
+    return rolling_spring(
+        particle_moduli(material, "wall"),
+        radius,
+        mass * gravity,
+        _ROLLING_INERTIA * mass * radius**2,
+        rolling_friction,
+        material["particle_wall.rolling_damping"],
+    )
+
+
+def particle_mass(material: Mapping[str, float], radius: float) -> float:
+    """Return the mass of a sphere of the particles' density, kg."""
+    return material["particle.density"] * 4 / 3 * math.pi * radius**3
+
+
+def _reduced(one: float, other: float) -> float:
+    return one * other / (one + other)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import hashlib
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
@@ -22,7 +21,6 @@ from grainfit.timestep import rayleigh_time_step
 
 _TEMPLATES = {"lammps": "in.lammps.j2", "liggghts": "in.liggghts.j2"}
 _PARTICLES = "particles.data"
-_ROLLING_INERTIA = 7 / 5
 
 
 @dataclass(frozen=True)
@@ -137,7 +135,7 @@ class HeapDeck:
         }
 
     def _mass(self, radius: float) -> float:
-        return self.material["particle.density"] * 4 / 3 * math.pi * radius**3
+        return contact.particle_mass(self.material, radius)
 
     def _friction_sets(self) -> dict[str, tuple[float, float]]:
         """Sliding and rolling friction of the two kinds of wall."""
@@ -182,21 +180,27 @@ class HeapDeck:
         }
 
     def _lammps_values(self) -> dict[str, Any]:
-        material = self.material
+        material, gravity = self.material, self.setup.gravity
         radii = [diameter / 2 for diameter in self.sizes.diameters]
         pairs = [
-            {"i": i + 1, "j": j + 1, "rolling": self._pair_rolling(radii[i], radii[j])}
+            {
+                "i": i + 1,
+                "j": j + 1,
+                "rolling": contact.rolling_between_particles(material, radii[i], radii[j], gravity),
+            }
             for i in range(len(radii))
             for j in range(i, len(radii))
         ]
-        between = _lammps_contact(material, "particle")
+        between = contact.lammps_coefficients(material, "particle")
         walls = []
         for region, (sliding, rolling) in self._friction_sets().items():
-            wall = _lammps_contact(material, "wall") | {
+            wall = contact.lammps_coefficients(material, "wall") | {
                 "region": region,
                 "sliding_friction": sliding,
                 "rolling_friction": rolling,
-                "rolling": [self._wall_rolling(radius, rolling) for radius in radii],
+                "rolling": [
+                    contact.rolling_on_wall(material, radius, gravity, rolling) for radius in radii
+                ],
             }
             walls.append(wall)
         if self.setup.rim_height > 0:
@@ -212,31 +216,6 @@ class HeapDeck:
             "pairs": pairs,
             "walls": walls,
         }
-
-    def _pair_rolling(self, radius: float, other: float) -> contact.RollingSpring:
-        masses = self._mass(radius), self._mass(other)
-        inertias = [
-            _ROLLING_INERTIA * mass * r**2 for mass, r in zip(masses, (radius, other), strict=True)
-        ]
-        return contact.rolling_spring(
-            contact.particle_moduli(self.material, "particle"),
-            _reduced(radius, other),
-            2 * _reduced(*masses) * self.setup.gravity,
-            _reduced(*inertias),
-            self.material["particle_particle.rolling_friction"],
-            self.material["particle_particle.rolling_damping"],
-        )
-
-    def _wall_rolling(self, radius: float, rolling_friction: float) -> contact.RollingSpring:
-        mass = self._mass(radius)
-        return contact.rolling_spring(
-            contact.particle_moduli(self.material, "wall"),
-            radius,
-            mass * self.setup.gravity,
-            _ROLLING_INERTIA * mass * radius**2,
-            rolling_friction,
-            self.material["particle_wall.rolling_damping"],
-        )
 
 
 def heap_time_step(sizes: ParticleSizes, material: Mapping[str, float], fraction: float) -> float:
@@ -270,22 +249,6 @@ def _environment() -> Environment:
     )
 
 
-def _reduced(one: float, other: float) -> float:
-    return one * other / (one + other)
-
-
 def _particle_and_walls(material: Mapping[str, float], name: str) -> Sequence[float]:
     wall = material[f"wall.{name}"]
     return material[f"particle.{name}"], wall, wall
-
-
-def _lammps_contact(material: Mapping[str, float], body: str) -> dict[str, float]:
-    """Coefficients of ``hertz/material`` and ``mindlin`` of a particle against a body."""
-    moduli = contact.particle_moduli(material, body)
-    return {
-        # LAMMPS works out E* of two particles of this material, against a wall too.
-        "modulus": 2 * (1 - material["particle.poissons_ratio"] ** 2) * moduli.young,
-        "restitution": material[f"particle_{body}.restitution"],
-        "tangential_stiffness": contact.tangential_stiffness(moduli),
-        "tangential_damping": contact.tangential_damping_ratio(moduli),
-    }
