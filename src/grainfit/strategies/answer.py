@@ -10,6 +10,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from grainfit.kriging import Kriging
 from grainfit.strategies.metamodels import Metamodels
 from grainfit.strategies.reachability import OutOfReach
 
@@ -95,7 +96,7 @@ def make_answer(
         standard_errors=dict(zip(names, np.sqrt(variances[0]).tolist(), strict=True)),
         agreement=float(metamodels.agreement(point)[0]),
         out_of_reach=tuple(out_of_reach),
-        quality=dict(zip(names, _quality(metamodels, spread), strict=True)),
+        quality=metamodel_quality(metamodels, spread=spread),
         cut_off=dict(_cut_off(metamodels, closest)),
     )
 
@@ -119,12 +120,24 @@ def _cut_off(metamodels: Metamodels, closest: NDArray[np.float64]) -> Iterator[t
             yield parameter.name, "max"
 
 
-def _quality(metamodels: Metamodels, spread: bool) -> Iterator[MetamodelQuality]:
-    for model in metamodels.models:
-        check = model.leave_one_out()
-        yield MetamodelQuality(
-            q2=float(check.q2) if isfinite(check.q2) else None,
-            coverage=float(check.coverage),
-            noise=float(model.noise_standard_deviation),
-            warnings=tuple(model.warnings(spread=spread)),
-        )
+def metamodel_quality(
+    metamodels: Metamodels, *, spread: bool = True
+) -> dict[str, MetamodelQuality]:
+    """Return how far the metamodels can be trusted, by name of the target.
+
+    ``spread`` tells whether the runs are spread by a design, see `Kriging.warnings`.
+    """
+    names = [target.name for target in metamodels.problem.targets]
+    return {
+        name: _quality(model, spread) for name, model in zip(names, metamodels.models, strict=True)
+    }
+
+
+def _quality(model: Kriging, spread: bool) -> MetamodelQuality:
+    check = model.leave_one_out()
+    return MetamodelQuality(
+        q2=float(check.q2) if isfinite(check.q2) else None,
+        coverage=float(check.coverage),
+        noise=float(model.noise_standard_deviation),
+        warnings=tuple(model.warnings(spread=spread)),
+    )
