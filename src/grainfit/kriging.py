@@ -480,7 +480,8 @@ class _Component:
     def to_plain(self) -> dict[str, Any]:
         """What `Kriging.to_plain` gives of a component."""
         # A rotation from the left changes no length, and leaves half of the numbers zero.
-        triangle = np.linalg.qr(np.hstack([self._root, -self._root_of_trend]), mode="r")
+        both = np.hstack([self._root, -self._root_of_trend])
+        triangle: FloatArray = linalg.qr(both, mode="r", check_finite=False)[0][: len(both)]
         return {
             "weight": float(self.hyperparameters.weight),
             "ranges": self.hyperparameters.ranges.tolist(),
