@@ -14,7 +14,7 @@ import pytest
 
 from grainfit.solvers.python_callable import PythonCallable
 from studies.rackl2016 import peer, setting
-from studies.rackl2016.clock import Clock, read_cost, Cost
+from studies.rackl2016.clock import Clock, Cost, read_cost
 from studies.rackl2016.findings import MOST_RUNS, Findings, Goal
 from studies.rackl2016.plan import METHODS, all_tasks
 from studies.rackl2016.report import NOT_RUN, render

@@ -17,7 +17,7 @@ from grainfit.campaign.evaluation import Evaluation
 from grainfit.errors import GrainfitError
 from grainfit.kriging import Kriging
 from grainfit.problem import Problem
-from grainfit.strategies.answer import MetamodelQuality, make_answer
+from grainfit.strategies.answer import MetamodelQuality, metamodel_quality
 from grainfit.strategies.metamodels import Metamodels
 from grainfit.strategies.search import spread_points
 
@@ -107,7 +107,7 @@ def analyse(
             notes.append(posterior.convergence)
         return Analysis(
             metamodels=metamodels,
-            quality=_quality(fitted, chosen),
+            quality=metamodel_quality(fitted, spread=_is_spread(chosen)),
             posterior=posterior,
             sensitivity=sensitivity(metamodels, seed=seed),
             identifiability=identifiability(posterior, metamodels.problem),
@@ -214,9 +214,5 @@ def _reduced(metamodels: Metamodels) -> Metamodels:
     return Metamodels(metamodels.problem, models)
 
 
-def _quality(
-    metamodels: Metamodels, evaluations: Sequence[Evaluation]
-) -> Mapping[str, MetamodelQuality]:
-    middle = metamodels.problem.from_unit([0.5] * metamodels.problem.dimension)
-    is_spread = all(evaluation.proposal.stage == "design" for evaluation in evaluations)
-    return make_answer(metamodels, middle, (), spread=is_spread).quality
+def _is_spread(evaluations: Sequence[Evaluation]) -> bool:
+    return all(evaluation.proposal.stage == "design" for evaluation in evaluations)
