@@ -256,19 +256,28 @@ def test_the_explorer_predicts_what_the_metamodels_do(
                 )
 
 
-def test_the_table_of_runs_sorts_by_number_and_filters(usual: Page) -> None:
-    rows = usual.locator("#runs table.data tbody tr:visible")
-    count = rows.count()
-    header = usual.locator("#runs table.data thead th").filter(has_text="ρ")
-    column = 1 + header.evaluate("(header) => header.cellIndex")
-    read = f"(table) => [...table.querySelectorAll('tbody td:nth-child({column})')]"
-    values = []
-    for _ in range(2):
-        header.get_by_role("button").click()
-        cells = usual.locator(f"#runs table.data tbody td:nth-child({column})").all_inner_texts()
-        values.append([float(cell.replace("−", "-")) for cell in cells])
-    assert values[0] == sorted(values[0])
-    assert values[1] == values[0][::-1]
+def test_the_table_of_runs_sorts_by_number_and_filters(
+    browser: Browser, report: Callable[[str], Path]
+) -> None:
+    with opened(browser, report("two_parameters")) as found:
+        runs = found.page.locator("#runs")
+        header = runs.locator("thead th").filter(has_text="ρp")
+        column = 1 + header.evaluate("(header) => header.cellIndex")
+        orders = []
+        for _ in range(2):
+            header.get_by_role("button").click()
+            cells = runs.locator(f"tbody td:nth-child({column})").all_inner_texts()
+            orders.append([float(cell) for cell in cells])
+        assert len(set(orders[0])) > 5
+        assert orders[0] == sorted(orders[0])
+        assert orders[1] == orders[0][::-1]
+        rows = runs.locator("tbody tr:visible")
+        runs.get_by_role("searchbox").fill("VERIFI")
+        assert {row.split("\t")[1] for row in rows.all_inner_texts()} == {"verification"}
+        runs.get_by_role("searchbox").fill("")
+        assert rows.count() == len(orders[0])
+        runs.get_by_label("Outcome").select_option("failed")
+        assert rows.count() == 0
 
 
 @pytest.mark.parametrize("scheme", ["light", "dark"])
@@ -296,8 +305,9 @@ def test_the_keyboard_reaches_what_the_mouse_does(
         before = page.evaluate(f"{focus}.value")
         page.keyboard.press("ArrowRight")
         assert float(page.evaluate(f"{focus}.value")) > float(before)
-        unreached = """() => [...document.querySelectorAll("a, abbr, button, input, select, summary")]
-            .filter((one) => one.checkVisibility() && one.tabIndex < 0 && !one.closest(".modebar"))
+        unreached = """() => [...document.querySelectorAll("a, abbr, button, input, select, summary, canvas.heap-3d")]
+            .filter((one) => one.checkVisibility() && one.tabIndex < 0)
+            .filter((one) => !one.closest(".modebar, button > *, label > *, summary > *"))
             .map((one) => one.outerHTML)"""
         assert page.evaluate(unreached) == []
 
