@@ -47,8 +47,8 @@ class HeapRun:
         What it was asked for.
     record : RunRecord
         The run.
-    angle : float
-        Its angle of repose, degrees.
+    response, angle : str, float
+        Its angle of repose: as it is called among the responses, and its value, degrees.
     folder : Path
         Where its files are, if they are.
     """
@@ -56,6 +56,7 @@ class HeapRun:
     number: int
     evaluation: Evaluation
     record: RunRecord
+    response: str
     angle: float
     folder: Path
 
@@ -121,7 +122,7 @@ def heap_runs(
             if name in evaluation.responses:
                 angle = evaluation.responses[name].value
                 where = run_folder(folder, identity)
-                known.append(HeapRun(number, evaluation, record, angle, where))
+                known.append(HeapRun(number, evaluation, record, name, angle, where))
     return found
 
 

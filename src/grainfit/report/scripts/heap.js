@@ -116,12 +116,15 @@
       redraw();
     };
 
+    let last = null;
     canvas.addEventListener("pointerdown", (event) => {
       canvas.setPointerCapture(event.pointerId);
+      last = [event.clientX, event.clientY];
     });
     canvas.addEventListener("pointermove", (event) => {
-      if (canvas.hasPointerCapture(event.pointerId)) {
-        turn(event.movementX / 150, event.movementY / 150);
+      if (last && canvas.hasPointerCapture(event.pointerId)) {
+        turn((event.clientX - last[0]) / 150, (event.clientY - last[1]) / 150);
+        last = [event.clientX, event.clientY];
       }
     });
     canvas.addEventListener("dblclick", () => {
@@ -156,20 +159,32 @@
     });
     new ResizeObserver(redraw).observe(canvas);
     document.addEventListener("grainfit:theme", redraw);
-    addEventListener("beforeprint", draw);
+    return draw;
   };
 
-  const watcher = new IntersectionObserver((entries) => {
-    for (const { target, isIntersecting } of entries) {
-      if (isIntersecting) {
-        watcher.unobserve(target);
-        show(target, heaps[target.dataset.heap]);
+  const shown = new Map();
+  const once = (canvas) => {
+    if (!shown.has(canvas)) {
+      shown.set(canvas, show(canvas, heaps[canvas.dataset.heap]));
+    }
+  };
+  const canvases = [...document.querySelectorAll("canvas[data-heap]")].filter(
+    (canvas) => heaps[canvas.dataset.heap],
+  );
+  const watcher = new IntersectionObserver(
+    (entries) => {
+      for (const { target, isIntersecting } of entries) {
+        if (isIntersecting) {
+          watcher.unobserve(target);
+          once(target);
+        }
       }
-    }
-  }, { rootMargin: "200px 0px" });
-  for (const canvas of document.querySelectorAll("canvas[data-heap]")) {
-    if (heaps[canvas.dataset.heap]) {
-      watcher.observe(canvas);
-    }
-  }
+    },
+    { rootMargin: "200px 0px" },
+  );
+  canvases.forEach((canvas) => watcher.observe(canvas));
+  addEventListener("beforeprint", () => {
+    canvases.forEach(once);
+    shown.forEach((draw) => draw());
+  });
 })();

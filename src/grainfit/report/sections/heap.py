@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import base64
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from statistics import fmean
 from typing import Any
 
@@ -95,13 +95,9 @@ def _view(
     )
     if found is None:
         images = (picture(run) for run in candidates[:5])
-        return _replace(seen, picture=next((image for image in images if image), None)), None
+        return replace(seen, picture=next((image for image in images if image), None)), None
     run, heap = found
     return _with_heap(seen, run, heap, target), _particles(heap)
-
-
-def _replace(view: HeapView, **changes: Any) -> HeapView:
-    return HeapView(**{**vars(view), **changes})
 
 
 def _with_heap(view: HeapView, run: HeapRun, heap: Heap, target: Target | None) -> HeapView:
@@ -110,7 +106,7 @@ def _with_heap(view: HeapView, run: HeapRun, heap: Heap, target: Target | None) 
     drawing = heap.drawing() if measured is None else heap.fitted_drawing(measured, wanted)
     views = () if measured is None else measured.views
     top = float((heap.particles.positions[:, 2] + heap.particles.radii).max())
-    return _replace(
+    return replace(
         view,
         words=f"{view.words}: run {run.number}",
         angle=number(run.angle, 3),
@@ -123,14 +119,7 @@ def _with_heap(view: HeapView, run: HeapRun, heap: Heap, target: Target | None) 
 
 def _target(context: ReportContext, runs: list[HeapRun]) -> Target | None:
     """The measured angle of repose of these runs' test."""
-    if not runs:
-        return None
-    first = runs[0]
-    names = {
-        name
-        for name, response in first.evaluation.responses.items()
-        if name.rpartition(".")[2] == "angle_of_repose" and response.value == first.angle
-    }
+    names = {run.response for run in runs}
     return next((target for target in context.targets if target.name in names), None)
 
 
