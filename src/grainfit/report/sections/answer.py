@@ -248,8 +248,5 @@ def _notices(context: ReportContext) -> Iterator[Markup]:
         for name, quality in result["metamodels"].items():
             words = context.response_label(name).words
             said += [f"Metamodel of {words}: {warning}" for warning in quality["warnings"]]
-    posterior = context.analysis.posterior
-    if posterior is not None and not posterior.converged:
-        said.append(posterior.convergence)
     said += context.analysis.notes
     yield from (Markup.escape(plain(words)) for words in dict.fromkeys(said))

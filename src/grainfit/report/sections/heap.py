@@ -176,7 +176,7 @@ def _named(context: ReportContext, target: Target | None) -> list[str]:
     """The parameters that decide most about the angle of repose."""
     names = [parameter.name for parameter in context.parameters]
     sensitivity = context.analysis.sensitivity
-    if len(names) <= _NAMED or sensitivity is None or target is None:
+    if target is None or sensitivity is None or target.name not in sensitivity.responses:
         return names[:_NAMED]
     shares = np.asarray(sensitivity.total)[list(sensitivity.responses).index(target.name)]
     order = dict(zip(sensitivity.names, shares.tolist(), strict=True))
