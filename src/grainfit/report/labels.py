@@ -4,12 +4,16 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from html import escape
+from math import floor, inf, isfinite, log10
 
 from markupsafe import Markup
 
 from grainfit.material import MATERIAL_PARAMETERS
 from grainfit.printable import plain
 
+_SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+#: Of a value whose uncertainty is next to nothing.
+_MOST_DIGITS = 6
 _UNITS = {"kg/m^3": "kg/m³", "deg": "°", "m^3": "m³", "m^2": "m²", "m/s^2": "m/s²"}
 _RESPONSES = {
     "bulk_density": ("ρ_b", "bulk density: mass of the bed over its volume, voids included"),
@@ -56,6 +60,13 @@ class Label:
         words = f" ({escape(self.unit)})" if self.unit else ""
         return f"{self.plot}{words}"
 
+    @property
+    def words(self) -> str:
+        """What it is in a few words; its name where there are none."""
+        if self.symbol == self.name:
+            return plain(self.name)
+        return self.description.partition(":")[0]
+
     def _marked(self) -> Markup:
         if self.symbol == self.name:
             return Markup.escape(plain(self.name))
@@ -91,10 +102,34 @@ def unit_for_people(unit: str) -> str:
 
 def number(value: float | None, digits: int = 4) -> str:
     """Return a number with so many significant digits, for people."""
-    if value is None:
+    if value is None or not isfinite(value):
         return "–"
-    text = f"{value:.{digits}g}"
-    if "e" not in text:
-        return text.replace("-", "−")
-    mantissa, _, power = text.partition("e")
-    return f"{mantissa}·10^{int(power)}".replace("-", "−")
+    return _with_power(f"{value:.{digits}g}")
+
+
+def rounded(value: float | None, uncertainty: float | None) -> str:
+    """Return a value with the digits that mean something: down to two of its uncertainty.
+
+    Examples
+    --------
+    >>> rounded(2309.4312, 31.0), rounded(0.52, 0.045)
+    ('2309', '0.520')
+    """
+    if value is None or not isfinite(value):
+        return "–"
+    if uncertainty is None or not 0 < uncertainty < inf:
+        return number(value)
+    magnitude = floor(log10(abs(value))) if value else floor(log10(uncertainty))
+    decimals = min(1 - floor(log10(uncertainty)), _MOST_DIGITS - 1 - magnitude)
+    if -3 <= magnitude < 6:
+        return _with_power(f"{round(value, decimals):.{max(decimals, 0)}f}")
+    return _with_power(f"{value:.{max(magnitude + decimals, 0)}e}")
+
+
+def _with_power(text: str) -> str:
+    """Return a number as Python prints it with a true minus and power of ten."""
+    mantissa, _, power = text.replace("-", "−").partition("e")
+    if not power:
+        return mantissa
+    digits = power.lstrip("+").replace("−", "-")
+    return f"{mantissa}·10{str(int(digits)).translate(_SUPERSCRIPTS)}"
