@@ -7,6 +7,7 @@
   const ROOT_OF_TEN = Math.sqrt(10);
   const CELLS_PER_UNIT = 64;
   const LARGEST_EXPONENT = 700;
+  const prepared = new WeakMap();
   const DECAY = Float64Array.from({ length: LARGEST_EXPONENT * CELLS_PER_UNIT + 1 }, (_, i) =>
     Math.exp(-i / CELLS_PER_UNIT)
   );
@@ -115,14 +116,21 @@
     }
   }
 
-  /* Makes a metamodel of what Kriging.to_plain gives; cheap: nothing is factorised yet. */
+  /* Makes a metamodel of what Kriging.to_plain gives; nothing is factorised yet, which takes longer.
+     Of the same data always the same metamodel: what one section has factorised serves all. */
   function prepare(plain) {
+    if (!prepared.has(plain)) prepared.set(plain, metamodelOf(plain));
+    return prepared.get(plain);
+  }
+
+  function metamodelOf(plain) {
     const n = plain.points.length;
     const d = plain.points[0].length;
     const points = new Float64Array(n * d);
     plain.points.forEach((point, r) => points.set(point, r * d));
+    const trendColumns = plain.components[0].trend_columns;
     const columns = [new Float64Array(n).fill(1)];
-    plain.trend_columns.forEach((j) => {
+    trendColumns.forEach((j) => {
       columns.push(Float64Array.from({ length: n }, (_, r) => points[r * d + j] - 0.5));
     });
     const { reflectors, triangle } = householder(columns, n);
@@ -133,7 +141,7 @@
       d,
       q: columns.length,
       points,
-      columns: plain.trend_columns,
+      columns: trendColumns,
       reflectors,
       triangle,
       rotated,
@@ -141,7 +149,6 @@
       offset: plain.offset,
       scale: plain.scale,
       inflation: plain.inflation,
-      scatter: plain.variance_of_scatter,
       components: plain.components.map((component) => ({
         weight: component.weight,
         signal: component.signal_variance,

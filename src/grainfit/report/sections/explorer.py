@@ -84,8 +84,11 @@ def _parameter(context: ReportContext, parameter: Parameter, held: float) -> Map
 def _response(context: ReportContext, metamodels: Metamodels, index: int) -> Mapping[str, Any]:
     target: Target = context.targets[index]
     label = context.response_label(target.name)
-    values = [e.responses[target.name].value for e in context.reading.evaluations
-              if target.name in e.responses]
+    values = [
+        e.responses[target.name].value
+        for e in context.reading.evaluations
+        if target.name in e.responses
+    ]
     return {
         "name": target.name,
         "plot": label.plot,
@@ -95,5 +98,5 @@ def _response(context: ReportContext, metamodels: Metamodels, index: int) -> Map
         "tolerance": target.accepted_deviation,
         # Half the width of a gauge: all that was met is on it.
         "spread": float(np.abs(np.array(values) - target.value).max(initial=0.0)),
-        "model": metamodels.models[index].to_plain(),
+        "model": metamodels.models[index].to_plain(factors=False),
     }
