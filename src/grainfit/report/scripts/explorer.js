@@ -1,28 +1,23 @@
-/* Sliders: what the metamodels expect of any parameter set, at once. */
-(function () {
+// Sliders: what the metamodels expect of any parameter set, at once.
+// Its body runs when all other scripts are there, whatever their order.
+document.addEventListener("DOMContentLoaded", () => {
   "use strict";
 
+  const { text, rounded, withUnit, toUnit, fromUnit, settings, copy, rayleigh } =
+    window.grainfitQuantities;
+  const { prepare, predict, probability } = window.grainfitKriging;
   const STEPS = 1000;
   const NORMAL_QUANTILE = 1.959963984540054;
-
-  function start() {
-    const place = document.querySelector("[data-explorer]");
-    const data = place && grainfitData("explorer");
-    if (!data || !data.responses) return;
-    const explorer = new Explorer(place, data);
-    explorer.listen();
-    explorer.show();
-    // The first prediction factorises all metamodels: not before the page is there.
-    setTimeout(() => explorer.warmUp(), 50);
-  }
+  // Of a gauge: the target band is never wider than a quarter of it.
+  const LEAST_REACH = 4;
 
   class Explorer {
     constructor(place, data) {
       this.place = place;
       this.data = data;
-      this.values = data.parameters.map((parameter) => parameter.held);
-      this.models = data.responses.map((response) => grainfitKriging.prepare(response.model));
-      this.warm = false;
+      this.models = data.responses.map((response) => prepare(response.model));
+      this.held = data.parameters.map((parameter) => parameter.held);
+      this.values = [...this.held];
     }
 
     part(name, index) {
@@ -34,7 +29,7 @@
         const slider = this.part("slider", j);
         const field = this.part("field", j);
         slider.addEventListener("input", () => {
-          this.set(j, grainfitQuantities.fromUnit(parameter, Number(slider.value) / STEPS));
+          this.set(j, fromUnit(parameter, Number(slider.value) / STEPS));
         });
         field.addEventListener("change", () => {
           const wanted = field.value.trim() === "" ? NaN : Number(field.value);
@@ -43,13 +38,11 @@
         });
       });
       this.place.querySelector("[data-back]").addEventListener("click", () => {
-        this.values = this.data.parameters.map((parameter) => parameter.held);
+        this.values = [...this.held];
         this.show();
       });
-      const copy = this.place.querySelector("[data-copy]");
-      copy.addEventListener("click", () => {
-        grainfitQuantities.copy(grainfitQuantities.settings(this.named()), copy);
-      });
+      const button = this.place.querySelector("[data-copy]");
+      button.addEventListener("click", () => copy(settings(this.named(this.values)), button));
     }
 
     set(j, value) {
@@ -57,117 +50,111 @@
       this.show();
     }
 
-    named() {
-      return Object.fromEntries(this.data.parameters.map((p, j) => [p.name, this.values[j]]));
-    }
-
-    async warmUp() {
-      for (const model of this.models) {
-        for (const component of model.components) {
-          grainfitKriging.factorise(model, component);
-          await new Promise((resolve) => setTimeout(resolve, 0));
-        }
-      }
-      this.warm = true;
-      this.show();
+    named(values) {
+      return Object.fromEntries(this.data.parameters.map((p, j) => [p.name, values[j]]));
     }
 
     show() {
       this.data.parameters.forEach((parameter, j) => this.showParameter(parameter, j));
-      this.showTimeStep();
-      if (!this.warm) return;
-      const point = this.data.parameters.map((p, j) => grainfitQuantities.toUnit(p, this.values[j]));
+      const point = this.data.parameters.map((p, j) => toUnit(p, this.values[j]));
       let together = 1;
       this.data.responses.forEach((response, i) => {
-        const predicted = grainfitKriging.predict(this.models[i], point);
-        together *= grainfitKriging.probability(predicted, response.target, response.tolerance);
+        const predicted = predict(this.models[i], point);
+        together *= probability(predicted, response.target, response.tolerance);
         this.showResponse(response, i, predicted);
       });
       const shown = this.place.querySelector("[data-agreement]");
       shown.dataset.agreement = together;
       shown.textContent = percent(together);
+      this.showTimeStep();
     }
 
     showParameter(parameter, j) {
-      const slider = this.part("slider", j);
-      const field = this.part("field", j);
       const value = this.values[j];
-      slider.value = Math.round(STEPS * grainfitQuantities.toUnit(parameter, value));
-      const words = grainfitQuantities.withUnit(grainfitQuantities.text(value), parameter.unit);
-      slider.setAttribute("aria-valuetext", words);
-      field.value = Number(value.toPrecision(6));
+      const slider = this.part("slider", j);
+      slider.value = Math.round(STEPS * toUnit(parameter, value));
+      slider.setAttribute("aria-valuetext", withUnit(text(value), parameter.unit));
+      this.part("field", j).value = Number(value.toPrecision(6));
     }
 
     showTimeStep() {
       const shown = this.place.querySelector("[data-time-step]");
-      if (!shown) return;
-      const now = grainfitQuantities.rayleigh(this.data.rayleigh, this.named());
-      const held = Object.fromEntries(this.data.parameters.map((p) => [p.name, p.held]));
-      const factor = now / grainfitQuantities.rayleigh(this.data.rayleigh, held);
+      if (!shown) {
+        return;
+      }
+      const now = rayleigh(this.data.rayleigh, this.named(this.values));
+      const factor = now / rayleigh(this.data.rayleigh, this.named(this.held));
       shown.dataset.timeStep = now;
       shown.textContent =
-        `${grainfitQuantities.withUnit(grainfitQuantities.text(now), "s")}, ` +
-        `${grainfitQuantities.text(factor, 3)} times that of ${this.data.held_at}`;
+        `${withUnit(text(now), "s")}, ${text(factor, 3)} times that of ${this.data.held_at}`;
     }
 
-    showResponse(response, i, predicted) {
+    showResponse(response, i, { mean, variance }) {
       const card = this.part("response", i);
-      const half = NORMAL_QUANTILE * Math.sqrt(predicted.variance);
-      const verdict = verdictOf(response, predicted.mean, half);
-      card.dataset.mean = predicted.mean;
+      const half = NORMAL_QUANTILE * Math.sqrt(variance);
+      const verdict = verdictOf(response, mean, half);
+      card.dataset.mean = mean;
       card.dataset.halfWidth = half;
       card.dataset.within = verdict.within;
       const write = (name, words) => {
         card.querySelector(`[data-${name}]`).textContent = words;
       };
-      write("value", grainfitQuantities.withUnit(grainfitQuantities.rounded(predicted.mean, half), response.unit));
-      write("interval", `± ${grainfitQuantities.withUnit(grainfitQuantities.text(half, 2), response.unit)}`);
-      const label = card.querySelector("[data-verdict]");
-      label.textContent = verdict.words;
-      label.className = `verdict ${verdict.look}`;
-      drawGauge(card.querySelector("[data-gauge]"), response, predicted.mean, half);
+      write("value", withUnit(rounded(mean, half), response.unit));
+      write("interval", `± ${withUnit(text(half, 2), response.unit)}`);
+      write("verdict", verdict.words);
+      card.querySelector("[data-verdict]").className = `mark ${verdict.look}`;
+      drawGauge(card.querySelector("[data-gauge]"), response, mean, half);
     }
   }
 
-  function percent(probability) {
-    if (probability > 0.995) return "more than 99 %";
-    if (probability < 0.005) return "less than 1 %";
-    return `${Math.round(100 * probability)} %`;
-  }
+  const percent = (share) => {
+    if (share > 0.995) {
+      return "more than 99 %";
+    }
+    return share < 0.005 ? "less than 1 %" : `${Math.round(100 * share)} %`;
+  };
 
-  function verdictOf(response, mean, half) {
-    const off = Math.abs(mean - response.target);
-    if (off + half <= response.tolerance) {
-      return { within: "yes", look: "good", words: "within tolerance" };
+  const verdictOf = ({ target, tolerance }, mean, half) => {
+    const off = Math.abs(mean - target);
+    if (off + half <= tolerance) {
+      return { within: "yes", look: "good", words: "✓ within tolerance" };
     }
-    if (off <= response.tolerance) {
-      return { within: "probably", look: "warn", words: "within tolerance, but not for sure" };
+    if (off <= tolerance) {
+      return { within: "probably", look: "warn", words: "≈ within tolerance, but not for sure" };
     }
-    if (off - half <= response.tolerance) {
-      return { within: "perhaps", look: "warn", words: "outside, but perhaps within tolerance" };
+    if (off - half <= tolerance) {
+      return { within: "perhaps", look: "warn", words: "≈ outside, but perhaps within tolerance" };
     }
-    return { within: "no", look: "bad", words: "outside the tolerance" };
-  }
+    return { within: "no", look: "bad", words: "✗ outside the tolerance" };
+  };
 
-  /* The target band in the middle, the expected response as a point with its interval; what is far
-     off is shown at the end, as an arrow. */
-  function drawGauge(gauge, response, mean, half) {
-    const reach = Math.max(response.spread, 4 * response.tolerance);
-    const at = (value) => Math.min(Math.max(50 + (50 * (value - response.target)) / reach, 0), 100);
+  // The target band in the middle, the expected response as a point with its interval. What is
+  // further off than the gauge reaches is an arrow at its end.
+  const drawGauge = (gauge, { target, tolerance, reach }, mean, half) => {
+    const most = Math.max(reach, LEAST_REACH * tolerance);
+    const at = (value) => Math.min(Math.max(50 + (50 * (value - target)) / most, 0), 100);
     const lay = (name, low, high) => {
-      const style = gauge.querySelector(`.${name}`).style;
-      style.left = `${low}%`;
-      style.width = `${high - low}%`;
+      const { style } = gauge.querySelector(`.${name}`);
+      style.left = `${at(low)}%`;
+      style.width = `${at(high) - at(low)}%`;
     };
-    lay("band", at(response.target - response.tolerance), at(response.target + response.tolerance));
-    lay("whisker", at(mean - half), at(mean + half));
+    lay("band", target - tolerance, target + tolerance);
+    lay("whisker", mean - half, mean + half);
     const point = gauge.querySelector(".point");
     point.style.left = `${at(mean)}%`;
-    const beyond = mean > response.target + reach ? "›" : mean < response.target - reach ? "‹" : "";
-    point.textContent = beyond;
-    point.classList.toggle("beyond", beyond !== "");
-  }
+    const beyond = Math.abs(mean - target) > most;
+    point.textContent = beyond ? (mean > target ? "›" : "‹") : "";
+    point.classList.toggle("beyond", beyond);
+  };
 
-  if (document.readyState === "loading") document.addEventListener("DOMContentLoaded", start);
-  else setTimeout(start, 0);
-})();
+  const place = document.querySelector("[data-explorer]");
+  if (!place) {
+    return;
+  }
+  // The first prediction factorises the metamodels: not before the page is there.
+  setTimeout(() => {
+    const explorer = new Explorer(place, window.grainfitData("explorer"));
+    explorer.listen();
+    explorer.show();
+  }, 0);
+});

@@ -1,7 +1,7 @@
-/* The predictor of grainfit.kriging: mean, and variance of the mean, from what Kriging.to_plain
-   gives. The algebra is the same, on contrasts, so that the numbers are the same to rounding; the
-   covariance is factorised here, because the factors of many runs are too large to ship. */
-(function (root) {
+// The predictor of grainfit.kriging: mean, and variance of the mean, from what Kriging.to_plain
+// gives. The algebra is the same, on contrasts, so that the numbers are the same to rounding; the
+// covariance is factorised here, because the factors of many runs are too large to ship.
+(() => {
   "use strict";
 
   const ROOT_OF_TEN = Math.sqrt(10);
@@ -12,8 +12,8 @@
     Math.exp(-i / CELLS_PER_UNIT)
   );
 
-  /* exp(-t) to rounding, for 0 <= t: several times faster than Math.exp, which is what a grid of
-     predictions takes most of its time for. */
+  // exp(-t) to rounding, for 0 <= t: several times faster than Math.exp, which is what a grid of
+  // predictions takes most of its time for.
   function decay(t) {
     if (!(t < LARGEST_EXPONENT)) return 0;
     const cell = Math.round(t * CELLS_PER_UNIT);
@@ -22,13 +22,13 @@
     return DECAY[cell] * series;
   }
 
-  /* Matérn 5/2 correlation at a squared scaled distance. */
+  // Matérn 5/2 correlation at a squared scaled distance.
   function correlation(squared) {
     const t = ROOT_OF_TEN * Math.sqrt(squared);
     return (1 + t + (t * t) / 3) * decay(t);
   }
 
-  /* Householder reflectors of an n x q matrix (columns), and the triangle that they leave. */
+  // Householder reflectors of an n x q matrix (columns), and the triangle that they leave.
   function householder(columns, n) {
     const q = columns.length;
     const triangle = new Float64Array(q * q);
@@ -63,19 +63,19 @@
     for (let i = from; i < n; i++) vector[i] -= along * reflector[i];
   }
 
-  /* In place: into the basis of trend and contrasts. */
+  // In place: into the basis of trend and contrasts.
   function rotate(reflectors, vector) {
     reflectors.forEach((reflector, j) => reflect(vector, reflector, j, vector.length));
   }
 
-  /* In place: back from it. */
+  // In place: back from it.
   function rotateBack(reflectors, vector) {
     for (let j = reflectors.length - 1; j >= 0; j--) {
       reflect(vector, reflectors[j], j, vector.length);
     }
   }
 
-  /* In place: solves with an upper triangle, stored by rows. */
+  // In place: solves with an upper triangle, stored by rows.
   function solveUpper(triangle, q, vector) {
     for (let i = q - 1; i >= 0; i--) {
       let rest = vector[i];
@@ -84,7 +84,7 @@
     }
   }
 
-  /* In place: Cholesky factor of an m x m matrix, its lower triangle packed by rows. */
+  // In place: Cholesky factor of an m x m matrix, its lower triangle packed by rows.
   function cholesky(packed, m) {
     for (let i = 0; i < m; i++) {
       const row = (i * (i + 1)) / 2;
@@ -97,7 +97,7 @@
     }
   }
 
-  /* In place: solves with a packed lower triangle. */
+  // In place: solves with a packed lower triangle.
   function solveLower(packed, m, vector) {
     for (let i = 0; i < m; i++) {
       const row = (i * (i + 1)) / 2;
@@ -116,8 +116,8 @@
     }
   }
 
-  /* Makes a metamodel of what Kriging.to_plain gives; nothing is factorised yet, which takes longer.
-     Of the same data always the same metamodel: what one section has factorised serves all. */
+  // Makes a metamodel of what Kriging.to_plain gives; nothing is factorised yet, which takes longer.
+  // Of the same data always the same metamodel: what one section has factorised serves all.
   function prepare(plain) {
     if (!prepared.has(plain)) prepared.set(plain, metamodelOf(plain));
     return prepared.get(plain);
@@ -159,7 +159,7 @@
     };
   }
 
-  /* Covariance of the runs in the basis of trend and contrasts, n x n by rows. */
+  // Covariance of the runs in the basis of trend and contrasts, n x n by rows.
   function rotatedCovariance(model, component) {
     const { n, d, points } = model;
     const matrix = new Float64Array(n * n);
@@ -188,7 +188,7 @@
     return matrix;
   }
 
-  /* Factorises one component; once is enough. */
+  // Factorises one component; once is enough.
   function factorise(model, component) {
     if (component.ready) return;
     const { n, q, triangle } = model;
@@ -220,7 +220,7 @@
     component.ready = true;
   }
 
-  /* What the contrasts explain of the trend's own error: q columns of m. */
+  // What the contrasts explain of the trend's own error: q columns of m.
   function acrossTrend(matrix, triangle, factor, n, q) {
     const m = n - q;
     const across = Array.from({ length: q }, () => new Float64Array(m));
@@ -249,7 +249,7 @@
     return covariance;
   }
 
-  /* The trend's columns at a point. */
+  // The trend's columns at a point.
   function trendAt(model, point) {
     const trend = new Float64Array(model.q);
     trend[0] = 1;
@@ -265,7 +265,7 @@
     return sum;
   }
 
-  /* Variance of the mean of one component, of a point's covariance with the runs (overwritten). */
+  // Variance of the mean of one component, of a point's covariance with the runs (overwritten).
   function varianceOf(model, component, trend, covariance) {
     const { q, n, triangle, reflectors } = model;
     const m = n - q;
@@ -283,7 +283,7 @@
     return Math.max(variance - dot(explained, explained, m), 0);
   }
 
-  /* Expected response and its variance at a point of the unit cube. */
+  // Expected response and its variance at a point of the unit cube.
   function predict(model, point) {
     const { n, d, points } = model;
     const trend = trendAt(model, point);
@@ -305,7 +305,7 @@
     return combine(model, parts);
   }
 
-  /* Mean and variance of the mixture of the components, in the response's unit. */
+  // Mean and variance of the mixture of the components, in the response's unit.
   function combine(model, parts) {
     let mean = 0;
     let within = 0;
@@ -323,7 +323,7 @@
     };
   }
 
-  /* Squared scaled distances to the runs along one coordinate, values x n by rows. */
+  // Squared scaled distances to the runs along one coordinate, values x n by rows.
   function alongAxis(model, component, axis, values) {
     const { n, d, points } = model;
     const squares = new Float64Array(values.length * n);
@@ -336,7 +336,7 @@
     return squares;
   }
 
-  /* The same along all coordinates that are held, n values. */
+  // The same along all coordinates that are held, n values.
   function alongTheRest(model, component, point, axes) {
     const { n, d, points } = model;
     const squares = new Float64Array(n);
@@ -350,7 +350,7 @@
     return squares;
   }
 
-  /* Expected responses over a grid of two coordinates, the others held; by rows of the second. */
+  // Expected responses over a grid of two coordinates, the others held; by rows of the second.
   function meanGrid(model, point, first, firstValues, second, secondValues) {
     const { n } = model;
     const width = firstValues.length;
@@ -378,7 +378,7 @@
     return grid;
   }
 
-  /* Normal distribution function (Marsaglia 2004, J. Stat. Softw. 11(4)). */
+  // Normal distribution function (Marsaglia 2004, J. Stat. Softw. 11(4)).
   function normal(x) {
     if (x < -8) return 0;
     if (x > 8) return 1;
@@ -391,12 +391,12 @@
     return 0.5 + sum * Math.exp(-0.5 * x * x - 0.91893853320467274178);
   }
 
-  /* Probability that an expected response is within its tolerance (Metamodels.agreement). */
+  // Probability that an expected response is within its tolerance (Metamodels.agreement).
   function probability(predicted, target, tolerance) {
     const error = Math.sqrt(Math.max(predicted.variance, (1e-12 * tolerance) ** 2));
     const off = predicted.mean - target;
     return normal((tolerance - off) / error) - normal((-tolerance - off) / error);
   }
 
-  root.grainfitKriging = { prepare, factorise, predict, meanGrid, probability, normal };
-})(typeof window === "undefined" ? globalThis : window);
+  globalThis.grainfitKriging = { prepare, factorise, predict, meanGrid, probability, normal };
+})();

@@ -1,5 +1,5 @@
-/* Numbers, intervals and commands, as the rest of the page writes them. */
-(function (root) {
+// Numbers, intervals and commands, as the rest of the page writes them.
+(() => {
   "use strict";
 
   const SUPERSCRIPTS = "⁰¹²³⁴⁵⁶⁷⁸⁹";
@@ -10,7 +10,7 @@
     return `${mantissa}·10${power < 0 ? "⁻" : ""}${digits}`.replace("-", "−");
   }
 
-  /* A number with so many significant digits, as grainfit.report.labels.number has it. */
+  // A number with so many significant digits, as grainfit.report.labels.number has it.
   function text(value, digits = 4) {
     if (!Number.isFinite(value)) return "–";
     const [mantissa, power] = value.toExponential(digits - 1).split("e").map(Number);
@@ -20,7 +20,7 @@
     return withPower(mantissa, power);
   }
 
-  /* A value down to two digits of its uncertainty, as grainfit.report.labels.rounded has it. */
+  // A value down to two digits of its uncertainty, as grainfit.report.labels.rounded has it.
   function rounded(value, uncertainty) {
     if (!Number.isFinite(value)) return "–";
     if (!(uncertainty > 0 && uncertainty < Infinity)) return text(value);
@@ -58,7 +58,7 @@
       : minimum + position * (maximum - minimum);
   }
 
-  /* Names and values for a shell: settings of 'grainfit simulate'. */
+  // Names and values for a shell: settings of 'grainfit simulate'.
   function settings(values) {
     return Object.entries(values)
       .map(([name, value]) => `--set ${quoted(`${name}=${value}`)}`)
@@ -69,7 +69,7 @@
     return /^[\w@%+=:,./-]+$/.test(word) ? word : `'${word.replaceAll("'", "'\"'\"'")}'`;
   }
 
-  /* Copies a text, and says on the button that it did; without leave to do so, shows it. */
+  // Copies a text, and says on the button that it did; without leave to do so, shows it.
   async function copy(content, button) {
     const words = button.textContent;
     try {
@@ -84,7 +84,7 @@
     }, 1500);
   }
 
-  /* Rayleigh time step, s, see grainfit.timestep. */
+  // Rayleigh time step, s, see grainfit.timestep.
   function rayleigh(known, values) {
     const all = { ...known.fixed, ...values };
     const ratio = all["particle.poissons_ratio"];
@@ -93,7 +93,7 @@
     return (Math.PI * known.radius * Math.sqrt(all["particle.density"] / shear)) / wave;
   }
 
-  root.grainfitQuantities = {
+  globalThis.grainfitQuantities = {
     text,
     rounded,
     withUnit,
@@ -103,4 +103,4 @@
     copy,
     rayleigh,
   };
-})(typeof window === "undefined" ? globalThis : window);
+})();

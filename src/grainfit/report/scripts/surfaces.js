@@ -8,12 +8,9 @@
   const NORMAL_QUANTILE = 1.959963984540054;
   const MEANS = 60;
   const SLICE = 41;
-  // Variances need the factors of every metamodel at each point, so they are known at fewer points,
-  // fewer still when there are many runs, and the region that agrees is finer than both: where
-  // tolerances are narrow, it is a thin line.
-  const MOST_VARIANCES = 30;
-  const FEWEST_VARIANCES = 12;
-  const AFFORDABLE = 4e8;
+  // A variance takes the factors of every metamodel at each point, so they are known at fewer points
+  // than means; the region that agrees is finer than both: of narrow tolerances, it is a thin line.
+  const VARIANCES = 25;
   const FINER = 3;
   const LEVELS = { possible: 0.05, likely: 0.5 };
   const SYMBOLS = { design: "circle", optimisation: "diamond", verification: "square" };
@@ -55,8 +52,7 @@
       this.place = place;
       this.parameters = data.parameters;
       this.responses = data.responses;
-      this.heldAt = data.held_at;
-      this.hasAnswer = data.held_at === "the answer";
+      this.hasAnswer = data.has_answer;
       this.models = data.responses.map((response) => prepare(response.model));
       this.held = data.parameters.map((parameter) => toUnit(parameter, parameter.held));
       this.runs = runs.map((run) => ({
@@ -170,37 +166,27 @@
           yield;
         }
       }
-      const count = this.varianceCount();
-      const at = positions(count);
-      const variances = this.models.map(() => new Float64Array(count * count));
+      const at = positions(VARIANCES);
+      const variances = this.models.map(() => new Float64Array(VARIANCES ** 2));
       const point = Float64Array.from(this.held);
       for (const [row, y] of at.entries()) {
         point[this.chosen.up] = y;
         for (const [column, x] of at.entries()) {
           point[this.chosen.across] = x;
           this.models.forEach((model, i) => {
-            variances[i][row * count + column] = predict(model, point).variance;
+            variances[i][row * VARIANCES + column] = predict(model, point).variance;
           });
         }
         yield;
       }
-      this.agreement = this.agreementOf(variances, count);
+      this.agreement = this.agreementOf(variances);
       this.deviations = variances[this.chosen.response].map(Math.sqrt);
       this.redraw[0]();
       this.state(this.inWords());
     }
 
-    varianceCount() {
-      const work = this.models.reduce(
-        (sum, model) => sum + model.components.length * model.n ** 2,
-        0,
-      );
-      const affordable = Math.floor(Math.sqrt((2 * AFFORDABLE) / work));
-      return Math.min(Math.max(affordable, FEWEST_VARIANCES), MOST_VARIANCES);
-    }
-
     // Probability that all expected responses are within tolerance, on the finest grid.
-    agreementOf(variances, count) {
+    agreementOf(variances) {
       const fine = (MEANS - 1) * FINER + 1;
       const found = new Float64Array(fine * fine).fill(1);
       const at = positions(fine);
@@ -210,7 +196,7 @@
           for (let column = 0; column < fine; column++, k++) {
             const predicted = {
               mean: interpolate(means, MEANS, at[column], at[row]),
-              variance: interpolate(variances[i], count, at[column], at[row]),
+              variance: interpolate(variances[i], VARIANCES, at[column], at[row]),
             };
             found[k] *= probability(predicted, response.target, response.tolerance);
           }
@@ -316,9 +302,8 @@
           if (!this.agreement) {
             return [...words, `${shown.plot} = ${text(mean)} ${shown.unit}`].join("<br>");
           }
-          const count = Math.sqrt(this.deviations.length);
           const half =
-            NORMAL_QUANTILE * interpolate(this.deviations, count, at[column], at[row]);
+            NORMAL_QUANTILE * interpolate(this.deviations, VARIANCES, at[column], at[row]);
           const share = this.agreement[FINER * (row * fine + column)];
           return [
             ...words,

@@ -5,13 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-import numpy as np
-
-from grainfit.problem import Parameter, Target
+from grainfit.problem import Parameter
 from grainfit.report.rendering import render
 from grainfit.report.section import ReportContext, Section
-from grainfit.report.waiting import waiting
-from grainfit.strategies.metamodels import Metamodels
+from grainfit.report.waiting import waiting, without_metamodel
+from grainfit.strategies.metamodels import Metamodels, runs_that_yield
 
 _KEY, _TITLE = "explorer", "What would another parameter set give?"
 
@@ -21,12 +19,11 @@ def explorer(context: ReportContext) -> Section:
     metamodels = context.analysis.metamodels
     if metamodels is None:
         return waiting(context, _KEY, _TITLE)
-    parameters, targets = context.parameters, context.targets
     html = render(
         _KEY,
         parameters=[
             {"label": context.parameter_label(p.name), "minimum": p.minimum, "maximum": p.maximum}
-            for p in parameters
+            for p in context.parameters
         ],
         responses=[
             {
@@ -35,8 +32,9 @@ def explorer(context: ReportContext) -> Section:
                 "value": target.value,
                 "tolerance": target.accepted_deviation,
             }
-            for target in targets
+            for target in metamodels.problem.targets
         ],
+        missing=without_metamodel(context),
         held_at=held_at(context),
         has_time_step=context.reading.problem.rayleigh is not None,
     )
@@ -59,9 +57,10 @@ def _data(context: ReportContext, metamodels: Metamodels) -> Mapping[str, Any]:
     held = held_values(context)
     return {
         "held_at": held_at(context),
+        "has_answer": bool(context.answer),
         "parameters": [_parameter(context, p, held[p.name]) for p in context.parameters],
         "responses": [
-            _response(context, metamodels, index) for index in range(len(context.targets))
+            _response(context, metamodels, index) for index in range(len(metamodels.models))
         ],
         "rayleigh": rayleigh and {"radius": rayleigh.radius, "fixed": dict(rayleigh.fixed)},
     }
@@ -82,13 +81,9 @@ def _parameter(context: ReportContext, parameter: Parameter, held: float) -> Map
 
 
 def _response(context: ReportContext, metamodels: Metamodels, index: int) -> Mapping[str, Any]:
-    target: Target = context.targets[index]
+    target, model = metamodels.problem.targets[index], metamodels.models[index]
     label = context.response_label(target.name)
-    values = [
-        e.responses[target.name].value
-        for e in context.reading.evaluations
-        if target.name in e.responses
-    ]
+    runs = runs_that_yield(context.reading.evaluations, target.name)
     return {
         "name": target.name,
         "plot": label.plot,
@@ -96,7 +91,8 @@ def _response(context: ReportContext, metamodels: Metamodels, index: int) -> Map
         "unit": label.unit,
         "target": target.value,
         "tolerance": target.accepted_deviation,
-        # Half the width of a gauge: all that was met is on it.
-        "spread": float(np.abs(np.array(values) - target.value).max(initial=0.0)),
-        "model": metamodels.models[index].to_plain(factors=False),
+        # Half of the gauge: all runs are on it.
+        "reach": max(abs(run.responses[target.name].value - target.value) for run in runs),
+        # The page factorises itself: the factors of 150 runs would be some megabytes.
+        "model": model.to_plain(factors=False),
     }

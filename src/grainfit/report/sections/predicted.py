@@ -17,8 +17,8 @@ from grainfit.report.labels import Label
 from grainfit.report.palette import BLUE, GREY, VERMILLION
 from grainfit.report.rendering import render
 from grainfit.report.section import Figure, ReportContext, Section
-from grainfit.report.waiting import waiting
-from grainfit.strategies.metamodels import runs_that_yield
+from grainfit.report.waiting import waiting, without_metamodel
+from grainfit.strategies.metamodels import Metamodels
 
 _KEY, _TITLE = "predicted", "Can the metamodels be trusted?"
 _NORMAL_QUANTILE = 1.959963984540054
@@ -52,29 +52,59 @@ class _Check:
 
 def predicted(context: ReportContext) -> Section:
     """Each run against what the metamodel of all other runs expects of it."""
-    if context.analysis.metamodels is None:
+    metamodels = context.analysis.metamodels
+    if metamodels is None:
         return waiting(context, _KEY, _TITLE)
-    checks = [_check(context, index) for index in range(len(context.targets))]
+    checks = [_check(context, metamodels, index) for index in range(len(metamodels.models))]
     figures = {f"{_KEY}-{index}": _figure(check) for index, check in enumerate(checks)}
-    html = render(_KEY, checks=[_words(check) for check in checks], figures=list(figures))
+    html = render(
+        _KEY,
+        checks=[_words(check) for check in checks],
+        figures=list(figures),
+        missing=without_metamodel(context),
+        notes=_notes(context),
+    )
     return Section(_KEY, _TITLE, html, figures)
 
 
-def _check(context: ReportContext, index: int) -> _Check:
-    assert context.analysis.metamodels is not None
-    target = context.targets[index]
-    evaluations = context.reading.evaluations
-    runs = runs_that_yield(evaluations, target.name)
-    numbers = {id(evaluation): n for n, evaluation in enumerate(evaluations, start=1)}
+def _notes(context: ReportContext) -> list[str]:
+    """What the reader should know of all that follows from the runs."""
+    posterior = context.analysis.posterior
+    elsewhere = {posterior.convergence} if posterior else set()
+    return [plain(note) for note in context.analysis.notes if note not in elsewhere]
+
+
+def _check(context: ReportContext, metamodels: Metamodels, index: int) -> _Check:
+    target, model = metamodels.problem.targets[index], metamodels.models[index]
+    # What a metamodel rests on, it knows best: of many runs, some are left out.
+    known = model.to_plain(factors=False)
+    simulated = known["offset"] + known["scale"] * np.array(known["values"])
+    runs = [tuple(point) for point in known["points"]]
     quality = context.analysis.quality.get(target.name)
     return _Check(
         target,
         context.response_label(target.name),
-        [numbers[id(run)] for run in runs],
-        np.array([run.responses[target.name].value for run in runs]),
-        context.analysis.metamodels.models[index].leave_one_out(),
+        _numbers(context, metamodels, target, list(zip(runs, simulated, strict=True))),
+        simulated,
+        model.leave_one_out(),
         [plain(text) for text in quality.warnings] if quality else [],
     )
+
+
+def _numbers(
+    context: ReportContext,
+    metamodels: Metamodels,
+    target: Target,
+    runs: Sequence[tuple[tuple[float, ...], float]],
+) -> list[int]:
+    """Numbers of runs, in the order in which they were asked for: by their place and response."""
+    known: dict[tuple[float, ...], list[tuple[float, int]]] = {}
+    for number, evaluation in enumerate(context.reading.evaluations, start=1):
+        if target.name in evaluation.responses:
+            point = tuple(metamodels.problem.to_unit(evaluation.proposal.parameters).tolist())
+            value = evaluation.responses[target.name].value
+            known.setdefault(point, []).append((value, number))
+    return [min(known[point], key=lambda run: abs(run[0] - value))[1] for point, value in runs]
 
 
 def _words(check: _Check) -> Mapping[str, Any]:

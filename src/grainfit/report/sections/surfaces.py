@@ -10,7 +10,7 @@ import numpy as np
 from grainfit.report.rendering import render
 from grainfit.report.section import ReportContext, Section
 from grainfit.report.sections.explorer import held_at
-from grainfit.report.waiting import waiting
+from grainfit.report.waiting import waiting, without_metamodel
 from grainfit.strategies.metamodels import Metamodels
 
 _KEY, _TITLE = "surfaces", "How do the responses depend on the parameters?"
@@ -31,13 +31,14 @@ def surfaces(context: ReportContext) -> Section:
     html = render(
         _KEY,
         parameters=[context.parameter_label(p.name) for p in context.parameters],
-        responses=[context.response_label(target.name) for target in context.targets],
+        responses=[context.response_label(t.name) for t in metamodels.problem.targets],
+        missing=without_metamodel(context),
         across=across,
         up=up,
         held_at=held_at(context),
         has_answer=bool(context.answer),
     )
-    return Section(_KEY, _TITLE, html, data={"runs": _runs(context)})
+    return Section(_KEY, _TITLE, html, data={"runs": _runs(context, metamodels)})
 
 
 def _leading_pair(context: ReportContext, metamodels: Metamodels) -> tuple[int, int]:
@@ -54,7 +55,7 @@ def _leading_pair(context: ReportContext, metamodels: Metamodels) -> tuple[int, 
     return leading[0], leading[-1]
 
 
-def _runs(context: ReportContext) -> list[Mapping[str, Any]]:
+def _runs(context: ReportContext, metamodels: Metamodels) -> list[Mapping[str, Any]]:
     """All that gave a response, numbered in the order in which they were asked for."""
     return [
         {
@@ -67,7 +68,7 @@ def _runs(context: ReportContext) -> list[Mapping[str, Any]]:
                 _rounded(evaluation.responses[t.name].value)
                 if t.name in evaluation.responses
                 else None
-                for t in context.targets
+                for t in metamodels.problem.targets
             ],
         }
         for number, evaluation in enumerate(context.reading.evaluations, start=1)
