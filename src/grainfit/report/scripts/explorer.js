@@ -3,7 +3,7 @@
 document.addEventListener("DOMContentLoaded", () => {
   "use strict";
 
-  const { text, rounded, withUnit, toUnit, fromUnit, settings, copy, rayleigh } =
+  const { text, rounded, seconds, withUnit, toUnit, fromUnit, settings, copy, rayleigh } =
     window.grainfitQuantities;
   const { prepare, predict, probability } = window.grainfitKriging;
   const STEPS = 1000;
@@ -86,7 +86,7 @@ document.addEventListener("DOMContentLoaded", () => {
       const factor = now / rayleigh(this.data.rayleigh, this.named(this.held));
       shown.dataset.timeStep = now;
       shown.textContent =
-        `${withUnit(text(now), "s")}, ${text(factor, 3)} times that of ${this.data.held_at}`;
+        `${seconds(now)}, ${text(factor, 3)} times that of ${this.data.held_at}`;
     }
 
     showResponse(response, i, { mean, variance }) {

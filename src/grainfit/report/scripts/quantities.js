@@ -38,6 +38,16 @@
     return withPower(mantissa, Number(power));
   }
 
+  // A short time, as grainfit.report.sections.answer.seconds has it.
+  function seconds(value) {
+    for (const [unit, size] of [["s", 1], ["ms", 1e-3], ["µs", 1e-6]]) {
+      if (value >= size) {
+        return `${text(value / size)} ${unit}`;
+      }
+    }
+    return `${text(value / 1e-9)} ns`;
+  }
+
   function withUnit(words, unit) {
     return unit ? `${words}${unit === "°" ? "" : "\u00a0"}${unit}` : words;
   }
@@ -96,6 +106,7 @@
   globalThis.grainfitQuantities = {
     text,
     rounded,
+    seconds,
     withUnit,
     toUnit,
     fromUnit,

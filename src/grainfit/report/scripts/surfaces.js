@@ -13,7 +13,6 @@
   const VARIANCES = 25;
   const FINER = 3;
   const LEVELS = { possible: 0.05, likely: 0.5 };
-  const SYMBOLS = { design: "circle", optimisation: "diamond", verification: "square" };
   // Root mean square of the other parameters' distances, in intervals, at which runs have faded.
   const FADING = 0.25;
   const FAINTEST = 0.25;
@@ -48,13 +47,14 @@
     `rgba(${[1, 3, 5].map((at) => Number.parseInt(colour.slice(at, at + 2), 16)).join(",")},${share})`;
 
   class Surfaces {
-    constructor(place, data, runs) {
+    constructor(place, data, { runs, symbols }) {
       this.place = place;
       this.parameters = data.parameters;
       this.responses = data.responses;
       this.hasAnswer = data.has_answer;
       this.models = data.responses.map((response) => prepare(response.model));
       this.held = data.parameters.map((parameter) => toUnit(parameter, parameter.held));
+      this.symbols = symbols;
       this.runs = runs.map((run) => ({
         ...run,
         point: run.values.map((value, j) => toUnit(data.parameters[j], value)),
@@ -343,7 +343,7 @@
         x: runs.map((run) => run.values[across]),
         y: runs.map((run) => (up === null ? run.responses[response] : run.values[up])),
         marker: {
-          symbol: runs.map((run) => SYMBOLS[run.stage] ?? "circle"),
+          symbol: runs.map((run) => this.symbols[run.stage] ?? "circle"),
           size: 7,
           color: theme.ink,
           opacity: runs.map((run) => this.closeness(run.point, axes)),
@@ -526,10 +526,13 @@
     if (!place) {
       return;
     }
-    const { runs } = window.grainfitData("surfaces");
     let surfaces = null;
     const made = () => {
-      surfaces ??= new Surfaces(place, window.grainfitData("explorer"), runs);
+      surfaces ??= new Surfaces(
+        place,
+        window.grainfitData("explorer"),
+        window.grainfitData("surfaces"),
+      );
       return surfaces;
     };
     for (const select of place.querySelectorAll("select")) {

@@ -2,7 +2,7 @@
 (() => {
   "use strict";
 
-  const { text, withUnit, settings, copy } = window.grainfitQuantities;
+  const { text, seconds, withUnit, settings, copy } = window.grainfitQuantities;
 
   class TradeOff {
     constructor(place, data) {
@@ -63,7 +63,7 @@
         ? ` (${text(factor, 3)} times the answer's)`
         : "";
       return (
-        `Time step ${withUnit(text(step), "s")}${beside}; ` +
+        `Time step ${seconds(step)}${beside}; ` +
         `all expected responses within tolerance with ${Math.round(100 * agreement)} % probability.`
       );
     }
@@ -90,6 +90,9 @@
     const head = row.appendChild(document.createElement("th"));
     head.scope = "row";
     head.innerHTML = html;
+    head.querySelectorAll("abbr[title]").forEach((abbreviation) => {
+      abbreviation.tabIndex = 0;
+    });
     for (const words of [here, beside]) {
       const cell = row.appendChild(document.createElement("td"));
       cell.className = "number";

@@ -14,7 +14,7 @@ from grainfit.kriging import LeaveOneOut
 from grainfit.printable import plain
 from grainfit.problem import Target
 from grainfit.report.labels import Label
-from grainfit.report.palette import BLUE, GREY, VERMILLION
+from grainfit.report.marks import BLUE, QUIET, VERMILION
 from grainfit.report.rendering import render
 from grainfit.report.section import Figure, ReportContext, Section
 from grainfit.report.waiting import waiting, without_metamodel
@@ -136,7 +136,7 @@ def _figure(check: _Check) -> Figure:
         "mode": "lines",
         "x": reach,
         "y": reach,
-        "line": {"color": GREY, "width": 1.5, "dash": "dot"},
+        "line": {"color": QUIET, "width": 1.5, "dash": "dot"},
         "hoverinfo": "skip",
         "name": "predicted as simulated",
     }
@@ -145,7 +145,7 @@ def _figure(check: _Check) -> Figure:
         data=(
             diagonal,
             _points(check, check.inside, "inside its 95 % interval", BLUE, "circle"),
-            _points(check, ~check.inside, "outside", VERMILLION, "diamond"),
+            _points(check, ~check.inside, "outside", VERMILION, "diamond"),
         ),
         layout={
             "xaxis": {**axis, "title": {"text": f"simulated {label.axis}"}},

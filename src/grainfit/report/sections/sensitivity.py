@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from grainfit.analysis import Sensitivity
 from grainfit.printable import plain
-from grainfit.report.palette import BLUE, VERMILLION
+from grainfit.report.marks import BLUE, VERMILION
 from grainfit.report.rendering import render
 from grainfit.report.section import Figure, ReportContext, Section
 from grainfit.report.waiting import waiting
@@ -51,7 +51,7 @@ def _figure(context: ReportContext, found: Sensitivity, row: int) -> Figure:
             found.total,
             found.total_low,
             found.total_high,
-            VERMILLION,
+            VERMILION,
             "diamond",
             -0.14,
         ),

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from grainfit.report.marks import STAGES
 from grainfit.report.rendering import render
 from grainfit.report.section import ReportContext, Section
 from grainfit.report.sections.explorer import held_at
@@ -38,7 +39,7 @@ def surfaces(context: ReportContext) -> Section:
         held_at=held_at(context),
         has_answer=bool(context.answer),
     )
-    return Section(_KEY, _TITLE, html, data={"runs": _runs(context, metamodels)})
+    return Section(_KEY, _TITLE, html, data=_data(context, metamodels))
 
 
 def _leading_pair(context: ReportContext, metamodels: Metamodels) -> tuple[int, int]:
@@ -53,6 +54,13 @@ def _leading_pair(context: ReportContext, metamodels: Metamodels) -> tuple[int, 
         matters = -np.log([model.ranges for model in metamodels.models]).mean(axis=0)
     leading = sorted(int(j) for j in np.argsort(-matters, kind="stable")[:2])
     return leading[0], leading[-1]
+
+
+def _data(context: ReportContext, metamodels: Metamodels) -> Mapping[str, Any]:
+    return {
+        "symbols": {stage: symbol for stage, (symbol, _) in STAGES.items()},
+        "runs": _runs(context, metamodels),
+    }
 
 
 def _runs(context: ReportContext, metamodels: Metamodels) -> list[Mapping[str, Any]]:

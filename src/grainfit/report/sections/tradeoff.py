@@ -7,7 +7,7 @@ from typing import Any
 
 from grainfit.analysis import ParetoFront
 from grainfit.problem import Problem, Target
-from grainfit.report.palette import BLUE, VERMILLION
+from grainfit.report.marks import BLUE, VERMILION
 from grainfit.report.rendering import render
 from grainfit.report.section import Figure, ReportContext, Section
 from grainfit.report.waiting import waiting
@@ -106,7 +106,7 @@ def _figure(
                 "name": "the answer",
                 "x": [factor * answer_time],
                 "y": metamodels.misfit([point]).tolist(),
-                "marker": {"color": VERMILLION, "size": 15, "symbol": "star"},
+                "marker": {"color": VERMILION, "size": 15, "symbol": "star"},
                 "hovertemplate": f"the answer: %{{x:.4g}} {unit}<extra></extra>",
             }
         )

@@ -11,7 +11,7 @@ from grainfit.analysis import Posterior
 from grainfit.printable import plain
 from grainfit.problem import Parameter
 from grainfit.report.labels import number
-from grainfit.report.palette import BLUE, GREY, ORANGE, VERMILLION
+from grainfit.report.marks import BLUE, ORANGE, QUIET, VERMILION
 from grainfit.report.rendering import render
 from grainfit.report.section import Figure, ReportContext, Section
 from grainfit.report.waiting import waiting, without_metamodel
@@ -76,7 +76,8 @@ def _learnt(
                 "y": list(range(len(parameters))),
                 "marker": {"color": [_color(narrowing[p.name]) for p in parameters]},
                 "text": [f"{share:.0%}" for share in shares],
-                "textposition": "auto",
+                "textposition": "outside",
+                "cliponaxis": False,
                 "customdata": [
                     [_between(posterior, p.name), f"{number(p.minimum, 3)} to {number(p.maximum, 3)}"]
                     for p in parameters
@@ -89,7 +90,8 @@ def _learnt(
         ),
         layout={
             "xaxis": {
-                "range": [0, 1],
+                "range": [0, 1.12],
+                "tickvals": [0, 0.25, 0.5, 0.75, 1],
                 "tickformat": ".0%",
                 "title": {"text": "share of the interval ruled out"},
             },
@@ -108,52 +110,66 @@ def _learnt(
 def _color(narrowing: float) -> str:
     if narrowing <= _DETERMINED:
         return BLUE
-    return VERMILLION if narrowing >= _OPEN else ORANGE
+    return VERMILION if narrowing >= _OPEN else ORANGE
 
 
 def _correlations(context: ReportContext, posterior: Posterior) -> Figure:
-    names = posterior.names
+    names, found = posterior.names, posterior.correlations
     labels = [context.parameter_label(name).plot for name in names]
-    places = list(range(len(names)))
-    # Each pair once; a parameter with itself tells nothing.
-    pairs = np.where(np.tri(len(names), k=-1, dtype=bool), posterior.correlations, np.nan)
-    words = [[f"{value:+.2f}".replace("-", "−") if np.isfinite(value) else "" for value in row] for row in pairs]
-    heat: dict[str, Any] = {
+    last = len(names) - 1
+    # Each pair once; that a parameter goes with itself tells nothing.
+    cells = [(row, column) for row in range(1, len(names)) for column in range(row)]
+    heat = {
         "type": "heatmap",
-        "x": places[:-1],
-        "y": places[1:],
-        "z": [[None if np.isnan(v) else float(v) for v in row[:-1]] for row in pairs[1:]],
-        "text": [row[:-1] for row in words[1:]],
-        "customdata": [
-            [f"{labels[row]} and {labels[column]}" for column in places[:-1]] for row in places[1:]
+        "x": list(range(last)),
+        "y": list(range(1, last + 1)),
+        "z": [
+            [float(found[row, column]) if column < row else None for column in range(last)]
+            for row in range(1, last + 1)
+        ],
+        "text": [
+            [f"{labels[row]} and {labels[column]}" for column in range(last)]
+            for row in range(1, last + 1)
         ],
         "zmin": -1,
         "zmax": 1,
-        "colorscale": [[0, VERMILLION], [0.5, "#e8e8e8"], [1, BLUE]],
+        # Seen through, so that numbers stand out on light and on dark paper.
+        "colorscale": [
+            [0, "rgba(213, 94, 0, 0.6)"],
+            [0.5, "rgba(136, 136, 136, 0.1)"],
+            [1, "rgba(0, 114, 178, 0.6)"],
+        ],
         "colorbar": {"thickness": 12, "outlinewidth": 0, "tickvals": [-1, 0, 1]},
         "xgap": 2,
         "ygap": 2,
-        "hovertemplate": "%{customdata}: %{text}<extra></extra>",
+        "hovertemplate": "%{text}: %{z:.2f}<extra></extra>",
         "hoverongaps": False,
     }
-    if len(names) <= _MOST_NUMBERS:
-        heat["texttemplate"] = "%{text}"
+    numbers = [
+        {"x": column, "y": row, "text": _signed(found[row, column]), "showarrow": False}
+        for row, column in cells
+    ]
     return Figure(
         data=(heat,),
         layout={
-            "xaxis": {"tickvals": places[:-1], "ticktext": labels[:-1], "showgrid": False},
+            "xaxis": {"tickvals": heat["x"], "ticktext": labels[:-1], "showgrid": False},
             "yaxis": {
-                "tickvals": places[1:],
+                "tickvals": heat["y"],
                 "ticktext": labels[1:],
                 "showgrid": False,
                 "autorange": "reversed",
             },
+            "annotations": numbers if len(names) <= _MOST_NUMBERS else [],
         },
         description=(
             "Rank correlations of the parameters among the sets that agree with the measurements."
         ),
-        height=_FRAME_HEIGHT + max(_CELL * (len(names) - 1), 2 * _CELL),
+        height=_FRAME_HEIGHT + max(_CELL * last, 2 * _CELL),
     )
+
+
+def _signed(value: float) -> str:
+    return f"{value:+.2f}".replace("-", "−")
 
 
 def _marginal(context: ReportContext, posterior: Posterior, index: int) -> Figure:
@@ -211,5 +227,5 @@ def _line_at(value: float) -> Mapping[str, Any]:
         "yref": "paper",
         "y0": 0,
         "y1": 1,
-        "line": {"color": GREY, "width": 1.5, "dash": "dot"},
+        "line": {"color": QUIET, "width": 1.5, "dash": "dot"},
     }
