@@ -129,7 +129,7 @@ document.addEventListener("DOMContentLoaded", () => {
   };
 
   // The target band in the middle, the expected response as a point with its interval. What is
-  // further off than the gauge reaches is an arrow at its end.
+  // further off than the gauge reaches is a square at its end.
   const drawGauge = (gauge, { target, tolerance, reach }, mean, half) => {
     const most = Math.max(reach, LEAST_REACH * tolerance);
     const at = (value) => Math.min(Math.max(50 + (50 * (value - target)) / most, 0), 100);
@@ -143,7 +143,6 @@ document.addEventListener("DOMContentLoaded", () => {
     const point = gauge.querySelector(".point");
     point.style.left = `${at(mean)}%`;
     const beyond = Math.abs(mean - target) > most;
-    point.textContent = beyond ? (mean > target ? "›" : "‹") : "";
     point.classList.toggle("beyond", beyond);
   };
 

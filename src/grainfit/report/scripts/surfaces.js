@@ -59,6 +59,9 @@
         ...run,
         point: run.values.map((value, j) => toUnit(data.parameters[j], value)),
       }));
+      this.runs.forEach((run) => {
+        run.words = this.runInWords(run);
+      });
       this.surface = place.querySelector("[data-surface]");
       this.slices = [...place.querySelectorAll("[data-slice]")];
       this.chosen = { response: 0, across: 0, up: 0 };
@@ -66,7 +69,9 @@
         this.chosen[key] = Number(this.surface?.dataset[key] ?? 0);
       }
       this.redraw = [];
+      this.sliced = null;
       this.started = 0;
+      this.complete = false;
     }
 
     choose(key, value) {
@@ -76,14 +81,14 @@
         this.place.querySelector(`[data-choice="${other}"]`).value = this.chosen[other];
       }
       this.chosen[key] = value;
-      this.show(key === "response");
+      this.show();
     }
 
     // In small steps, so that the page can be used meanwhile; a later choice ends an earlier one.
-    async show(withSlices = true) {
+    async show() {
       this.started += 1;
       const mine = this.started;
-      for (const _ of this.steps(withSlices)) {
+      for (const _ of this.steps()) {
         await new Promise((resolve) => setTimeout(resolve, 0));
         if (mine !== this.started) {
           return;
@@ -97,25 +102,24 @@
         return;
       }
       this.started += 1;
-      for (const _ of this.steps(true));
+      for (const _ of this.steps());
     }
 
     repaint() {
       this.redraw.forEach((draw) => draw?.());
     }
 
-    *steps(withSlices) {
+    *steps() {
       this.complete = false;
       const { response } = this.chosen;
       yield* this.factorised([response]);
-      if (this.surface) {
-        yield* this.surfaceSteps();
-      }
-      if (withSlices) {
+      const view = this.surface && (yield* this.surfaceSteps());
+      if (this.sliced !== response) {
         yield* this.sliceSteps();
+        this.sliced = response;
       }
-      if (this.surface) {
-        yield* this.agreementSteps();
+      if (view) {
+        yield* this.agreementSteps(view);
       }
       this.complete = true;
     }
@@ -137,6 +141,7 @@
       const { response, across, up } = this.chosen;
       const [x, y] = [this.parameters[across], this.parameters[up]];
       const shown = this.responses[response];
+      const view = { response, across, up, means: new Map(), agreement: null, deviations: null };
       this.place.querySelector("[data-surface-title]").innerHTML =
         `${shown.plot} over ${x.plot} and ${y.plot}`;
       this.surface.setAttribute(
@@ -144,25 +149,24 @@
         `Contours of the expected ${shown.name} over ${x.name} (across) and ${y.name} (upwards), ` +
           "with the target band, the region that agrees with all measurements, and the runs.",
       );
-      this.means = new Map([[response, this.meansOf(response)]]);
-      this.agreement = null;
+      view.means.set(response, this.meansOf(view, response));
       this.state("Looking for the region that agrees with all measurements …");
-      this.redraw[0] = () => this.drawSurface();
+      this.redraw[0] = () => this.drawSurface(view);
       this.redraw[0]();
       yield;
+      return view;
     }
 
-    meansOf(response) {
-      const { across, up } = this.chosen;
+    meansOf({ across, up }, response) {
       const at = positions(MEANS);
       return meanGrid(this.models[response], this.held, across, at, up, at);
     }
 
-    *agreementSteps() {
+    *agreementSteps(view) {
       yield* this.factorised(this.responses.keys());
       for (const response of this.responses.keys()) {
-        if (!this.means.has(response)) {
-          this.means.set(response, this.meansOf(response));
+        if (!view.means.has(response)) {
+          view.means.set(response, this.meansOf(view, response));
           yield;
         }
       }
@@ -170,28 +174,28 @@
       const variances = this.models.map(() => new Float64Array(VARIANCES ** 2));
       const point = Float64Array.from(this.held);
       for (const [row, y] of at.entries()) {
-        point[this.chosen.up] = y;
+        point[view.up] = y;
         for (const [column, x] of at.entries()) {
-          point[this.chosen.across] = x;
+          point[view.across] = x;
           this.models.forEach((model, i) => {
             variances[i][row * VARIANCES + column] = predict(model, point).variance;
           });
         }
         yield;
       }
-      this.agreement = this.agreementOf(variances);
-      this.deviations = variances[this.chosen.response].map(Math.sqrt);
+      view.agreement = this.agreementOf(view, variances);
+      view.deviations = variances[view.response].map(Math.sqrt);
       this.redraw[0]();
-      this.state(this.inWords());
+      this.state(this.inWords(view));
     }
 
     // Probability that all expected responses are within tolerance, on the finest grid.
-    agreementOf(variances) {
+    agreementOf(view, variances) {
       const fine = (MEANS - 1) * FINER + 1;
       const found = new Float64Array(fine * fine).fill(1);
       const at = positions(fine);
       this.responses.forEach((response, i) => {
-        const means = this.means.get(i);
+        const means = view.means.get(i);
         for (let row = 0, k = 0; row < fine; row++) {
           for (let column = 0; column < fine; column++, k++) {
             const predicted = {
@@ -205,11 +209,10 @@
       return found;
     }
 
-    inWords() {
-      const { response } = this.chosen;
+    inWords({ response, means, agreement }) {
       const { target, tolerance } = this.responses[response];
-      const met = this.means.get(response).some((mean) => Math.abs(mean - target) <= tolerance);
-      const most = this.agreement.reduce((a, b) => Math.max(a, b), 0);
+      const met = means.get(response).some((mean) => Math.abs(mean - target) <= tolerance);
+      const most = agreement.reduce((a, b) => Math.max(a, b), 0);
       const sentences = [];
       if (!met) {
         sentences.push("Nowhere here is the expected response within tolerance.");
@@ -226,20 +229,23 @@
       this.place.querySelector("[data-surface-state]").textContent = words;
     }
 
-    drawSurface() {
+    drawSurface(view) {
       const theme = window.grainfitTheme();
-      const { response, across, up } = this.chosen;
+      const { response, across, up, agreement } = view;
       const [x, y] = [this.parameters[across], this.parameters[up]];
       const shown = this.responses[response];
       const values = (parameter, count) => positions(count).map((at) => fromUnit(parameter, at));
       const coarse = { x: values(x, MEANS), y: values(y, MEANS) };
-      const z = rowsOf(this.means.get(response), MEANS);
-      const data = [this.contours(theme, coarse, z, shown)];
-      if (this.agreement) {
+      const z = rowsOf(view.means.get(response), MEANS);
+      const data = [this.contours(theme, coarse, z, view)];
+      if (agreement) {
         const fine = (MEANS - 1) * FINER + 1;
-        data.push(this.region({ x: values(x, fine), y: values(y, fine) }, fine));
+        data.push(region({ x: values(x, fine), y: values(y, fine) }, rowsOf(agreement, fine)));
       }
-      data.push(bandLines(theme, coarse, z, shown), this.runPoints(theme, [across, up], across, up));
+      data.push(
+        bandLines(theme, coarse, z, shown),
+        this.runPoints(theme, response, across, up),
+      );
       if (this.hasAnswer) {
         data.push({
           type: "scatter",
@@ -269,7 +275,8 @@
       });
     }
 
-    contours(theme, grid, z, shown) {
+    contours(theme, grid, z, view) {
+      const shown = this.responses[view.response];
       const dark = luminance(theme.card) < 0.5;
       return {
         type: "contour",
@@ -283,13 +290,13 @@
         contours: { coloring: "fill", showlabels: true, labelfont: { color: theme.ink, size: 11 } },
         showscale: this.surface.clientWidth > NARROW,
         colorbar: { title: { text: shown.axis, side: "right" }, thickness: 12, outlinewidth: 0 },
-        text: this.hoverTexts(z, shown),
+        text: this.hoverTexts(z, view),
         hovertemplate: "%{text}<extra></extra>",
       };
     }
 
-    hoverTexts(z, shown) {
-      const { across, up } = this.chosen;
+    hoverTexts(z, { response, across, up, agreement, deviations }) {
+      const shown = this.responses[response];
       const [x, y] = [this.parameters[across], this.parameters[up]];
       const at = positions(MEANS);
       const fine = (MEANS - 1) * FINER + 1;
@@ -299,12 +306,12 @@
             `${x.plot} = ${named(x, at[column])}`,
             `${y.plot} = ${named(y, at[row])}`,
           ];
-          if (!this.agreement) {
+          if (!agreement) {
             return [...words, `${shown.plot} = ${text(mean)} ${shown.unit}`].join("<br>");
           }
           const half =
-            NORMAL_QUANTILE * interpolate(this.deviations, VARIANCES, at[column], at[row]);
-          const share = this.agreement[FINER * (row * fine + column)];
+            NORMAL_QUANTILE * interpolate(deviations, VARIANCES, at[column], at[row]);
+          const share = agreement[FINER * (row * fine + column)];
           return [
             ...words,
             `${shown.plot} = ${rounded(mean, half)} ± ${text(half, 2)} ${shown.unit}`,
@@ -314,28 +321,9 @@
       );
     }
 
-    region(grid, fine) {
-      const { possible, likely } = LEVELS;
-      const orange = "#E69F00";
-      return {
-        type: "contour",
-        ...grid,
-        z: rowsOf(this.agreement, fine),
-        autocontour: false,
-        contours: { coloring: "fill", start: possible, end: likely, size: likely - possible },
-        colorscale: [
-          [0, translucent(orange, 0)],
-          [0.5, translucent(orange, 0.4)],
-          [1, translucent(orange, 0.8)],
-        ],
-        line: { width: 0 },
-        showscale: false,
-        hoverinfo: "skip",
-      };
-    }
-
-    runPoints(theme, axes, across, up) {
-      const { response } = this.chosen;
+    // Over two parameters, or of the response over one.
+    runPoints(theme, response, across, up = null) {
+      const axes = [across, up];
       const runs = this.runs.filter((run) => run.responses[response] !== null);
       return {
         type: "scatter",
@@ -349,7 +337,7 @@
           opacity: runs.map((run) => this.closeness(run.point, axes)),
           line: { color: theme.card, width: 1 },
         },
-        text: runs.map((run) => this.runInWords(run)),
+        text: runs.map(({ words }) => words),
         hovertemplate: "%{text}<extra></extra>",
         showlegend: false,
       };
@@ -387,11 +375,11 @@
         along.push(this.sliceOf(response, j));
         yield;
       }
-      const range = this.sliceRange(shown, along.flat());
+      const range = this.sliceRange(response, along.flat());
       for (const [j, element] of this.slices.entries()) {
         const { name } = this.parameters[j];
         element.setAttribute("aria-label", `Expected ${shown.name} along ${name}, with runs.`);
-        this.redraw[j + 1] = () => this.drawSlice(element, j, along[j], range);
+        this.redraw[j + 1] = () => this.drawSlice(element, response, j, along[j], range);
         this.redraw[j + 1]();
         yield;
       }
@@ -408,8 +396,8 @@
     }
 
     // One for all slices, so that they can be compared.
-    sliceRange(shown, along) {
-      const { response } = this.chosen;
+    sliceRange(response, along) {
+      const shown = this.responses[response];
       const values = [
         ...along.flatMap(({ low, high }) => [low, high]),
         ...this.runs.map((run) => run.responses[response]).filter((value) => value !== null),
@@ -421,10 +409,10 @@
       return [low - margin, high + margin];
     }
 
-    drawSlice(element, j, along, range) {
+    drawSlice(element, response, j, along, range) {
       const theme = window.grainfitTheme();
       const parameter = this.parameters[j];
-      const shown = this.responses[this.chosen.response];
+      const shown = this.responses[response];
       const x = along.map(({ at }) => fromUnit(parameter, at));
       const band = {
         type: "scatter",
@@ -450,7 +438,7 @@
         hovertemplate: "%{text}<extra></extra>",
       };
       window.grainfitDraw(element, {
-        data: [band, line, this.runPoints(theme, [j], j, null)],
+        data: [band, line, this.runPoints(theme, response, j)],
         layout: {
           xaxis: { ...axisOf(parameter), nticks: 5 },
           yaxis: { title: { text: shown.axis }, range, nticks: 6, zeroline: false },
@@ -495,6 +483,27 @@
       type: log ? "log" : "linear",
       range: log ? ends.map(Math.log10) : ends,
       zeroline: false,
+    };
+  };
+
+  // Where all responses agree, probably and possibly.
+  const region = (grid, z) => {
+    const { possible, likely } = LEVELS;
+    const orange = "#e69f00";
+    return {
+      type: "contour",
+      ...grid,
+      z,
+      autocontour: false,
+      contours: { coloring: "fill", start: possible, end: likely, size: likely - possible },
+      colorscale: [
+        [0, translucent(orange, 0)],
+        [0.5, translucent(orange, 0.4)],
+        [1, translucent(orange, 0.8)],
+      ],
+      line: { width: 0 },
+      showscale: false,
+      hoverinfo: "skip",
     };
   };
 
