@@ -104,7 +104,7 @@ def test_names_are_text_wherever_they_are_shown() -> None:
             drawn = json.dumps([figure.data, figure.layout])
             assert "<script>" not in drawn
         # Plain names are data; what becomes HTML or a figure's text is marked as such.
-        marked = re.findall(r'"(?:plot|axis|html)": "((?:[^"\\]|\\.)*)"', json.dumps(section.data))
+        marked = re.findall(r'"(?:plot|axis|html|plot_unit)": "((?:[^"\\]|\\.)*)"', json.dumps(section.data))
         assert not any("<script>" in text for text in marked)
         assert bool(marked) == (make in (explorer, tradeoff))
 

@@ -307,14 +307,14 @@
             `${y.plot} = ${named(y, at[row])}`,
           ];
           if (!agreement) {
-            return [...words, `${shown.plot} = ${text(mean)} ${shown.unit}`].join("<br>");
+            return [...words, `${shown.plot} = ${text(mean)} ${shown.plot_unit}`].join("<br>");
           }
           const half =
             NORMAL_QUANTILE * interpolate(deviations, VARIANCES, at[column], at[row]);
           const share = agreement[FINER * (row * fine + column)];
           return [
             ...words,
-            `${shown.plot} = ${rounded(mean, half)} ± ${text(half, 2)} ${shown.unit}`,
+            `${shown.plot} = ${rounded(mean, half)} ± ${text(half, 2)} ${shown.plot_unit}`,
             `all responses agree: ${Math.round(100 * share)} %`,
           ].join("<br>");
         }),
@@ -353,11 +353,11 @@
     runInWords(run) {
       const lines = [`run ${run.number} (${run.stage})`];
       this.parameters.forEach((parameter, j) => {
-        lines.push(`${parameter.plot} = ${text(run.values[j])} ${parameter.unit}`);
+        lines.push(`${parameter.plot} = ${text(run.values[j])} ${parameter.plot_unit}`);
       });
       this.responses.forEach((response, i) => {
         if (run.responses[i] !== null) {
-          lines.push(`<b>${response.plot} = ${text(run.responses[i])} ${response.unit}</b>`);
+          lines.push(`<b>${response.plot} = ${text(run.responses[i])} ${response.plot_unit}</b>`);
         }
       });
       return lines.join("<br>");
@@ -433,7 +433,7 @@
         text: along.map(
           ({ at, mean, half }) =>
             `${parameter.plot} = ${named(parameter, at)}<br>` +
-            `${shown.plot} = ${rounded(mean, half)} ± ${text(half, 2)} ${shown.unit}`,
+            `${shown.plot} = ${rounded(mean, half)} ± ${text(half, 2)} ${shown.plot_unit}`,
         ),
         hovertemplate: "%{text}<extra></extra>",
       };
@@ -473,7 +473,7 @@
     }
   }
 
-  const named = (parameter, at) => `${text(fromUnit(parameter, at))} ${parameter.unit}`;
+  const named = (parameter, at) => `${text(fromUnit(parameter, at))} ${parameter.plot_unit}`;
 
   const axisOf = (parameter) => {
     const log = parameter.scale === "log";

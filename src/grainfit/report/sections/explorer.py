@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+from markupsafe import escape
+
 from grainfit.problem import Parameter
 from grainfit.report.rendering import render
 from grainfit.report.section import ReportContext, Section
@@ -73,6 +75,7 @@ def _parameter(context: ReportContext, parameter: Parameter, held: float) -> Map
         "plot": label.plot,
         "axis": label.axis,
         "unit": label.unit,
+        "plot_unit": str(escape(label.unit)),
         "minimum": parameter.minimum,
         "maximum": parameter.maximum,
         "scale": parameter.scale,
@@ -89,6 +92,7 @@ def _response(context: ReportContext, metamodels: Metamodels, index: int) -> Map
         "plot": label.plot,
         "axis": label.axis,
         "unit": label.unit,
+        "plot_unit": str(escape(label.unit)),
         "target": target.value,
         "tolerance": target.accepted_deviation,
         # Half of the gauge: all runs are on it.
