@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 import re
 
@@ -528,3 +529,72 @@ def test_a_prediction_without_each_run_is_that_of_the_other_runs() -> None:
         ).predict([at])
         assert means[run] == pytest.approx(others.mean[0], rel=1e-8)
         assert variances[run] == pytest.approx(others.variance_of_mean[0], rel=1e-6)
+
+
+# Fewer sets of hyperparameters, and other programs ------------------------------------------
+
+
+def test_reduced_keeps_the_most_probable_sets_with_weights_that_sum_to_one(good: Kriging) -> None:
+    reduced = good.reduced(3)
+    assert (reduced.components, good.reduced(1).components) == (3, 1)
+    assert good.reduced(good.components) is good
+    assert reduced._weights.sum() == pytest.approx(1.0, abs=1e-14)
+    largest = np.sort(good._weights)[::-1][:3]
+    np.testing.assert_allclose(np.sort(reduced._weights)[::-1], largest / largest.sum())
+    points = design(50, 2, 31)
+    change = reduced.predict(points).mean - good.predict(points).mean
+    assert 0.0 < np.abs(change).max() < 0.5 * good.predict(points).standard_error.max()
+    added = good.condition([[0.5, 0.5]], None).reduced(3)
+    assert (added.components, added.n) == (3, 26)
+    assert added.leave_one_out().q2 == reduced.leave_one_out().q2
+    with pytest.raises(InputError, match="components: is 0. Keep at least 1"):
+        good.reduced(0)
+
+
+def evaluated(plain: dict[str, object], points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Mean and variance by the formulas of `Kriging.to_plain`, as another program has them."""
+    runs, means, variances, weights = np.array(plain["points"]), [], [], []
+    for c in plain["components"]:
+        n, q = len(c["coefficients"]), len(c["trend_coefficients"])
+        triangle, read = np.zeros((n - q, n + q)), 0
+        for row in range(n - q):
+            length = n + q - row
+            triangle[row, row:] = c["triangle"][read : read + length]
+            read += length
+        assert read == len(c["triangle"])
+        off = (points[:, None] - runs) / np.array(c["ranges"])
+        t = math.sqrt(10.0) * np.sqrt((off**2).sum(axis=2))
+        k = c["signal_variance"] * (1.0 + t + t**2 / 3.0) * np.exp(-t)
+        f = np.column_stack([np.ones(len(points)), points[:, c["trend_columns"]] - 0.5])
+        means.append(f @ c["trend_coefficients"] + k @ c["coefficients"])
+        variance = c["signal_variance"] - 2.0 * (f * (k @ np.array(c["least_squares"]).T)).sum(1)
+        variance += (f * (f @ np.array(c["trend_covariance"]))).sum(axis=1)
+        variance -= ((np.hstack([k, f]) @ triangle.T) ** 2).sum(axis=1)
+        variances.append(np.maximum(variance, 0.0))
+        weights.append(c["weight"])
+    mean = weights @ np.array(means)
+    spread = weights @ (np.array(means) - mean) ** 2
+    variance = plain["inflation"] * (weights @ np.array(variances)) + spread
+    return plain["offset"] + plain["scale"] * mean, plain["scale"] ** 2 * variance
+
+
+@pytest.mark.parametrize("noise", [0.0, 0.2])
+@pytest.mark.parametrize("d", [1, 5])
+@pytest.mark.parametrize("linear_trend", [True, False])
+def test_another_program_predicts_the_same_from_what_is_written_out(
+    d: int, noise: float, linear_trend: bool
+) -> None:
+    points = design(30, d, 32)
+    values = 20.0 + np.sin(3.0 * points[:, 0]) + points[:, -1]
+    values += np.random.default_rng(32).normal(0.0, noise, 30)
+    metamodel = Kriging.fit(points, values, linear_trend=linear_trend)
+    targets = np.vstack([design(40, d, 33), points[:3], np.zeros((1, d)), np.ones((1, d))])
+    plain = json.loads(json.dumps(metamodel.to_plain()))
+    mean, variance = evaluated(plain, targets)
+    predicted = metamodel.predict(targets)
+    np.testing.assert_allclose(mean, predicted.mean, rtol=1e-9)
+    # Rounding of what is subtracted; without noise hardly anything is left at the runs.
+    signal = max(c["signal_variance"] for c in plain["components"]) * plain["scale"] ** 2
+    np.testing.assert_allclose(
+        variance, predicted.variance_of_mean, rtol=1e-9, atol=1e-12 * signal
+    )

@@ -4,6 +4,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from grainfit.analysis import Analysis, analyse
     from grainfit.calibration import calibrate
     from grainfit.errors import (
         GrainfitError,
@@ -22,6 +23,7 @@ if TYPE_CHECKING:
     from grainfit.timestep import RayleighTimeStep, rayleigh_time_step
 
 __all__ = [
+    "Analysis",
     "GrainfitError",
     "InputError",
     "NotMeasurableError",
@@ -38,6 +40,7 @@ __all__ = [
     "StoreError",
     "Target",
     "Workspace",
+    "analyse",
     "calibrate",
     "rayleigh_time_step",
     "write_report",
@@ -45,6 +48,7 @@ __all__ = [
 
 # Imported when first used: the command line does without most of it, and SciPy takes a second.
 _HOMES = {
+    **dict.fromkeys(("Analysis", "analyse"), "analysis"),
     "calibrate": "calibration",
     "ParticleSizes": "material",
     "Progress": "progress",

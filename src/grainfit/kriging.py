@@ -16,9 +16,10 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Callable
-from dataclasses import dataclass
+from copy import copy
+from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -470,6 +471,28 @@ class _Component:
             np.append(self.known_noise, known_noise),
         )
 
+    def weighing(self, weight: float) -> _Component:
+        """The same with another weight in the mixture."""
+        other = copy(self)
+        other.hyperparameters = replace(self.hyperparameters, weight=weight)
+        return other
+
+    def to_plain(self) -> dict[str, Any]:
+        """What `Kriging.to_plain` gives of a component."""
+        # A rotation from the left changes no length, and leaves half of the numbers zero.
+        triangle = np.linalg.qr(np.hstack([self._root, -self._root_of_trend]), mode="r")
+        return {
+            "weight": float(self.hyperparameters.weight),
+            "ranges": self.hyperparameters.ranges.tolist(),
+            "signal_variance": float(self.hyperparameters.signal_variance),
+            "trend_columns": list(self.trend.columns),
+            "coefficients": self._coefficients.tolist(),
+            "trend_coefficients": self._trend_coefficients.tolist(),
+            "least_squares": self._least_squares.tolist(),
+            "trend_covariance": self._trend_covariance.tolist(),
+            "triangle": triangle[np.triu_indices(len(triangle), m=triangle.shape[1])].tolist(),
+        }
+
 
 def _checked(name: str, array: ArrayLike, shape: tuple[int | None, ...]) -> FloatArray:
     """The array as finite floats of that shape (``None``: any length)."""
@@ -647,6 +670,11 @@ class Kriging:
         if self._judged_by is not None:
             return self._judged_by.n
         return len(self._components[0].points)
+
+    @property
+    def components(self) -> int:
+        """Number of sets of hyperparameters that predictions are averaged over."""
+        return len(self._components)
 
     @property
     def ranges(self) -> FloatArray:
@@ -868,6 +896,78 @@ class Kriging:
             degrees_of_freedom=self._degrees_of_freedom,
             judged_by=(self._judged_by or self) if values is None else None,
         )
+
+    def reduced(self, components: int) -> Kriging:
+        """Keep only the most probable sets of hyperparameters, for predictions that cost less.
+
+        Parameters
+        ----------
+        components : int
+            How many to keep; their weights are raised to sum to one.
+
+        Returns
+        -------
+        Kriging
+
+        Raises
+        ------
+        InputError
+            If none is to be kept.
+        """
+        if components < 1:
+            raise InputError(
+                Fault("components", f"is {components}.", "Keep at least 1 set of hyperparameters.")
+            )
+        if components >= self.components:
+            return self
+        kept = np.sort(np.argsort(-self._weights, kind="stable")[:components])
+        weights = self._weights[kept] / self._weights[kept].sum()
+        return Kriging(
+            [self._components[i].weighing(float(w)) for i, w in zip(kept, weights, strict=True)],
+            offset=self._offset,
+            scale=self._scale,
+            degrees_of_freedom=self._degrees_of_freedom,
+            judged_by=self._judged_by.reduced(components) if self._judged_by else None,
+        )
+
+    def to_plain(self) -> dict[str, Any]:
+        """Give all that another program needs to predict what `predict` does, as plain lists.
+
+        Returns
+        -------
+        dict
+            ``offset``, ``scale``, ``inflation`` (numbers); ``points`` (n lists of d numbers); and
+            ``components``, one dictionary for each set of hyperparameters: ``weight``,
+            ``signal_variance`` (numbers); ``ranges`` (d); ``trend_columns`` (q - 1 indices of
+            parameters, from 0); ``coefficients`` (n); ``trend_coefficients`` (q);
+            ``least_squares`` (q lists of n); ``trend_covariance`` (q lists of q); ``triangle``,
+            one flat list: n - q rows of an upper triangular matrix T of n + q columns, one after
+            the other, each from its diagonal on, so row i has n + q - i numbers.
+
+        Notes
+        -----
+        At a point x of the unit cube, for every component:
+
+        - k, n numbers: ``k_i = signal_variance (1 + t + t^2 / 3) exp(-t)`` with
+          ``t = sqrt(10) |(x - points_i) / ranges|`` (Matérn 5/2 in gpmp's convention; Euclidean
+          norm, divided parameter by parameter);
+        - f, q numbers: 1, then ``x_j - 0.5`` for every j of ``trend_columns``;
+        - ``mean = trend_coefficients . f + coefficients . k``;
+        - ``variance = signal_variance - 2 f . (least_squares k) + f . (trend_covariance f)
+          - |T v|^2``, v the n numbers of k and then the q of f; 0 if that is below.
+
+        Then, sums over the components with their weights w:
+
+        - ``m = sum w mean`` and ``s = inflation sum w variance + sum w (mean - m)^2``;
+        - the expected response is ``offset + scale m``, its variance ``scale^2 s``.
+        """
+        return {
+            "offset": self._offset,
+            "scale": self._scale,
+            "inflation": self._inflation,
+            "points": self._components[0].points.tolist(),
+            "components": [component.to_plain() for component in self._components],
+        }
 
     def warnings(self, *, spread: bool = True) -> list[str]:
         """Why the metamodel should not be trusted, in plain language; empty if it can be.

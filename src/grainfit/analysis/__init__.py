@@ -1,0 +1,22 @@
+"""What the runs of a calibration tell beyond the answer: how sure it is, and what it hangs on."""
+
+from grainfit.analysis.analysis import Analysis, analyse
+from grainfit.analysis.identifiability import Direction, Identifiability, identifiability
+from grainfit.analysis.pareto import ParetoFront, pareto_front
+from grainfit.analysis.posterior import Posterior, sample_posterior, standard_uncertainty
+from grainfit.analysis.sensitivity import Sensitivity, sensitivity
+
+__all__ = [
+    "Analysis",
+    "Direction",
+    "Identifiability",
+    "ParetoFront",
+    "Posterior",
+    "Sensitivity",
+    "analyse",
+    "identifiability",
+    "pareto_front",
+    "sample_posterior",
+    "sensitivity",
+    "standard_uncertainty",
+]

@@ -1,0 +1,252 @@
+"""What the tests determine, what they leave open, and what would settle it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import combinations
+from math import floor, log10, sqrt
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.stats import rankdata
+
+from grainfit.analysis.further_tests import to_settle, to_tell_apart
+from grainfit.analysis.posterior import Posterior
+from grainfit.problem import Parameter, Problem
+
+Array = NDArray[np.float64]
+
+#: Widths of 95 % intervals over that before the tests: up to here determined, from here on open.
+_DETERMINED = 0.25
+_OPEN = 0.8
+#: Correlation from which on two parameters stand for one another (or as much information).
+_STRONG = 0.7
+_CLASSES = 8
+#: From here on a parameter takes part in a direction (components of a unit vector).
+_TAKES_PART = 0.3
+#: Share of the sample at an end of a ridge.
+_END = 0.05
+#: A ridge that leaves the straight line by more (of the cube's edge) is described by three points.
+_BENT = 0.1
+_VARIANCE_BEFORE = 1.0 / 12.0
+#: From here on, percent say less than the ends of the interval.
+_LARGEST_PERCENTAGE = 50.0
+
+
+@dataclass(frozen=True)
+class Direction:
+    """A direction in the unit cube and what is known along it.
+
+    Attributes
+    ----------
+    components : dict of str to float
+        Unit vector by name of the parameter; the largest component is positive.
+    narrowing : float
+        Standard deviation along it over that before the tests: 0 when fixed, 1 when nothing was
+        learnt.
+    determined : bool
+        Whether that is 0.25 or less.
+    """
+
+    components: dict[str, float]
+    narrowing: float
+    determined: bool
+
+
+@dataclass(frozen=True)
+class Identifiability:
+    """What the tests determine and what they leave open.
+
+    Attributes
+    ----------
+    directions : tuple of Direction
+        Principal directions of the posterior distribution, best determined first.
+    narrowing : dict of str to float
+        Width of each parameter's 95 % credible interval over that before the tests, 0 to 1; of
+        logarithms for a parameter with ``scale="log"``.
+    verdicts : tuple of str
+        In words; what is not determined first.
+    further_tests : tuple of str
+        Which further bulk tests would settle what is open, in words.
+    """
+
+    directions: tuple[Direction, ...]
+    narrowing: dict[str, float]
+    verdicts: tuple[str, ...]
+    further_tests: tuple[str, ...]
+
+
+def identifiability(posterior: Posterior, problem: Problem) -> Identifiability:
+    """Judge what the tests determine.
+
+    Parameters
+    ----------
+    posterior : Posterior
+        A sample of the parameter sets that are in line with the measurements.
+    problem : Problem
+        Has the intervals and units of the parameters.
+
+    Returns
+    -------
+    Identifiability
+    """
+    directions = _directions(posterior)
+    narrowing = _narrowing(posterior)
+    groups = _inseparable(posterior, narrowing, directions)
+    grouped = {name for group in groups for name in group}
+    parameters = {parameter.name: parameter for parameter in problem.parameters}
+    alone = sorted((n for n in narrowing if n not in grouped), key=lambda n: -narrowing[n])
+    is_open = [name for name in alone if narrowing[name] > _DETERMINED]
+    verdicts = [_verdict_of_group(posterior, parameters, group) for group in groups]
+    verdicts += [_verdict(posterior, parameters[name], narrowing[name]) for name in alone]
+    return Identifiability(
+        directions=directions,
+        narrowing=narrowing,
+        verdicts=tuple(verdicts),
+        further_tests=(*map(to_tell_apart, groups), *map(to_settle, is_open)),
+    )
+
+
+def _directions(posterior: Posterior) -> tuple[Direction, ...]:
+    eigenvalues, vectors = np.linalg.eigh(np.atleast_2d(np.cov(posterior.points, rowvar=False)))
+    directions = []
+    for eigenvalue, vector in zip(eigenvalues, vectors.T, strict=True):
+        largest = vector[np.abs(vector).argmax()]
+        components = (vector * np.sign(largest)).tolist()
+        # Two peaks at opposite bounds are farther apart than an even spread.
+        narrowing = min(sqrt(max(float(eigenvalue), 0.0) / _VARIANCE_BEFORE), 1.0)
+        directions.append(
+            Direction(
+                components=dict(zip(posterior.names, components, strict=True)),
+                narrowing=narrowing,
+                determined=narrowing <= _DETERMINED,
+            )
+        )
+    return tuple(directions)
+
+
+def _narrowing(posterior: Posterior) -> dict[str, float]:
+    low, high = np.quantile(posterior.points, [0.025, 0.975], axis=0)
+    widths = np.minimum((high - low) / 0.95, 1.0)
+    return dict(zip(posterior.names, widths.tolist(), strict=True))
+
+
+# Ridges -------------------------------------------------------------------------------------
+
+
+def _inseparable(
+    posterior: Posterior, narrowing: dict[str, float], directions: Sequence[Direction]
+) -> list[tuple[str, ...]]:
+    """Groups of parameters that are open one by one and determined together."""
+    is_open = [name for name in posterior.names if narrowing[name] > _DETERMINED]
+    groups: list[set[str]] = []
+    for pair in combinations(is_open, 2):
+        if _dependence(posterior, *pair) >= _STRONG:
+            joined = [group for group in groups if group & set(pair)]
+            groups = [group for group in groups if not group & set(pair)]
+            groups.append(set(pair).union(*joined))
+    # Three and more may be tied although no two of them are.
+    for direction in directions:
+        if direction.determined:
+            tied = {n for n in is_open if abs(direction.components[n]) >= _TAKES_PART}
+            if len(tied) > 1 and not tied <= set[str]().union(*groups):
+                groups.append(tied)
+    return [tuple(name for name in posterior.names if name in group) for group in groups]
+
+
+def _dependence(posterior: Posterior, first: str, second: str) -> float:
+    """How much one parameter tells of another, on any curve: 0 nothing, 1 everything.
+
+    The correlation of two normal variates that have as much mutual information; from counts in
+    classes of equal probability, less what chance makes of that (Miller & Madow).
+    """
+    count = len(posterior.points)
+    columns = [posterior.names.index(name) for name in (first, second)]
+    ranks = rankdata(posterior.points[:, columns], method="ordinal", axis=0) - 1
+    classes = (_CLASSES * ranks // count).astype(int)
+    shares = np.zeros((_CLASSES, _CLASSES))
+    np.add.at(shares, (classes[:, 0], classes[:, 1]), 1.0 / count)
+    expected = np.outer(shares.sum(axis=1), shares.sum(axis=0))
+    filled = shares > 0.0
+    information = float((shares[filled] * np.log(shares[filled] / expected[filled])).sum())
+    by_chance = (_CLASSES - 1) ** 2 / (2.0 * max(posterior.effective_samples, 1.0))
+    return sqrt(-float(np.expm1(-2.0 * max(information - by_chance, 0.0))))
+
+
+def _stops(posterior: Posterior, group: Sequence[str]) -> NDArray[np.intp]:
+    """Members of the sample at both ends of a ridge, and in its middle when it is bent.
+
+    The sample is cut across its principal direction; of each slice the member nearest to the
+    slice's medians is taken, which lies on the ridge also where that is a ring.
+    """
+    cloud = posterior.points[:, [posterior.names.index(name) for name in group]]
+    _, vectors = np.linalg.eigh(np.cov(cloud, rowvar=False))
+    along = vectors[:, -1] * np.sign(vectors[np.abs(vectors[:, -1]).argmax(), -1])
+    order = np.argsort(cloud @ along, kind="stable")
+    size = max(int(_END * len(order)), 1)
+    middle = (len(order) - size) // 2
+    slices = (order[:size], order[middle : middle + size], order[-size:])
+    start, between, end = (_nearest_to_median(cloud, members) for members in slices)
+    way = cloud[end] - cloud[start]
+    share = (cloud[between] - cloud[start]) @ way / max(float(way @ way), 1e-300)
+    aside = np.abs(cloud[between] - cloud[start] - share * way).max()
+    return np.array([start, between, end] if aside > _BENT else [start, end])
+
+
+def _nearest_to_median(cloud: Array, members: NDArray[np.intp]) -> int:
+    part = cloud[members]
+    return int(members[((part - np.median(part, axis=0)) ** 2).sum(axis=1).argmin()])
+
+
+# Words --------------------------------------------------------------------------------------
+
+
+def _verdict_of_group(
+    posterior: Posterior, parameters: dict[str, Parameter], group: tuple[str, ...]
+) -> str:
+    stops = _stops(posterior, group)
+    values = {name: posterior.values[stops, posterior.names.index(name)] for name in group}
+    whole = f"{', '.join(group[:-1])} and {group[-1]} cannot be told apart by these tests:"
+    if len(group) == 2:
+        along = ", ".join(
+            _with_unit(" → ".join(map(_shown, values[name])), parameters[name]) for name in group
+        )
+        return f"{whole} any pair along {along} fits."
+    sets = (
+        ", ".join(_with_unit(f"{n} {_shown(values[n][stop])}", parameters[n]) for n in group)
+        for stop in range(len(stops))
+    )
+    return f"{whole} {' fits as well as '.join(sets)}."
+
+
+def _verdict(posterior: Posterior, parameter: Parameter, narrowing: float) -> str:
+    name = parameter.name
+    low, high = posterior.interval(name)
+    between = _with_unit(f"{_shown(low)} to {_shown(high)}", parameter)
+    if narrowing > _OPEN:
+        whole = f"{_shown(parameter.minimum)} to {_shown(parameter.maximum)}"
+        return (
+            f"{name} is not determined: all of its interval ({_with_unit(whole, parameter)}) fits."
+        )
+    if narrowing > _DETERMINED:
+        return f"{name} is only narrowed: it is between {between} with 95 % probability."
+    middle = abs(posterior.median(name))
+    percent = 100.0 * (high - low) / 2.0 / middle if middle > 0.0 else np.inf
+    if percent > _LARGEST_PERCENTAGE:
+        return f"{name} is determined: {between} with 95 % probability."
+    return f"{name} is determined to ±{_shown(percent, 2)} % ({between})."
+
+
+def _with_unit(text: str, parameter: Parameter) -> str:
+    return f"{text} {parameter.unit}".rstrip()
+
+
+def _shown(value: float, digits: int = 3) -> str:
+    """A number for people: so many digits that tell, without an exponent where it is readable."""
+    if value == 0.0:
+        return "0"
+    magnitude = floor(log10(abs(value)))
+    if not -4 <= magnitude < 6:
+        return f"{value:.{digits}g}"
+    return f"{round(value, digits - 1 - magnitude):,.{max(digits - 1 - magnitude, 0)}f}"

@@ -1,0 +1,176 @@
+"""Which parameter sets are in line with the measurements, given all that is known: a sample."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.stats import rankdata
+from threadpoolctl import threadpool_limits
+
+from grainfit.analysis.ensemble import sample_cube
+from grainfit.errors import Fault, InputError
+from grainfit.problem import Target
+from grainfit.strategies.metamodels import Metamodels
+
+Array = NDArray[np.float64]
+
+#: Half the width of a 95 % interval in standard deviations.
+_NORMAL_QUANTILE = 1.96
+
+
+@dataclass(frozen=True)
+class Posterior:
+    """A sample of the parameter sets that are in line with the measurements.
+
+    Attributes
+    ----------
+    names : tuple of str
+        Free parameters.
+    points : ndarray, shape (n, d)
+        In the unit cube.
+    values : ndarray, shape (n, d)
+        The same in SI units.
+    responses : ndarray, shape (n, number of targets)
+        Expected responses there.
+    converged : bool
+        Whether the sample is good enough for its intervals to be quoted.
+    convergence : str
+        What that rests on, in words.
+    effective_samples : float
+        Number of independent samples that would tell as much.
+    """
+
+    names: tuple[str, ...]
+    points: Array
+    values: Array
+    responses: Array
+    converged: bool
+    convergence: str
+    effective_samples: float
+
+    def interval(self, name: str, level: float = 0.95) -> tuple[float, float]:
+        """Credible interval of a parameter, SI: as much probability is below as above it.
+
+        Parameters
+        ----------
+        name : str
+            Name of the parameter.
+        level : float
+            Probability that the value is inside, between 0 and 1.
+
+        Raises
+        ------
+        InputError
+            There is no such parameter, or the level is not between 0 and 1.
+        """
+        if not 0.0 < level < 1.0:
+            raise InputError(Fault("level", f"is {level}.", "Give a probability between 0 and 1."))
+        tail = (1.0 - level) / 2.0
+        low, high = np.quantile(self._of(name), [tail, 1.0 - tail])
+        return float(low), float(high)
+
+    def median(self, name: str) -> float:
+        """Median of a parameter, SI."""
+        return float(np.median(self._of(name)))
+
+    @cached_property
+    def correlations(self) -> Array:
+        """Rank correlations (Spearman's) of the parameters, shape (d, d).
+
+        Of ranks, so that they are the same on a linear and a logarithmic scale, and ±1 on any
+        curve that only rises or only falls.
+        """
+        ranks = rankdata(self.points, axis=0)
+        ranks -= ranks.mean(axis=0)
+        lengths = np.sqrt((ranks**2).sum(axis=0))
+        ranks /= np.where(lengths > 0.0, lengths, 1.0)
+        found = np.clip(ranks.T @ ranks, -1.0, 1.0)
+        np.fill_diagonal(found, 1.0)
+        return np.asarray(found)
+
+    def _of(self, name: str) -> Array:
+        if name not in self.names:
+            raise InputError(
+                Fault("name", f"{name!r} is no free parameter.", f"Use {', '.join(self.names)}.")
+            )
+        return np.asarray(self.values[:, self.names.index(name)])
+
+
+def standard_uncertainty(target: Target) -> float:
+    """Standard uncertainty of a measured value, in its unit.
+
+    Where none is given, the accepted deviation is read as a 95 % interval.
+    """
+    if target.uncertainty is not None:
+        return target.uncertainty
+    return target.accepted_deviation / _NORMAL_QUANTILE
+
+
+def sample_posterior(
+    metamodels: Metamodels, *, seed: int = 1, samples: int = 4000, max_steps: int = 500
+) -> Posterior:
+    """Sample the posterior distribution of the parameters.
+
+    Before the measurements, all points of the unit cube are equally likely (so all magnitudes of
+    a parameter with ``scale="log"``). The measured values are normally distributed about the
+    expected responses; to the variance of a measurement comes that of the metamodel's mean, which
+    includes the scatter from run to run.
+
+    Parameters
+    ----------
+    metamodels : Metamodels
+        Of all responses; `Kriging.reduced` makes them faster.
+    seed : int
+        The same seed gives the same sample.
+    samples : int
+        How many points to return.
+    max_steps : int
+        Most steps of every walker; where they do not do, ``converged`` is false.
+
+    Returns
+    -------
+    Posterior
+
+    References
+    ----------
+    Kennedy & O'Hagan (2001), J. R. Stat. Soc. B 63, 425-464.
+    """
+    problem = metamodels.problem
+    with threadpool_limits(limits=1, user_api="blas"):
+        sample = sample_cube(
+            _log_likelihood(metamodels),
+            problem.dimension,
+            seed=seed,
+            samples=samples,
+            max_steps=max_steps,
+        )
+        responses, _ = metamodels.predict(sample.points)
+    names = tuple(parameter.name for parameter in problem.parameters)
+    values = [list(problem.from_unit(point).values()) for point in sample.points]
+    return Posterior(
+        names=names,
+        points=sample.points,
+        values=np.array(values),
+        responses=responses,
+        converged=sample.converged,
+        convergence=sample.convergence,
+        effective_samples=sample.effective_samples,
+    )
+
+
+def _log_likelihood(metamodels: Metamodels) -> Callable[[Array], Array]:
+    targets = metamodels.problem.targets
+    measured = np.array([target.value for target in targets])
+    variances = np.array([standard_uncertainty(target) ** 2 for target in targets])
+
+    def log_likelihood(points: Array) -> Array:
+        means, errors = metamodels.predict(points)
+        total = variances + errors
+        # A point of which little is known must not look good for that alone.
+        return np.asarray(-0.5 * ((means - measured) ** 2 / total + np.log(total)).sum(axis=1))
+
+    return log_likelihood

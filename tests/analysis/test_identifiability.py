@@ -1,0 +1,150 @@
+"""What samples of known shape are said to determine."""
+
+import math
+
+import numpy as np
+import pytest
+
+from grainfit.analysis import Identifiability, Posterior, identifiability
+from grainfit.problem import Parameter, Problem, Target
+
+SLIDING = Parameter("particle_particle.sliding_friction", 0.0, 1.0)
+ROLLING = Parameter("particle_particle.rolling_friction", 0.0, 2.0)
+DENSITY = Parameter("particle.density", 2000.0, 3000.0, unit="kg/m^3")
+MODULUS = Parameter("particle.youngs_modulus", 1e6, 1e8, "log", unit="Pa")
+OWN = Parameter("cohesion", 0.0, 1.0)
+
+COUNT = 4000
+
+
+def judged(parameters: list[Parameter], *columns: np.ndarray) -> Identifiability:
+    problem = Problem(parameters, [Target("y", 1.0)])
+    points = np.column_stack(columns)
+    values = np.array([list(problem.from_unit(point).values()) for point in points])
+    names = tuple(parameter.name for parameter in parameters)
+    posterior = Posterior(names, points, values, np.ones((COUNT, 1)), True, "", 1000.0)
+    return identifiability(posterior, problem)
+
+
+@pytest.fixture
+def random() -> np.random.Generator:
+    return np.random.default_rng(1)
+
+
+def test_a_ridge_is_told_with_both_names_and_the_values_at_its_ends(
+    random: np.random.Generator,
+) -> None:
+    x = random.uniform(0.1, 0.9, COUNT)
+    y = 1.0 - x + random.normal(0.0, 0.005, COUNT)
+    density = random.normal(0.5, 0.015, COUNT)
+    found = judged([SLIDING, DENSITY, ROLLING], x, density, y)
+    ridge, determined = found.verdicts
+    start, end = (
+        float(number) for number in ridge.split("sliding_friction ")[2].split(",")[0].split(" → ")
+    )
+    assert ridge.startswith(
+        "particle_particle.sliding_friction and particle_particle.rolling_friction cannot be told "
+        "apart by these tests: any pair along particle_particle.sliding_friction "
+    )
+    assert (start, end) == pytest.approx((0.12, 0.88), abs=0.03)
+    # The cube's 1 is a rolling friction of 2.
+    others = [float(n) for n in ridge.split("rolling_friction ")[2].split(" fits")[0].split(" → ")]
+    assert others == pytest.approx([2 - 2 * start, 2 - 2 * end], abs=0.05)
+    assert determined.startswith("particle.density is determined to ±1.2 % (2,4")
+    assert determined.endswith("kg/m^3).")
+    assert [d.determined for d in found.directions] == [True, True, False]
+    best = found.directions[0].components
+    wanted = {SLIDING.name: 0.5**0.5, ROLLING.name: 0.5**0.5, DENSITY.name: 0.0}
+    assert best == pytest.approx(wanted, abs=0.02)
+    assert found.directions[0].narrowing == pytest.approx(0.005 / 2**0.5 * 12**0.5, rel=0.1)
+    (test,) = found.further_tests
+    assert "shear test" in test
+    assert "rotating drum" in test
+
+
+@pytest.mark.parametrize("shape", ["hyperbola", "parabola", "ring"])
+def test_a_curved_ridge_is_a_ridge(shape: str, random: np.random.Generator) -> None:
+    if shape == "hyperbola":
+        x = 0.1 * 10 ** random.random(COUNT)
+        y = 0.1 / x
+    elif shape == "parabola":
+        x = random.random(COUNT)
+        y = 4.0 * (x - 0.5) ** 2
+    else:
+        angle = random.uniform(0.0, 2 * math.pi, COUNT)
+        x, y = 0.5 + 0.45 * np.cos(angle), 0.5 + 0.45 * np.sin(angle)
+    found = judged([SLIDING, OWN], x, y + random.normal(0.0, 0.005, COUNT))
+    (verdict,) = found.verdicts
+    assert "cannot be told apart" in verdict
+    stops = [
+        [float(number) for number in part.split(" fits")[0].rsplit("n ", 1)[1].split(" → ")]
+        for part in verdict.split("along ")[1].split(", ")
+    ]
+    for first, second in zip(*stops, strict=True):
+        on = {
+            "hyperbola": first * second - 0.1,
+            "parabola": second - 4 * (first - 0.5) ** 2,
+            "ring": math.hypot(first - 0.5, second - 0.5) - 0.45,
+        }
+        assert on[shape] == pytest.approx(0.0, abs=0.06)
+    assert len(stops[0]) == 3
+
+
+def test_three_parameters_of_which_only_the_sum_is_known_are_one_group(
+    random: np.random.Generator,
+) -> None:
+    points = random.random((40 * COUNT, 3))
+    points = points[np.abs(points.sum(axis=1) - 1.5) < 0.02][:COUNT]
+    found = judged([SLIDING, ROLLING, OWN], *points.T)
+    (verdict,) = found.verdicts
+    assert verdict.startswith(
+        "particle_particle.sliding_friction, particle_particle.rolling_friction and cohesion "
+        "cannot be told apart by these tests: "
+    )
+
+
+def test_what_is_not_determined_comes_before_what_is(random: np.random.Generator) -> None:
+    found = judged(
+        [DENSITY, MODULUS, ROLLING, OWN],
+        random.normal(0.3, 0.01, COUNT),
+        random.random(COUNT),
+        random.uniform(0.3, 0.8, COUNT),
+        random.uniform(0.01, 0.03, COUNT),
+    )
+    modulus, rolling, own, density = found.verdicts
+    assert modulus == (
+        "particle.youngs_modulus is not determined: all of its interval (1e+06 to 1e+08 Pa) fits."
+    )
+    assert rolling.startswith("particle_particle.rolling_friction is only narrowed: it is between")
+    # Percent of next to nothing would look like a lot.
+    assert own.startswith("cohesion is determined")
+    assert density.startswith("particle.density is determined to ±0.8")
+    assert found.narrowing[MODULUS.name] == pytest.approx(1.0, abs=0.02)
+    assert found.narrowing[ROLLING.name] == pytest.approx(0.5, abs=0.02)
+    assert [test.split(":")[0] for test in found.further_tests] == [
+        "To settle particle.youngs_modulus",
+        "To settle particle_particle.rolling_friction",
+    ]
+
+
+def test_independent_parameters_are_no_ridge(random: np.random.Generator) -> None:
+    found = judged([SLIDING, ROLLING, OWN], *random.random((3, COUNT)))
+    assert all("is not determined" in verdict for verdict in found.verdicts)
+    assert [d.determined for d in found.directions] == [False] * 3
+
+
+def test_a_parameter_that_bulk_tests_do_not_see_is_better_fixed(
+    random: np.random.Generator,
+) -> None:
+    ratio = Parameter("wall.poissons_ratio", 0.1, 0.4)
+    found = judged([ratio, OWN], *random.random((2, COUNT)))
+    fixed, own = sorted(found.further_tests, reverse=True)
+    assert fixed.startswith("wall.poissons_ratio hardly changes any common bulk test: take it out")
+    assert own == "To settle cohesion: add a target of a test that responds to it."
+
+
+def test_a_single_parameter_is_judged_too(random: np.random.Generator) -> None:
+    found = judged([DENSITY], random.normal(0.5, 0.01, COUNT))
+    (direction,) = found.directions
+    assert direction.components == {DENSITY.name: 1.0}
+    assert direction.narrowing == pytest.approx(0.01 * 12**0.5, rel=0.1)
