@@ -6,6 +6,7 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from html import unescape
+from itertools import pairwise
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -375,7 +376,7 @@ def test_the_best_so_far_never_rises_and_ignores_failures() -> None:
     # (1500 - 1000) / 15 is the larger deviation of the first run, 0.4 / 0.5 of the fifth.
     assert best[1] == pytest.approx(500 / 15)
     assert best[-1] == pytest.approx(0.2)
-    assert all(later <= earlier for earlier, later in zip(best, best[1:], strict=False))
+    assert all(later <= earlier for earlier, later in pairwise(best))
 
 
 def test_before_the_first_run_sections_say_what_they_wait_for() -> None:

@@ -99,7 +99,9 @@ def verdict(context: ReportContext) -> Verdict:
             return Verdict("warn", f"Interrupted. {so_far}", (words,))
     if not context.answer:
         words = "Its result.json is missing or was edited: start the same command again."
-        return Verdict("warn", f"It has ended ({plain(reading.state)}), but not its answer.", (words,))
+        return Verdict(
+            "warn", f"It has ended ({plain(reading.state)}), but not its answer.", (words,)
+        )
     return _final_verdict(context)
 
 
@@ -172,8 +174,9 @@ def _response_row(context: ReportContext, target: Target) -> ResponseRow:
     tolerance = target.accepted_deviation
     measured = {"measured": number(target.value, 6), "tolerance": number(tolerance, 3)}
     if response is None:
-        return ResponseRow(label, **measured, expected="–", half_width="", predicted=False,
-                           deviation="–", met=None)
+        return ResponseRow(
+            label, **measured, expected="–", half_width="", predicted=False, deviation="–", met=None
+        )
     expected, half_width = response.predicted, _QUANTILE * response.std_error
     verified = response.verified_mean is not None and response.verified_interval is not None
     if response.verified_mean is not None and response.verified_interval is not None:
