@@ -9,7 +9,7 @@ from typing import Any, Literal
 
 from markupsafe import Markup
 
-from grainfit.printable import duration, plain
+from grainfit.printable import counted, duration, plain
 from grainfit.problem import Parameter, Target
 from grainfit.report.labels import Label, number, rounded
 from grainfit.report.rendering import render
@@ -85,10 +85,10 @@ def answer(context: ReportContext) -> Section:
 def verdict(context: ReportContext) -> Verdict:
     """Say in words what came of the calibration, or how far it is."""
     reading = context.reading
-    ended = f"{len(reading.evaluations)} parameter sets have been simulated so far"
+    ended = f"Simulated so far: {counted(len(reading.evaluations), 'parameter set')}"
     match reading.state:
         case "running":
-            words = f"{ended}, {reading.running} runs are under way."
+            words = f"{ended}; under way: {counted(reading.running, 'run')}."
             return Verdict("warn", "Running: no answer yet.", (words,))
         case "failed":
             words = f"{ended}. The last runs in the table below say why; mend it and start again."

@@ -86,7 +86,7 @@ def _misfit_figure(context: ReportContext) -> Figure:
             "title": {"text": "largest deviation / tolerance"},
             "type": "log",
             "range": [float(low) - 0.2, float(high) + 0.2],
-            "dtick": 1 if high - low > 2 else None,
+            "dtick": 1 if high - low > 2 else "D2",
         },
         "yaxis2": _failure_axis(),
         "shapes": [
