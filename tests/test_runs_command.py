@@ -129,7 +129,9 @@ def test_a_calibration_says_which_runs_of_others_it_learns_from(sand: Path) -> N
     assert "learnt from" not in first.stdout
     made = json.loads(Path("sand.grainfit/result.json").read_text())["runs"]["total"]
     sand.write_text(FILE.replace("value = 36", "value = 38"))
-    second = grainfit("run", sand, "--no-report", "--workdir", "new", "--runs-from", "sand.grainfit")
+    second = grainfit(
+        "run", sand, "--no-report", "--workdir", "new", "--runs-from", "sand.grainfit"
+    )
     place = Path("sand.grainfit/runs.sqlite").absolute()
     line = f"Learns from {made} runs that were made before: {place} ({made})."
     assert second.stderr.count(line) == 1, second.stderr

@@ -6,6 +6,7 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from html import unescape
+from itertools import pairwise
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -186,9 +187,9 @@ def test_the_answer_has_verdict_values_intervals_and_cost() -> None:
         "Calibrated: every measurement is met within its tolerance.",
         "probability of 96 %",
         "particle-particle rolling friction coefficient 0.520 0.480 … 0.571",
-        "2309 2280 … 2341 kg/m³",
-        "1500 ± 15 1501.8 ± 1.5 kg/m³ +0.12 % ✓ met",
-        "22 ± 0.5 21.60 ± 0.39 (predicted) ° −1.82 % ✓ met",
+        "ρ p kg/m³ particle density of the solid 2309 2280 … 2341",
+        "1500 ± 15 1501.8 ± 1.5 +0.12 % ✓ met",
+        "22 ± 0.5 21.60 ± 0.39 (predicted) −1.82 % ✓ met",
         "2.153 ms , 1.05 times that of the middle of the intervals (2.054 ms)",
         "40 = 5 design + 11 optimisation + 24 verification ; 1 failed, 2 reused, learnt from 3",
         "2 min 00 s since it was started last",
@@ -208,7 +209,7 @@ def test_without_an_interval_the_answer_says_why() -> None:
     [
         ("calibrated", RESULT, "good", "Calibrated"),
         ("calibrated", None, "warn", "result.json is missing or was edited"),
-        ("running", None, "warn", "7 parameter sets have been simulated so far, 2 runs"),
+        ("running", None, "warn", "Simulated so far: 7 parameter sets; under way: 2 runs."),
         ("interrupted", None, "warn", "No answer yet"),
         ("interrupted", RESULT, "warn", "The numbers are the best so far"),
         ("failed", None, "bad", "Stopped by an error"),
@@ -375,7 +376,7 @@ def test_the_best_so_far_never_rises_and_ignores_failures() -> None:
     # (1500 - 1000) / 15 is the larger deviation of the first run, 0.4 / 0.5 of the fifth.
     assert best[1] == pytest.approx(500 / 15)
     assert best[-1] == pytest.approx(0.2)
-    assert all(later <= earlier for earlier, later in zip(best, best[1:], strict=False))
+    assert all(later <= earlier for earlier, later in pairwise(best))
 
 
 def test_before_the_first_run_sections_say_what_they_wait_for() -> None:
@@ -412,7 +413,7 @@ def test_verification_runs_at_other_answers_do_not_count() -> None:
     other = evaluation(50, "verification", {DENSITY: 2000.0, FRICTION: 0.6}, angle=40.0)
     shown = text(verification(context(evaluations=(*RUNS, other))))
     assert "simulated 4 times" in shown
-    assert "1 more verification runs were made at other answers" in shown
+    assert "were verified before, by 1 run." in shown
 
 
 # --- Runs and reproduction ------------------------------------------------------------------------

@@ -153,9 +153,7 @@ def _candidates(
     return runs[::-1], "The last run"
 
 
-def _strip(
-    context: ReportContext, runs: list[HeapRun], target: Target | None
-) -> list[StripHeap]:
+def _strip(context: ReportContext, runs: list[HeapRun], target: Target | None) -> list[StripHeap]:
     names = _named(context, target)
     return [
         StripHeap(

@@ -89,9 +89,7 @@ def _row(label: Label, target: Target, verified: Verified) -> VerifiedRow:
     return VerifiedRow(label, "bad", "✗ missed", words)
 
 
-def _figure(
-    label: Label, target: Target, runs: Sequence[Evaluation], verified: Verified
-) -> Figure:
+def _figure(label: Label, target: Target, runs: Sequence[Evaluation], verified: Verified) -> Figure:
     found = [run for run in runs if target.name in run.responses]
     values = [run.responses[target.name].value for run in found]
     unit = escape(label.unit)
