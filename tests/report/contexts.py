@@ -14,13 +14,22 @@ from typing import Any
 import numpy as np
 from scipy.stats import qmc
 
-from grainfit.analysis import analyse
+from grainfit.analysis import (
+    Analysis,
+    analyse,
+    identifiability,
+    pareto_front,
+    sample_posterior,
+    sensitivity,
+)
 from grainfit.campaign.evaluation import Evaluation, Proposal
 from grainfit.material import MATERIAL_PARAMETERS
 from grainfit.problem import Parameter, Problem, Target
 from grainfit.reading import CalibrationReading
 from grainfit.report.section import ReportContext
 from grainfit.solvers.base import Response
+from grainfit.strategies.answer import make_answer
+from grainfit.strategies.metamodels import Metamodels, can_be_fitted
 from grainfit.timestep import RayleighTimeStep
 
 NODE = shutil.which("node")
@@ -109,8 +118,23 @@ def context(
 ) -> ReportContext:
     """Context of a calibration that made these runs."""
     told = reading(wanted, known, answered=answered)
-    answer = told.result["parameters"] if told.result else None
-    return ReportContext(told, analyse(wanted, known, answer=answer))
+    analysis = rough_analysis(wanted, known) if can_be_fitted(wanted, known) else None
+    return ReportContext(told, analysis or analyse(wanted, known))
+
+
+def rough_analysis(wanted: Problem, known: Sequence[Evaluation]) -> Analysis:
+    """All parts of an analysis, from so few samples that it takes no time."""
+    metamodels = Metamodels.fit(wanted, known)
+    posterior = sample_posterior(metamodels, samples=200, max_steps=10)
+    middle = wanted.from_unit([0.5] * wanted.dimension)
+    return Analysis(
+        metamodels=metamodels,
+        quality=make_answer(metamodels, middle, ()).quality,
+        posterior=posterior,
+        sensitivity=sensitivity(metamodels, points=32),
+        identifiability=identifiability(posterior, wanted),
+        pareto=pareto_front(metamodels, points=4),
+    )
 
 
 def renamed(wanted: Problem) -> Problem:

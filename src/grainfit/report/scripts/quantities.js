@@ -30,8 +30,9 @@
       MOST_DIGITS - 1 - magnitude
     );
     if (magnitude >= -3 && magnitude < 6) {
-      const unit = 10 ** Math.max(-decimals, 0);
-      return (unit * Math.round(value / unit)).toFixed(Math.max(decimals, 0)).replace("-", "−");
+      const unit = 10 ** -decimals;
+      const near = decimals < 0 ? unit * Math.round(value / unit) : value;
+      return near.toFixed(Math.max(decimals, 0)).replace("-", "−");
     }
     const digits = Math.max(magnitude + decimals, 0);
     const [mantissa, power] = value.toExponential(digits).split("e");

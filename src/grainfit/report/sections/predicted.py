@@ -17,7 +17,7 @@ from grainfit.report.labels import Label
 from grainfit.report.marks import BLUE, QUIET, VERMILION
 from grainfit.report.rendering import render
 from grainfit.report.section import Figure, ReportContext, Section
-from grainfit.report.waiting import waiting, without_metamodel
+from grainfit.report.waiting import waiting
 from grainfit.strategies.metamodels import Metamodels
 
 _KEY, _TITLE = "predicted", "Can the metamodels be trusted?"
@@ -61,7 +61,6 @@ def predicted(context: ReportContext) -> Section:
         _KEY,
         checks=[_words(check) for check in checks],
         figures=list(figures),
-        missing=without_metamodel(context),
         notes=_notes(context),
     )
     return Section(_KEY, _TITLE, html, figures)
