@@ -201,7 +201,7 @@ def _marginal(context: ReportContext, posterior: Posterior, index: int) -> Figur
                 "line": {"shape": "hv", "color": BLUE, "width": 1.5},
                 "fill": "tozeroy",
                 "fillcolor": "rgba(0,114,178,0.35)",
-                "hovertemplate": "%{x:.4g}: %{y:.0%} as probable as the most probable<extra></extra>",
+                "hovertemplate": "%{x:.4g}: %{y:.0%} as probable as the likeliest<extra></extra>",
             },
         ),
         layout=layout,
