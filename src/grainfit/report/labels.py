@@ -102,6 +102,17 @@ def unit_for_people(unit: str) -> str:
     return _UNITS.get(unit, plain(unit))
 
 
+def with_unit(shown: str, unit: str) -> str:
+    """Return a number, as it is shown, with a unit for people.
+
+    Examples
+    --------
+    >>> with_unit("22", "°"), with_unit("1500", "kg/m³"), with_unit("0.5", "")
+    ('22°', '1500 kg/m³', '0.5')
+    """
+    return f"{shown}{unit}" if unit in ("", "°") else f"{shown} {unit}"
+
+
 def number(value: float | None, digits: int = 4) -> str:
     """Return a number with so many significant digits, for people.
 
