@@ -144,7 +144,8 @@ def rounded(value: float | None, uncertainty: float | None) -> str:
     magnitude = floor(log10(abs(value))) if value else floor(log10(uncertainty))
     decimals = min(1 - floor(log10(uncertainty)), _MOST_DIGITS - 1 - magnitude)
     if not value or _FIXED[0] <= abs(value) < _FIXED[1]:
-        return _with_power(f"{round(value, decimals):.{max(decimals, 0)}f}")
+        # Adding zero: there is no minus zero for people.
+        return _with_power(f"{round(value, decimals) + 0.0:.{max(decimals, 0)}f}")
     return _with_power(f"{value:.{max(magnitude + decimals, 0)}e}")
 
 

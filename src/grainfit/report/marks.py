@@ -15,6 +15,8 @@ from grainfit.problem import Target
 BLUE, VERMILION, GREEN, PURPLE, ORANGE = "#1f83c4", "#d55e00", "#009e73", "#cc79a7", "#e69f00"
 #: A band that is seen through.
 GREEN_BAND = "rgba(0, 158, 115, 0.2)"
+#: Of lines that only guide the eye.
+QUIET = "#888888"
 #: How runs are marked by what they were made for: colour, and a shape that tells without it.
 STAGES: Mapping[str, tuple[str, str]] = {
     "design": ("circle-open", BLUE),
