@@ -271,6 +271,11 @@ def print_measurement(console: Console, responses: Mapping[str, Response]) -> No
     console.print(table)
 
 
+def print_warning(console: Console, words: str) -> None:
+    """Print in one line what did not go as it should."""
+    console.print(_text(words, "yellow"), soft_wrap=True)
+
+
 def print_error(console: Console, error: GrainfitError) -> None:
     """Print what is wrong, every fault in a line of its own."""
     if isinstance(error, InputError):

@@ -12,6 +12,8 @@ from grainfit.material import MATERIAL_PARAMETERS
 from grainfit.printable import plain
 
 _SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+#: Numbers between these are written without a power of ten.
+_FIXED = 1e-3, 1e6
 #: Of a value whose uncertainty is next to nothing.
 _MOST_DIGITS = 6
 _UNITS = {"kg/m^3": "kg/m³", "deg": "°", "m^3": "m³", "m^2": "m²", "m/s^2": "m/s²"}
@@ -100,11 +102,31 @@ def unit_for_people(unit: str) -> str:
     return _UNITS.get(unit, plain(unit))
 
 
+def with_unit(shown: str, unit: str) -> str:
+    """Return a number, as it is shown, with a unit for people.
+
+    Examples
+    --------
+    >>> with_unit("22", "°"), with_unit("1500", "kg/m³"), with_unit("0.5", "")
+    ('22°', '1500 kg/m³', '0.5')
+    """
+    return f"{shown}{unit}" if unit in ("", "°") else f"{shown} {unit}"
+
+
 def number(value: float | None, digits: int = 4) -> str:
-    """Return a number with so many significant digits, for people."""
+    """Return a number with so many significant digits, for people.
+
+    Examples
+    --------
+    >>> number(23456.0, 3), number(3.6e-7)
+    ('23500', '3.6·10⁻⁷')
+    """
     if value is None or not isfinite(value):
         return "–"
-    return _with_power(f"{value:.{digits}g}")
+    text = f"{value:.{digits}g}"
+    if "e" in text and _FIXED[0] <= abs(value) < _FIXED[1]:
+        text = f"{float(text):.0f}"
+    return _with_power(text)
 
 
 def rounded(value: float | None, uncertainty: float | None) -> str:
@@ -121,7 +143,8 @@ def rounded(value: float | None, uncertainty: float | None) -> str:
         return number(value)
     magnitude = floor(log10(abs(value))) if value else floor(log10(uncertainty))
     decimals = min(1 - floor(log10(uncertainty)), _MOST_DIGITS - 1 - magnitude)
-    if -3 <= magnitude < 6:
+    if not value or _FIXED[0] <= abs(value) < _FIXED[1]:
+        # Adding zero: there is no minus zero for people.
         return _with_power(f"{round(value, decimals) + 0.0:.{max(decimals, 0)}f}")
     return _with_power(f"{value:.{max(magnitude + decimals, 0)}e}")
 

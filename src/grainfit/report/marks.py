@@ -1,7 +1,7 @@
 """What the figures of the report have in common: marks, colours, and bands of tolerance.
 
-All colours are those of Okabe and Ito, told apart in any kind of colour blindness, and strong
-enough on light and on dark paper.
+All colours are those of Okabe and Ito, told apart in any kind of colour blindness; the blue is a
+little lighter, to be seen on dark paper as well as on light.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from typing import Any
 
 from grainfit.problem import Target
 
-BLUE, VERMILION, GREEN, PURPLE, ORANGE = "#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00"
+BLUE, VERMILION, GREEN, PURPLE, ORANGE = "#1f83c4", "#d55e00", "#009e73", "#cc79a7", "#e69f00"
 #: A band that is seen through.
 GREEN_BAND = "rgba(0, 158, 115, 0.2)"
 #: Of lines that only guide the eye.

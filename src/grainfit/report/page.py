@@ -67,7 +67,7 @@ def write_report(
     """
     tell = on_progress or (lambda _words: None)
     tell("reading the runs")
-    reading = _with_usable_result(read_calibration(Path(folder)))
+    reading = read_for_report(Path(folder))
     tell(f"analysing {len(reading.evaluations)} parameter sets")
     answer = reading.result["parameters"] if reading.result else None
     # Metamodels are small: threads of linear algebra would only wait for one another.
@@ -127,8 +127,15 @@ def _element_text(text: str) -> Markup:
     return Markup(safe.replace("<!--", r"<\!--"))
 
 
-def _with_usable_result(reading: CalibrationReading) -> CalibrationReading:
-    """Leave out a result that somebody edited so that it tells nothing any more."""
+def read_for_report(folder: Path) -> CalibrationReading:
+    """Read a calibration, without a result that somebody edited so that it tells nothing any more.
+
+    Raises
+    ------
+    StoreError
+        As `read_calibration`.
+    """
+    reading = read_calibration(folder)
     try:
         usable = reading.result is None or _is_usable(reading.result, reading.problem)
     except (KeyError, TypeError, ValueError, AttributeError):

@@ -12,7 +12,7 @@ import numpy as np
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
-from grainfit.printable import duration, plain
+from grainfit.printable import counted, duration, plain
 from grainfit.report.labels import number, rounded
 
 # In a script element, HTML knows no escapes of its own: what could end it, or begin another one,
@@ -71,6 +71,7 @@ def _environment() -> Environment:
         lstrip_blocks=True,
     )
     environment.filters |= {
+        "counted": counted,
         "number": number,
         "rounded": rounded,
         "plain": plain,

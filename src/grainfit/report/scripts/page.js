@@ -14,9 +14,9 @@
   const root = document.documentElement;
   const dark = matchMedia("(prefers-color-scheme: dark)");
   const touch = matchMedia("(pointer: coarse)");
-  // Okabe & Ito: told apart in any kind of colour blindness.
+  // After Okabe & Ito: told apart in any kind of colour blindness, on light and on dark paper.
   const COLOURS = [
-    "#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#999999", "#f0e442",
+    "#1f83c4", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#999999", "#f0e442",
   ];
   const VARIABLES = [
     "ink", "quiet-ink", "paper", "card", "line", "accent", "good", "warn", "bad",
@@ -73,7 +73,8 @@
       axes.push(`${scene}.xaxis`, `${scene}.yaxis`, `${scene}.zaxis`);
     }
     for (const axis of axes) {
-      paths[`${axis}.gridcolor`] = theme.line;
+      paths[`${axis}.title.font.size`] = 13;
+    paths[`${axis}.gridcolor`] = theme.line;
       paths[`${axis}.zerolinecolor`] = theme.line;
       paths[`${axis}.linecolor`] = theme["quiet-ink"];
       paths[`${axis}.tickcolor`] = theme["quiet-ink"];
@@ -122,6 +123,7 @@
 
   const CONFIG = {
     responsive: true,
+    displayModeBar: touch.matches ? false : "hover",
     displaylogo: false,
     modeBarButtonsToRemove: ["select2d", "lasso2d", "autoScale2d", "zoomIn2d", "zoomOut2d"],
   };

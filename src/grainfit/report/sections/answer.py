@@ -9,7 +9,7 @@ from typing import Any, Literal
 
 from markupsafe import Markup
 
-from grainfit.printable import duration, plain
+from grainfit.printable import counted, duration, plain
 from grainfit.problem import Parameter, Target
 from grainfit.report.labels import Label, number, rounded
 from grainfit.report.rendering import render
@@ -85,10 +85,10 @@ def answer(context: ReportContext) -> Section:
 def verdict(context: ReportContext) -> Verdict:
     """Say in words what came of the calibration, or how far it is."""
     reading = context.reading
-    ended = f"{len(reading.evaluations)} parameter sets have been simulated so far"
+    ended = f"Simulated so far: {counted(len(reading.evaluations), 'parameter set')}"
     match reading.state:
         case "running":
-            words = f"{ended}, {reading.running} runs are under way."
+            words = f"{ended}; under way: {counted(reading.running, 'run')}."
             return Verdict("warn", "Running: no answer yet.", (words,))
         case "failed":
             words = f"{ended}. The last runs in the table below say why; mend it and start again."
@@ -99,7 +99,9 @@ def verdict(context: ReportContext) -> Verdict:
             return Verdict("warn", f"Interrupted. {so_far}", (words,))
     if not context.answer:
         words = "Its result.json is missing or was edited: start the same command again."
-        return Verdict("warn", f"It has ended ({plain(reading.state)}), but not its answer.", (words,))
+        return Verdict(
+            "warn", f"It has ended ({plain(reading.state)}), but not its answer.", (words,)
+        )
     return _final_verdict(context)
 
 
@@ -172,8 +174,9 @@ def _response_row(context: ReportContext, target: Target) -> ResponseRow:
     tolerance = target.accepted_deviation
     measured = {"measured": number(target.value, 6), "tolerance": number(tolerance, 3)}
     if response is None:
-        return ResponseRow(label, **measured, expected="–", half_width="", predicted=False,
-                           deviation="–", met=None)
+        return ResponseRow(
+            label, **measured, expected="–", half_width="", predicted=False, deviation="–", met=None
+        )
     expected, half_width = response.predicted, _QUANTILE * response.std_error
     verified = response.verified_mean is not None and response.verified_interval is not None
     if response.verified_mean is not None and response.verified_interval is not None:
@@ -248,8 +251,5 @@ def _notices(context: ReportContext) -> Iterator[Markup]:
         for name, quality in result["metamodels"].items():
             words = context.response_label(name).words
             said += [f"Metamodel of {words}: {warning}" for warning in quality["warnings"]]
-    posterior = context.analysis.posterior
-    if posterior is not None and not posterior.converged:
-        said.append(posterior.convergence)
     said += context.analysis.notes
     yield from (Markup.escape(plain(words)) for words in dict.fromkeys(said))

@@ -86,7 +86,7 @@ def _misfit_figure(context: ReportContext) -> Figure:
             "title": {"text": "largest deviation / tolerance"},
             "type": "log",
             "range": [float(low) - 0.2, float(high) + 0.2],
-            "dtick": 1 if high - low > 2 else None,
+            "dtick": 1 if high - low > 2 else "D2",
         },
         "yaxis2": _failure_axis(),
         "shapes": [
@@ -157,9 +157,7 @@ def _points_by_stage(
             }
 
 
-def _failures(
-    evaluations: Sequence[Evaluation], values: Sequence[float | None]
-) -> dict[str, Any]:
+def _failures(evaluations: Sequence[Evaluation], values: Sequence[float | None]) -> dict[str, Any]:
     """Runs without a value, at the lower edge of the figure."""
     numbers = [number for number, value in enumerate(values, 1) if value is None]
     reasons = [
@@ -216,7 +214,7 @@ def _checkpoints(context: ReportContext) -> list[int]:
     if not context.answer or not can_be_fitted(problem, evaluations[:most]):
         return []
     least = next(n for n in range(most + 1) if can_be_fitted(problem, evaluations[:n]))
-    return sorted({int(round(n)) for n in np.geomspace(least, most, _FITS)})
+    return sorted({round(float(n)) for n in np.geomspace(least, most, _FITS)})
 
 
 def _expected_at_the_answer(context: ReportContext) -> list[_Expectation]:
