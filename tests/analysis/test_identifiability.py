@@ -111,7 +111,7 @@ def test_what_is_not_determined_comes_before_what_is(random: np.random.Generator
         random.uniform(0.3, 0.8, COUNT),
         random.uniform(0.01, 0.03, COUNT),
     )
-    modulus, rolling, own, density = found.verdicts
+    modulus, rolling, density, own = found.verdicts
     assert modulus == (
         "particle.youngs_modulus is not determined: all of its interval (1e+06 to 1e+08 Pa) fits."
     )

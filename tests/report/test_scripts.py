@@ -92,11 +92,7 @@ def test_a_grid_is_what_its_points_are_one_by_one() -> None:
         data,
         "kriging.js",
     )
-    points = [
-        [0.3, up, 0.2, across, 0.5]
-        for up in (0.1, 0.8)
-        for across in (0.0, 0.31, 1.0)
-    ]
+    points = [[0.3, up, 0.2, across, 0.5] for up in (0.1, 0.8) for across in (0.0, 0.31, 1.0)]
     np.testing.assert_allclose(grid, model.predict(points).mean, rtol=1e-9)
 
 
@@ -181,7 +177,7 @@ def test_intervals_and_time_steps_are_those_of_the_problem() -> None:
 
 
 def test_settings_survive_a_shell() -> None:
-    values = {"particle.density": 2300.5, "it's \"wide\" & $HOME": 1e-9}
+    values = {"particle.density": 2300.5, 'it\'s "wide" & $HOME': 1e-9}
     written = contexts.in_node(
         "return grainfitQuantities.settings(data.values);", {"values": values}, "quantities.js"
     )

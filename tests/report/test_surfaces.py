@@ -51,12 +51,12 @@ def whole_text(section: Section) -> str:
 )
 def test_all_sections_are_whole_for_any_number_of_parameters_and_responses(
     parameters: int, responses: int, runs: int
-) -> re.search(r"\b(nan|NaN|None|inf)\b", section.html):
+) -> None:
     wanted = contexts.problem(parameters, responses)
     answered = parameters != 2
     made = contexts.context(wanted, contexts.evaluations(wanted, runs), answered=answered)
     # Correlations that are there already, and no answer; nothing else has gaps.
-    gaps = {undetermined: sum(range(parameters - 1)), tradeoff: 0 if answered else 2}
+    gaps = {undetermined: sum(range(parameters - 1)), tradeoff: 0 if answered else 3}
     for make in SECTIONS:
         section = make(made)
         placed = re.findall(r'data-figure="([^"]+)"', section.html)

@@ -210,7 +210,8 @@ def _verdict_of_group(
     whole = f"{', '.join(group[:-1])} and {group[-1]} cannot be told apart by these tests:"
     if len(group) == 2:
         along = ", ".join(
-            _with_unit(" → ".join(map(_shown, values[name])), parameters[name]) for name in group
+            _with_unit(f"{name} {' → '.join(map(_shown, values[name]))}", parameters[name])
+            for name in group
         )
         return f"{whole} any pair along {along} fits."
     sets = (

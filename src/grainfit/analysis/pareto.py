@@ -192,4 +192,4 @@ class _Search:
             constraints=[constraint] if math.isfinite(level) else [],
             options={"maxiter": 60, "ftol": 1e-8},
         )
-        return np.clip(found.x, 0.0, 1.0)
+        return np.asarray(np.clip(found.x, 0.0, 1.0))

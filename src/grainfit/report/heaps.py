@@ -150,11 +150,16 @@ def _readable(runs: Iterable[HeapRun], tries: int) -> Iterator[tuple[HeapRun, He
 
 
 def spread(runs: Iterable[HeapRun], count: int) -> list[tuple[HeapRun, Heap]]:
-    """Read some heaps, evenly spread from the lowest angle of repose to the highest."""
-    kept = sorted((run for run in runs if run.has_particles), key=lambda run: run.angle)
+    """Read heaps of different parameters, spread from the lowest angle of repose to the highest."""
+    one_each = {
+        tuple(run.evaluation.proposal.parameters.values()): run for run in runs if run.has_particles
+    }
+    kept = sorted(one_each.values(), key=lambda run: run.angle)
     if not kept:
         return []
-    chosen = np.unique(np.linspace(0, len(kept) - 1, count).round().astype(int))
+    angles = np.array([run.angle for run in kept])
+    wanted = np.linspace(angles[0], angles[-1], count)
+    chosen = np.unique(np.abs(angles - wanted[:, None]).argmin(axis=1))
     return list(_readable((kept[i] for i in chosen), count))
 
 

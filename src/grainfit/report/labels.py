@@ -102,6 +102,17 @@ def unit_for_people(unit: str) -> str:
     return _UNITS.get(unit, plain(unit))
 
 
+def with_unit(shown: str, unit: str) -> str:
+    """Return a number, as it is shown, with a unit for people.
+
+    Examples
+    --------
+    >>> with_unit("22", "°"), with_unit("1500", "kg/m³"), with_unit("0.5", "")
+    ('22°', '1500 kg/m³', '0.5')
+    """
+    return f"{shown}{unit}" if unit in ("", "°") else f"{shown} {unit}"
+
+
 def number(value: float | None, digits: int = 4) -> str:
     """Return a number with so many significant digits, for people.
 
@@ -133,6 +144,7 @@ def rounded(value: float | None, uncertainty: float | None) -> str:
     magnitude = floor(log10(abs(value))) if value else floor(log10(uncertainty))
     decimals = min(1 - floor(log10(uncertainty)), _MOST_DIGITS - 1 - magnitude)
     if not value or _FIXED[0] <= abs(value) < _FIXED[1]:
+        # Adding zero: there is no minus zero for people.
         return _with_power(f"{round(value, decimals) + 0.0:.{max(decimals, 0)}f}")
     return _with_power(f"{value:.{max(magnitude + decimals, 0)}e}")
 

@@ -84,9 +84,12 @@ document.addEventListener("DOMContentLoaded", () => {
       }
       const now = rayleigh(this.data.rayleigh, this.named(this.values));
       const factor = now / rayleigh(this.data.rayleigh, this.named(this.held));
+      const beside = text(factor, 3);
       shown.dataset.timeStep = now;
       shown.textContent =
-        `${seconds(now)}, ${text(factor, 3)} times that of ${this.data.held_at}`;
+        beside === "1"
+          ? `${seconds(now)}, as at ${this.data.held_at}`
+          : `${seconds(now)}, ${beside} times that of ${this.data.held_at}`;
     }
 
     showResponse(response, i, { mean, variance }) {
@@ -109,9 +112,9 @@ document.addEventListener("DOMContentLoaded", () => {
 
   const percent = (share) => {
     if (share > 0.995) {
-      return "more than 99 %";
+      return "more than 99\u00a0%";
     }
-    return share < 0.005 ? "less than 1 %" : `${Math.round(100 * share)} %`;
+    return share < 0.005 ? "less than 1\u00a0%" : `${Math.round(100 * share)}\u00a0%`;
   };
 
   const verdictOf = ({ target, tolerance }, mean, half) => {

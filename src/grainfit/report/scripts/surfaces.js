@@ -142,8 +142,7 @@
       const [x, y] = [this.parameters[across], this.parameters[up]];
       const shown = this.responses[response];
       const view = { response, across, up, means: new Map(), agreement: null, deviations: null };
-      this.place.querySelector("[data-surface-title]").innerHTML =
-        `${shown.plot} over ${x.plot} and ${y.plot}`;
+      this.title("surface", `${shown.words} over ${x.words} and ${y.words}`);
       this.surface.setAttribute(
         "aria-label",
         `Contours of the expected ${shown.name} over ${x.name} (across) and ${y.name} (upwards), ` +
@@ -223,6 +222,11 @@
         sentences.push("Nowhere here is it likelier than not that all responses agree.");
       }
       return sentences.join(" ");
+    }
+
+    title(part, words) {
+      this.place.querySelector(`[data-${part}-title]`).textContent =
+        words[0].toUpperCase() + words.slice(1);
     }
 
     state(words) {
@@ -368,8 +372,8 @@
     *sliceSteps() {
       const { response } = this.chosen;
       const shown = this.responses[response];
-      this.place.querySelector("[data-slices-title]").innerHTML =
-        `${shown.plot} along ${this.parameters.length > 1 ? "each parameter" : "the parameter"}`;
+      const where = this.parameters.length > 1 ? "each parameter" : this.parameters[0].words;
+      this.title("slices", `${shown.words} along ${where}`);
       const along = [];
       for (const j of this.parameters.keys()) {
         along.push(this.sliceOf(response, j));
@@ -440,7 +444,7 @@
       window.grainfitDraw(element, {
         data: [band, line, this.runPoints(theme, response, j)],
         layout: {
-          xaxis: { ...axisOf(parameter), nticks: 5 },
+          xaxis: { nticks: 5, ...axisOf(parameter) },
           yaxis: { title: { text: shown.axis }, range, nticks: 6, zeroline: false },
           showlegend: false,
           margin: { l: 48, r: 8, t: 8, b: 40 },
@@ -476,14 +480,15 @@
   const named = (parameter, at) => `${text(fromUnit(parameter, at))} ${parameter.plot_unit}`;
 
   const axisOf = (parameter) => {
-    const log = parameter.scale === "log";
     const ends = [parameter.minimum, parameter.maximum];
-    return {
-      title: { text: parameter.axis },
-      type: log ? "log" : "linear",
-      range: log ? ends.map(Math.log10) : ends,
-      zeroline: false,
-    };
+    const common = { title: { text: parameter.axis }, zeroline: false };
+    if (parameter.scale !== "log") {
+      return { ...common, range: ends };
+    }
+    const range = ends.map(Math.log10);
+    // Powers of ten, and 2 and 5 times these where there are few.
+    const dtick = range[1] - range[0] < 2 ? "D2" : 1;
+    return { ...common, type: "log", range, dtick, exponentformat: "power" };
   };
 
   // Where all responses agree, probably and possibly.

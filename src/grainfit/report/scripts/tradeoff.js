@@ -33,26 +33,20 @@
     }
 
     show() {
-      const { parameters, responses, answer } = this.data;
+      const { parameters, responses, answer, answer_responses: expected } = this.data;
       const { picked } = this;
-      this.place.querySelector("[data-picked-caption]").textContent = this.inWords();
+      this.place.querySelector("[data-picked-words]").textContent = this.inWords();
       this.place.querySelector("[data-beside]").textContent = answer ? "the answer" : "";
-      const rows = parameters.map(({ name, html, unit }) => [
-        html,
-        withUnit(text(picked.values[name]), unit),
-        answer ? withUnit(text(answer[name]), unit) : "",
-        null,
-      ]);
-      responses.forEach(({ html, unit, target, tolerance }, i) => {
-        const inside = Math.abs(picked.responses[i] - target) <= tolerance;
-        rows.push([
-          `${html} (expected)`,
-          withUnit(text(picked.responses[i]), unit),
-          "",
-          inside ? ["good", "✓ within tolerance"] : ["bad", "✗ outside"],
-        ]);
+      const rows = parameters.map(({ name, html, unit }) =>
+        rowOf(html, [picked.values[name], answer?.[name]].map((value) => cellOf(value, unit))),
+      );
+      responses.forEach((response, i) => {
+        const cells = [picked.responses[i], expected?.[i]].map((value) =>
+          cellOf(value, response.unit, response),
+        );
+        rows.push(rowOf(`expected ${response.html}`, cells));
       });
-      this.place.querySelector("[data-picked]").replaceChildren(...rows.map(rowOf));
+      this.place.querySelector("[data-picked]").replaceChildren(...rows);
       this.mark();
     }
 
@@ -85,25 +79,37 @@
   }
 
   // Names have been escaped where they became HTML.
-  const rowOf = ([html, here, beside, mark]) => {
+  const rowOf = (html, cells) => {
     const row = document.createElement("tr");
-    const head = row.appendChild(document.createElement("th"));
+    const head = document.createElement("th");
     head.scope = "row";
     head.innerHTML = html;
     head.querySelectorAll("abbr[title]").forEach((abbreviation) => {
       abbreviation.tabIndex = 0;
     });
-    for (const words of [here, beside]) {
-      const cell = row.appendChild(document.createElement("td"));
-      cell.className = "number";
-      cell.textContent = words;
-    }
-    const cell = row.appendChild(document.createElement("td"));
-    if (mark) {
-      const span = cell.appendChild(document.createElement("span"));
-      [span.className, span.textContent] = [`mark ${mark[0]}`, mark[1]];
-    }
+    row.append(head, ...cells);
     return row;
+  };
+
+  // Of a response, with a mark that tells whether it is within tolerance.
+  const cellOf = (value, unit, response = null) => {
+    const cell = document.createElement("td");
+    cell.className = "number";
+    if (value === undefined) {
+      return cell;
+    }
+    cell.textContent = withUnit(text(value), unit);
+    if (response) {
+      const inside = Math.abs(value - response.target) <= response.tolerance;
+      const mark = document.createElement("span");
+      mark.className = `mark ${inside ? "good" : "bad"}`;
+      mark.textContent = inside ? " ✓" : " ✗";
+      mark.title = inside ? "within tolerance" : "outside the tolerance";
+      mark.setAttribute("role", "img");
+      mark.setAttribute("aria-label", mark.title);
+      cell.append(mark);
+    }
+    return cell;
   };
 
   const place = document.querySelector("[data-tradeoff]");

@@ -72,6 +72,7 @@ def _parameter(context: ReportContext, parameter: Parameter, held: float) -> Map
     label = context.parameter_label(parameter.name)
     return {
         "name": parameter.name,
+        "words": label.words,
         "plot": label.plot,
         "axis": label.axis,
         "unit": label.unit,
@@ -89,6 +90,7 @@ def _response(context: ReportContext, metamodels: Metamodels, index: int) -> Map
     runs = runs_that_yield(context.reading.evaluations, target.name)
     return {
         "name": target.name,
+        "words": label.words,
         "plot": label.plot,
         "axis": label.axis,
         "unit": label.unit,

@@ -13,7 +13,7 @@ import numpy as np
 from grainfit.measurement.particles import Particles
 from grainfit.problem import Target
 from grainfit.report.heaps import Heap, HeapRun, first_readable, heap_runs, picture, spread
-from grainfit.report.labels import Label, number
+from grainfit.report.labels import Label, number, with_unit
 from grainfit.report.outline import Drawing
 from grainfit.report.rendering import render
 from grainfit.report.section import ReportContext, Section
@@ -161,13 +161,16 @@ def _strip(context: ReportContext, runs: list[HeapRun], target: Target | None) -
             angle=number(run.angle, 3),
             met=target is not None and abs(run.angle - target.value) <= target.accepted_deviation,
             drawing=heap.drawing(),
-            values=[
-                (context.parameter_label(name), number(run.evaluation.proposal.parameters[name], 3))
-                for name in names
-            ],
+            values=[_named_value(context, run, name) for name in names],
         )
         for run, heap in spread(runs, _STRIP)
     ]
+
+
+def _named_value(context: ReportContext, run: HeapRun, name: str) -> tuple[Label, str]:
+    label = context.parameter_label(name)
+    value = run.evaluation.proposal.parameters[name]
+    return label, with_unit(number(value, 3), label.unit)
 
 
 def _named(context: ReportContext, target: Target | None) -> list[str]:

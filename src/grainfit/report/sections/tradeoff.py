@@ -65,7 +65,7 @@ def _time_unit(largest: float) -> tuple[str, float]:
 
 
 def _first_pick(front: ParetoFront) -> int:
-    """Return the largest time step that probably agrees; otherwise the point that most likely does."""
+    """Return the largest time step that probably agrees, or the point that likeliest does."""
     likely = [index for index, share in enumerate(front.agreement) if share >= 0.5]
     return likely[-1] if likely else int(front.agreement.argmax())
 
@@ -96,7 +96,9 @@ def _figure(
             ),
         }
     ]
-    answer_time = context.reading.problem.rayleigh_time_step(context.answer) if context.answer else None
+    answer_time = (
+        context.reading.problem.rayleigh_time_step(context.answer) if context.answer else None
+    )
     if answer_time is not None:
         point = metamodels.problem.to_unit(context.answer)
         data.append(
@@ -118,6 +120,7 @@ def _figure(
                 "title": {"text": "misfit (squared tolerances)"},
                 "type": "log" if misfits.max() > _LARGEST_RATIO * smallest else "linear",
                 "rangemode": "tozero",
+                "exponentformat": "power",
             },
             "hovermode": "closest",
             "clickmode": "event",
@@ -132,9 +135,11 @@ def _figure(
 
 def _data(context: ReportContext, metamodels: Metamodels, front: ParetoFront) -> Mapping[str, Any]:
     targets = metamodels.problem.targets
-    answer = context.answer
+    answer, problem = context.answer, metamodels.problem
+    expected = metamodels.predict(problem.to_unit(answer))[0][0] if answer else None
     return {
         "answer": dict(answer) or None,
+        "answer_responses": expected,
         "answer_time_step": context.reading.problem.rayleigh_time_step(answer) if answer else None,
         "parameters": [
             {"name": p.name, "html": str(label.html), "unit": label.unit}

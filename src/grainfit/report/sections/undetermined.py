@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from typing import Any
 
@@ -46,7 +47,11 @@ def undetermined(context: ReportContext) -> Section:
         missing=without_metamodel(context),
         figures=list(figures),
         marginals=[
-            {"figure": key, "label": context.parameter_label(name), "between": _between(posterior, name)}
+            {
+                "figure": key,
+                "label": context.parameter_label(name),
+                "between": _between(posterior, name),
+            }
             for key, name in zip(histograms, posterior.names, strict=True)
         ],
         converged=posterior.converged,
@@ -61,9 +66,7 @@ def _between(posterior: Posterior, name: str) -> str:
     return f"{number(low, 3)} to {number(high, 3)}"
 
 
-def _learnt(
-    context: ReportContext, posterior: Posterior, narrowing: Mapping[str, float]
-) -> Figure:
+def _learnt(context: ReportContext, posterior: Posterior, narrowing: Mapping[str, float]) -> Figure:
     # Plotly draws the first category at the bottom.
     parameters = [p for p in reversed(context.parameters) if p.name in narrowing]
     shares = [1.0 - narrowing[p.name] for p in parameters]
@@ -79,7 +82,10 @@ def _learnt(
                 "textposition": "outside",
                 "cliponaxis": False,
                 "customdata": [
-                    [_between(posterior, p.name), f"{number(p.minimum, 3)} to {number(p.maximum, 3)}"]
+                    [
+                        _between(posterior, p.name),
+                        f"{number(p.minimum, 3)} to {number(p.maximum, 3)}",
+                    ]
                     for p in parameters
                 ],
                 "hovertemplate": (
@@ -195,7 +201,7 @@ def _marginal(context: ReportContext, posterior: Posterior, index: int) -> Figur
                 "line": {"shape": "hv", "color": BLUE, "width": 1.5},
                 "fill": "tozeroy",
                 "fillcolor": "rgba(0,114,178,0.35)",
-                "hovertemplate": "%{x:.4g}: %{y:.0%} as probable as the most probable<extra></extra>",
+                "hovertemplate": "%{x:.4g}: %{y:.0%} as probable as the likeliest<extra></extra>",
             },
         ),
         layout=layout,
@@ -208,14 +214,18 @@ def _marginal(context: ReportContext, posterior: Posterior, index: int) -> Figur
 
 
 def _axis(context: ReportContext, parameter: Parameter) -> Mapping[str, Any]:
-    log = parameter.scale == "log"
-    ends = np.array([parameter.minimum, parameter.maximum])
+    title = {"text": context.parameter_label(parameter.name).axis}
+    if parameter.scale == "linear":
+        ends = [parameter.minimum, parameter.maximum]
+        return {"title": title, "range": ends, "nticks": 5, "zeroline": False}
+    low, high = math.log10(parameter.minimum), math.log10(parameter.maximum)
     return {
-        "type": "log" if log else "linear",
-        "range": (np.log10(ends) if log else ends).tolist(),
-        "title": {"text": context.parameter_label(parameter.name).axis},
-        "nticks": 5,
-        "zeroline": False,
+        "title": title,
+        "type": "log",
+        "range": [low, high],
+        # Powers of ten, and 2 and 5 times these where there are few.
+        "dtick": "D2" if high - low < 2 else 1,
+        "exponentformat": "power",
     }
 
 

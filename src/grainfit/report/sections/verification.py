@@ -7,11 +7,9 @@ from dataclasses import dataclass
 from html import escape
 from typing import Any
 
-from markupsafe import Markup
-
 from grainfit.campaign.evaluation import Evaluation
 from grainfit.problem import Target
-from grainfit.report.labels import Label, number, rounded
+from grainfit.report.labels import Label, number, rounded, with_unit
 from grainfit.report.marks import BLUE, STAGES, tolerance_band, value_range
 from grainfit.report.rendering import render
 from grainfit.report.section import Figure, ReportContext, Section
@@ -28,7 +26,7 @@ class VerifiedRow:
     label: Label
     grade: str
     mark: str
-    words: Markup
+    words: str
 
 
 def verification(context: ReportContext) -> Section:
@@ -74,17 +72,16 @@ def _other_verifications(context: ReportContext) -> int:
 
 
 def _row(label: Label, target: Target, verified: Verified) -> VerifiedRow:
-    shown = Markup("{} ± {}").format(
-        rounded(verified.mean, verified.half_width), number(verified.half_width, 2)
-    )
-    wanted = Markup("{} ± {}").format(number(target.value), number(target.accepted_deviation, 3))
-    words = Markup("their mean is {} {unit}, and {} {unit} was measured").format(
-        shown, wanted, unit=label.unit
+    mean = f"{rounded(verified.mean, verified.half_width)} ± {number(verified.half_width, 2)}"
+    wanted = f"{number(target.value)} ± {number(target.accepted_deviation, 3)}"
+    words = (
+        f"their mean is {with_unit(mean, label.unit)}, "
+        f"and {with_unit(wanted, label.unit)} was measured"
     )
     if verified.within(target):
         return VerifiedRow(label, "good", "✓ met", words)
     if verified.undecided(target):
-        words += Markup(". More runs could still turn it: the tolerance begins within the interval")
+        words += ". More runs could still turn it: the tolerance begins within the interval"
         return VerifiedRow(label, "warn", "! missed narrowly", words)
     return VerifiedRow(label, "bad", "✗ missed", words)
 
