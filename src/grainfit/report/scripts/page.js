@@ -126,7 +126,6 @@
 
   const CONFIG = {
     responsive: true,
-    displayModeBar: touch.matches ? false : "hover",
     displaylogo: false,
     // Fingers have gestures, and where nothing hovers the buttons would cover the figure.
     displayModeBar: touch.matches ? false : "hover",
