@@ -71,15 +71,29 @@ def test_run_calibrates_and_leaves_its_result_where_it_says(tmp_path: Path) -> N
     result = json.loads((tmp_path / "my sand.grainfit" / "result.json").read_text())
     assert result["status"] == "calibrated"
     assert result["parameters"]["friction"] == pytest.approx(0.4, abs=0.02)
-    again = grainfit("run", file, "--seed", "4", folder=tmp_path)
+    assert done.stdout.splitlines()[-1] == "Report: my sand.grainfit/report.html"
+    assert "Calibrated" in (tmp_path / "my sand.grainfit" / "report.html").read_text()
+    again = grainfit("run", file, "--seed", "4", "--no-report", folder=tmp_path)
     assert f"{result['runs']['total']} reused" in again.stdout
     shown = grainfit("status", "my sand.grainfit", folder=tmp_path)
     assert "calibrated" in shown.stdout
     assert "friction" in shown.stdout
 
 
+def test_a_report_that_cannot_be_written_costs_no_result(tmp_path: Path) -> None:
+    file = calibration(tmp_path)
+    (tmp_path / "work" / "report.html").mkdir(parents=True)
+    done = grainfit("run", file, "--workdir", "work", folder=tmp_path)
+    assert "No report was written" in done.stderr
+    assert "work/report.html" in done.stderr
+    assert json.loads((tmp_path / "work" / "result.json").read_text())["status"] == "calibrated"
+    elsewhere = grainfit("report", "work", "--output", "sand.html", folder=tmp_path)
+    assert elsewhere.stdout == "Report: sand.html\n"
+    assert "Calibrated" in (tmp_path / "sand.html").read_text()
+
+
 def test_out_of_reach_exits_with_three_and_names_the_bound(tmp_path: Path) -> None:
-    done = grainfit("run", calibration(tmp_path, high=0.3), folder=tmp_path, code=3)
+    done = grainfit("run", calibration(tmp_path, high=0.3), "--no-report", folder=tmp_path, code=3)
     assert "friction.max = 0.3" in done.stdout
     assert "out of reach" in done.stdout
 
@@ -91,7 +105,8 @@ def test_runs_that_all_fail_exit_with_one_and_the_reason(tmp_path: Path) -> None
 
 def test_budget_and_strategy_can_be_given_on_the_command_line(tmp_path: Path) -> None:
     file = calibration(tmp_path)
-    grainfit("run", file, "--max-runs", "12", "--workdir", "here", folder=tmp_path)
+    options = ("--max-runs", "12", "--workdir", "here", "--no-report")
+    grainfit("run", file, *options, folder=tmp_path)
     result = json.loads((tmp_path / "here" / "result.json").read_text())
     assert result["runs"]["total"] <= 12
     done = grainfit("run", file, "--strategy", "magic", folder=tmp_path, code=1)
@@ -120,9 +135,10 @@ def test_ctrl_c_exits_with_130_and_the_next_start_goes_on(
     assert process.returncode == 130
     assert "Traceback" not in out + error
     assert "interrupted" in out
+    assert out.splitlines()[-1] == "Report: my sand.grainfit/report.html"
     shown = grainfit("status", "my sand.grainfit", folder=tmp_path)
     assert "interrupted" in shown.stdout
-    done = grainfit("run", file, "--workers", "1", folder=tmp_path)
+    done = grainfit("run", file, "--workers", "1", "--no-report", folder=tmp_path)
     assert ", 0 reused" not in done.stdout
 
 
@@ -171,6 +187,7 @@ def test_simulate_makes_one_run_at_the_values_that_are_set(tmp_path: Path) -> No
         (["run", "my sand.toml", "--workdir", "model.py"], "model.py"),
         (["frobnicate"], "frobnicate"),
         (["status", "nowhere"], "nowhere"),
+        (["report", "nowhere"], "nowhere"),
         (["measure", "nowhere"], "nowhere"),
         (["measure", "model.py"], "model.py"),
         (["measure", "."], "run folder"),
@@ -196,7 +213,7 @@ def test_help_and_status_do_not_wait_for_libraries_that_they_do_not_need(tmp_pat
         "app(sys.argv[1:], standalone_mode=False)\n"
         "print(*sorted({name.partition('.')[0] for name in sys.modules}))"
     )
-    slow = {"gpmp", "jinja2", "numpy", "pint", "PIL", "scipy"}
+    slow = {"gpmp", "jinja2", "numpy", "pint", "PIL", "plotly", "scipy"}
     for arguments in (["--help"], ["new", "x.toml"], ["status", "work"]):
         done = subprocess.run(
             [sys.executable, "-c", program, *arguments],

@@ -124,12 +124,14 @@ def stored(folder: Path) -> list[RunRecord]:
 
 
 def test_a_calibration_says_which_runs_of_others_it_learns_from(sand: Path) -> None:
-    first = grainfit("run", sand, "--seed", "2")
+    first = grainfit("run", sand, "--no-report", "--seed", "2")
     assert "Learns from" not in first.stderr
     assert "learnt from" not in first.stdout
     made = json.loads(Path("sand.grainfit/result.json").read_text())["runs"]["total"]
     sand.write_text(FILE.replace("value = 36", "value = 38"))
-    second = grainfit("run", sand, "--workdir", "new", "--runs-from", "sand.grainfit")
+    second = grainfit(
+        "run", sand, "--no-report", "--workdir", "new", "--runs-from", "sand.grainfit"
+    )
     place = Path("sand.grainfit/runs.sqlite").absolute()
     line = f"Learns from {made} runs that were made before: {place} ({made})."
     assert second.stderr.count(line) == 1, second.stderr
@@ -138,9 +140,9 @@ def test_a_calibration_says_which_runs_of_others_it_learns_from(sand: Path) -> N
 
 def test_the_shared_store_can_be_named_by_the_environment(sand: Path, tmp_path: Path) -> None:
     address = f"sqlite:///{tmp_path / 'shared.sqlite'}"
-    grainfit("run", sand, "--workdir", "one", GRAINFIT_STORE=address)
+    grainfit("run", sand, "--no-report", "--workdir", "one", GRAINFIT_STORE=address)
     first = {r.identity for r in stored(Path("one"))}
-    grainfit("run", sand, "--workdir", "two", GRAINFIT_STORE=address)
+    grainfit("run", sand, "--no-report", "--workdir", "two", GRAINFIT_STORE=address)
     place = address.removeprefix("sqlite:///")
     assert {r.identity for r in stored(Path("two")) if r.origin == place} == first
     grainfit("runs", "export", address, "all.csv")
@@ -365,7 +367,7 @@ def imported(file: Path, table: str, folder: str = "work", test: str | None = No
 
 
 def test_the_next_calibration_learns_from_imported_runs(sand: Path) -> None:
-    grainfit("run", sand, "--workdir", "theirs")
+    grainfit("run", sand, "--no-report", "--workdir", "theirs")
     grainfit("runs", "export", "theirs", "theirs.csv", "--sort", "-seed")
     done = grainfit("runs", "import", sand, "theirs.csv", "--workdir", "ours")
     total = len(stored(Path("theirs")))
@@ -375,7 +377,7 @@ def test_the_next_calibration_learns_from_imported_runs(sand: Path) -> None:
         r.identity for r in stored(Path("theirs"))
     }, "with its seed, a run is the same run wherever it was made"
     sand.write_text(FILE.replace("value = 36", "value = 37"))
-    learnt = grainfit("run", sand, "--workdir", "ours")
+    learnt = grainfit("run", sand, "--no-report", "--workdir", "ours")
     source = f"imported from {Path('theirs.csv').absolute()} ({total})"
     assert f"Learns from {total} runs that were made before: {source}." in learnt.stderr
     again = grainfit("runs", "import", sand, "theirs.csv", "--workdir", "theirs")

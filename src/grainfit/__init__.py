@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from grainfit.material import ParticleSizes
     from grainfit.problem import Parameter, Problem, Target
     from grainfit.progress import Progress
+    from grainfit.report.page import write_report
     from grainfit.result import Result
     from grainfit.solvers.base import Response, Solver, Workspace
     from grainfit.timestep import RayleighTimeStep, rayleigh_time_step
@@ -42,6 +43,7 @@ __all__ = [
     "analyse",
     "calibrate",
     "rayleigh_time_step",
+    "write_report",
 ]
 
 # Imported when first used: the command line does without most of it, and SciPy takes a second.
@@ -51,6 +53,7 @@ _HOMES = {
     "ParticleSizes": "material",
     "Progress": "progress",
     "Result": "result",
+    "write_report": "report.page",
     **dict.fromkeys(("Parameter", "Problem", "Target"), "problem"),
     **dict.fromkeys(("Response", "Solver", "Workspace"), "solvers.base"),
     **dict.fromkeys(("RayleighTimeStep", "rayleigh_time_step"), "timestep"),

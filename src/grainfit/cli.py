@@ -115,8 +115,11 @@ def run(
     local: Annotated[
         bool, typer.Option("--local", help="Make the runs here, not on the file's cluster.")
     ] = False,
+    no_report: Annotated[
+        bool, typer.Option("--no-report", help="Do not write report.html at the end.")
+    ] = False,
 ) -> None:
-    """Calibrate: simulate, fit, verify, and write result.json.
+    """Calibrate: simulate, fit, verify, and write result.json and report.html.
 
     Stop it at any time with Ctrl-C and start the same command again: no finished run is repeated.
 
@@ -152,6 +155,8 @@ def run(
             **options,
         )
     show.print_result(_out, result, folder)
+    if not no_report:
+        _report_if_possible(folder)
     raise typer.Exit(EXIT_CODES[result.status])
 
 
@@ -194,6 +199,31 @@ def status(
     from grainfit.status import read_status
 
     show.print_status(_out, read_status(workdir))
+
+
+@app.command()
+def report(
+    workdir: Annotated[Path, typer.Argument(metavar="DIR", help="Work folder of a calibration.")],
+    output: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE", help="Where to write it. [default: report.html in DIR]"),
+    ] = None,
+    open_it: Annotated[
+        bool, typer.Option("--open", help="Show it in the web browser afterwards.")
+    ] = False,
+) -> None:
+    """Write a page that shows all that a calibration tells.
+
+    Is it calibrated, what are the numbers, how sure are they, what do the responses depend on, and
+    every run: one HTML file that needs neither network nor grainfit to be read. 'grainfit run'
+    writes it at its end; this command does so at any time, also half-way, and disturbs nothing.
+    """
+    path = _write_report(workdir, output)
+    _out.print(f"Report: {path}", highlight=False, markup=False, soft_wrap=True)
+    if open_it:
+        import webbrowser
+
+        webbrowser.open(path.absolute().as_uri())
 
 
 @app.command()
@@ -244,6 +274,32 @@ def measure(
 
 
 app.command()(export)
+
+
+def _write_report(workdir: Path, output: Path | None = None) -> Path:
+    """Write the report; what is done meanwhile is shown, for it takes some seconds."""
+    with _err.status("report") as status:
+        from grainfit.report.page import write_report
+
+        return write_report(
+            workdir, output, on_progress=lambda words: status.update(f"report: {words}")
+        )
+
+
+def _report_if_possible(workdir: Path) -> None:
+    """Write the report of a calibration that has ended; without one, the result is what it was."""
+    try:
+        path = _write_report(workdir)
+    except KeyboardInterrupt:
+        reason = "stopped"
+    except Exception as error:
+        # The result is written and printed: whatever goes wrong here must not look like its end.
+        reason = " ".join(str(error).split()) or type(error).__name__
+    else:
+        _out.print(f"Report: {path}", highlight=False, markup=False, soft_wrap=True)
+        return
+    words = f"No report was written ({reason}). 'grainfit report {workdir}' tries again."
+    show.print_warning(_err, words)
 
 
 def _assemble(file: Path) -> Assembly:

@@ -16,7 +16,7 @@ from rich.table import Table
 from rich.text import Text
 
 from grainfit.errors import GrainfitError, InputError, RunFailedError
-from grainfit.printable import plain
+from grainfit.printable import duration, plain
 
 if TYPE_CHECKING:
     from grainfit.campaign.evaluation import Evaluation
@@ -87,23 +87,15 @@ class LiveProgress:
         ]
         if progress.best_deviation is not None:
             parts.append(f"best run within {progress.best_deviation:.1%}")
-        parts.append(f"{_duration(time.monotonic() - self._started)} elapsed")
+        parts.append(f"{duration(time.monotonic() - self._started)} elapsed")
         if progress.seconds_left is not None:
-            parts.append(f"about {_duration(progress.seconds_left)} left")
+            parts.append(f"about {duration(progress.seconds_left)} left")
         return ", ".join(parts)
 
 
 def _learnt_from(origins: Mapping[str, int]) -> str:
     places = (f"{origin or 'this work folder'} ({n})" for origin, n in origins.items())
     return f"Learns from {sum(origins.values())} runs that were made before: {', '.join(places)}."
-
-
-def _duration(seconds: float) -> str:
-    minutes, rest = divmod(round(seconds), 60)
-    hours, minutes = divmod(minutes, 60)
-    if hours:
-        return f"{hours} h {minutes:02d} min"
-    return f"{minutes} min {rest:02d} s" if minutes else f"{rest} s"
 
 
 def _table(*columns: str) -> Table:
@@ -150,7 +142,7 @@ def print_result(console: Console, result: Result, folder: Path) -> None:
     console.print(
         f"DEM runs: {runs.total} = {runs.design} design + {runs.optimisation} optimisation + "
         f"{runs.verification} verification; {runs.failed} failed, {runs.reused} reused{learnt}. "
-        f"Wall time {_duration(result.wall_seconds)}, workers busy {result.utilisation:.0%}.",
+        f"Wall time {duration(result.wall_seconds)}, workers busy {result.utilisation:.0%}.",
         highlight=False,
     )
     console.print(
@@ -265,7 +257,7 @@ def print_run(console: Console, evaluation: Evaluation, folders: Mapping[str, Pa
         console.print(table)
     for test, reason in evaluation.failures.items():
         console.print(_text(f"{test} failed: {reason}", "red"))
-    words = "known already" if evaluation.reused else f"{_duration(evaluation.seconds)}"
+    words = "known already" if evaluation.reused else f"{duration(evaluation.seconds)}"
     console.print(f"Wall time: {words}", highlight=False)
     for folder in folders.values():
         console.print(f"Run folder: {folder}", highlight=False, markup=False, soft_wrap=True)
@@ -277,6 +269,11 @@ def print_measurement(console: Console, responses: Mapping[str, Response]) -> No
     for name, response in responses.items():
         table.add_row(_text(name), _number(response.value), _number(response.standard_error))
     console.print(table)
+
+
+def print_warning(console: Console, words: str) -> None:
+    """Print in one line what did not go as it should."""
+    console.print(_text(words, "yellow"), soft_wrap=True)
 
 
 def print_error(console: Console, error: GrainfitError) -> None:

@@ -477,16 +477,22 @@ class _Component:
         other.hyperparameters = replace(self.hyperparameters, weight=weight)
         return other
 
-    def to_plain(self) -> dict[str, Any]:
+    def to_plain(self, factors: bool) -> dict[str, Any]:
         """What `Kriging.to_plain` gives of a component."""
+        known = {
+            "weight": float(self.hyperparameters.weight),
+            "ranges": self.hyperparameters.ranges.tolist(),
+            "signal_variance": float(self.hyperparameters.signal_variance),
+            "noise_variance": float(self.hyperparameters.noise_variance),
+            "trend_columns": list(self.trend.columns),
+        }
+        return known | self._plain_factors() if factors else known
+
+    def _plain_factors(self) -> dict[str, Any]:
         # A rotation from the left changes no length, and leaves half of the numbers zero.
         both = np.hstack([self._root, -self._root_of_trend])
         triangle: FloatArray = linalg.qr(both, mode="r", check_finite=False)[0][: len(both)]
         return {
-            "weight": float(self.hyperparameters.weight),
-            "ranges": self.hyperparameters.ranges.tolist(),
-            "signal_variance": float(self.hyperparameters.signal_variance),
-            "trend_columns": list(self.trend.columns),
             "coefficients": self._coefficients.tolist(),
             "trend_coefficients": self._trend_coefficients.tolist(),
             "least_squares": self._least_squares.tolist(),
@@ -931,19 +937,27 @@ class Kriging:
             judged_by=self._judged_by.reduced(components) if self._judged_by else None,
         )
 
-    def to_plain(self) -> dict[str, Any]:
+    def to_plain(self, *, factors: bool = True) -> dict[str, Any]:
         """Give all that another program needs to predict what `predict` does, as plain lists.
+
+        Parameters
+        ----------
+        factors : bool
+            Whether to give what is calculated from the runs once for all predictions: of the order
+            of n^2 numbers a component. Without it, the other program has to factorise itself.
 
         Returns
         -------
         dict
-            ``offset``, ``scale``, ``inflation`` (numbers); ``points`` (n lists of d numbers); and
+            ``offset``, ``scale``, ``inflation`` (numbers); ``points`` (n lists of d numbers),
+            ``values`` and ``known_noise`` of the runs (n), in units of the scale; and
             ``components``, one dictionary for each set of hyperparameters: ``weight``,
-            ``signal_variance`` (numbers); ``ranges`` (d); ``trend_columns`` (q - 1 indices of
-            parameters, from 0); ``coefficients`` (n); ``trend_coefficients`` (q);
-            ``least_squares`` (q lists of n); ``trend_covariance`` (q lists of q); ``triangle``,
-            one flat list: n - q rows of an upper triangular matrix T of n + q columns, one after
-            the other, each from its diagonal on, so row i has n + q - i numbers.
+            ``signal_variance``, ``noise_variance`` (numbers); ``ranges`` (d); ``trend_columns``
+            (q - 1 indices of parameters, from 0). With factors also ``coefficients`` (n);
+            ``trend_coefficients`` (q); ``least_squares`` (q lists of n); ``trend_covariance`` (q
+            lists of q); ``triangle``, one flat list: n - q rows of an upper triangular matrix T of
+            n + q columns, one after the other, each from its diagonal on, so row i has n + q - i
+            numbers.
 
         Notes
         -----
@@ -961,13 +975,18 @@ class Kriging:
 
         - ``m = sum w mean`` and ``s = inflation sum w variance + sum w (mean - m)^2``;
         - the expected response is ``offset + scale m``, its variance ``scale^2 s``.
+
+        The factors are those of universal Kriging: of the k of all points among themselves, with
+        ``noise_variance`` and ``known_noise`` added on the diagonal, and of the f of all points.
         """
         return {
             "offset": self._offset,
             "scale": self._scale,
             "inflation": self._inflation,
             "points": self._components[0].points.tolist(),
-            "components": [component.to_plain() for component in self._components],
+            "values": self._components[0].values.tolist(),
+            "known_noise": self._components[0].known_noise.tolist(),
+            "components": [component.to_plain(factors) for component in self._components],
         }
 
     def warnings(self, *, spread: bool = True) -> list[str]:

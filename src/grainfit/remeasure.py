@@ -71,7 +71,7 @@ def _test_of(folder: Path) -> HeapTest:
             )
         )
     try:
-        return _heap_test(test)
+        return heap_test(test)
     except KeyError as error:
         reason = f"{error} is missing"
     except (TypeError, ValueError, AttributeError) as error:
@@ -85,7 +85,14 @@ def _test_of(folder: Path) -> HeapTest:
     )
 
 
-def _heap_test(definition: Mapping[str, Any]) -> HeapTest:
+def heap_test(definition: Mapping[str, Any]) -> HeapTest:
+    """Make a test anew from its definition.
+
+    Raises
+    ------
+    KeyError, TypeError, ValueError, AttributeError
+        The definition is not one, or not whole.
+    """
     known = {**definition["setup"], **definition}
     options = {
         option.name: known[option.name]

@@ -309,7 +309,7 @@ def test_ctrl_c_ends_the_jobs_and_the_next_start_goes_on_anywhere(tmp_path: Path
     (folder / "halt").touch()
 
     process = subprocess.Popen(
-        command("run", "sand.toml"),
+        command("run", "sand.toml", "--no-report"),
         cwd=folder,
         stdout=subprocess.PIPE,
         stderr=subprocess.STDOUT,
@@ -334,7 +334,7 @@ def test_ctrl_c_ends_the_jobs_and_the_next_start_goes_on_anywhere(tmp_path: Path
         "sand.toml",
     ]
 
-    said = grainfit(folder, "run", "sand.toml", PATH=str(tmp_path / "nothing"))
+    said = grainfit(folder, "run", "sand.toml", "--no-report", PATH=str(tmp_path / "nothing"))
     assert "sbatch is not found" in said
     assert ", 0 reused" not in said
     assert set(jobs()) - before == {job}

@@ -47,7 +47,7 @@ def start(file: Path, seconds: float) -> subprocess.Popen[str]:
         "CRASH_OUTPUT": "100",
     }
     return subprocess.Popen(
-        [sys.executable, "-m", "grainfit", "run", file.name, "--workers", "1"],
+        [sys.executable, "-m", "grainfit", "run", file.name, "--workers", "1", "--no-report"],
         cwd=file.parent,
         env={**os.environ, **environment, "COLUMNS": "400"},
         stdout=subprocess.PIPE,

@@ -138,6 +138,11 @@ class HeapTest(BulkTest):
             "views": self.views,
         }
 
+    @property
+    def ground(self) -> float:
+        """Height from which the flanks of the heap are measured, m, see `angle_of_repose`."""
+        return max(self.setup.rim_height, self.sizes.sauter_diameter)
+
     def time_step(self, material: Mapping[str, float]) -> float:
         """Return the time step of a run with this material, s."""
         return heap_time_step(self.sizes, material, self.time_step_fraction)
@@ -186,13 +191,12 @@ class HeapTest(BulkTest):
 
     def _measure_angle(self, heap: Particles, picture: Path) -> AngleOfRepose:
         plate = self.setup.plate_radius
-        ground = max(self.setup.rim_height, self.sizes.sauter_diameter)
         try:
-            angle = angle_of_repose(heap, ground, plate, self.views)
+            angle = angle_of_repose(heap, self.ground, plate, self.views)
         except NotMeasurableError as error:
-            draw_heap(picture, heap, plate, ground, str(error))
+            draw_heap(picture, heap, plate, self.ground, str(error))
             raise
-        draw_heap(picture, heap, plate, ground, angle)
+        draw_heap(picture, heap, plate, self.ground, angle)
         return angle
 
 

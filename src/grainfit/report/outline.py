@@ -1,0 +1,116 @@
+"""Silhouettes of heaps as small drawings."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from grainfit.measurement.angle_of_repose import Flank, View
+from grainfit.measurement.silhouette import Silhouette
+
+#: Largest deviation of the drawn outline from the rendered one, pixels of the silhouette: a
+#: twentieth of a particle.
+_TOLERANCE = 1.0
+#: Distance between a fitted flank and the line at the target angle beside it, pixels.
+_BESIDE = 30.0
+
+
+@dataclass(frozen=True)
+class Line:
+    """A straight line in a drawing, in pixels of the silhouette; heights are negative upwards."""
+
+    x1: float
+    y1: float
+    x2: float
+    y2: float
+
+
+@dataclass(frozen=True)
+class Drawing:
+    """A silhouette with what was fitted to it, in pixels of the silhouette.
+
+    Parameters
+    ----------
+    path : str
+        Outline as an SVG path; the plate is at y = 0 and heights are negative.
+    half_width, height : int
+        Extent of what is drawn.
+    fitted, wanted : tuple of Line
+        The fitted flanks, and beside them lines at the target angle.
+    """
+
+    path: str
+    half_width: int
+    height: int
+    fitted: tuple[Line, ...] = ()
+    wanted: tuple[Line, ...] = ()
+
+
+def draw(silhouette: Silhouette, view: View | None = None, target: float | None = None) -> Drawing:
+    """Draw a silhouette.
+
+    Parameters
+    ----------
+    silhouette : Silhouette
+        What is seen.
+    view : View, optional
+        The flanks that were fitted to it.
+    target : float, optional
+        Measured angle of repose, degrees.
+    """
+    size = silhouette.pixel_size
+    x = silhouette.columns / size
+    heights = np.nan_to_num(silhouette.outline(), nan=0.0) / size
+    kept = simplified(heights, _TOLERANCE)
+    points = " ".join(f"{x[i]:.0f},{-heights[i]:.0f}" for i in kept)
+    covered = np.flatnonzero(heights)
+    reach = float(np.abs(x[covered]).max()) if len(covered) else float(np.abs(x).max())
+    flanks = [flank for flank in (view.left, view.right) if flank is not None] if view else []
+    return Drawing(
+        path=f"M{x[0]:.0f},0 L{points} L{x[-1]:.0f},0Z",
+        half_width=math.ceil(reach) + 12,
+        height=math.ceil(float(heights.max())) + 12,
+        fitted=tuple(_line(flank, size) for flank in flanks),
+        wanted=tuple(_beside(_line(flank, size), target) for flank in flanks if target),
+    )
+
+
+def simplified(heights: NDArray[np.float64], tolerance: float) -> list[int]:
+    """Return which points of an outline to keep, so that the others are near lines between them.
+
+    References
+    ----------
+    Ramer (1972), Comput. Graph. Image Process. 1, 244-256, with vertical distances.
+    """
+    kept = {0, len(heights) - 1}
+    open_parts = [(0, len(heights) - 1)]
+    while open_parts:
+        first, last = open_parts.pop()
+        if last - first < 2:
+            continue
+        line = np.linspace(heights[first], heights[last], last - first + 1)
+        distance = np.abs(heights[first : last + 1] - line)
+        worst = first + int(np.argmax(distance))
+        if distance[worst - first] > tolerance:
+            kept.add(worst)
+            open_parts += [(first, worst), (worst, last)]
+    return sorted(kept)
+
+
+def _line(flank: Flank, size: float) -> Line:
+    (x1, y1), (x2, y2) = flank.start, flank.end
+    return Line(*(round(value / size, 1) for value in (x1, -y1, x2, -y2)))
+
+
+def _beside(line: Line, angle: float) -> Line:
+    """A line at an angle outside of a flank, as long as that and a little more."""
+    side = math.copysign(1.0, line.x1 - line.x2)
+    along = np.array([side * math.cos(math.radians(angle)), math.sin(math.radians(angle))])
+    outward = np.array([along[1] * side, -along[0] * side])
+    middle = np.array([line.x1 + line.x2, line.y1 + line.y2]) / 2 + _BESIDE * outward
+    reach = 0.6 * math.hypot(line.x1 - line.x2, line.y1 - line.y2)
+    (x1, y1), (x2, y2) = middle + reach * along, middle - reach * along
+    return Line(*(round(float(value), 1) for value in (x1, y1, x2, y2)))

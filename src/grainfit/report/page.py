@@ -1,0 +1,178 @@
+"""The page itself: one file that holds all it needs, and asks nothing of the network."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Mapping
+from contextlib import suppress
+from dataclasses import replace
+from datetime import datetime
+from importlib.metadata import version
+from importlib.resources import files
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from markupsafe import Markup
+from threadpoolctl import threadpool_limits
+
+from grainfit.analysis import analyse
+from grainfit.campaign.workdir import write_atomically
+from grainfit.errors import StoreError
+from grainfit.printable import plain
+from grainfit.problem import Problem
+from grainfit.reading import CalibrationReading, read_calibration
+from grainfit.report.rendering import render, script_json
+from grainfit.report.section import ReportContext, Section
+from grainfit.report.sections import SECTIONS
+from grainfit.result import ResponseResult, RunCounts
+from grainfit.strategies.reachability import OutOfReach
+
+REPORT_NAME = "report.html"
+#: Enough to draw a figure; a grid of contours would be three times as large otherwise.
+_FIGURE_DIGITS = 6
+_STEPS = ("rayleigh_time_step", "rayleigh_time_step_before", "agreement")
+
+
+def write_report(
+    folder: str | Path,
+    output: str | Path | None = None,
+    *,
+    on_progress: Callable[[str], None] | None = None,
+) -> Path:
+    """Write the report of the calibration in a work folder: one HTML file, whole or not at all.
+
+    It can be written at any time, also while the calibration is running; nothing else in the folder
+    is changed.
+
+    Parameters
+    ----------
+    folder : path
+        The work folder.
+    output : path, optional
+        Where to write; ``report.html`` in the folder by default.
+    on_progress : callable, optional
+        Called with a few words before each step.
+
+    Returns
+    -------
+    Path
+        Where it was written.
+
+    Raises
+    ------
+    StoreError
+        The folder is not a work folder, nothing was calibrated in it, or the report cannot be
+        written.
+    """
+    tell = on_progress or (lambda _words: None)
+    tell("reading the runs")
+    reading = read_for_report(Path(folder))
+    tell(f"analysing {len(reading.evaluations)} parameter sets")
+    answer = reading.result["parameters"] if reading.result else None
+    # Metamodels are small: threads of linear algebra would only wait for one another.
+    with threadpool_limits(limits=1, user_api="blas"):
+        analysis = analyse(reading.problem, reading.evaluations, answer=answer or None)
+        tell("drawing")
+        page = render_page(ReportContext(reading, analysis))
+    path = Path(output) if output is not None else Path(folder) / REPORT_NAME
+    _write(path, page)
+    return path
+
+
+def render_page(context: ReportContext) -> str:
+    """Return the whole page."""
+    sections = [section for make in SECTIONS if (section := make(context)) is not None]
+    figures = {key: figure for section in sections for key, figure in section.figures.items()}
+    page = render(
+        "page",
+        name=plain(context.reading.name) or plain(context.reading.folder.absolute().name),
+        written=datetime.now().astimezone().strftime("%d %B %Y, %H:%M"),
+        version=version("grainfit"),
+        sections=sections,
+        styles=[_element_text(text) for text in _parts("styles", ".css", "report.css")],
+        scripts=[_element_text(text) for text in _parts("scripts", ".js", "page.js")],
+        figure_index=script_json(
+            {key: {"height": f.height, "description": f.description} for key, f in figures.items()}
+        ),
+        figures={
+            key: script_json({"data": figure.data, "layout": figure.layout}, _FIGURE_DIGITS)
+            for key, figure in figures.items()
+        },
+        data=_data(sections),
+        plotly=_element_text(_plotly()) if figures else None,
+    )
+    # Names of files may hold bytes that are no text; no page can.
+    return page.encode("utf-8", errors="replace").decode("utf-8")
+
+
+def _data(sections: list[Section]) -> dict[str, Markup]:
+    return {section.key: script_json(section.data) for section in sections if section.data}
+
+
+def _parts(folder: str, suffix: str, first: str) -> list[str]:
+    """Texts of all files of a kind, that of the page itself before those of its sections."""
+    found = [f for f in (files("grainfit.report") / folder).iterdir() if f.name.endswith(suffix)]
+    found.sort(key=lambda file: (file.name != first, file.name))
+    return [file.read_text(encoding="utf-8") for file in found]
+
+
+def _plotly() -> str:
+    return (files("plotly") / "package_data" / "plotly.min.js").read_text(encoding="utf-8")
+
+
+def _element_text(text: str) -> Markup:
+    """Return a script or style so that nothing in it ends its element, or opens a comment."""
+    safe = re.sub(r"</(?=script|style)", r"<\\/", text, flags=re.IGNORECASE)
+    return Markup(safe.replace("<!--", r"<\!--"))
+
+
+def read_for_report(folder: Path) -> CalibrationReading:
+    """Read a calibration, without a result that somebody edited so that it tells nothing any more.
+
+    Raises
+    ------
+    StoreError
+        As `read_calibration`.
+    """
+    reading = read_calibration(folder)
+    try:
+        usable = reading.result is None or _is_usable(reading.result, reading.problem)
+    except (KeyError, TypeError, ValueError, AttributeError):
+        usable = False
+    return reading if usable else replace(reading, result=None)
+
+
+def _is_usable(result: Mapping[str, Any], problem: Problem) -> bool:
+    """Whether a result holds what the report takes from it; may raise where it does not."""
+    responses = [ResponseResult(**response) for response in result["responses"].values()]
+    numbers = [result["wall_seconds"], *vars(RunCounts(**result["runs"])).values()]
+    numbers += [value for key in _STEPS if (value := result[key]) is not None]
+    numbers += [problem.to_unit(result["parameters"])] if result["parameters"] else []
+    for response in responses:
+        found = [response.verified_mean, response.verified_interval]
+        numbers += [value for value in found if value is not None]
+        numbers += [response.target, response.tolerance, response.predicted, response.std_error]
+        numbers.append(response.deviation_percent)
+    words = [*result["notices"], *(str(OutOfReach(**miss)) for miss in result["out_of_reach"])]
+    words += [w for quality in result["metamodels"].values() for w in quality["warnings"]]
+    complete = not result["parameters"] or {t.name for t in problem.targets} == {
+        *result["responses"]
+    }
+    return (
+        complete
+        and all(np.isfinite(number).all() for number in numbers)
+        and all(isinstance(word, str) for word in words)
+    )
+
+
+def _write(path: Path, page: str) -> None:
+    try:
+        write_atomically(path, page)
+    except OSError as error:
+        with suppress(OSError):
+            path.with_name(path.name + ".new").unlink()
+        raise StoreError(
+            f"the report {str(path)!r} cannot be written: {error.strerror or error}. "
+            "Choose another place with --output."
+        ) from error

@@ -1,0 +1,80 @@
+"""From templates to HTML, and from plain data to JSON that may stand in a page."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Iterable, Mapping
+from functools import cache
+from typing import Any
+
+import numpy as np
+from jinja2 import Environment, PackageLoader, StrictUndefined
+from markupsafe import Markup
+
+from grainfit.printable import counted, duration, plain
+from grainfit.report.labels import number, rounded
+
+# In a script element, HTML knows no escapes of its own: what could end it, or begin another one,
+# is written as JSON's escapes.
+_ESCAPES = str.maketrans({sign: f"\\u{ord(sign):04x}" for sign in "<>&"})
+
+
+def render(template: str, **values: Any) -> Markup:
+    """Fill in a template of the report; every value is escaped unless it is `Markup`.
+
+    Parameters
+    ----------
+    template : str
+        File in ``templates``, without ``.html.jinja``.
+    **values
+        What it mentions.
+    """
+    return Markup(_environment().get_template(f"{template}.html.jinja").render(values))
+
+
+def script_json(value: Any, digits: int | None = None) -> Markup:
+    """Return data as JSON for a ``<script type="application/json">``.
+
+    Parameters
+    ----------
+    value : object
+        Plain data and NumPy arrays. What is not finite becomes null.
+    digits : int, optional
+        Significant digits of its numbers: enough to draw them. All of them by default.
+    """
+    text = json.dumps(_plain_data(value, digits), allow_nan=False, separators=(",", ":"))
+    return Markup(text.translate(_ESCAPES))
+
+
+def _plain_data(value: Any, digits: int | None) -> Any:
+    if isinstance(value, np.ndarray | np.generic):
+        value = value.tolist()
+    if isinstance(value, float):
+        if not math.isfinite(value):
+            return None
+        return value if digits is None else float(f"{value:.{digits}g}")
+    if isinstance(value, Mapping):
+        return {str(key): _plain_data(item, digits) for key, item in value.items()}
+    if isinstance(value, Iterable) and not isinstance(value, str):
+        return [_plain_data(item, digits) for item in value]
+    return value
+
+
+@cache
+def _environment() -> Environment:
+    environment = Environment(
+        loader=PackageLoader("grainfit.report"),
+        undefined=StrictUndefined,
+        autoescape=True,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    environment.filters |= {
+        "counted": counted,
+        "number": number,
+        "rounded": rounded,
+        "plain": plain,
+        "duration": duration,
+    }
+    return environment

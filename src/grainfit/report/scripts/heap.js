@@ -1,0 +1,190 @@
+// A heap that can be turned: shaded spheres, drawn from back to front.
+(() => {
+  "use strict";
+
+  const heaps = window.grainfitData("heap") ?? {};
+  // From low to high, lighter and lighter (after cividis, Nuñez, Anderton & Renslow 2018).
+  const STOPS = [
+    [53, 85, 143], [93, 115, 150], [139, 141, 140], [194, 171, 112], [254, 232, 56],
+  ];
+  const BINS = 32;
+  const SPRITE = 64;
+
+  const colour = (share) => {
+    const place = Math.min(Math.max(share, 0), 1) * (STOPS.length - 1);
+    const low = Math.min(Math.floor(place), STOPS.length - 2);
+    return STOPS[low].map((v, i) => v + (place - low) * (STOPS[low + 1][i] - v));
+  };
+
+  const shade = (rgb, factor) => `rgb(${rgb.map((v) => Math.min(255, v * factor)).join(",")})`;
+
+  const makeSprite = (share) => {
+    const canvas = document.createElement("canvas");
+    canvas.width = canvas.height = SPRITE;
+    const pen = canvas.getContext("2d");
+    const rgb = colour(share);
+    const half = SPRITE / 2;
+    const light = pen.createRadialGradient(half * 0.7, half * 0.6, 0, half, half, half);
+    light.addColorStop(0, shade(rgb, 1.25));
+    light.addColorStop(0.55, shade(rgb, 0.95));
+    light.addColorStop(1, shade(rgb, 0.5));
+    pen.fillStyle = light;
+    pen.beginPath();
+    pen.arc(half, half, half - 0.5, 0, 2 * Math.PI);
+    pen.fill();
+    return canvas;
+  };
+  let sprites = null;
+
+  const unpack = (text) => {
+    const bytes = Uint8Array.from(atob(text), (sign) => sign.charCodeAt(0));
+    const view = new DataView(bytes.buffer);
+    return Float32Array.from({ length: bytes.length / 2 }, (_, i) => view.getInt16(2 * i, true));
+  };
+
+  const show = (canvas, heap) => {
+    const table = unpack(heap.particles);
+    const count = table.length / 4;
+    const order = Uint32Array.from({ length: count }, (_, i) => i);
+    const away = new Float32Array(count);
+    let top = 1;
+    let reach = 1;
+    for (let i = 0; i < count; i += 1) {
+      const [x, y, z, r] = table.subarray(4 * i, 4 * i + 4);
+      top = Math.max(top, z + r);
+      reach = Math.max(reach, Math.hypot(x, y) + r);
+    }
+    const usual = { azimuth: 0.5, elevation: 0.35, zoom: 1 };
+    let camera = { ...usual };
+    let waiting = false;
+
+    const draw = () => {
+      waiting = false;
+      sprites ??= Array.from({ length: BINS }, (_, i) => makeSprite(i / (BINS - 1)));
+      const scale = window.devicePixelRatio || 1;
+      const width = Math.round(canvas.clientWidth * scale);
+      const height = Math.round(canvas.clientHeight * scale);
+      if (canvas.width !== width || canvas.height !== height) {
+        canvas.width = width;
+        canvas.height = height;
+      }
+      const pen = canvas.getContext("2d");
+      const theme = window.grainfitTheme();
+      const [ca, sa] = [Math.cos(camera.azimuth), Math.sin(camera.azimuth)];
+      const [ce, se] = [Math.cos(camera.elevation), Math.sin(camera.elevation)];
+      const tall = top * ce + 2 * reach * se;
+      const zoom = camera.zoom * 0.94 * Math.min(width / (2 * reach), height / tall);
+      const middleX = width / 2;
+      const middleY = height / 2 + (zoom * top * ce) / 2;
+
+      pen.clearRect(0, 0, width, height);
+      pen.lineWidth = scale;
+      pen.strokeStyle = theme["quiet-ink"];
+      for (const level of heap.rim > 0 ? [0, heap.rim] : [0]) {
+        const radius = heap.plate * zoom;
+        pen.beginPath();
+        pen.ellipse(middleX, middleY - level * ce * zoom, radius, radius * se, 0, 0, 2 * Math.PI);
+        pen.stroke();
+      }
+      for (let i = 0; i < count; i += 1) {
+        const deep = table[4 * i + 1] * ca - table[4 * i] * sa;
+        away[i] = deep * ce - table[4 * i + 2] * se;
+      }
+      order.sort((a, b) => away[b] - away[a]);
+      for (const i of order) {
+        const [x, y, z, r] = table.subarray(4 * i, 4 * i + 4);
+        const size = r * zoom;
+        const across = middleX + (x * ca + y * sa) * zoom;
+        const down = middleY - (z * ce + (y * ca - x * sa) * se) * zoom;
+        const bin = Math.min(BINS - 1, Math.max(0, Math.floor((z / top) * BINS)));
+        pen.drawImage(sprites[bin], across - size, down - size, 2 * size, 2 * size);
+      }
+    };
+    const redraw = () => {
+      if (!waiting) {
+        waiting = true;
+        requestAnimationFrame(draw);
+      }
+    };
+    const turn = (right, up) => {
+      camera.azimuth -= right;
+      camera.elevation = Math.min(1.45, Math.max(0, camera.elevation + up));
+      redraw();
+    };
+    const zoomBy = (factor) => {
+      camera.zoom = Math.min(8, Math.max(0.5, camera.zoom * factor));
+      redraw();
+    };
+
+    let last = null;
+    canvas.addEventListener("pointerdown", (event) => {
+      canvas.setPointerCapture(event.pointerId);
+      last = [event.clientX, event.clientY];
+    });
+    canvas.addEventListener("pointermove", (event) => {
+      if (last && canvas.hasPointerCapture(event.pointerId)) {
+        turn((event.clientX - last[0]) / 150, (event.clientY - last[1]) / 150);
+        last = [event.clientX, event.clientY];
+      }
+    });
+    canvas.addEventListener("dblclick", () => {
+      camera = { ...usual };
+      redraw();
+    });
+    canvas.addEventListener(
+      "wheel",
+      (event) => {
+        // Without focus, the wheel scrolls the page.
+        if (event.ctrlKey || document.activeElement === canvas) {
+          event.preventDefault();
+          zoomBy(Math.exp(-event.deltaY / 500));
+        }
+      },
+      { passive: false },
+    );
+    const keys = {
+      ArrowLeft: () => turn(-0.1, 0),
+      ArrowRight: () => turn(0.1, 0),
+      ArrowUp: () => turn(0, -0.1),
+      ArrowDown: () => turn(0, 0.1),
+      "+": () => zoomBy(1.2),
+      "=": () => zoomBy(1.2),
+      "-": () => zoomBy(1 / 1.2),
+    };
+    canvas.addEventListener("keydown", (event) => {
+      if (keys[event.key]) {
+        event.preventDefault();
+        keys[event.key]();
+      }
+    });
+    new ResizeObserver(redraw).observe(canvas);
+    document.addEventListener("grainfit:theme", redraw);
+    return draw;
+  };
+
+  const shown = new Map();
+  const once = (canvas) => {
+    if (!shown.has(canvas)) {
+      shown.set(canvas, show(canvas, heaps[canvas.dataset.heap]));
+    }
+  };
+  const canvases = [...document.querySelectorAll("canvas[data-heap]")].filter(
+    (canvas) => heaps[canvas.dataset.heap],
+  );
+  const watcher = new IntersectionObserver(
+    (entries) => {
+      for (const { target, isIntersecting } of entries) {
+        if (isIntersecting) {
+          watcher.unobserve(target);
+          once(target);
+        }
+      }
+    },
+    { rootMargin: "200px 0px" },
+  );
+  canvases.forEach((canvas) => watcher.observe(canvas));
+  addEventListener("beforeprint", () => {
+    canvases.forEach(once);
+    shown.forEach((draw) => draw());
+  });
+})();

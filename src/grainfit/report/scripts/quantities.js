@@ -1,0 +1,118 @@
+// Numbers, intervals and commands, as the rest of the page writes them.
+(() => {
+  "use strict";
+
+  const SUPERSCRIPTS = "⁰¹²³⁴⁵⁶⁷⁸⁹";
+  const MOST_DIGITS = 6;
+
+  function withPower(mantissa, power) {
+    const digits = String(Math.abs(power)).replace(/\d/g, (digit) => SUPERSCRIPTS[digit]);
+    return `${mantissa}·10${power < 0 ? "⁻" : ""}${digits}`.replace("-", "−");
+  }
+
+  // A number with so many significant digits, as grainfit.report.labels.number has it.
+  function text(value, digits = 4) {
+    if (!Number.isFinite(value)) return "–";
+    const [mantissa, power] = value.toExponential(digits - 1).split("e").map(Number);
+    if (power >= -4 && power < digits) {
+      return String(Number(value.toPrecision(digits))).replace("-", "−");
+    }
+    return withPower(mantissa, power);
+  }
+
+  // A value down to two digits of its uncertainty, as grainfit.report.labels.rounded has it.
+  function rounded(value, uncertainty) {
+    if (!Number.isFinite(value)) return "–";
+    if (!(uncertainty > 0 && uncertainty < Infinity)) return text(value);
+    const magnitude = Math.floor(Math.log10(Math.abs(value || uncertainty)));
+    const decimals = Math.min(
+      1 - Math.floor(Math.log10(uncertainty)),
+      MOST_DIGITS - 1 - magnitude
+    );
+    if (magnitude >= -3 && magnitude < 6) {
+      const unit = 10 ** -decimals;
+      const near = decimals < 0 ? unit * Math.round(value / unit) : value;
+      return near.toFixed(Math.max(decimals, 0)).replace("-", "−");
+    }
+    const digits = Math.max(magnitude + decimals, 0);
+    const [mantissa, power] = value.toExponential(digits).split("e");
+    return withPower(mantissa, Number(power));
+  }
+
+  // A short time, as grainfit.report.sections.answer.seconds has it.
+  function seconds(value) {
+    for (const [unit, size] of [["s", 1], ["ms", 1e-3], ["µs", 1e-6]]) {
+      if (value >= size) {
+        return `${text(value / size)} ${unit}`;
+      }
+    }
+    return `${text(value / 1e-9)} ns`;
+  }
+
+  function withUnit(words, unit) {
+    return unit ? `${words}${unit === "°" ? "" : "\u00a0"}${unit}` : words;
+  }
+
+  function toUnit(parameter, value) {
+    const { minimum, maximum } = parameter;
+    return parameter.scale === "log"
+      ? Math.log(value / minimum) / Math.log(maximum / minimum)
+      : (value - minimum) / (maximum - minimum);
+  }
+
+  function fromUnit(parameter, position) {
+    const { minimum, maximum } = parameter;
+    if (position === 0) return minimum;
+    if (position === 1) return maximum;
+    return parameter.scale === "log"
+      ? minimum * Math.exp(position * Math.log(maximum / minimum))
+      : minimum + position * (maximum - minimum);
+  }
+
+  // Names and values for a shell: settings of 'grainfit simulate'.
+  function settings(values) {
+    return Object.entries(values)
+      .map(([name, value]) => `--set ${quoted(`${name}=${value}`)}`)
+      .join(" ");
+  }
+
+  function quoted(word) {
+    return /^[\w@%+=:,./-]+$/.test(word) ? word : `'${word.replaceAll("'", "'\"'\"'")}'`;
+  }
+
+  // Copies a text, and says on the button that it did; without leave to do so, shows it.
+  async function copy(content, button) {
+    const words = button.textContent;
+    try {
+      await navigator.clipboard.writeText(content);
+    } catch {
+      window.prompt("Copy this text:", content);
+      return;
+    }
+    button.textContent = "Copied";
+    setTimeout(() => {
+      button.textContent = words;
+    }, 1500);
+  }
+
+  // Rayleigh time step, s, see grainfit.timestep.
+  function rayleigh(known, values) {
+    const all = { ...known.fixed, ...values };
+    const ratio = all["particle.poissons_ratio"];
+    const shear = all["particle.youngs_modulus"] / (2 * (1 + ratio));
+    const wave = 0.1631 * ratio + 0.8766;
+    return (Math.PI * known.radius * Math.sqrt(all["particle.density"] / shear)) / wave;
+  }
+
+  globalThis.grainfitQuantities = {
+    text,
+    rounded,
+    seconds,
+    withUnit,
+    toUnit,
+    fromUnit,
+    settings,
+    copy,
+    rayleigh,
+  };
+})();

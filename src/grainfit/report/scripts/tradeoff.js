@@ -1,0 +1,123 @@
+// The trade-off: a point that is picked in the figure or in the list is read off beside it.
+(() => {
+  "use strict";
+
+  const { text, seconds, withUnit, settings, copy } = window.grainfitQuantities;
+
+  class TradeOff {
+    constructor(place, data) {
+      this.place = place;
+      this.data = data;
+      this.figure = place.querySelector("[data-figure]");
+      this.select = place.querySelector("[data-pick]");
+    }
+
+    listen() {
+      this.select.addEventListener("change", () => this.show());
+      this.figure.addEventListener("grainfit:drawn", () => {
+        this.figure.on("plotly_click", ({ points }) => {
+          const picked = points.find(({ curveNumber }) => curveNumber === 0);
+          if (picked) {
+            this.select.value = picked.pointNumber;
+            this.show();
+          }
+        });
+        this.mark();
+      });
+      const button = this.place.querySelector("[data-copy]");
+      button.addEventListener("click", () => copy(settings(this.picked.values), button));
+    }
+
+    get picked() {
+      return this.data.points[Number(this.select.value)];
+    }
+
+    show() {
+      const { parameters, responses, answer, answer_responses: expected } = this.data;
+      const { picked } = this;
+      this.place.querySelector("[data-picked-words]").textContent = this.inWords();
+      this.place.querySelector("[data-beside]").textContent = answer ? "the answer" : "";
+      const rows = parameters.map(({ name, html, unit }) =>
+        rowOf(html, [picked.values[name], answer?.[name]].map((value) => cellOf(value, unit))),
+      );
+      responses.forEach((response, i) => {
+        const cells = [picked.responses[i], expected?.[i]].map((value) =>
+          cellOf(value, response.unit, response),
+        );
+        rows.push(rowOf(`expected ${response.html}`, cells));
+      });
+      this.place.querySelector("[data-picked]").replaceChildren(...rows);
+      this.mark();
+    }
+
+    inWords() {
+      const { time_step: step, agreement } = this.picked;
+      const factor = step / this.data.answer_time_step;
+      const beside = this.data.answer_time_step
+        ? ` (${text(factor, 3)} times the answer's)`
+        : "";
+      return (
+        `Time step ${seconds(step)}${beside}; ` +
+        `all expected responses within tolerance with ${Math.round(100 * agreement)} % probability.`
+      );
+    }
+
+    // In the figure, by a ring.
+    mark() {
+      if (!this.figure.data) {
+        return;
+      }
+      const { ink } = window.grainfitTheme();
+      const picked = Number(this.select.value);
+      const widths = this.data.points.map((_, i) => (i === picked ? 3 : 0));
+      window.Plotly.restyle(
+        this.figure,
+        { "marker.line.width": [widths], "marker.line.color": ink },
+        [0],
+      );
+    }
+  }
+
+  // Names have been escaped where they became HTML.
+  const rowOf = (html, cells) => {
+    const row = document.createElement("tr");
+    const head = document.createElement("th");
+    head.scope = "row";
+    head.innerHTML = html;
+    head.querySelectorAll("abbr[title]").forEach((abbreviation) => {
+      abbreviation.tabIndex = 0;
+    });
+    row.append(head, ...cells);
+    return row;
+  };
+
+  // Of a response, with a mark that tells whether it is within tolerance.
+  const cellOf = (value, unit, response = null) => {
+    const cell = document.createElement("td");
+    cell.className = "number";
+    if (value === undefined) {
+      return cell;
+    }
+    cell.textContent = withUnit(text(value), unit);
+    if (response) {
+      const inside = Math.abs(value - response.target) <= response.tolerance;
+      const mark = document.createElement("span");
+      mark.className = `mark ${inside ? "good" : "bad"}`;
+      mark.textContent = inside ? " ✓" : " ✗";
+      mark.title = inside ? "within tolerance" : "outside the tolerance";
+      mark.setAttribute("role", "img");
+      mark.setAttribute("aria-label", mark.title);
+      cell.append(mark);
+    }
+    return cell;
+  };
+
+  const place = document.querySelector("[data-tradeoff]");
+  if (!place) {
+    return;
+  }
+  const shown = new TradeOff(place, window.grainfitData("tradeoff"));
+  shown.listen();
+  shown.show();
+  document.addEventListener("grainfit:theme", () => shown.mark());
+})();

@@ -1,0 +1,255 @@
+"""The answer in one box: calibrated or not, the numbers, how sure, what it took."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any, Literal
+
+from markupsafe import Markup
+
+from grainfit.printable import counted, duration, plain
+from grainfit.problem import Parameter, Target
+from grainfit.report.labels import Label, number, rounded
+from grainfit.report.rendering import render
+from grainfit.report.section import ReportContext, Section
+from grainfit.result import ResponseResult, RunCounts
+from grainfit.strategies.reachability import OutOfReach
+
+#: Of a normal distribution: half of the 95 % interval in standard errors.
+_QUANTILE = 1.96
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """What came of it: how good that is, one line, and what there is to add."""
+
+    grade: Literal["good", "warn", "bad"]
+    line: str
+    details: tuple[str, ...] = ()
+
+    @property
+    def mark(self) -> str:
+        """A sign that tells the grade without colour."""
+        return {"good": "✓", "warn": "!", "bad": "✗"}[self.grade]
+
+
+@dataclass(frozen=True)
+class ParameterRow:
+    """A parameter as it is shown; positions are percentages of its interval."""
+
+    label: Label
+    value: str
+    interval: str
+    why_no_interval: str
+    position: float | None
+    credible: tuple[float, float] | None
+    searched: str
+
+
+@dataclass(frozen=True)
+class ResponseRow:
+    """A response as it is shown."""
+
+    label: Label
+    measured: str
+    tolerance: str
+    expected: str
+    half_width: str
+    predicted: bool
+    deviation: str
+    met: bool | None
+
+
+def answer(context: ReportContext) -> Section:
+    """Verdict, parameters with their intervals, responses against measurements, cost."""
+    result = context.reading.result
+    html = render(
+        "answer",
+        verdict=verdict(context),
+        provisional=not context.answer and context.analysis.posterior is not None,
+        parameters=[_parameter_row(context, parameter) for parameter in context.parameters],
+        responses=[_response_row(context, target) for target in context.targets],
+        fixed=[
+            (context.parameter_label(name), number(value, 6))
+            for name, value in context.reading.fixed.items()
+        ],
+        time_step=_time_step(result) if result else None,
+        cost=_cost(context),
+        notices=list(_notices(context)),
+    )
+    return Section("answer", "Answer", html)
+
+
+def verdict(context: ReportContext) -> Verdict:
+    """Say in words what came of the calibration, or how far it is."""
+    reading = context.reading
+    ended = f"Simulated so far: {counted(len(reading.evaluations), 'parameter set')}"
+    match reading.state:
+        case "running":
+            words = f"{ended}; under way: {counted(reading.running, 'run')}."
+            return Verdict("warn", "Running: no answer yet.", (words,))
+        case "failed":
+            words = f"{ended}. The last runs in the table below say why; mend it and start again."
+            return Verdict("bad", "Stopped by an error.", (words,))
+        case "interrupted":
+            so_far = "The numbers are the best so far." if context.answer else "No answer yet."
+            words = f"{ended}. Start the same command again to go on."
+            return Verdict("warn", f"Interrupted. {so_far}", (words,))
+    if not context.answer:
+        words = "Its result.json is missing or was edited: start the same command again."
+        return Verdict(
+            "warn", f"It has ended ({plain(reading.state)}), but not its answer.", (words,)
+        )
+    return _final_verdict(context)
+
+
+def _final_verdict(context: ReportContext) -> Verdict:
+    result = context.reading.result or {}
+    sure = tuple(_sureness(result))
+    if context.reading.state == "calibrated":
+        return Verdict("good", "Calibrated: every measurement is met within its tolerance.", sure)
+    misses = tuple(str(OutOfReach(**miss)) for miss in result["out_of_reach"])
+    if context.reading.state == "unreachable" and misses:
+        return Verdict("bad", "Out of reach within the given intervals.", misses)
+    missed = [
+        f"{context.response_label(name).words} deviates by {_percent(response.deviation_percent)}, "
+        f"and ±{number(100 * response.tolerance / response.target, 3)} % are accepted"
+        for name, response in _responses(result).items()
+        if not response.within_tolerance
+    ]
+    words = f"Not calibrated: {'; '.join(missed)}." if missed else "Not calibrated."
+    return Verdict("bad", words, sure)
+
+
+def _sureness(result: Mapping[str, Any]) -> Iterator[str]:
+    if result["agreement"] is not None:
+        yield (
+            "By all runs together, every expected response is within its tolerance with a "
+            f"probability of {100 * result['agreement']:.0f} %."
+        )
+
+
+def _responses(result: Mapping[str, Any] | None) -> dict[str, ResponseResult]:
+    found = result["responses"] if result else {}
+    return {name: ResponseResult(**response) for name, response in found.items()}
+
+
+def _parameter_row(context: ReportContext, parameter: Parameter) -> ParameterRow:
+    posterior, name = context.analysis.posterior, parameter.name
+    value = context.answer.get(name)
+    if value is None and posterior is not None:
+        value = float(posterior.median(name))
+    interval = None
+    half_width = None
+    if posterior is not None:
+        low, high = (float(bound) for bound in posterior.interval(name))
+        interval, half_width = (low, high), (high - low) / 2
+    return ParameterRow(
+        label=context.parameter_label(name),
+        value=rounded(value, half_width),
+        interval=" … ".join(rounded(bound, half_width) for bound in interval) if interval else "",
+        why_no_interval=_why_no_interval(context),
+        position=None if value is None else _position(parameter, value),
+        credible=(_position(parameter, interval[0]), _position(parameter, interval[1]))
+        if interval
+        else None,
+        searched=f"{number(parameter.minimum)} … {number(parameter.maximum)}",
+    )
+
+
+def _position(parameter: Parameter, value: float) -> float:
+    """Where a value is in its interval, percent."""
+    return round(100 * min(max(parameter.to_unit(value), 0.0), 1.0), 2)
+
+
+def _why_no_interval(context: ReportContext) -> str:
+    return " ".join(context.analysis.notes) or "The runs do not suffice for an interval yet."
+
+
+def _response_row(context: ReportContext, target: Target) -> ResponseRow:
+    response = _responses(context.reading.result).get(target.name)
+    label = context.response_label(target.name)
+    tolerance = target.accepted_deviation
+    measured = {"measured": number(target.value, 6), "tolerance": number(tolerance, 3)}
+    if response is None:
+        return ResponseRow(
+            label, **measured, expected="–", half_width="", predicted=False, deviation="–", met=None
+        )
+    expected, half_width = response.predicted, _QUANTILE * response.std_error
+    verified = response.verified_mean is not None and response.verified_interval is not None
+    if response.verified_mean is not None and response.verified_interval is not None:
+        expected, half_width = response.verified_mean, response.verified_interval
+    return ResponseRow(
+        label,
+        **measured,
+        expected=rounded(expected, half_width),
+        half_width=number(half_width, 2),
+        predicted=not verified,
+        deviation=_percent(response.deviation_percent),
+        met=response.within_tolerance,
+    )
+
+
+def _percent(value: float) -> str:
+    return f"{value:+.2f} %".replace("-", "−")
+
+
+def _time_step(result: Mapping[str, Any]) -> dict[str, str] | None:
+    step, before = result["rayleigh_time_step"], result["rayleigh_time_step_before"]
+    if step is None or not before:
+        return None
+    return {
+        "value": seconds(step),
+        "factor": number(step / before, 3),
+        "before": seconds(before),
+    }
+
+
+def seconds(value: float) -> str:
+    """Return a short time with a unit that suits it.
+
+    Examples
+    --------
+    >>> seconds(0.002153)
+    '2.153 ms'
+    """
+    for unit, size in (("s", 1.0), ("ms", 1e-3), ("µs", 1e-6)):
+        if value >= size:
+            return f"{number(value / size)} {unit}"
+    return f"{number(value / 1e-9)} ns"
+
+
+def _cost(context: ReportContext) -> dict[str, Any]:
+    reading = context.reading
+    result = reading.result
+    stages = Counter[str]()
+    for evaluation in reading.evaluations:
+        stages[evaluation.proposal.stage] += len(evaluation.runs)
+    counts = (
+        RunCounts(**result["runs"])
+        if result
+        else RunCounts(
+            **stages,
+            failed=sum(len(evaluation.failures) for evaluation in reading.evaluations),
+            total=sum(stages.values()),
+        )
+    )
+    return {
+        "counts": counts,
+        "wall": duration(result["wall_seconds"]) if result else None,
+        "simulated": duration(sum(record.seconds for record in reading.runs.values())),
+        "workers": reading.workers,
+    }
+
+
+def _notices(context: ReportContext) -> Iterator[Markup]:
+    result = context.reading.result
+    said = [*result["notices"]] if result else []
+    if result:
+        for name, quality in result["metamodels"].items():
+            words = context.response_label(name).words
+            said += [f"Metamodel of {words}: {warning}" for warning in quality["warnings"]]
+    said += context.analysis.notes
+    yield from (Markup.escape(plain(words)) for words in dict.fromkeys(said))

@@ -1,0 +1,444 @@
+"""What the plain sections say: answer, heap, convergence, verification, runs, reproduction."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from html import unescape
+from itertools import pairwise
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+from PIL import Image
+
+import grainfit
+from grainfit.analysis import Analysis
+from grainfit.bulk_tests.heap import HeapTest
+from grainfit.campaign.evaluation import Evaluation, Proposal, Stage
+from grainfit.campaign.records import RunRecord
+from grainfit.material import MATERIAL_PARAMETERS, ParticleSizes
+from grainfit.reading import CalibrationReading
+from grainfit.report.heaps import heap_runs, read_heap
+from grainfit.report.labels import number, rounded
+from grainfit.report.outline import simplified
+from grainfit.report.section import ReportContext, Section
+from grainfit.report.sections.answer import answer, verdict
+from grainfit.report.sections.convergence import convergence
+from grainfit.report.sections.heap import heap
+from grainfit.report.sections.reproduce import reproduce
+from grainfit.report.sections.runs import runs
+from grainfit.report.sections.verification import verification
+from grainfit.solvers.base import Response
+from grainfit.strategies.reachability import OutOfReach
+
+DENSITY, FRICTION = "particle.density", "particle_particle.rolling_friction"
+PROBLEM = grainfit.Problem(
+    [
+        grainfit.Parameter(DENSITY, 1400, 2800, unit="kg/m^3"),
+        grainfit.Parameter(FRICTION, 0.4, 0.9),
+    ],
+    [
+        grainfit.Target("bulk_density", 1500.0, tolerance=15.0, unit="kg/m^3"),
+        grainfit.Target("angle_of_repose", 22.0, tolerance=0.5, unit="deg"),
+    ],
+)
+ANSWER = {DENSITY: 2309.4321, FRICTION: 0.52}
+RESULT: Mapping[str, Any] = {
+    "parameters": ANSWER,
+    "responses": {
+        "bulk_density": {
+            "target": 1500.0, "tolerance": 15.0, "unit": "kg/m^3", "predicted": 1503.0,
+            "std_error": 2.0, "verified_mean": 1501.84, "verified_std_error": 0.6,
+            "verified_interval": 1.5, "deviation_percent": 0.12, "within_tolerance": True,
+        },
+        "angle_of_repose": {
+            "target": 22.0, "tolerance": 0.5, "unit": "deg", "predicted": 21.6,
+            "std_error": 0.2, "verified_mean": None, "verified_std_error": None,
+            "verified_interval": None, "deviation_percent": -1.82, "within_tolerance": True,
+        },
+    },
+    "runs": {"design": 5, "optimisation": 11, "verification": 24, "failed": 1, "reused": 2,
+             "total": 40, "learnt_from": 3},
+    "rayleigh_time_step": 0.002153,
+    "rayleigh_time_step_before": 0.002054,
+    "agreement": 0.96,
+    "wall_seconds": 120.0,
+    "out_of_reach": [],
+    "metamodels": {},
+    "notices": ["<i>look</i>"],
+}  # fmt: skip
+
+
+def evaluation(
+    seed: int,
+    stage: Stage = "design",
+    parameters: Mapping[str, float] = ANSWER,
+    *,
+    density: float | None = 1500.0,
+    angle: float | None = 22.0,
+    reason: str = "",
+) -> Evaluation:
+    found = {"bulk_density": density, "angle_of_repose": angle}
+    return Evaluation(
+        Proposal(parameters, seed, stage),
+        {name: Response(value, 0.1) for name, value in found.items() if value is not None},
+        {"heap": reason} if reason else {},
+        runs={"heap": f"run{seed:029d}"},
+        seconds=3.25,
+    )
+
+
+FAILED = evaluation(3, density=None, angle=None, reason="it <b>exploded</b>")
+RUNS = (
+    evaluation(1, parameters={DENSITY: 1400.0, FRICTION: 0.4}, density=1000.0, angle=15.0),
+    evaluation(2, parameters={DENSITY: 2800.0, FRICTION: 0.9}, density=1800.0, angle=30.0),
+    FAILED,
+    *(
+        evaluation(10 + i, "verification", angle=angle)
+        for i, angle in enumerate((21.6, 21.9, 22.4, 21.8))
+    ),
+)
+
+
+def context(
+    state: str = "calibrated",
+    result: Mapping[str, Any] | None = RESULT,
+    evaluations: Sequence[Evaluation] = RUNS,
+    analysis: Analysis | None = None,
+    folder: Path = Path("beads.grainfit"),
+    **changes: Any,
+) -> ReportContext:
+    records = {
+        identity: RunRecord(
+            identity,
+            test,
+            "failed" if done.failures else "finished",
+            {"solver": "lammps", "version": "29 Aug 2024", "test": {}, "seed": 1},
+            reason=done.failures.get(test, ""),
+            log_tail="step 1\nERROR: <b>lost</b> atoms\n" if done.failures else "",
+            seconds=done.seconds,
+        )
+        for done in evaluations
+        for test, identity in done.runs.items()
+    }
+    reading = CalibrationReading(
+        folder=folder,
+        name="beads",
+        identity="f" * 32,
+        state=state,
+        problem=PROBLEM,
+        strategy="sequential",
+        seed=7,
+        evaluations=tuple(evaluations),
+        running=2 if state == "running" else 0,
+        runs=records,
+        result=result,
+        fixed={"wall.density": 7700.0},
+        units={DENSITY: "kg/m^3", "wall.density": "kg/m^3"},
+        source="it's beads.toml",
+        source_text="name = 'beads' # <b>\n",
+        version="0.1.0",
+        workers=2,
+        started=1.7e9,
+    )
+    return ReportContext(replace(reading, **changes), analysis or Analysis())
+
+
+def text(section: Section | None) -> str:
+    """What is read of a section."""
+    assert section is not None
+    words = re.sub(r"<[^>]*>", " ", str(section.html))
+    return " ".join(unescape(words).split())
+
+
+def posterior(intervals: Mapping[str, tuple[float, float]]) -> Any:
+    return SimpleNamespace(
+        interval=lambda name: intervals[name],
+        median=lambda name: sum(intervals[name]) / 2,
+        converged=True,
+    )
+
+
+# --- Answer ---------------------------------------------------------------------------------------
+
+
+def test_values_have_the_digits_that_their_uncertainty_leaves() -> None:
+    assert rounded(2309.4321, 31.0) == "2309"
+    assert rounded(2309.4321, 310.0) == "2310"
+    assert rounded(0.52, 0.045) == "0.520"
+    assert rounded(-0.0215, 0.0011) == "−0.0215"
+    assert rounded(3.6123e7, 2.5e5) == "3.612·10⁷"
+    assert rounded(1.234567891, 1e-12) == "1.23457"
+    assert rounded(0.0, 0.2) == "0.00"
+    assert number(3.6e-7) == "3.6·10⁻⁷"
+    assert {rounded(float("nan"), 1.0), number(float("inf")), rounded(None, None)} == {"–"}
+
+
+def test_the_answer_has_verdict_values_intervals_and_cost() -> None:
+    intervals = {DENSITY: (2280.0, 2341.0), FRICTION: (0.4801, 0.5712)}
+    analysis = replace(Analysis(), posterior=posterior(intervals))
+    section = answer(context(analysis=analysis))
+    shown = text(section)
+    for words in (
+        "Calibrated: every measurement is met within its tolerance.",
+        "probability of 96 %",
+        "particle-particle rolling friction coefficient 0.520 0.480 … 0.571",
+        "ρ p kg/m³ particle density of the solid 2309 2280 … 2341",
+        "✓ met 1500 ± 15 1501.8 ± 1.5 +0.12 %",
+        "✓ met 22 ± 0.5 21.60 ± 0.39 (predicted) −1.82 %",
+        "2.153 ms , 1.05 times that of the middle of the intervals (2.054 ms)",
+        "40 = 5 design + 11 optimisation + 24 verification ; 1 failed, 2 reused, learnt from 3",
+        "2 min 00 s since it was started last",
+        "7700",
+    ):
+        assert words in shown
+    assert "&lt;i&gt;look&lt;/i&gt;" in section.html
+
+
+def test_without_an_interval_the_answer_says_why() -> None:
+    shown = answer(context(analysis=Analysis(notes=("Too few runs.",))))
+    assert '<abbr title="Too few runs.">–</abbr>' in shown.html
+
+
+@pytest.mark.parametrize(
+    ("state", "result", "grade", "words"),
+    [
+        ("calibrated", RESULT, "good", "Calibrated"),
+        ("calibrated", None, "warn", "result.json is missing or was edited"),
+        ("running", None, "warn", "Simulated so far: 7 parameter sets; under way: 2 runs."),
+        ("interrupted", None, "warn", "No answer yet"),
+        ("interrupted", RESULT, "warn", "The numbers are the best so far"),
+        ("failed", None, "bad", "Stopped by an error"),
+        ("out_of_tolerance", RESULT, "bad", "Not calibrated."),
+    ],
+)
+def test_the_verdict_is_one_line_in_words(
+    state: str, result: Mapping[str, Any] | None, grade: str, words: str
+) -> None:
+    found = verdict(context(state, result))
+    assert found.grade == grade
+    assert words in " ".join((found.line, *found.details))
+
+
+def test_a_missed_target_and_a_bound_in_the_way_are_named() -> None:
+    missed = {**RESULT["responses"]["angle_of_repose"], "within_tolerance": False}
+    responses = {**RESULT["responses"], "angle_of_repose": missed}
+    outside = context("out_of_tolerance", {**RESULT, "responses": responses})
+    assert "angle of repose deviates by −1.82 %, and ±2.27 % are accepted" in text(answer(outside))
+    assert "✗ missed" in text(answer(outside))
+    miss = OutOfReach("bulk_density", 1500, 1425, 2.0, False, DENSITY, "max", 2205.0, 2340.0)
+    unreachable = context("unreachable", {**RESULT, "out_of_reach": [vars(miss)]})
+    assert "The bound in the way is particle.density.max = 2205; try 2340." in text(
+        answer(unreachable)
+    )
+
+
+def test_all_fourteen_parameters_are_in_the_answer() -> None:
+    free = [grainfit.Parameter(name, 0.1, 0.4) for name in MATERIAL_PARAMETERS]
+    parameters = {parameter.name: 0.25 for parameter in free}
+    problem = grainfit.Problem(free, PROBLEM.targets)
+    result = {**RESULT, "parameters": parameters}
+    found = answer(context(result=result, problem=problem, fixed={}, evaluations=()))
+    assert str(found.html).count('class="range-value" style="left:50.0%"') == 14
+
+
+# --- Heap -----------------------------------------------------------------------------------------
+
+
+def cone(angle: float, seed: int) -> np.ndarray[Any, Any]:
+    """Centres of spheres of 10 mm on a lattice, shaken, that fill a cone of this angle."""
+    random = np.random.default_rng(seed)
+    slope = np.tan(np.radians(angle))
+    axis = np.arange(-0.2, 0.2, 0.0095)
+    grid = np.stack(np.meshgrid(axis, axis, np.arange(0.005, 0.1, 0.0085)), axis=-1).reshape(-1, 3)
+    grid[:, :2] += random.normal(0, 0.001, (len(grid), 2))
+    inside = grid[:, 2] < (0.17 - np.hypot(grid[:, 0], grid[:, 1])) * slope
+    return np.asarray(grid[inside])
+
+
+def write_dump(path: Path, centres: np.ndarray[Any, Any]) -> None:
+    rows = "".join(f"{i} {x} {y} {z} 0.005 0.001\n" for i, (x, y, z) in enumerate(centres, 1))
+    path.write_text(
+        f"ITEM: TIMESTEP\n0\nITEM: NUMBER OF ATOMS\n{len(centres)}\nITEM: BOX BOUNDS ff ff ff\n"
+        f"0 1\n0 1\n0 1\nITEM: ATOMS id x y z radius mass\n{rows}"
+    )
+
+
+@pytest.fixture
+def heaps(tmp_path: Path) -> ReportContext:
+    """A calibration whose runs left heaps of 15 to 30 degrees behind."""
+    known = context(folder=tmp_path)
+    test = HeapTest(ParticleSizes((0.010,))).definition()
+    records = {
+        identity: replace(record, definition={"test": test})
+        for identity, record in known.reading.runs.items()
+    }
+    for done in RUNS:
+        folder = tmp_path / "runs" / done.runs["heap"]
+        folder.mkdir(parents=True)
+        if "angle_of_repose" in done.responses:
+            angle = done.responses["angle_of_repose"].value
+            write_dump(folder / "heap.dump", cone(angle, done.proposal.seed))
+    return context(folder=tmp_path, runs=records)
+
+
+def test_the_heap_is_that_of_a_typical_verification_run(heaps: ReportContext) -> None:
+    section = heap(heaps)
+    shown = text(section)
+    # Their mean is 21.925 degrees.
+    assert "nearest to their mean: run 5." in shown
+    assert "simulated: 21.9°" in shown
+    assert "measured: 22°" in shown
+    # One of each parameter set, in order.
+    strip = re.findall(r"<figcaption><strong>([\d.]+)°", str(section.html))
+    assert strip == ["15", "21.8", "30"]
+    assert len(section.html) < 60_000
+    assert section.data["heap-1"]["plate"] > 0
+
+
+def test_the_drawn_outline_is_that_of_the_heap(heaps: ReportContext) -> None:
+    runs_of_test = heap_runs(heaps.reading.evaluations, heaps.reading.runs, heaps.reading.folder)
+    found = read_heap(runs_of_test["heap"][1])
+    assert found is not None
+    path = found.drawing().path
+    heights = [-float(y) for y in re.findall(r",(-?\d+)", path)]
+    # A particle's diameter is 20 pixels.
+    top = (found.particles.positions[:, 2] + found.particles.radii).max()
+    assert max(heights) == pytest.approx(top / 0.010 * 20, abs=2)
+    measured = found.measured()
+    assert measured is not None
+    assert measured.value == pytest.approx(30, abs=2.5)
+    assert len(found.fitted_drawing(measured, 22.0).wanted) == 2
+
+
+def test_simplified_outlines_stay_near_the_whole_ones() -> None:
+    heights = np.sqrt(np.maximum(0, 400 - np.arange(-30.0, 31.0) ** 2))
+    kept = simplified(heights, 1.0)
+    drawn = np.interp(np.arange(len(heights)), kept, heights[kept])
+    assert len(kept) < 20
+    assert np.abs(drawn - heights).max() <= 1.0
+
+
+def test_the_picture_takes_the_place_of_particles_that_are_gone(heaps: ReportContext) -> None:
+    for dump in heaps.reading.folder.rglob("heap.dump"):
+        dump.unlink()
+    pictured = heaps.reading.folder / "runs" / RUNS[4].runs["heap"] / "heap.png"
+    Image.new("RGB", (4, 4)).save(pictured)
+    section = heap(heaps)
+    assert 'src="data:image/png;base64,' in section.html
+    assert "Its particles were not kept" in text(section)
+    pictured.write_text("<svg onload=alert(1)>")
+    assert "No heap to show" in text(heap(heaps))
+
+
+@pytest.mark.parametrize("damage", ["ITEM: TIMESTEP\n", "\x00", "ITEM: ATOMS id x\n1 nan\n"])
+def test_damaged_folders_and_records_are_passed_over(heaps: ReportContext, damage: str) -> None:
+    for dump in list(heaps.reading.folder.rglob("heap.dump"))[1:]:
+        dump.write_text(damage)
+    text(heap(heaps))
+    broken = {
+        identity: replace(record, definition={"test": {"type": "heap", "setup": 3}})
+        for identity, record in heaps.reading.runs.items()
+    }
+    assert "No heap to show" in text(heap(context(folder=heaps.reading.folder, runs=broken)))
+
+
+def test_without_a_heap_test_the_section_says_so() -> None:
+    assert "this calibration has no run of the heap test" in text(heap(context()))
+
+
+# --- Convergence and verification -----------------------------------------------------------------
+
+
+def test_convergence_shows_every_run_by_stage_and_failures_at_the_edge() -> None:
+    section = convergence(context())
+    figure = section.figures["convergence-1"]
+    by_name = {trace["name"]: trace for trace in figure.data if "name" in trace}
+    assert by_name["design"]["x"] == [1, 2]
+    assert by_name["verification"]["x"] == [4, 5, 6, 7]
+    assert by_name["failed"]["x"] == [3]
+    assert by_name["failed"]["text"] == ["it &lt;b&gt;exploded&lt;/b&gt;"]
+    shapes = {trace["marker"]["symbol"] for trace in figure.data if "marker" in trace}
+    assert len(shapes) == 3, "stages are told apart without colour"
+    band = figure.layout["shapes"][0]
+    assert (band["y0"], band["y1"]) == (21.5, 22.5)
+    low, high = figure.layout["yaxis"]["range"]
+    assert low < 15 < 30 < high
+
+
+def test_the_best_so_far_never_rises_and_ignores_failures() -> None:
+    figure = convergence(context(evaluations=(FAILED, *RUNS))).figures["convergence-misfit"]
+    (best,) = (trace["y"] for trace in figure.data if trace.get("name") == "best so far")
+    # (1500 - 1000) / 15 is the larger deviation of the first run, 0.4 / 0.5 of the fifth.
+    assert best[1] == pytest.approx(500 / 15)
+    assert best[-1] == pytest.approx(0.2)
+    assert all(later <= earlier for earlier, later in pairwise(best))
+
+
+def test_before_the_first_run_sections_say_what_they_wait_for() -> None:
+    empty = context("running", None, ())
+    for section in (convergence(empty), verification(empty), runs(empty), answer(empty)):
+        assert len(text(section)) > 15
+        assert not section.figures
+
+
+def test_verification_compares_the_mean_of_fresh_seeds() -> None:
+    section = verification(context())
+    shown = text(section)
+    assert "simulated 4 times" in shown
+    assert "✓ met" in shown
+    # Mean 21.925, standard error 0.170, Student's t of three degrees of freedom 3.18.
+    assert "their mean is 21.93 ± 0.54°, and 22 ± 0.5° was measured" in shown
+    points, mean = section.figures["verification-1"].data
+    assert points["x"] == [21.6, 21.9, 22.4, 21.8]
+    assert mean["error_x"]["array"][0] == pytest.approx(0.5417, abs=1e-3)
+
+
+def test_a_narrow_miss_is_told_from_a_clear_one() -> None:
+    def at(angle: float) -> str:
+        made = [
+            evaluation(i, "verification", angle=angle + off) for i, off in enumerate((-0.3, 0, 0.3))
+        ]
+        return text(verification(context(evaluations=made)))
+
+    assert "missed narrowly" in at(22.6)
+    assert "✗ missed" in at(26.0)
+
+
+def test_verification_runs_at_other_answers_do_not_count() -> None:
+    other = evaluation(50, "verification", {DENSITY: 2000.0, FRICTION: 0.6}, angle=40.0)
+    shown = text(verification(context(evaluations=(*RUNS, other))))
+    assert "simulated 4 times" in shown
+    assert "were verified before, by 1 run." in shown
+
+
+# --- Runs and reproduction ------------------------------------------------------------------------
+
+
+def test_every_run_is_in_the_table_with_its_reason_and_log() -> None:
+    section = runs(context())
+    html = str(section.html)
+    assert html.count("<tr data-stage") == len(RUNS)
+    assert "it &lt;b&gt;exploded&lt;/b&gt;" in html
+    assert "ERROR: &lt;b&gt;lost&lt;/b&gt; atoms" in html
+    assert 'data-value="2309.4321"' in html
+    assert "7 parameter sets, 1 of them with a failed run" in text(section)
+
+
+def test_the_command_can_be_pasted_into_a_shell() -> None:
+    section = reproduce(context())
+    command = "grainfit run 'it'\"'\"'s beads.toml' --strategy sequential --seed 7 --workers 2"
+    shown = text(section)
+    assert command in shown
+    assert "lammps 29 Aug 2024 (test heap)" in shown
+    assert "f" * 32 in shown
+    assert "name = 'beads' # <b>" in unescape(str(section.html))
+
+
+def test_a_calibration_from_python_says_so() -> None:
+    shown = text(reproduce(context(source="", source_text="")))
+    assert "started from Python" in shown
