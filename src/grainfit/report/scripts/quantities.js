@@ -4,6 +4,12 @@
 
   const SUPERSCRIPTS = "⁰¹²³⁴⁵⁶⁷⁸⁹";
   const MOST_DIGITS = 6;
+  const FIXED = [1e-3, 1e6];
+
+  // Whether a number is readable without a power of ten.
+  function isPlain(value) {
+    return Math.abs(value) >= FIXED[0] && Math.abs(value) < FIXED[1];
+  }
 
   function withPower(mantissa, power) {
     const digits = String(Math.abs(power)).replace(/\d/g, (digit) => SUPERSCRIPTS[digit]);
@@ -14,7 +20,7 @@
   function text(value, digits = 4) {
     if (!Number.isFinite(value)) return "–";
     const [mantissa, power] = value.toExponential(digits - 1).split("e").map(Number);
-    if (power >= -4 && power < digits) {
+    if ((power >= -4 && power < digits) || isPlain(value)) {
       return String(Number(value.toPrecision(digits))).replace("-", "−");
     }
     return withPower(mantissa, power);
@@ -29,7 +35,7 @@
       1 - Math.floor(Math.log10(uncertainty)),
       MOST_DIGITS - 1 - magnitude
     );
-    if (magnitude >= -3 && magnitude < 6) {
+    if (!value || isPlain(value)) {
       const unit = 10 ** -decimals;
       const near = decimals < 0 ? unit * Math.round(value / unit) : value;
       return near.toFixed(Math.max(decimals, 0)).replace("-", "−");
