@@ -59,6 +59,24 @@
     return unit ? `${words}${unit === "°" ? "" : "\u00a0"}${unit}` : words;
   }
 
+  // Where a logarithmic axis has its ticks: powers of ten, and 2 and 5 times these where they are
+  // few. Plotly's own are too large as powers, and lack the ends.
+  function logTicks(low, high) {
+    const few = Math.log10(high / low) < 2;
+    const tickvals = [];
+    const ticktext = [];
+    for (let power = Math.floor(Math.log10(low)); power <= Math.log10(high) + 1e-9; power++) {
+      for (const factor of few ? [1, 2, 5] : [1]) {
+        const value = Number(`${factor}e${power}`);
+        if (value >= low * (1 - 1e-9) && value <= high * (1 + 1e-9)) {
+          tickvals.push(value);
+          ticktext.push(factor === 1 ? withPower("", power).slice(1) : withPower(factor, power));
+        }
+      }
+    }
+    return { tickvals, ticktext };
+  }
+
   function toUnit(parameter, value) {
     const { minimum, maximum } = parameter;
     return parameter.scale === "log"
@@ -115,6 +133,7 @@
     rounded,
     seconds,
     withUnit,
+    logTicks,
     toUnit,
     fromUnit,
     settings,
