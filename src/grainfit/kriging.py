@@ -490,7 +490,8 @@ class _Component:
 
     def _plain_factors(self) -> dict[str, Any]:
         # A rotation from the left changes no length, and leaves half of the numbers zero.
-        triangle = np.linalg.qr(np.hstack([self._root, -self._root_of_trend]), mode="r")
+        both = np.hstack([self._root, -self._root_of_trend])
+        triangle: FloatArray = linalg.qr(both, mode="r", check_finite=False)[0][: len(both)]
         return {
             "coefficients": self._coefficients.tolist(),
             "trend_coefficients": self._trend_coefficients.tolist(),

@@ -111,7 +111,7 @@ def test_what_is_not_determined_comes_before_what_is(random: np.random.Generator
         random.uniform(0.3, 0.8, COUNT),
         random.uniform(0.01, 0.03, COUNT),
     )
-    modulus, rolling, own, density = found.verdicts
+    modulus, rolling, density, own = found.verdicts
     assert modulus == (
         "particle.youngs_modulus is not determined: all of its interval (1e+06 to 1e+08 Pa) fits."
     )
@@ -125,6 +125,17 @@ def test_what_is_not_determined_comes_before_what_is(random: np.random.Generator
         "To settle particle.youngs_modulus",
         "To settle particle_particle.rolling_friction",
     ]
+
+
+def test_a_determined_parameter_that_hangs_on_an_open_one_says_so(
+    random: np.random.Generator,
+) -> None:
+    modulus = random.random(COUNT)
+    density = 0.4 + 0.2 * modulus + random.normal(0.0, 0.01, COUNT)
+    found = judged([DENSITY, MODULUS, OWN], density, modulus, random.normal(0.5, 0.01, COUNT))
+    assert found.verdicts[1].startswith("particle.density is determined to ±")
+    assert found.verdicts[1].endswith(" It would be known better if particle.youngs_modulus were.")
+    assert found.verdicts[2].endswith(").")
 
 
 def test_independent_parameters_are_no_ridge(random: np.random.Generator) -> None:

@@ -48,7 +48,9 @@ def test_the_front_is_the_known_trade_off() -> None:
         assert parameters[MODULUS.name] == pytest.approx(1e6 * 100**share, rel=1e-6)
         if share < 0.29:
             assert parameters[FRICTION.name] == pytest.approx(1.0, abs=1e-3)
-    np.testing.assert_allclose(front.responses[:, 0], np.minimum(35.0 + 10.0 * place, 38.0), atol=0.1)
+    np.testing.assert_allclose(
+        front.responses[:, 0], np.minimum(35.0 + 10.0 * place, 38.0), atol=0.1
+    )
     assert front.agreement[0] == pytest.approx(1.0, abs=1e-3)
     assert front.agreement[-1] < 1e-3
 

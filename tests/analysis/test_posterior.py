@@ -96,7 +96,7 @@ def test_a_value_beyond_a_bound_gives_the_truncated_distribution() -> None:
 def test_a_curved_ridge_is_followed_to_both_its_ends() -> None:
     """x0 x1 = 0.25: the marginal density of each is 1/x from 0.25 to 1, so its median is 0.5."""
     model = Given(lambda x: x[:, 0] * x[:, 1])
-    posterior = sample_posterior(given([Target("y", 0.25, uncertainty=0.002)], [model], 2))
+    posterior = sample_posterior(given([Target("y", 0.25, uncertainty=0.004)], [model], 2))
     assert posterior.converged, posterior.convergence
     for name in posterior.names:
         assert posterior.median(name) == pytest.approx(0.5, abs=0.05)
@@ -112,7 +112,9 @@ def test_peaks_that_are_apart_get_their_shares() -> None:
     def response(x: np.ndarray) -> np.ndarray:
         return 10.0 + np.where(x[:, 0] < 0.6, np.abs(x[:, 0] - 0.3) - 0.2, (x[:, 0] - 0.8) / 4.0)
 
-    posterior = sample_posterior(given([Target("y", 10.0, uncertainty=0.002)], [Given(response)], 1))
+    posterior = sample_posterior(
+        given([Target("y", 10.0, uncertainty=0.002)], [Given(response)], 1)
+    )
     x = posterior.points[:, 0]
     shares = [np.mean(x < 0.3), np.mean((x > 0.3) & (x < 0.6)), np.mean(x > 0.6)]
     assert posterior.converged, posterior.convergence
@@ -136,9 +138,12 @@ def test_values_are_in_si_and_a_logarithmic_scale_is_even_in_magnitudes() -> Non
 
 def test_the_same_seed_gives_the_same_sample() -> None:
     metamodels = given([Target("y", 0.5)], [Given(lambda x: x[:, 0])], 1)
-    first, second, other = (
-        sample_posterior(metamodels, seed=seed, samples=200).points for seed in (1, 1, 2)
-    )
+    samples = []
+    for seed in (1, 1, 2):
+        samples.append(sample_posterior(metamodels, seed=seed, samples=200).points)
+        # What others draw makes no difference.
+        np.random.random()
+    first, second, other = samples
     np.testing.assert_array_equal(first, second)
     assert not np.array_equal(first, other)
 
@@ -159,12 +164,12 @@ def test_a_tolerance_alone_is_read_as_an_interval_of_95_percent() -> None:
 
 
 def test_credible_intervals_of_95_percent_hold_the_truth_as_often_as_they_say() -> None:
-    """40 calibrations with 12 noisy runs and a measurement with an error each.
+    """30 calibrations with 12 noisy runs and a measurement with an error each.
 
-    Were it 95 %, fewer than 34 of them would be right once in 300 times.
+    Were it 95 %, fewer than 25 of them would be right once in 300 times.
     """
-    inside = 0
-    for repetition in range(40):
+    inside, widths = 0, []
+    for repetition in range(30):
         random = np.random.default_rng(repetition)
         truth = random.uniform(0.2, 0.8)
         points = (np.arange(12) + 0.5)[:, None] / 12
@@ -172,11 +177,12 @@ def test_credible_intervals_of_95_percent_hold_the_truth_as_often_as_they_say() 
         def response(x: np.ndarray) -> np.ndarray:
             return 20.0 + 10.0 * x + 3.0 * np.sin(3.0 * x)
 
-        values = response(points[:, 0]) + random.normal(0.0, 1.0, 12)
+        values = response(points[:, 0]) + random.normal(0.0, 0.6, 12)
         target = Target("y", response(truth) + random.normal(0.0, 0.5), uncertainty=0.5)
         problem = Problem(unit_parameters(1), [target])
         metamodels = Metamodels(problem, [Kriging.fit(points, values).reduced(2)])
         low, high = sample_posterior(metamodels, samples=800, max_steps=50).interval("x0")
-        assert high - low < 0.6
         inside += low <= truth <= high
-    assert inside >= 34
+        widths.append(high - low)
+    assert inside >= 25
+    assert np.median(widths) < 0.3

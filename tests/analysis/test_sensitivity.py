@@ -68,5 +68,5 @@ def test_one_parameter_alone_is_answerable_for_everything() -> None:
 
 
 def test_a_number_of_points_that_is_no_power_of_two_is_refused() -> None:
-    with pytest.raises(InputError, match="points: is 1000. Give a power of two"):
+    with pytest.raises(InputError, match=r"points: is 1000\. Give a power of two"):
         sensitivity(given([Target("y", 10.0)], [Given(linear)], 3), points=1000)

@@ -18,7 +18,7 @@ from grainfit.errors import GrainfitError
 from grainfit.kriging import Kriging
 from grainfit.problem import Problem
 from grainfit.strategies.answer import MetamodelQuality, make_answer
-from grainfit.strategies.metamodels import Metamodels, runs_that_yield
+from grainfit.strategies.metamodels import Metamodels
 from grainfit.strategies.search import spread_points
 
 Array = NDArray[np.float64]
@@ -189,9 +189,7 @@ def _first_guess(problem: Problem, evaluations: list[Evaluation], seed: int) -> 
     return np.asarray(points[metamodels.misfit(points).argmin()])
 
 
-def _fit(
-    problem: Problem, evaluations: list[Evaluation], notes: list[str]
-) -> Metamodels | None:
+def _fit(problem: Problem, evaluations: list[Evaluation], notes: list[str]) -> Metamodels | None:
     """Metamodels of the responses for which it can be done."""
     targets, models = [], []
     for target in problem.targets:

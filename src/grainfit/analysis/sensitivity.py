@@ -119,15 +119,11 @@ def sensitivity(metamodels: Metamodels, *, seed: int = 1, points: int = 1024) ->
 
 def _varied(metamodels: Metamodels, random: np.random.Generator) -> NDArray[np.bool_]:
     """Which responses vary over the cube at all."""
-    means, _ = metamodels.predict(
-        spread_points(_PROBED, metamodels.problem.dimension, random)
-    )
+    means, _ = metamodels.predict(spread_points(_PROBED, metamodels.problem.dimension, random))
     return np.asarray(np.ptp(means, axis=0) > _CONSTANT * np.abs(means).max(axis=0))
 
 
-def _indices(
-    metamodels: Metamodels, varied: NDArray[np.bool_], seed: int, points: int
-) -> Array:
+def _indices(metamodels: Metamodels, varied: NDArray[np.bool_], seed: int, points: int) -> Array:
     """First and total indices, each with the ends of its interval, of the responses that vary."""
     dimension = metamodels.problem.dimension
     shape = (int(varied.sum()), dimension)
@@ -158,7 +154,8 @@ def _indices(
     low, high = np.quantile(resampled, [0.025, 0.975], axis=0)
     best = estimates(np.arange(points))
     # Estimates of shares next to none or next to all scatter beyond.
-    return np.clip(np.stack([best, low, high], axis=1).reshape(6, *shape), 0.0, 1.0)
+    found = np.stack([best, low, high], axis=1).reshape(6, *shape)
+    return np.asarray(np.clip(found, 0.0, 1.0))
 
 
 def _listed(words: list[str]) -> str:

@@ -43,7 +43,7 @@ def _figure(context: ReportContext, found: Sensitivity, row: int) -> Figure:
     # Plotly draws the first category at the bottom.
     order = np.argsort(found.total[row], kind="stable")
     labels = [context.parameter_label(found.names[j]).plot for j in order]
-    rows = np.arange(len(order))
+    rows = np.arange(len(order), dtype=np.float64)
     indices = (
         ("alone (first)", found.first, found.first_low, found.first_high, BLUE, "circle", 0.14),
         (

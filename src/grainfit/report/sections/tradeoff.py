@@ -65,7 +65,7 @@ def _time_unit(largest: float) -> tuple[str, float]:
 
 
 def _first_pick(front: ParetoFront) -> int:
-    """Return the largest time step that probably agrees; otherwise the point that most likely does."""
+    """Return the largest time step that probably agrees, or the point that likeliest does."""
     likely = [index for index, share in enumerate(front.agreement) if share >= 0.5]
     return likely[-1] if likely else int(front.agreement.argmax())
 
@@ -120,7 +120,6 @@ def _figure(
                 "title": {"text": "misfit (squared tolerances)"},
                 "type": "log" if misfits.max() > _LARGEST_RATIO * smallest else "linear",
                 "rangemode": "tozero",
-                "exponentformat": "power",
             },
             "hovermode": "closest",
             "clickmode": "event",
