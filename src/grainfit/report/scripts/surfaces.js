@@ -2,7 +2,7 @@
 (() => {
   "use strict";
 
-  const { text, rounded, toUnit, fromUnit } = window.grainfitQuantities;
+  const { text, rounded, logTicks, toUnit, fromUnit } = window.grainfitQuantities;
   const { prepare, factorise, predict, meanGrid, probability } = window.grainfitKriging;
 
   const NORMAL_QUANTILE = 1.959963984540054;
@@ -485,10 +485,7 @@
     if (parameter.scale !== "log") {
       return { ...common, range: ends };
     }
-    const range = ends.map(Math.log10);
-    // Powers of ten, and 2 and 5 times these where there are few.
-    const dtick = range[1] - range[0] < 2 ? "D2" : 1;
-    return { ...common, type: "log", range, dtick, exponentformat: "power" };
+    return { ...common, type: "log", range: ends.map(Math.log10), ...logTicks(...ends) };
   };
 
   // Where all responses agree, probably and possibly.

@@ -19,6 +19,8 @@ from grainfit.report.waiting import waiting, without_metamodel
 
 _KEY, _TITLE = "undetermined", "What do the tests not determine?"
 _BINS = 30
+#: Of logarithms: a bound that is a power of ten is not missed.
+_ROUNDING = 1e-9
 #: Width of the 95 % interval over that before the tests: up to here determined, from there open.
 _DETERMINED, _OPEN = 0.25, 0.8
 #: More cells are too small for a number in each.
@@ -219,13 +221,15 @@ def _axis(context: ReportContext, parameter: Parameter) -> Mapping[str, Any]:
         ends = [parameter.minimum, parameter.maximum]
         return {"title": title, "range": ends, "nticks": 5, "zeroline": False}
     low, high = math.log10(parameter.minimum), math.log10(parameter.maximum)
+    powers = range(math.ceil(low - _ROUNDING), math.floor(high + _ROUNDING) + 1)
+    factors = (1, 2, 5) if high - low < 2 else (1,)
+    ticks = [float(f"{factor}e{power}") for power in powers for factor in factors]
     return {
         "title": title,
         "type": "log",
         "range": [low, high],
-        # Powers of ten, and 2 and 5 times these where there are few.
-        "dtick": "D2" if high - low < 2 else 1,
-        "exponentformat": "power",
+        "tickvals": ticks,
+        "ticktext": [number(tick, 3) for tick in ticks],
     }
 
 
