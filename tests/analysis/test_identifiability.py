@@ -127,6 +127,17 @@ def test_what_is_not_determined_comes_before_what_is(random: np.random.Generator
     ]
 
 
+def test_a_determined_parameter_that_hangs_on_an_open_one_says_so(
+    random: np.random.Generator,
+) -> None:
+    modulus = random.random(COUNT)
+    density = 0.4 + 0.2 * modulus + random.normal(0.0, 0.01, COUNT)
+    found = judged([DENSITY, MODULUS, OWN], density, modulus, random.normal(0.5, 0.01, COUNT))
+    assert found.verdicts[1].startswith("particle.density is determined to ±")
+    assert found.verdicts[1].endswith(" It would be known better if particle.youngs_modulus were.")
+    assert found.verdicts[2].endswith(").")
+
+
 def test_independent_parameters_are_no_ridge(random: np.random.Generator) -> None:
     found = judged([SLIDING, ROLLING, OWN], *random.random((3, COUNT)))
     assert all("is not determined" in verdict for verdict in found.verdicts)

@@ -99,7 +99,11 @@ def identifiability(posterior: Posterior, problem: Problem) -> Identifiability:
     alone = sorted((n for n in narrowing if n not in grouped), key=lambda n: -narrowing[n])
     is_open = [name for name in alone if narrowing[name] > _DETERMINED]
     verdicts = [_verdict_of_group(posterior, parameters, group) for group in groups]
-    verdicts += [_verdict(posterior, parameters[name], narrowing[name]) for name in alone]
+    verdicts += [
+        _verdict(posterior, parameters[name], narrowing[name])
+        + _what_would_narrow_it(posterior, name, narrowing)
+        for name in alone
+    ]
     return Identifiability(
         directions=directions,
         narrowing=narrowing,
@@ -237,6 +241,18 @@ def _verdict(posterior: Posterior, parameter: Parameter, narrowing: float) -> st
     if percent > _LARGEST_PERCENTAGE:
         return f"{name} is determined: {between} with 95 % probability."
     return f"{name} is determined to ±{_shown(percent, 2)} % ({between})."
+
+
+def _what_would_narrow_it(posterior: Posterior, name: str, narrowing: dict[str, float]) -> str:
+    """Say which open parameters a determined one hangs on."""
+    if narrowing[name] > _DETERMINED:
+        return ""
+    tied = [
+        other
+        for other in posterior.names
+        if narrowing[other] > _DETERMINED and _dependence(posterior, name, other) >= _STRONG
+    ]
+    return f" It would be known better if {' or '.join(tied)} were." if tied else ""
 
 
 def _with_unit(text: str, parameter: Parameter) -> str:

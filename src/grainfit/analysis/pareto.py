@@ -19,6 +19,10 @@ Array = NDArray[np.float64]
 
 _CANDIDATES = 1024
 _REFINED = 32
+#: Levels that outline the front, before those where it matters; and where it ends to matter: all
+#: targets missed by five tolerances.
+_OUTLINE = 9
+_HOPELESS = 25.0
 _STEP = 1e-5
 #: Of the logarithm of the time step: what is lost to rounding.
 _ROUNDING = 1e-7
@@ -58,7 +62,8 @@ def pareto_front(metamodels: Metamodels, *, seed: int = 1, points: int = 25) -> 
     """Trade misfit for time step.
 
     The smallest misfit is sought at time steps of no less than a level (epsilon-constraint
-    method), for levels from the time step of the best fit to the largest within the intervals.
+    method), for levels from the time step of the best fit to the largest within the intervals;
+    most of them where the targets are not missed by far.
 
     Parameters
     ----------
@@ -88,8 +93,17 @@ def pareto_front(metamodels: Metamodels, *, seed: int = 1, points: int = 25) -> 
         slowest = float(log_time_steps(problem, best[None])[0])
         fastest = math.log(limits[1])
         found = [best]
-        for level in np.linspace(slowest, fastest, points)[1:]:
+        outline = np.linspace(slowest, fastest, min(_OUTLINE, points))[1:]
+        for level in outline:
             found.append(search.best_above(float(level), found[-1]))
+        misfits = metamodels.misfit(np.array(found[1:]))
+        hopeless = np.flatnonzero(misfits > _HOPELESS * len(problem.targets))
+        end = outline[hopeless[0]] if len(hopeless) else fastest
+        between = np.setdiff1d(np.linspace(slowest, end, points - len(outline) + 1)[1:-1], outline)
+        previous = best
+        for level in between:
+            previous = search.best_above(float(level), previous)
+            found.append(previous)
         return _front(metamodels, np.array(found))
 
 
