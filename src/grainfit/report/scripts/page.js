@@ -63,6 +63,9 @@
       "hoverlabel.bgcolor": theme.card,
       "hoverlabel.bordercolor": theme.line,
       "hoverlabel.font.color": theme.ink,
+      "modebar.bgcolor": "rgba(0,0,0,0)",
+      "modebar.color": theme["quiet-ink"],
+      "modebar.activecolor": theme.accent,
     };
     const axes = Object.keys(layout).filter((key) => /^[xy]axis\d*$/.test(key));
     const scenes = Object.keys(layout).filter((key) => /^scene\d*$/.test(key));
@@ -120,9 +123,13 @@
 
   const CONFIG = {
     responsive: true,
-    displayModeBar: touch.matches ? false : "hover",
     displaylogo: false,
-    modeBarButtonsToRemove: ["select2d", "lasso2d", "autoScale2d", "zoomIn2d", "zoomOut2d"],
+    // Fingers have gestures, and where nothing hovers the buttons would cover the figure.
+    displayModeBar: touch.matches ? false : "hover",
+    // Above all that which sends the figure to Plotly's cloud: the report stays where it is.
+    modeBarButtonsToRemove: [
+      "sendChartToCloud", "select2d", "lasso2d", "autoScale2d", "zoomIn2d", "zoomOut2d",
+    ],
   };
   const drawn = new Set();
 

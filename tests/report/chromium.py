@@ -1,0 +1,28 @@
+"""The Chromium of the machine, without a window."""
+
+from __future__ import annotations
+
+import os
+import shutil
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+from playwright.sync_api import Browser, sync_playwright
+
+EXECUTABLE = next(
+    filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None
+)
+
+
+@contextmanager
+def browser() -> Iterator[Browser]:
+    """Start Chromium, with WebGL computed on the processor: 3-D views need it."""
+    arguments = ["--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
+    if os.getuid() == 0:
+        arguments.append("--no-sandbox")
+    with sync_playwright() as playwright:
+        started = playwright.chromium.launch(executable_path=EXECUTABLE, args=arguments)
+        try:
+            yield started
+        finally:
+            started.close()

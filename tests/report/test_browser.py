@@ -1,0 +1,352 @@
+"""The report as people have it: in a browser that is not connected to anything."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import campaigns
+import chromium
+import numpy as np
+import pytest
+from playwright.sync_api import Browser, Page
+from pypdfium2 import PdfDocument
+
+from grainfit.reading import read_calibration
+from grainfit.report.page import write_report
+from grainfit.strategies.metamodels import Metamodels
+
+pytestmark = pytest.mark.skipif(chromium.EXECUTABLE is None, reason="Chromium is not installed")
+
+SECTIONS = (
+    "answer",
+    "heap",
+    "convergence",
+    "surfaces",
+    "explorer",
+    "predicted",
+    "sensitivity",
+    "tradeoff",
+    "undetermined",
+    "verification",
+    "runs",
+    "reproduce",
+)
+LAPTOP = {"width": 1366, "height": 768}
+PHONE = {"width": 390, "height": 844}
+#: Normal text on its background, by the Web Content Accessibility Guidelines.
+CONTRAST = 4.5
+MEGABYTE = 1_000_000
+
+#: Draw every figure as a reader does who scrolls through all of the page.
+DRAW = """async () => {
+    for (const details of document.querySelectorAll("details")) details.open = true;
+    for (const place of document.querySelectorAll("[data-figure]")) {
+        place.scrollIntoView();
+        const end = performance.now() + 20000;
+        while (!place.querySelector(".main-svg")) {
+            if (performance.now() > end) return place.dataset.figure;
+            await new Promise(requestAnimationFrame);
+        }
+    }
+    window.scrollTo(0, 0);
+    return "";
+}"""
+
+#: All that is read on the page: its text as it is seen, and that of the figures.
+READ = """() => [
+    document.body.innerText,
+    ...[...document.querySelectorAll("svg text")].map((text) => text.textContent),
+].join("\\n")"""
+
+#: Texts that hardly differ from what is behind them, with their contrast.
+FAINT = """(least) => {
+    const canvas = document.createElement("canvas");
+    const context = canvas.getContext("2d", { willReadFrequently: true });
+    const laid = (colour, below) => {
+        for (const style of [`rgb(${below})`, colour]) {
+            context.fillStyle = style;
+            context.fillRect(0, 0, 1, 1);
+        }
+        return [...context.getImageData(0, 0, 1, 1).data].slice(0, 3);
+    };
+    const behind = (element) => element
+        ? laid(getComputedStyle(element).backgroundColor, behind(element.parentElement))
+        : [255, 255, 255];
+    const luminance = (colour) => {
+        const [red, green, blue] = colour.map((value) => {
+            const share = value / 255;
+            return share <= 0.04045 ? share / 12.92 : ((share + 0.055) / 1.055) ** 2.4;
+        });
+        return 0.2126 * red + 0.7152 * green + 0.0722 * blue;
+    };
+    const faint = [];
+    const texts = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT);
+    while (texts.nextNode()) {
+        const element = texts.currentNode.parentElement;
+        if (!texts.currentNode.data.trim() || !element.checkVisibility()) continue;
+        if (element.closest("script, style, .contourlabels, .colorbar, .modebar")) continue;
+        const style = getComputedStyle(element);
+        const colour = element.closest("svg") ? style.fill : style.color;
+        const background = behind(element);
+        const [dark, light] = [luminance(background), luminance(laid(colour, background))]
+            .sort((one, other) => one - other);
+        const contrast = (light + 0.05) / (dark + 0.05);
+        if (contrast < least) faint.push(`${texts.currentNode.data.trim()}: ${contrast}`);
+    }
+    return faint;
+}"""
+
+
+@dataclass
+class Opened:
+    """A page and what happened on it that should not."""
+
+    page: Page
+    faults: list[str] = field(default_factory=list)
+
+    def __post_init__(self) -> None:
+        self.page.on("console", self._note_console)
+        self.page.on("pageerror", lambda error: self.faults.append(f"error: {error}"))
+        self.page.on("dialog", self._note_dialog)
+        self.page.on("request", self._note_request)
+
+    def _note_console(self, message: Any) -> None:
+        # Chromium complains of its own WebGL where it is computed on the processor.
+        if message.type in ("error", "warning") and "GL Driver Message" not in message.text:
+            self.faults.append(f"{message.type}: {message.text}")
+
+    def _note_dialog(self, dialog: Any) -> None:
+        self.faults.append(f"dialog: {dialog.message}")
+        dialog.dismiss()
+
+    def _note_request(self, request: Any) -> None:
+        if not request.url.startswith(("file:", "data:", "blob:")):
+            self.faults.append(f"request: {request.url}")
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Browser]:
+    with chromium.browser() as started:
+        yield started
+
+
+@pytest.fixture(scope="module")
+def report(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Path]:
+    """Write the report of a campaign, once."""
+
+    @cache
+    def written(name: str) -> Path:
+        with campaigns.campaign(name, tmp_path_factory.mktemp(name)) as folder:
+            return write_report(folder)
+
+    return written
+
+
+@contextmanager
+def opened(
+    browser: Browser, path: Path, size: dict[str, int] = LAPTOP, **options: Any
+) -> Iterator[Opened]:
+    context = browser.new_context(viewport=size, offline=True, **options)
+    try:
+        found = Opened(context.new_page())
+        found.page.goto(path.as_uri())
+        yield found
+    finally:
+        context.close()
+
+
+@pytest.fixture(scope="module")
+def usual(browser: Browser, report: Callable[[str], Path]) -> Iterator[Page]:
+    """Open the report of the usual calibration, for tests that leave it as it was."""
+    with opened(browser, report("two_parameters")) as found:
+        yield found.page
+
+
+@pytest.mark.parametrize(
+    "name", [name for name in campaigns.CAMPAIGNS if name not in ("many_runs", "nasty_names")]
+)
+def test_a_report_is_whole_without_a_network(
+    browser: Browser, report: Callable[[str], Path], name: str
+) -> None:
+    path = report(name)
+    assert path.stat().st_size < 8 * MEGABYTE
+    with opened(browser, path) as found:
+        _require_whole(found)
+
+
+def _require_whole(found: Opened) -> None:
+    page = found.page
+    assert page.evaluate(DRAW) == ""
+    assert page.eval_on_selector_all("section", "all => all.map((one) => one.id)") == list(SECTIONS)
+    empty = "all => all.filter((one) => one.innerText.trim().length < 30).map((one) => one.id)"
+    assert page.eval_on_selector_all("section", empty) == []
+    text = page.evaluate(READ)
+    assert re.findall(r".*\b(?:NaN|undefined|None(?! of)|Infinity)\b.*", text) == []
+    assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
+    # Plotly would send figures to its cloud.
+    assert page.locator(".modebar-btn[data-title*=Share]").count() == 0
+    assert found.faults == []
+
+
+def test_names_are_text_whatever_they_are(
+    browser: Browser, report: Callable[[str], Path]
+) -> None:
+    with opened(browser, report("nasty_names")) as found:
+        _require_whole(found)
+        page = found.page
+        assert page.evaluate("window.executed") is None
+        assert page.title().count(campaigns.NASTY_CALIBRATION) == 1
+        shown = page.evaluate(
+            "() => [...document.querySelectorAll('main *')].map((one) => one.textContent.trim())"
+        )
+        for name in (*campaigns.NASTY_PARAMETERS, *campaigns.NASTY_RESPONSES):
+            assert name in shown
+        text = page.evaluate(READ)
+        for words in (campaigns.NASTY_CALIBRATION, campaigns.NASTY_FILE, campaigns.NASTY_TEXT):
+            assert words.strip() in text
+        assert campaigns.NASTY_REASON in text
+        drawn = page.eval_on_selector_all(
+            ".main-svg text", "all => all.map((one) => one.textContent)"
+        )
+        for name in (*campaigns.NASTY_PARAMETERS, *campaigns.NASTY_RESPONSES):
+            assert any(name in words for words in drawn), name
+
+
+def test_plotly_is_in_the_page_once(report: Callable[[str], Path]) -> None:
+    text = report("two_parameters").read_text(encoding="utf-8")
+    assert len(re.findall(r"plotly\.js v\d+\.\d+\.\d+\s*\n?\s*\*? ?Copyright", text)) == 1
+
+
+@pytest.mark.parametrize("name", ["two_parameters", "five_parameters"])
+def test_the_explorer_predicts_what_the_metamodels_do(
+    browser: Browser, report: Callable[[str], Path], name: str
+) -> None:
+    path = report(name)
+    reading = read_calibration(path.parent)
+    metamodels = Metamodels.fit(reading.problem, reading.evaluations)
+    random = np.random.default_rng(1)
+    with opened(browser, path) as found:
+        page = found.page
+        sliders = page.locator("#explorer input[type=range]")
+        responses = page.locator("#explorer [data-response]")
+        page.wait_for_function("document.querySelector('#explorer [data-mean]')")
+        for _ in range(4):
+            point = random.integers(0, 1001, reading.problem.dimension) / 1000
+            for number, position in enumerate(point):
+                sliders.nth(number).evaluate(
+                    """(slider, position) => {
+                        slider.value = Number(slider.min) + position * (slider.max - slider.min);
+                        slider.dispatchEvent(new Event("input", { bubbles: true }));
+                    }""",
+                    position,
+                )
+            means, variances = metamodels.predict(point)
+            for number, target in enumerate(reading.problem.targets):
+                shown = responses.nth(number)
+                assert shown.get_attribute("data-response") == target.name
+                mean = float(shown.get_attribute("data-mean") or "nan")
+                half_width = float(shown.get_attribute("data-half-width") or "nan")
+                assert mean == pytest.approx(means[0, number], rel=1e-6)
+                assert half_width == pytest.approx(
+                    1.96 * np.sqrt(variances[0, number]), rel=1e-4
+                )
+
+
+def test_the_table_of_runs_sorts_by_number_and_filters(
+    browser: Browser, report: Callable[[str], Path]
+) -> None:
+    with opened(browser, report("two_parameters")) as found:
+        runs = found.page.locator("#runs")
+        header = runs.locator("thead th").filter(has_text="ρp")
+        column = 1 + header.evaluate("(header) => header.cellIndex")
+        orders = []
+        for _ in range(2):
+            header.get_by_role("button").click()
+            cells = runs.locator(f"tbody td:nth-child({column})").all_inner_texts()
+            orders.append([float(cell) for cell in cells])
+        assert len(set(orders[0])) > 5
+        assert orders[0] == sorted(orders[0])
+        assert orders[1] == orders[0][::-1]
+        rows = runs.locator("tbody tr:visible")
+        runs.get_by_role("searchbox").fill("VERIFI")
+        assert {row.split("\t")[1] for row in rows.all_inner_texts()} == {"verification"}
+        runs.get_by_role("searchbox").fill("")
+        assert rows.count() == len(orders[0])
+        runs.get_by_label("Outcome").select_option("failed")
+        assert rows.count() == 0
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_text_stands_out_from_what_is_behind_it(usual: Page, scheme: Any) -> None:
+    usual.emulate_media(color_scheme=scheme)
+    assert usual.evaluate(DRAW) == ""
+    usual.wait_for_timeout(300)
+    assert usual.evaluate(FAINT, CONTRAST) == []
+
+
+def test_the_keyboard_reaches_what_the_mouse_does(
+    browser: Browser, report: Callable[[str], Path]
+) -> None:
+    focus = "document.activeElement"
+    with opened(browser, report("two_parameters")) as found:
+        page = found.page
+        page.keyboard.press("Tab")
+        assert page.evaluate(f"{focus}.innerText") == "Skip to the answer"
+        page.keyboard.press("Enter")
+        assert page.evaluate("location.hash") == "#answer"
+        for _ in range(100):
+            page.keyboard.press("Tab")
+            if page.evaluate(f"{focus}.type") == "range":
+                break
+        before = page.evaluate(f"{focus}.value")
+        page.keyboard.press("ArrowRight")
+        assert float(page.evaluate(f"{focus}.value")) > float(before)
+        unreached = """() => [...document.querySelectorAll("a, abbr, button, input, select, summary, canvas.heap-3d")]
+            .filter((one) => one.checkVisibility() && one.tabIndex < 0)
+            .filter((one) => !one.closest(".modebar, button > *, label > *, summary > *"))
+            .map((one) => one.outerHTML)"""
+        assert page.evaluate(unreached) == []
+
+
+@pytest.mark.parametrize("name", ["two_parameters", "nasty_names"])
+def test_a_phone_shows_it_without_scrolling_sideways(
+    browser: Browser, report: Callable[[str], Path], name: str
+) -> None:
+    with opened(browser, report(name), PHONE, is_mobile=True, has_touch=True) as found:
+        assert found.page.evaluate(DRAW) == ""
+        assert found.page.evaluate("document.documentElement.scrollWidth") <= PHONE["width"]
+
+
+def test_the_answer_is_read_without_scrolling(usual: Page) -> None:
+    box = usual.locator("#answer").bounding_box()
+    assert box is not None
+    assert 0 <= box["y"]
+    assert box["y"] + box["height"] <= LAPTOP["height"]
+
+
+def test_it_prints_all_that_it_shows(browser: Browser, report: Callable[[str], Path]) -> None:
+    with opened(browser, report("two_parameters")) as found:
+        pages = PdfDocument(found.page.pdf(format="A4", print_background=True))
+        words = found.page.evaluate(
+            """() => [...document.querySelectorAll("[data-figure]")].map((place) =>
+                [...place.querySelectorAll(".xtitle, .ytitle")].map((text) => text.textContent))"""
+        )
+    assert len(pages) > 1
+    printed = _letters("".join(page.get_textpage().get_text_bounded() for page in pages))
+    for figure in words:
+        assert figure
+        assert [text for text in figure if _letters(text) not in printed] == []
+    for page in pages:
+        image = page.render(scale=1, grayscale=True).to_numpy()
+        assert np.ptp(image[:, -10:]) == 0
+
+
+def _letters(text: str) -> str:
+    """All but white space, also where it has no width."""
+    return re.sub(r"[\s\u200b]", "", text)
