@@ -335,7 +335,7 @@ def test_it_prints_all_that_it_shows(browser: Browser, report: Callable[[str], P
         pages = PdfDocument(found.page.pdf(format="A4", print_background=True))
         words = found.page.evaluate(
             """() => [...document.querySelectorAll("[data-figure]")].map((place) =>
-                [...place.querySelectorAll(".main-svg text")].map((text) => text.textContent))"""
+                [...place.querySelectorAll(".xtitle, .ytitle")].map((text) => text.textContent))"""
         )
     assert len(pages) > 1
     printed = _letters("".join(page.get_textpage().get_text_bounded() for page in pages))

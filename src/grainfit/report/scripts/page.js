@@ -21,9 +21,6 @@
   const VARIABLES = [
     "ink", "quiet-ink", "paper", "card", "line", "accent", "good", "warn", "bad",
   ];
-  // Width of a printed page between its margins, in pixels.
-  const PRINTED_WIDTH = 690;
-
   const known = new Map();
   const json = (id) => {
     if (!known.has(id)) {
@@ -192,7 +189,9 @@
 
   let opened = [];
   addEventListener("beforeprint", () => {
+    // The page as wide as paper, so that figures are drawn as large as they will be.
     root.dataset.theme = "light";
+    root.classList.add("printing");
     opened = [...document.querySelectorAll("details[data-print]:not([open])")];
     opened.forEach((details) => {
       details.open = true;
@@ -200,12 +199,14 @@
     places.forEach(drawPlace);
     repaint();
     for (const element of drawn) {
-      const width = Math.min(element.clientWidth || PRINTED_WIDTH, PRINTED_WIDTH);
-      window.Plotly.relayout(element, { width });
+      if (element.clientWidth) {
+        window.Plotly.relayout(element, { width: element.clientWidth });
+      }
     }
   });
   addEventListener("afterprint", () => {
     delete root.dataset.theme;
+    root.classList.remove("printing");
     opened.forEach((details) => {
       details.open = false;
     });

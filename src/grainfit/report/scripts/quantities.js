@@ -4,6 +4,12 @@
 
   const SUPERSCRIPTS = "⁰¹²³⁴⁵⁶⁷⁸⁹";
   const MOST_DIGITS = 6;
+  const FIXED = [1e-3, 1e6];
+
+  // Whether a number is readable without a power of ten.
+  function isPlain(value) {
+    return Math.abs(value) >= FIXED[0] && Math.abs(value) < FIXED[1];
+  }
 
   function withPower(mantissa, power) {
     const digits = String(Math.abs(power)).replace(/\d/g, (digit) => SUPERSCRIPTS[digit]);
@@ -14,7 +20,7 @@
   function text(value, digits = 4) {
     if (!Number.isFinite(value)) return "–";
     const [mantissa, power] = value.toExponential(digits - 1).split("e").map(Number);
-    if (power >= -4 && power < digits) {
+    if ((power >= -4 && power < digits) || isPlain(value)) {
       return String(Number(value.toPrecision(digits))).replace("-", "−");
     }
     return withPower(mantissa, power);
@@ -29,7 +35,7 @@
       1 - Math.floor(Math.log10(uncertainty)),
       MOST_DIGITS - 1 - magnitude
     );
-    if (magnitude >= -3 && magnitude < 6) {
+    if (!value || isPlain(value)) {
       const unit = 10 ** -decimals;
       const near = decimals < 0 ? unit * Math.round(value / unit) : value;
       return near.toFixed(Math.max(decimals, 0)).replace("-", "−");
@@ -51,6 +57,32 @@
 
   function withUnit(words, unit) {
     return unit ? `${words}${unit === "°" ? "" : "\u00a0"}${unit}` : words;
+  }
+
+  // A probability: nothing is certain.
+  function percent(share) {
+    if (share > 0.995) {
+      return "more than 99\u00a0%";
+    }
+    return share < 0.005 ? "less than 1\u00a0%" : `${Math.round(100 * share)}\u00a0%`;
+  }
+
+  // Where a logarithmic axis has its ticks: powers of ten, and 2 and 5 times these where they are
+  // few. Plotly's own are too large as powers, and lack the ends.
+  function logTicks(low, high) {
+    const few = Math.log10(high / low) < 2;
+    const tickvals = [];
+    const ticktext = [];
+    for (let power = Math.floor(Math.log10(low)); power <= Math.log10(high) + 1e-9; power++) {
+      for (const factor of few ? [1, 2, 5] : [1]) {
+        const value = Number(`${factor}e${power}`);
+        if (value >= low * (1 - 1e-9) && value <= high * (1 + 1e-9)) {
+          tickvals.push(value);
+          ticktext.push(factor === 1 ? withPower("", power).slice(1) : withPower(factor, power));
+        }
+      }
+    }
+    return { tickvals, ticktext };
   }
 
   function toUnit(parameter, value) {
@@ -109,6 +141,8 @@
     rounded,
     seconds,
     withUnit,
+    percent,
+    logTicks,
     toUnit,
     fromUnit,
     settings,

@@ -2,7 +2,7 @@
 (() => {
   "use strict";
 
-  const { text, rounded, toUnit, fromUnit } = window.grainfitQuantities;
+  const { text, rounded, logTicks, toUnit, fromUnit } = window.grainfitQuantities;
   const { prepare, factorise, predict, meanGrid, probability } = window.grainfitKriging;
 
   const NORMAL_QUANTILE = 1.959963984540054;
@@ -447,7 +447,7 @@
           xaxis: { nticks: 5, ...axisOf(parameter) },
           yaxis: { title: { text: shown.axis }, range, nticks: 6, zeroline: false },
           showlegend: false,
-          margin: { l: 48, r: 8, t: 8, b: 40 },
+          margin: { l: 48, r: 16, t: 8, b: 40 },
           shapes: [
             {
               type: "rect",
@@ -481,14 +481,11 @@
 
   const axisOf = (parameter) => {
     const ends = [parameter.minimum, parameter.maximum];
-    const common = { title: { text: parameter.axis }, zeroline: false };
+    const common = { title: { text: parameter.axis }, zeroline: false, ticklabeloverflow: "allow" };
     if (parameter.scale !== "log") {
       return { ...common, range: ends };
     }
-    const range = ends.map(Math.log10);
-    // Powers of ten, and 2 and 5 times these where there are few.
-    const dtick = range[1] - range[0] < 2 ? "D2" : 1;
-    return { ...common, type: "log", range, dtick, exponentformat: "power" };
+    return { ...common, type: "log", range: ends.map(Math.log10), ...logTicks(...ends) };
   };
 
   // Where all responses agree, probably and possibly.

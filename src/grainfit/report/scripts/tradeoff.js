@@ -2,7 +2,7 @@
 (() => {
   "use strict";
 
-  const { text, seconds, withUnit, settings, copy } = window.grainfitQuantities;
+  const { text, seconds, percent, settings, copy } = window.grainfitQuantities;
 
   class TradeOff {
     constructor(place, data) {
@@ -38,13 +38,12 @@
       this.place.querySelector("[data-picked-words]").textContent = this.inWords();
       this.place.querySelector("[data-beside]").textContent = answer ? "the answer" : "";
       const rows = parameters.map(({ name, html, unit }) =>
-        rowOf(html, [picked.values[name], answer?.[name]].map((value) => cellOf(value, unit))),
+        rowOf(html, unit, [picked.values[name], answer?.[name]].map((value) => cellOf(value))),
       );
+      rows.push(rowOf("Expected responses", "", []));
       responses.forEach((response, i) => {
-        const cells = [picked.responses[i], expected?.[i]].map((value) =>
-          cellOf(value, response.unit, response),
-        );
-        rows.push(rowOf(`expected ${response.html}`, cells));
+        const cells = [picked.responses[i], expected?.[i]].map((value) => cellOf(value, response));
+        rows.push(rowOf(response.html, response.unit, cells));
       });
       this.place.querySelector("[data-picked]").replaceChildren(...rows);
       this.mark();
@@ -58,7 +57,7 @@
         : "";
       return (
         `Time step ${seconds(step)}${beside}; ` +
-        `all expected responses within tolerance with ${Math.round(100 * agreement)} % probability.`
+        `probability that all expected responses are within tolerance: ${percent(agreement)}.`
       );
     }
 
@@ -79,26 +78,28 @@
   }
 
   // Names have been escaped where they became HTML.
-  const rowOf = (html, cells) => {
+  const rowOf = (html, unit, cells) => {
     const row = document.createElement("tr");
     const head = document.createElement("th");
     head.scope = "row";
     head.innerHTML = html;
+    head.append(unit ? ` (${unit})` : "");
     head.querySelectorAll("abbr[title]").forEach((abbreviation) => {
       abbreviation.tabIndex = 0;
     });
+    head.colSpan = cells.length ? 1 : 3;
     row.append(head, ...cells);
     return row;
   };
 
   // Of a response, with a mark that tells whether it is within tolerance.
-  const cellOf = (value, unit, response = null) => {
+  const cellOf = (value, response = null) => {
     const cell = document.createElement("td");
     cell.className = "number";
     if (value === undefined) {
       return cell;
     }
-    cell.textContent = withUnit(text(value), unit);
+    cell.textContent = text(value);
     if (response) {
       const inside = Math.abs(value - response.target) <= response.tolerance;
       const mark = document.createElement("span");

@@ -120,7 +120,6 @@ def _figure(
                 "title": {"text": "misfit (squared tolerances)"},
                 "type": "log" if misfits.max() > _LARGEST_RATIO * smallest else "linear",
                 "rangemode": "tozero",
-                "exponentformat": "power",
             },
             "hovermode": "closest",
             "clickmode": "event",

@@ -19,6 +19,8 @@ from grainfit.report.waiting import waiting, without_metamodel
 
 _KEY, _TITLE = "undetermined", "What do the tests not determine?"
 _BINS = 30
+#: Of logarithms: a bound that is a power of ten is not missed.
+_ROUNDING = 1e-9
 #: Width of the 95 % interval over that before the tests: up to here determined, from there open.
 _DETERMINED, _OPEN = 0.25, 0.8
 #: More cells are too small for a number in each.
@@ -158,11 +160,17 @@ def _correlations(context: ReportContext, posterior: Posterior) -> Figure:
     return Figure(
         data=(heat,),
         layout={
-            "xaxis": {"tickvals": heat["x"], "ticktext": labels[:-1], "showgrid": False},
+            "xaxis": {
+                "tickvals": heat["x"],
+                "ticktext": labels[:-1],
+                "showgrid": False,
+                "zeroline": False,
+            },
             "yaxis": {
                 "tickvals": heat["y"],
                 "ticktext": labels[1:],
                 "showgrid": False,
+                "zeroline": False,
                 "autorange": "reversed",
             },
             "annotations": numbers if len(names) <= _MOST_NUMBERS else [],
@@ -187,7 +195,7 @@ def _marginal(context: ReportContext, posterior: Posterior, index: int) -> Figur
         "xaxis": _axis(context, parameter),
         "yaxis": {"range": [0, 1.08], "showticklabels": False, "ticks": "", "showgrid": False},
         "showlegend": False,
-        "margin": {"l": 12, "r": 12, "t": 6, "b": 40},
+        "margin": {"l": 20, "r": 20, "t": 6, "b": 40},
     }
     if context.answer:
         layout["shapes"] = [_line_at(context.answer[parameter.name])]
@@ -214,18 +222,23 @@ def _marginal(context: ReportContext, posterior: Posterior, index: int) -> Figur
 
 
 def _axis(context: ReportContext, parameter: Parameter) -> Mapping[str, Any]:
-    title = {"text": context.parameter_label(parameter.name).axis}
+    common = {
+        "title": {"text": context.parameter_label(parameter.name).axis},
+        "zeroline": False,
+        "ticklabeloverflow": "allow",
+    }
     if parameter.scale == "linear":
-        ends = [parameter.minimum, parameter.maximum]
-        return {"title": title, "range": ends, "nticks": 5, "zeroline": False}
+        return {**common, "range": [parameter.minimum, parameter.maximum], "nticks": 5}
     low, high = math.log10(parameter.minimum), math.log10(parameter.maximum)
+    powers = range(math.ceil(low - _ROUNDING), math.floor(high + _ROUNDING) + 1)
+    factors = (1, 2, 5) if high - low < 2 else (1,)
+    ticks = [float(f"{factor}e{power}") for power in powers for factor in factors]
     return {
-        "title": title,
+        **common,
         "type": "log",
         "range": [low, high],
-        # Powers of ten, and 2 and 5 times these where there are few.
-        "dtick": "D2" if high - low < 2 else 1,
-        "exponentformat": "power",
+        "tickvals": ticks,
+        "ticktext": [number(tick, 3) for tick in ticks],
     }
 
 
