@@ -21,8 +21,6 @@
   const VARIABLES = [
     "ink", "quiet-ink", "paper", "card", "line", "accent", "good", "warn", "bad",
   ];
-  // Width of a printed page between its margins, in pixels.
-  const PRINTED_WIDTH = 690;
 
   const known = new Map();
   const json = (id) => {
@@ -34,6 +32,8 @@
   };
   window.grainfitData = (key) => json(`data-${key}`);
   window.grainfitFigure = (key) => json(`figure-${key}`);
+
+  const onPaper = () => root.dataset.paper !== undefined;
 
   window.grainfitTheme = () => {
     const style = getComputedStyle(root);
@@ -139,6 +139,9 @@
   window.grainfitDraw = (element, figure) => {
     const height = figure.height ?? (Number.parseFloat(element.style.minHeight) || 420);
     const layout = wholeLayout(figure.layout ?? {}, height);
+    if (onPaper()) {
+      layout.width = element.clientWidth;
+    }
     const done = window
       .grainfitPlotly()
       .react(element, structuredClone(figure.data), layout, CONFIG);
@@ -193,6 +196,8 @@
   let opened = [];
   addEventListener("beforeprint", () => {
     root.dataset.theme = "light";
+    // What is laid out now is still the screen: with this, as wide as paper.
+    root.dataset.paper = "";
     opened = [...document.querySelectorAll("details[data-print]:not([open])")];
     opened.forEach((details) => {
       details.open = true;
@@ -200,12 +205,12 @@
     places.forEach(drawPlace);
     repaint();
     for (const element of drawn) {
-      const width = Math.min(element.clientWidth || PRINTED_WIDTH, PRINTED_WIDTH);
-      window.Plotly.relayout(element, { width });
+      window.Plotly.relayout(element, { width: element.clientWidth });
     }
   });
   addEventListener("afterprint", () => {
     delete root.dataset.theme;
+    delete root.dataset.paper;
     opened.forEach((details) => {
       details.open = false;
     });
