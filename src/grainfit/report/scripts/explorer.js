@@ -3,7 +3,7 @@
 document.addEventListener("DOMContentLoaded", () => {
   "use strict";
 
-  const { text, rounded, seconds, withUnit, toUnit, fromUnit, settings, copy, rayleigh } =
+  const { text, rounded, seconds, withUnit, percent, toUnit, fromUnit, settings, copy, rayleigh } =
     window.grainfitQuantities;
   const { prepare, predict, probability } = window.grainfitKriging;
   const STEPS = 1000;
@@ -109,13 +109,6 @@ document.addEventListener("DOMContentLoaded", () => {
       drawGauge(card.querySelector("[data-gauge]"), response, mean, half);
     }
   }
-
-  const percent = (share) => {
-    if (share > 0.995) {
-      return "more than 99\u00a0%";
-    }
-    return share < 0.005 ? "less than 1\u00a0%" : `${Math.round(100 * share)}\u00a0%`;
-  };
 
   const verdictOf = ({ target, tolerance }, mean, half) => {
     const off = Math.abs(mean - target);

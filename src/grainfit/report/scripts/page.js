@@ -33,7 +33,7 @@
   window.grainfitData = (key) => json(`data-${key}`);
   window.grainfitFigure = (key) => json(`figure-${key}`);
 
-  const onPaper = () => root.dataset.paper !== undefined;
+  const onPaper = () => root.classList.contains("printing");
 
   window.grainfitTheme = () => {
     const style = getComputedStyle(root);
@@ -195,9 +195,9 @@
 
   let opened = [];
   addEventListener("beforeprint", () => {
+    // The page as wide as paper, so that figures are drawn as large as they will be.
     root.dataset.theme = "light";
-    // What is laid out now is still the screen: with this, as wide as paper.
-    root.dataset.paper = "";
+    root.classList.add("printing");
     opened = [...document.querySelectorAll("details[data-print]:not([open])")];
     opened.forEach((details) => {
       details.open = true;
@@ -205,12 +205,14 @@
     places.forEach(drawPlace);
     repaint();
     for (const element of drawn) {
-      window.Plotly.relayout(element, { width: element.clientWidth });
+      if (element.clientWidth) {
+        window.Plotly.relayout(element, { width: element.clientWidth });
+      }
     }
   });
   addEventListener("afterprint", () => {
     delete root.dataset.theme;
-    delete root.dataset.paper;
+    root.classList.remove("printing");
     opened.forEach((details) => {
       details.open = false;
     });

@@ -59,6 +59,14 @@
     return unit ? `${words}${unit === "°" ? "" : "\u00a0"}${unit}` : words;
   }
 
+  // A probability: nothing is certain.
+  function percent(share) {
+    if (share > 0.995) {
+      return "more than 99\u00a0%";
+    }
+    return share < 0.005 ? "less than 1\u00a0%" : `${Math.round(100 * share)}\u00a0%`;
+  }
+
   // Where a logarithmic axis has its ticks: powers of ten, and 2 and 5 times these where they are
   // few. Plotly's own are too large as powers, and lack the ends.
   function logTicks(low, high) {
@@ -133,6 +141,7 @@
     rounded,
     seconds,
     withUnit,
+    percent,
     logTicks,
     toUnit,
     fromUnit,

@@ -447,7 +447,7 @@
           xaxis: { nticks: 5, ...axisOf(parameter) },
           yaxis: { title: { text: shown.axis }, range, nticks: 6, zeroline: false },
           showlegend: false,
-          margin: { l: 48, r: 8, t: 8, b: 40 },
+          margin: { l: 48, r: 16, t: 8, b: 40 },
           shapes: [
             {
               type: "rect",
@@ -481,7 +481,7 @@
 
   const axisOf = (parameter) => {
     const ends = [parameter.minimum, parameter.maximum];
-    const common = { title: { text: parameter.axis }, zeroline: false };
+    const common = { title: { text: parameter.axis }, zeroline: false, ticklabeloverflow: "allow" };
     if (parameter.scale !== "log") {
       return { ...common, range: ends };
     }

@@ -2,7 +2,7 @@
 (() => {
   "use strict";
 
-  const { text, seconds, settings, copy } = window.grainfitQuantities;
+  const { text, seconds, percent, settings, copy } = window.grainfitQuantities;
 
   class TradeOff {
     constructor(place, data) {
@@ -57,7 +57,7 @@
         : "";
       return (
         `Time step ${seconds(step)}${beside}; ` +
-        `all expected responses within tolerance with ${Math.round(100 * agreement)} % probability.`
+        `probability that all expected responses are within tolerance: ${percent(agreement)}.`
       );
     }
 
@@ -87,6 +87,7 @@
     head.querySelectorAll("abbr[title]").forEach((abbreviation) => {
       abbreviation.tabIndex = 0;
     });
+    head.colSpan = cells.length ? 1 : 3;
     row.append(head, ...cells);
     return row;
   };

@@ -160,11 +160,17 @@ def _correlations(context: ReportContext, posterior: Posterior) -> Figure:
     return Figure(
         data=(heat,),
         layout={
-            "xaxis": {"tickvals": heat["x"], "ticktext": labels[:-1], "showgrid": False},
+            "xaxis": {
+                "tickvals": heat["x"],
+                "ticktext": labels[:-1],
+                "showgrid": False,
+                "zeroline": False,
+            },
             "yaxis": {
                 "tickvals": heat["y"],
                 "ticktext": labels[1:],
                 "showgrid": False,
+                "zeroline": False,
                 "autorange": "reversed",
             },
             "annotations": numbers if len(names) <= _MOST_NUMBERS else [],
@@ -189,7 +195,7 @@ def _marginal(context: ReportContext, posterior: Posterior, index: int) -> Figur
         "xaxis": _axis(context, parameter),
         "yaxis": {"range": [0, 1.08], "showticklabels": False, "ticks": "", "showgrid": False},
         "showlegend": False,
-        "margin": {"l": 12, "r": 12, "t": 6, "b": 40},
+        "margin": {"l": 20, "r": 20, "t": 6, "b": 40},
     }
     if context.answer:
         layout["shapes"] = [_line_at(context.answer[parameter.name])]
@@ -216,16 +222,19 @@ def _marginal(context: ReportContext, posterior: Posterior, index: int) -> Figur
 
 
 def _axis(context: ReportContext, parameter: Parameter) -> Mapping[str, Any]:
-    title = {"text": context.parameter_label(parameter.name).axis}
+    common = {
+        "title": {"text": context.parameter_label(parameter.name).axis},
+        "zeroline": False,
+        "ticklabeloverflow": "allow",
+    }
     if parameter.scale == "linear":
-        ends = [parameter.minimum, parameter.maximum]
-        return {"title": title, "range": ends, "nticks": 5, "zeroline": False}
+        return {**common, "range": [parameter.minimum, parameter.maximum], "nticks": 5}
     low, high = math.log10(parameter.minimum), math.log10(parameter.maximum)
     powers = range(math.ceil(low - _ROUNDING), math.floor(high + _ROUNDING) + 1)
     factors = (1, 2, 5) if high - low < 2 else (1,)
     ticks = [float(f"{factor}e{power}") for power in powers for factor in factors]
     return {
-        "title": title,
+        **common,
         "type": "log",
         "range": [low, high],
         "tickvals": ticks,
