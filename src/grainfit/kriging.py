@@ -58,7 +58,7 @@ _MIRRORED_UP_TO = 8
 _LARGEST_BLOCK = 4096
 # Beyond, squares of the response or of its rounding have no floating-point number.
 _MAGNITUDES = (1e-100, 1e100)
-_POOR_Q2 = 0.5
+POOR_Q2 = 0.5
 _NORMAL_QUANTILE = float(stats.norm.ppf(0.975))
 
 
@@ -1026,12 +1026,12 @@ class Kriging:
 
     def _warning_of_q2(self) -> str:
         quality = self.leave_one_out()
-        if quality.q2 >= _POOR_Q2:
+        if quality.q2 >= POOR_Q2:
             return ""
         values = (self._judged_by or self)._components[0].values
         spread = self._scale * float(values.std())
         noise = self.noise_standard_deviation
-        if noise**2 >= (1.0 - _POOR_Q2) * spread**2:
+        if noise**2 >= (1.0 - POOR_Q2) * spread**2:
             return (
                 f"Q2 = {quality.q2:.2f}: the response varies by {spread:.3g} (standard deviation) "
                 f"over the runs and scatters by {noise:.3g} from run to run; within these "

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from grainfit.kriging import LeaveOneOut
+from grainfit.kriging import POOR_Q2, LeaveOneOut
 from grainfit.printable import plain
 from grainfit.problem import Target
 from grainfit.report.labels import Label
@@ -39,7 +39,17 @@ class _Check:
     numbers: Sequence[int]
     simulated: NDArray[np.float64]
     left_out: LeaveOneOut
+    scatter: float
     warnings: Sequence[str]
+
+    @property
+    def spread(self) -> float:
+        return float(self.simulated.std())
+
+    @property
+    def is_mostly_scatter(self) -> bool:
+        """Whether the scatter from run to run explains that runs are predicted poorly."""
+        return self.left_out.q2 < POOR_Q2 and self.scatter**2 >= (1 - POOR_Q2) * self.spread**2
 
     @property
     def half_widths(self) -> NDArray[np.float64]:
@@ -86,6 +96,7 @@ def _check(context: ReportContext, metamodels: Metamodels, index: int) -> _Check
         _numbers(context, metamodels, target, list(zip(runs, simulated, strict=True))),
         simulated,
         model.leave_one_out(),
+        model.noise_standard_deviation,
         [plain(text) for text in quality.warnings] if quality else [],
     )
 
@@ -117,6 +128,9 @@ def _words(check: _Check) -> Mapping[str, Any]:
         "q2": q2 if known else None,
         "judgement": judgement,
         "look": look,
+        "is_mostly_scatter": check.is_mostly_scatter,
+        "spread": check.spread,
+        "scatter": check.scatter,
         "runs": len(check.numbers),
         "inside": int(check.inside.sum()),
         "warnings": check.warnings,
