@@ -58,6 +58,7 @@ _MIRRORED_UP_TO = 8
 _LARGEST_BLOCK = 4096
 # Beyond, squares of the response or of its rounding have no floating-point number.
 _MAGNITUDES = (1e-100, 1e100)
+#: With less, a metamodel predicts a run hardly better than the mean of all runs.
 POOR_Q2 = 0.5
 _NORMAL_QUANTILE = float(stats.norm.ppf(0.975))
 

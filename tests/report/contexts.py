@@ -28,7 +28,7 @@ from grainfit.problem import Parameter, Problem, Target
 from grainfit.reading import CalibrationReading
 from grainfit.report.section import ReportContext
 from grainfit.solvers.base import Response
-from grainfit.strategies.answer import make_answer
+from grainfit.strategies.answer import metamodel_quality
 from grainfit.strategies.metamodels import Metamodels, can_be_fitted
 from grainfit.timestep import RayleighTimeStep
 
@@ -126,10 +126,9 @@ def rough_analysis(wanted: Problem, known: Sequence[Evaluation]) -> Analysis:
     """All parts of an analysis, from so few samples that it takes no time."""
     metamodels = Metamodels.fit(wanted, known)
     posterior = sample_posterior(metamodels, samples=200, max_steps=10)
-    middle = wanted.from_unit([0.5] * wanted.dimension)
     return Analysis(
         metamodels=metamodels,
-        quality=make_answer(metamodels, middle, ()).quality,
+        quality=metamodel_quality(metamodels),
         posterior=posterior,
         sensitivity=sensitivity(metamodels, points=32),
         identifiability=identifiability(posterior, wanted),
