@@ -206,7 +206,12 @@ def report(
     workdir: Annotated[Path, typer.Argument(metavar="DIR", help="Work folder of a calibration.")],
     output: Annotated[
         Path | None,
-        typer.Option(metavar="FILE", help="Where to write it. [default: report.html in DIR]"),
+        typer.Option(
+            "--output",
+            "-o",
+            metavar="FILE",
+            help="Where to write it. [default: report.html in DIR]",
+        ),
     ] = None,
     open_it: Annotated[
         bool, typer.Option("--open", help="Show it in the web browser afterwards.")

@@ -18,8 +18,8 @@ from grainfit.problem import Parameter, Problem
 Array = NDArray[np.float64]
 
 #: Widths of 95 % intervals over that before the tests: up to here determined, from here on open.
-_DETERMINED = 0.25
-_OPEN = 0.8
+DETERMINED = 0.25
+OPEN = 0.9
 #: Correlation from which on two parameters stand for one another (or as much information).
 _STRONG = 0.7
 _CLASSES = 8
@@ -98,7 +98,7 @@ def identifiability(posterior: Posterior, problem: Problem) -> Identifiability:
     grouped = {name for group in groups for name in group}
     parameters = {parameter.name: parameter for parameter in problem.parameters}
     alone = sorted((n for n in narrowing if n not in grouped), key=lambda n: -narrowing[n])
-    is_open = [name for name in alone if narrowing[name] > _DETERMINED]
+    is_open = [name for name in alone if narrowing[name] > DETERMINED]
     verdicts = [_verdict_of_group(posterior, parameters, group) for group in groups]
     verdicts += [
         _verdict(posterior, parameters[name], narrowing[name])
@@ -125,7 +125,7 @@ def _directions(posterior: Posterior) -> tuple[Direction, ...]:
             Direction(
                 components=dict(zip(posterior.names, components, strict=True)),
                 narrowing=narrowing,
-                determined=narrowing <= _DETERMINED,
+                determined=narrowing <= DETERMINED,
             )
         )
     return tuple(directions)
@@ -144,7 +144,7 @@ def _inseparable(
     posterior: Posterior, narrowing: dict[str, float], directions: Sequence[Direction]
 ) -> list[tuple[str, ...]]:
     """Groups of parameters that are open one by one and determined together."""
-    is_open = [name for name in posterior.names if narrowing[name] > _DETERMINED]
+    is_open = [name for name in posterior.names if narrowing[name] > DETERMINED]
     groups: list[set[str]] = []
     for pair in combinations(is_open, 2):
         if _dependence(posterior, *pair) >= _STRONG:
@@ -230,12 +230,12 @@ def _verdict(posterior: Posterior, parameter: Parameter, narrowing: float) -> st
     name = parameter.name
     low, high = posterior.interval(name)
     between = _with_unit(_ends(low, high), parameter)
-    if narrowing > _OPEN:
+    if narrowing > OPEN:
         whole = f"{_shown(parameter.minimum)} to {_shown(parameter.maximum)}"
         return (
             f"{name} is not determined: all of its interval ({_with_unit(whole, parameter)}) fits."
         )
-    if narrowing > _DETERMINED:
+    if narrowing > DETERMINED:
         return f"{name} is only narrowed: {between} with 95 % probability."
     middle = abs(posterior.median(name))
     percent = 100.0 * (high - low) / 2.0 / middle if middle > 0.0 else np.inf
@@ -246,12 +246,12 @@ def _verdict(posterior: Posterior, parameter: Parameter, narrowing: float) -> st
 
 def _what_would_narrow_it(posterior: Posterior, name: str, narrowing: dict[str, float]) -> str:
     """Say which open parameters a determined one hangs on."""
-    if narrowing[name] > _DETERMINED:
+    if narrowing[name] > DETERMINED:
         return ""
     tied = [
         other
         for other in posterior.names
-        if narrowing[other] > _DETERMINED and _dependence(posterior, name, other) >= _STRONG
+        if narrowing[other] > DETERMINED and _dependence(posterior, name, other) >= _STRONG
     ]
     return f" It would be known better if {' or '.join(tied)} were." if tied else ""
 

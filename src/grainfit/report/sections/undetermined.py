@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from grainfit.analysis import Posterior
+from grainfit.analysis.identifiability import DETERMINED, OPEN
 from grainfit.printable import plain
 from grainfit.problem import Parameter
 from grainfit.report.labels import number
@@ -21,8 +22,6 @@ _KEY, _TITLE = "undetermined", "What do the tests not determine?"
 _BINS = 30
 #: Of logarithms: a bound that is a power of ten is not missed.
 _ROUNDING = 1e-9
-#: Width of the 95 % interval over that before the tests: up to here determined, from there open.
-_DETERMINED, _OPEN = 0.25, 0.8
 #: More cells are too small for a number in each.
 _MOST_NUMBERS = 8
 _CELL = 44
@@ -116,9 +115,9 @@ def _learnt(context: ReportContext, posterior: Posterior, narrowing: Mapping[str
 
 
 def _color(narrowing: float) -> str:
-    if narrowing <= _DETERMINED:
+    if narrowing <= DETERMINED:
         return BLUE
-    return VERMILION if narrowing >= _OPEN else ORANGE
+    return VERMILION if narrowing >= OPEN else ORANGE
 
 
 def _correlations(context: ReportContext, posterior: Posterior) -> Figure:
