@@ -21,6 +21,7 @@
   const VARIABLES = [
     "ink", "quiet-ink", "paper", "card", "line", "accent", "good", "warn", "bad",
   ];
+
   const known = new Map();
   const json = (id) => {
     if (!known.has(id)) {
@@ -31,6 +32,8 @@
   };
   window.grainfitData = (key) => json(`data-${key}`);
   window.grainfitFigure = (key) => json(`figure-${key}`);
+
+  const onPaper = () => root.classList.contains("printing");
 
   window.grainfitTheme = () => {
     const style = getComputedStyle(root);
@@ -136,6 +139,9 @@
   window.grainfitDraw = (element, figure) => {
     const height = figure.height ?? (Number.parseFloat(element.style.minHeight) || 420);
     const layout = wholeLayout(figure.layout ?? {}, height);
+    if (onPaper()) {
+      layout.width = element.clientWidth;
+    }
     const done = window
       .grainfitPlotly()
       .react(element, structuredClone(figure.data), layout, CONFIG);

@@ -126,12 +126,15 @@ def _final_verdict(context: ReportContext) -> Verdict:
 
 def _sureness(result: Mapping[str, Any]) -> Iterator[str]:
     if result["agreement"] is not None:
-        percent = 100 * result["agreement"]
-        shown = "more than 99" if percent >= 99.5 else f"{percent:.0f}"
         yield (
             "By all runs together, every expected response is within its tolerance with a "
-            f"probability of {shown}\N{NO-BREAK SPACE}%."
+            f"probability of {_probability(result['agreement'])}."
         )
+
+
+def _probability(value: float) -> str:
+    """Return a probability in percent: no metamodel makes anything certain."""
+    return "more than 99\u00a0%" if value > 0.995 else f"{100 * value:.0f}\u00a0%"
 
 
 def _responses(result: Mapping[str, Any] | None) -> dict[str, ResponseResult]:
@@ -148,18 +151,13 @@ def _parameter_row(context: ReportContext, parameter: Parameter) -> ParameterRow
     half_width = None
     if posterior is not None:
         low, high = (float(bound) for bound in posterior.interval(name))
-        interval, half_width = (low, high), (high - low) / 2
-
-    def shown(number_of: float | None) -> str:
-        # Over orders of magnitude, half of the interval's width is more than its lower end.
-        if parameter.scale == "log":
-            return number(number_of, 3)
-        return rounded(number_of, half_width)
-
+        interval = (low, high)
+        # On a logarithmic scale, the digits of one end mean nothing at the other.
+        half_width = (high - low) / 2 if parameter.scale == "linear" else None
     return ParameterRow(
         label=context.parameter_label(name),
-        value=shown(value),
-        interval=" … ".join(shown(bound) for bound in interval) if interval else "",
+        value=_shown(value, half_width),
+        interval=" … ".join(_shown(bound, half_width) for bound in interval) if interval else "",
         why_no_interval=_why_no_interval(context),
         position=None if value is None else _position(parameter, value),
         credible=(_position(parameter, interval[0]), _position(parameter, interval[1]))
@@ -167,6 +165,10 @@ def _parameter_row(context: ReportContext, parameter: Parameter) -> ParameterRow
         else None,
         searched=f"{number(parameter.minimum)} … {number(parameter.maximum)}",
     )
+
+
+def _shown(value: float | None, half_width: float | None) -> str:
+    return number(value, 3) if half_width is None else rounded(value, half_width)
 
 
 def _position(parameter: Parameter, value: float) -> float:
