@@ -39,6 +39,8 @@ SECTIONS = (
 )
 LAPTOP = {"width": 1366, "height": 768}
 PHONE = {"width": 390, "height": 844}
+#: A4 between margins of 14 mm.
+PAPER = {"width": 688, "height": 1016}
 #: Normal text on its background, by the Web Content Accessibility Guidelines.
 CONTRAST = 4.5
 MEGABYTE = 1_000_000
@@ -47,7 +49,7 @@ MEGABYTE = 1_000_000
 DRAW = """async () => {
     for (const details of document.querySelectorAll("details")) details.open = true;
     for (const place of document.querySelectorAll("[data-figure]")) {
-        place.scrollIntoView();
+        place.scrollIntoView({ behavior: "instant" });
         const end = performance.now() + 20000;
         while (!place.querySelector(".main-svg")) {
             if (performance.now() > end) return place.dataset.figure;
@@ -103,6 +105,17 @@ FAINT = """(least) => {
 }"""
 
 
+#: Figures that are wider than their places, and what is wider than the paper.
+CUT = """() => {
+    const right = (element) => Math.floor(element.getBoundingClientRect().right);
+    const figures = [...document.querySelectorAll(".figure")]
+        .filter((place) => right(place.querySelector(".main-svg")) > right(place) + 1);
+    const parts = [...document.querySelectorAll("section:not(#runs) *")]
+        .filter((part) => !part.closest("svg") && right(part) > innerWidth);
+    return [...figures, ...parts].map((part) => part.outerHTML.slice(0, 100));
+}"""
+
+
 @dataclass
 class Opened:
     """A page and what happened on it that should not."""
@@ -152,7 +165,9 @@ def report(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Path]:
 def opened(
     browser: Browser, path: Path, size: dict[str, int] = LAPTOP, **options: Any
 ) -> Iterator[Opened]:
-    context = browser.new_context(viewport=size, offline=True, **options)
+    context = browser.new_context(
+        viewport=size, offline=True, reduced_motion="reduce", **options
+    )
     try:
         found = Opened(context.new_page())
         found.page.goto(path.as_uri())
@@ -332,19 +347,27 @@ def test_the_answer_is_read_without_scrolling(usual: Page) -> None:
 
 def test_it_prints_all_that_it_shows(browser: Browser, report: Callable[[str], Path]) -> None:
     with opened(browser, report("two_parameters")) as found:
-        pages = PdfDocument(found.page.pdf(format="A4", print_background=True))
-        words = found.page.evaluate(
-            """() => [...document.querySelectorAll("[data-figure]")].map((place) =>
-                [...place.querySelectorAll(".xtitle, .ytitle")].map((text) => text.textContent))"""
+        page = found.page
+        printed = page.pdf(format="A4", print_background=True)
+        titles = page.eval_on_selector_all(
+            ".figure .xtitle, .figure .ytitle", "all => all.map((one) => one.textContent)"
         )
-    assert len(pages) > 1
-    printed = _letters("".join(page.get_textpage().get_text_bounded() for page in pages))
-    for figure in words:
-        assert figure
-        assert [text for text in figure if _letters(text) not in printed] == []
-    for page in pages:
-        image = page.render(scale=1, grayscale=True).to_numpy()
-        assert np.ptp(image[:, -10:]) == 0
+        undrawn = page.locator(".figure:not(:has(.main-svg))").count()
+        page.emulate_media(media="print")
+        page.set_viewport_size(PAPER)
+        page.evaluate("dispatchEvent(new Event('beforeprint'))")
+        page.wait_for_timeout(500)
+        cut = page.evaluate(CUT)
+    assert undrawn == 0
+    assert cut == []
+    document = PdfDocument(printed)
+    words = _letters("".join(sheet.get_textpage().get_text_bounded() for sheet in document))
+    margins = [sheet.render(grayscale=True).to_numpy()[:, -20:] for sheet in document]
+    document.close()
+    assert len(margins) > 1
+    assert len(titles) > 10
+    assert [title for title in titles if _letters(title) not in words] == []
+    assert [np.ptp(margin) for margin in margins] == [0] * len(margins)
 
 
 def _letters(text: str) -> str:
