@@ -205,7 +205,7 @@ def report(
     workdir: Annotated[Path, typer.Argument(metavar="DIR", help="Work folder of a calibration.")],
     output: Annotated[
         Path | None,
-        typer.Option(metavar="FILE", help="Where to write it. [default: report.html in DIR]"),
+        typer.Option(metavar="FILE", help="Where to write it, if not to report.html in DIR."),
     ] = None,
     open_it: Annotated[
         bool, typer.Option("--open", help="Show it in the web browser afterwards.")
@@ -213,9 +213,12 @@ def report(
 ) -> None:
     """Write a page that shows all that a calibration tells.
 
-    Is it calibrated, what are the numbers, how sure are they, what do the responses depend on, and
-    every run: one HTML file that needs neither network nor grainfit to be read. 'grainfit run'
-    writes it at its end; this command does so at any time, also half-way, and disturbs nothing.
+    One HTML file that needs neither network nor grainfit to be read: is it
+    calibrated, what are the values, how sure are they, what do the responses
+    depend on, what does the heap look like, and every run.
+
+    'grainfit run' writes it at its end; this does so at any time, also half-way,
+    and disturbs nothing.
     """
     path = _write_report(workdir, output)
     _out.print(f"Report: {path}", highlight=False, markup=False, soft_wrap=True)

@@ -212,7 +212,7 @@ def test_without_an_interval_the_answer_says_why() -> None:
         ("running", None, "warn", "Simulated so far: 7 parameter sets; under way: 2 runs."),
         ("interrupted", None, "warn", "No answer yet"),
         ("interrupted", RESULT, "warn", "The numbers are the best so far"),
-        ("failed", None, "bad", "Stopped by an error"),
+        ("failed", None, "bad", "The table of runs says why"),
         ("out_of_tolerance", RESULT, "bad", "Not calibrated."),
     ],
 )
@@ -235,6 +235,24 @@ def test_a_missed_target_and_a_bound_in_the_way_are_named() -> None:
     assert "The bound in the way is particle.density.max = 2205; try 2340." in text(
         answer(unreachable)
     )
+
+
+def test_an_interval_over_orders_of_magnitude_has_two_ends() -> None:
+    wide = grainfit.Parameter(DENSITY, 1e5, 1e8, "log")
+    problem = grainfit.Problem([wide, PROBLEM.parameters[1]], PROBLEM.targets)
+    intervals = {DENSITY: (1.312e5, 8.4e7), FRICTION: (0.48, 0.57)}
+    result = {**RESULT, "parameters": {DENSITY: 3.04e6, FRICTION: 0.52}}
+    analysis = replace(Analysis(), posterior=posterior(intervals))
+    found = answer(
+        context(result=result, problem=problem, evaluations=(), units={}, analysis=analysis)
+    )
+    assert "3.04·10⁶ 1.31·10⁵ … 8.4·10⁷" in text(found)
+
+
+def test_where_nothing_agrees_there_is_no_interval() -> None:
+    analysis = replace(Analysis(), posterior=posterior({DENSITY: (1.0, 2.0), FRICTION: (0.4, 0.5)}))
+    found = answer(context("unreachable", analysis=analysis))
+    assert str(found.html).count("No parameter set within the intervals agrees") == 2
 
 
 def test_all_fourteen_parameters_are_in_the_answer() -> None:

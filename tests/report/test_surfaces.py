@@ -246,13 +246,30 @@ def test_a_trade_off_can_be_picked_point_by_point() -> None:
     assert [p["time_step"] for p in points] == front.time_steps.tolist()
     assert [p["values"] for p in points] == front.parameters
     assert section.html.count("<option") == len(points)
-    picked = int(re.search(r'value="(\d+)" selected', section.html).group(1))
-    likely = np.flatnonzero(front.agreement >= 0.5)
-    assert picked == (likely[-1] if len(likely) else front.agreement.argmax())
     figure = section.figures["tradeoff-front"]
     assert figure.layout["xaxis"]["title"]["text"] == "Rayleigh time step (µs)"
     expected = made.reading.problem.rayleigh_time_step(made.answer)
     assert figure.data[1]["x"] == pytest.approx([1e6 * expected])
+
+
+@pytest.mark.parametrize(
+    ("agreement", "picked"), [((0.99, 0.8, 0.6, 0.1), "2"), ((0.1, 0.4, 0.3, 0.0), "1")]
+)
+def test_the_first_pick_is_the_largest_time_step_that_probably_agrees(
+    agreement: tuple[float, ...], picked: str
+) -> None:
+    made = usual()
+    values = dict(made.answer)
+    front = ParetoFront(
+        np.array([1e-5, 2e-5, 3e-5, 4e-5]),
+        np.array([0.1, 0.2, 0.3, 9.0]),
+        [values] * 4,
+        np.array(agreement),
+        np.ones((4, 2)),
+    )
+    analysis = replace(made.analysis, pareto=front)
+    html = tradeoff(ReportContext(made.reading, analysis)).html
+    assert re.findall(r'value="(\d+)" selected', html) == [picked]
 
 
 def without_time_step() -> Problem:

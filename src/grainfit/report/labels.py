@@ -13,7 +13,7 @@ from grainfit.printable import plain
 
 _SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 #: Numbers between these are written without a power of ten.
-_FIXED = 1e-3, 1e6
+_FIXED = 1e-3, 1e5
 #: Of a value whose uncertainty is next to nothing.
 _MOST_DIGITS = 6
 _UNITS = {"kg/m^3": "kg/m³", "deg": "°", "m^3": "m³", "m^2": "m²", "m/s^2": "m/s²"}

@@ -7,8 +7,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any, Literal
 
-from markupsafe import Markup
-
+from grainfit.analysis import Posterior
 from grainfit.printable import counted, duration, plain
 from grainfit.problem import Parameter, Target
 from grainfit.report.labels import Label, number, rounded
@@ -17,6 +16,8 @@ from grainfit.report.section import ReportContext, Section
 from grainfit.result import ResponseResult, RunCounts
 from grainfit.strategies.reachability import OutOfReach
 
+#: Where all runs failed alike, they are forgotten: the next start is to make them again.
+_FORGOTTEN = "Runs that all fail alike are not kept; the message it ended with says why"
 #: Of a normal distribution: half of the 95 % interval in standard errors.
 _QUANTILE = 1.96
 
@@ -68,7 +69,7 @@ def answer(context: ReportContext) -> Section:
     html = render(
         "answer",
         verdict=verdict(context),
-        provisional=not context.answer and context.analysis.posterior is not None,
+        provisional=not context.answer and _posterior(context) is not None,
         parameters=[_parameter_row(context, parameter) for parameter in context.parameters],
         responses=[_response_row(context, target) for target in context.targets],
         fixed=[
@@ -91,8 +92,8 @@ def verdict(context: ReportContext) -> Verdict:
             words = f"{ended}; under way: {counted(reading.running, 'run')}."
             return Verdict("warn", "Running: no answer yet.", (words,))
         case "failed":
-            words = f"{ended}. The last runs in the table below say why; mend it and start again."
-            return Verdict("bad", "Stopped by an error.", (words,))
+            why = "The table of runs says why" if reading.evaluations else _FORGOTTEN
+            return Verdict("bad", "Stopped by an error.", (f"{ended}. {why}.",))
         case "interrupted":
             so_far = "The numbers are the best so far." if context.answer else "No answer yet."
             words = f"{ended}. Start the same command again to go on."
@@ -142,7 +143,7 @@ def _responses(result: Mapping[str, Any] | None) -> dict[str, ResponseResult]:
 
 
 def _parameter_row(context: ReportContext, parameter: Parameter) -> ParameterRow:
-    posterior, name = context.analysis.posterior, parameter.name
+    posterior, name = _posterior(context), parameter.name
     value = context.answer.get(name)
     if value is None and posterior is not None:
         value = float(posterior.median(name))
@@ -175,7 +176,14 @@ def _position(parameter: Parameter, value: float) -> float:
     return round(100 * min(max(parameter.to_unit(value), 0.0), 1.0), 2)
 
 
+def _posterior(context: ReportContext) -> Posterior | None:
+    """Where nothing agrees with the measurements, there is no interval of what agrees."""
+    return None if context.reading.state == "unreachable" else context.analysis.posterior
+
+
 def _why_no_interval(context: ReportContext) -> str:
+    if context.reading.state == "unreachable":
+        return "No parameter set within the intervals agrees with the measurements."
     return " ".join(context.analysis.notes) or "The runs do not suffice for an interval yet."
 
 
@@ -255,7 +263,7 @@ def _cost(context: ReportContext) -> dict[str, Any]:
     }
 
 
-def _notices(context: ReportContext) -> Iterator[Markup]:
+def _notices(context: ReportContext) -> Iterator[str]:
     result = context.reading.result
     said = [*result["notices"]] if result else []
     if result:
@@ -263,4 +271,5 @@ def _notices(context: ReportContext) -> Iterator[Markup]:
             words = context.response_label(name).words
             said += [f"Metamodel of {words}: {warning}" for warning in quality["warnings"]]
     said += context.analysis.notes
-    yield from (Markup.escape(plain(words)) for words in dict.fromkeys(said))
+    told = verdict(context).details
+    yield from (plain(words) for words in dict.fromkeys(said) if words not in told)
