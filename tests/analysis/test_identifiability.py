@@ -109,15 +109,15 @@ def test_what_is_not_determined_comes_before_what_is(random: np.random.Generator
         random.normal(0.3, 0.01, COUNT),
         random.random(COUNT),
         random.uniform(0.3, 0.8, COUNT),
-        random.uniform(0.01, 0.03, COUNT),
+        random.uniform(0.001, 0.03, COUNT),
     )
     modulus, rolling, density, own = found.verdicts
     assert modulus == (
         "particle.youngs_modulus is not determined: all of its interval (1e+06 to 1e+08 Pa) fits."
     )
-    assert rolling.startswith("particle_particle.rolling_friction is only narrowed: it is between")
+    assert rolling.startswith("particle_particle.rolling_friction is only narrowed: 0.")
     # Percent of next to nothing would look like a lot.
-    assert own.startswith("cohesion is determined")
+    assert own.startswith("cohesion is determined: ")
     assert density.startswith("particle.density is determined to ±0.8")
     assert found.narrowing[MODULUS.name] == pytest.approx(1.0, abs=0.02)
     assert found.narrowing[ROLLING.name] == pytest.approx(0.5, abs=0.02)
@@ -152,6 +152,13 @@ def test_a_parameter_that_bulk_tests_do_not_see_is_better_fixed(
     fixed, own = sorted(found.further_tests, reverse=True)
     assert fixed.startswith("wall.poissons_ratio hardly changes any common bulk test: take it out")
     assert own == "To settle cohesion: add a target of a test that responds to it."
+
+
+def test_the_ends_of_a_narrow_interval_differ_in_what_is_shown(
+    random: np.random.Generator,
+) -> None:
+    (verdict,) = judged([DENSITY], random.normal(0.5, 1e-4, COUNT)).verdicts
+    assert verdict == "particle.density is determined to ±0.0078 % (2,499.8 to 2,500.2 kg/m^3)."
 
 
 def test_a_single_parameter_is_judged_too(random: np.random.Generator) -> None:

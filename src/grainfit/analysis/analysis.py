@@ -28,6 +28,8 @@ _RUNS_OF_FIRST_GUESS = 40
 _POINTS_OF_FIRST_GUESS = 1024
 #: Squares of the numbers of runs, times sets of hyperparameters, summed over the responses.
 _LARGEST_EFFORT = 400_000
+#: So many more cost as much as asking a metamodel at all.
+_EFFORT_OF_ASKING = 5_000
 _FEWEST_COMPONENTS = 2
 
 
@@ -208,7 +210,7 @@ def _fit(problem: Problem, evaluations: list[Evaluation], notes: list[str]) -> M
 
 def _reduced(metamodels: Metamodels) -> Metamodels:
     """The most probable sets of hyperparameters only, as many as can be borne."""
-    effort = sum(model.n**2 for model in metamodels.models)
+    effort = sum(model.n**2 + _EFFORT_OF_ASKING for model in metamodels.models)
     components = max(_LARGEST_EFFORT // effort, _FEWEST_COMPONENTS)
     models: list[Kriging] = [model.reduced(components) for model in metamodels.models]
     return Metamodels(metamodels.problem, models)

@@ -32,6 +32,7 @@ _BENT = 0.1
 _VARIANCE_BEFORE = 1.0 / 12.0
 #: From here on, percent say less than the ends of the interval.
 _LARGEST_PERCENTAGE = 50.0
+_MOST_DIGITS = 6
 
 
 @dataclass(frozen=True)
@@ -228,14 +229,14 @@ def _verdict_of_group(
 def _verdict(posterior: Posterior, parameter: Parameter, narrowing: float) -> str:
     name = parameter.name
     low, high = posterior.interval(name)
-    between = _with_unit(f"{_shown(low)} to {_shown(high)}", parameter)
+    between = _with_unit(_ends(low, high), parameter)
     if narrowing > _OPEN:
         whole = f"{_shown(parameter.minimum)} to {_shown(parameter.maximum)}"
         return (
             f"{name} is not determined: all of its interval ({_with_unit(whole, parameter)}) fits."
         )
     if narrowing > _DETERMINED:
-        return f"{name} is only narrowed: it is between {between} with 95 % probability."
+        return f"{name} is only narrowed: {between} with 95 % probability."
     middle = abs(posterior.median(name))
     percent = 100.0 * (high - low) / 2.0 / middle if middle > 0.0 else np.inf
     if percent > _LARGEST_PERCENTAGE:
@@ -257,6 +258,14 @@ def _what_would_narrow_it(posterior: Posterior, name: str, narrowing: dict[str, 
 
 def _with_unit(text: str, parameter: Parameter) -> str:
     return f"{text} {parameter.unit}".rstrip()
+
+
+def _ends(low: float, high: float) -> str:
+    """Both with as many digits as tell them from each other."""
+    share = (high - low) / max(abs(low), abs(high), 1e-300)
+    digits = 1 - floor(log10(max(share, 1e-9)))
+    digits = min(max(digits, 3), _MOST_DIGITS)
+    return f"{_shown(low, digits)} to {_shown(high, digits)}"
 
 
 def _shown(value: float, digits: int = 3) -> str:
