@@ -2,7 +2,7 @@
 
 Five parameters, two responses and so many runs of a smooth model with scatter, analysed and written
 as `grainfit report` does it. It is opened in Chromium, which has to be installed, without a network
-and with an empty cache; WebGL is computed on the processor.
+and with an empty cache.
 
 Usage: python benchmarks/report.py [--runs N] [--json PATH]
 """

@@ -315,7 +315,9 @@ class _Decided(BatchStrategy):
     def plan(self) -> Plan:
         for stage, points in self._batches.items():
             yield [
-                Proposal(self.problem.from_unit(at), insertion_seed(self.seed, stage, number), stage)
+                Proposal(
+                    self.problem.from_unit(at), insertion_seed(self.seed, stage, number), stage
+                )
                 for number, at in enumerate(points)
             ]
 

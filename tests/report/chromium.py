@@ -16,10 +16,9 @@ EXECUTABLE = next(
 
 @contextmanager
 def browser() -> Iterator[Browser]:
-    """Start Chromium, with WebGL computed on the processor: 3-D views need it."""
-    arguments = ["--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
-    if os.getuid() == 0:
-        arguments.append("--no-sandbox")
+    """Start Chromium."""
+    # It refuses to guard root against pages.
+    arguments = ["--no-sandbox"] if os.getuid() == 0 else []
     with sync_playwright() as playwright:
         started = playwright.chromium.launch(executable_path=EXECUTABLE, args=arguments)
         try:
