@@ -157,7 +157,7 @@ def five_parameters(folder: Path) -> None:
         "heap": PythonCallable(_part_of(model, "heap"), identity="heap"),
         "drum": PythonCallable(_part_of(model, "drum"), identity="drum"),
     }
-    _staged(wanted, tests, folder, "five parameters", design_runs=26, max_runs=80)
+    _staged(wanted, tests, folder, "five parameters", design_runs=18, max_runs=64)
 
 
 def _part_of(model: Model, test: str) -> Callable[[dict[str, float], int], dict[str, float]]:
@@ -173,7 +173,7 @@ def _part_of(model: Model, test: str) -> Callable[[dict[str, float], int], dict[
 def fourteen_parameters(folder: Path) -> None:
     """All that a medium and a wall have."""
     wanted = problem(tuple(MATERIAL_PARAMETERS))
-    _staged(wanted, Model(wanted), folder, "fourteen parameters", design_runs=30, max_runs=54)
+    _staged(wanted, Model(wanted), folder, "fourteen parameters", design_runs=20, max_runs=42)
 
 
 def _staged(

@@ -46,7 +46,6 @@ STATES = (
     "fourteen_parameters",
     "no_run_finished",
     "running_half_way",
-    "interrupted",
     "all_failed",
     "only_failures_yet",
     "unreachable",
