@@ -52,8 +52,6 @@ STATES = (
 )
 LAPTOP = {"width": 1366, "height": 768}
 PHONE = {"width": 390, "height": 844}
-#: A4 between margins of 14 mm.
-PAPER = {"width": 688, "height": 1016}
 #: Normal text on its background, by the Web Content Accessibility Guidelines.
 CONTRAST = 4.5
 MEGABYTE = 1_000_000
@@ -118,13 +116,13 @@ FAINT = """(least) => {
 }"""
 
 
-#: Figures that are wider than their places, and what is wider than the paper.
+#: Figures that are wider than their places, and what sticks out of its section.
 CUT = """() => {
     const right = (element) => Math.floor(element.getBoundingClientRect().right);
     const figures = [...document.querySelectorAll(".figure")]
         .filter((place) => right(place.querySelector(".main-svg")) > right(place) + 1);
     const parts = [...document.querySelectorAll("section:not(#runs) *")]
-        .filter((part) => !part.closest("svg") && right(part) > innerWidth);
+        .filter((part) => !part.closest("svg") && right(part) > right(part.closest("section")) + 1);
     return [...figures, ...parts].map((part) => part.outerHTML.slice(0, 100));
 }"""
 
@@ -315,7 +313,7 @@ def _require_same_predictions(page: Page, metamodels: Metamodels | None) -> None
 
 def test_the_table_of_runs_sorts_by_number_and_filters(usual: Opened) -> None:
     runs = usual.page.locator("#runs")
-    header = runs.locator("thead th").filter(has_text="ρp")
+    header = runs.locator("thead th").filter(has_text="Deviation")
     column = 1 + header.evaluate("(header) => header.cellIndex")
     orders = []
     for _ in range(2):
@@ -382,10 +380,10 @@ def test_it_prints_all_that_it_shows(browser: Browser, report: Callable[[str], R
             ".figure .xtitle, .figure .ytitle", "all => all.map((one) => one.textContent)"
         )
         undrawn = page.locator(".figure:not(:has(.main-svg))").count()
-        page.emulate_media(media="print")
-        page.set_viewport_size(PAPER)
+        # As it is done for a printer: the page hears of it while it is laid out for the screen.
         page.evaluate("dispatchEvent(new Event('beforeprint'))")
         page.wait_for_timeout(500)
+        page.emulate_media(media="print")
         cut = page.evaluate(CUT)
     assert undrawn == 0
     assert cut == []
