@@ -72,7 +72,10 @@ def write_report(
     answer = reading.result["parameters"] if reading.result else None
     # Metamodels are small: threads of linear algebra would only wait for one another.
     with threadpool_limits(limits=1, user_api="blas"):
-        analysis = analyse(reading.problem, reading.evaluations, answer=answer or None)
+        # The same seed as that of the material card: both state the same intervals.
+        analysis = analyse(
+            reading.problem, reading.evaluations, seed=reading.seed, answer=answer or None
+        )
         tell("drawing")
         page = render_page(ReportContext(reading, analysis))
     path = Path(output) if output is not None else Path(folder) / REPORT_NAME
