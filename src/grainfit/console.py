@@ -169,13 +169,12 @@ def _response_table(result: Result) -> Table:
 
 
 def _response_cells(name: str, response: ResponseResult) -> tuple[Text, ...]:
-    expected = f"predicted {response.predicted:.5g} ± {1.96 * response.std_error:.2g}"
-    if response.verified_mean is not None and response.verified_interval is not None:
-        expected = f"{response.verified_mean:.5g} ± {response.verified_interval:.2g}"
+    expected, half_width = response.expected
+    kind = "" if response.is_verified else "predicted "
     return (
         _text(name),
         _text(f"{response.target:.5g} ± {response.tolerance:.3g} {response.unit}".rstrip()),
-        _text(expected),
+        _text(f"{kind}{expected:.5g} ± {half_width:.2g}"),
         _text(f"{response.deviation_percent:+.2f} %"),
         _text("met", "green") if response.within_tolerance else _text("missed", "red"),
     )

@@ -60,7 +60,8 @@ _LARGEST_BLOCK = 4096
 _MAGNITUDES = (1e-100, 1e100)
 #: With less, a metamodel predicts a run hardly better than the mean of all runs.
 POOR_Q2 = 0.5
-_NORMAL_QUANTILE = float(stats.norm.ppf(0.975))
+#: Half the width of a 95 % interval in standard deviations.
+NORMAL_QUANTILE = float(stats.norm.ppf(0.975))
 
 
 @dataclass(frozen=True)
@@ -714,7 +715,7 @@ class Kriging:
     def _inflation(self) -> float:
         """Makes 1.96 standard deviations a 95 % interval although the variance is estimated."""
         quantile = float(stats.t.ppf(0.975, self._degrees_of_freedom))
-        return (quantile / _NORMAL_QUANTILE) ** 2
+        return (quantile / NORMAL_QUANTILE) ** 2
 
     def _combine(self, means: FloatArray, variances: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Mean and variance of the weighted mixture of the components."""
@@ -869,7 +870,7 @@ class Kriging:
             predicted=self._offset + self._scale * mean,
             standard_deviation=self._scale * deviation,
             q2=math.nan if constant else 1.0 - float(((values - mean) ** 2).sum()) / spread,
-            coverage=float(np.mean(np.abs(values - mean) <= _NORMAL_QUANTILE * deviation)),
+            coverage=float(np.mean(np.abs(values - mean) <= NORMAL_QUANTILE * deviation)),
         )
 
     def condition(self, points: ArrayLike, values: ArrayLike | None) -> Kriging:

@@ -12,6 +12,9 @@ from grainfit.campaign.workdir import write_atomically
 from grainfit.strategies.answer import MetamodelQuality
 from grainfit.strategies.reachability import OutOfReach
 
+#: Half the width of a 95 % interval in standard errors.
+_NORMAL_QUANTILE = 1.96
+
 Status = Literal["calibrated", "out_of_tolerance", "unreachable", "interrupted"]
 
 
@@ -47,6 +50,18 @@ class ResponseResult:
     verified_interval: float | None
     deviation_percent: float
     within_tolerance: bool
+
+    @property
+    def is_verified(self) -> bool:
+        """Whether verification runs tell what is expected."""
+        return self.verified_mean is not None and self.verified_interval is not None
+
+    @property
+    def expected(self) -> tuple[float, float]:
+        """Expected response and half of its 95 % interval; before verification, as predicted."""
+        if self.verified_mean is not None and self.verified_interval is not None:
+            return self.verified_mean, self.verified_interval
+        return self.predicted, _NORMAL_QUANTILE * self.std_error
 
 
 @dataclass(frozen=True)

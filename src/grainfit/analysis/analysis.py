@@ -14,6 +14,7 @@ from grainfit.analysis.pareto import ParetoFront, pareto_front
 from grainfit.analysis.posterior import Posterior, sample_posterior
 from grainfit.analysis.sensitivity import Sensitivity, sensitivity
 from grainfit.campaign.evaluation import Evaluation
+from grainfit.campaign.known import MOST_RUNS
 from grainfit.errors import GrainfitError
 from grainfit.kriging import Kriging
 from grainfit.problem import Problem
@@ -23,7 +24,6 @@ from grainfit.strategies.search import spread_points
 
 Array = NDArray[np.float64]
 
-_MOST_RUNS = 150
 _RUNS_OF_FIRST_GUESS = 40
 _POINTS_OF_FIRST_GUESS = 1024
 #: Squares of the numbers of runs, times sets of hyperparameters, summed over the responses.
@@ -161,7 +161,7 @@ def _bearable(
     By their parameters, never by what came of them: the runs that hit the targets best do so by
     chance as well, and would make the noise look small and the answer right.
     """
-    if len(evaluations) <= _MOST_RUNS:
+    if len(evaluations) <= MOST_RUNS:
         return evaluations
     points = np.array([problem.to_unit(e.proposal.parameters) for e in evaluations])
     if answer and _is_inside(problem, answer):
@@ -169,11 +169,11 @@ def _bearable(
     else:
         centre, words = _first_guess(problem, evaluations, seed), "what looks like the answer"
     ranked = np.argsort(((points - centre) ** 2).sum(axis=1), kind="stable")
-    nearest, others = np.split(ranked, [_MOST_RUNS // 2])
-    left = _MOST_RUNS - len(nearest)
+    nearest, others = np.split(ranked, [MOST_RUNS // 2])
+    left = MOST_RUNS - len(nearest)
     chosen = np.append(nearest, others[np.arange(left) * len(others) // left])
     notes.append(
-        f"The analysis rests on {_MOST_RUNS} of {len(evaluations)} runs, because its effort grows "
+        f"The analysis rests on {MOST_RUNS} of {len(evaluations)} runs, because its effort grows "
         f"with the cube of their number: the {len(nearest)} nearest to {words} and {left} spread "
         "over the others."
     )

@@ -24,8 +24,6 @@ _STATUS_WORDS = {
     "interrupted": "NOT CALIBRATED: interrupted before it was decided",
 }
 _NOT_ENDED = "NOT CALIBRATED: it was started again and has not come to its end"
-#: Half of a 95 % interval over the standard error.
-_NORMAL_QUANTILE = 1.96
 
 
 @dataclass(frozen=True)
@@ -238,10 +236,7 @@ def _parameters(
 
 
 def _response(name: str, found: ResponseResult) -> CardResponse:
-    verified = found.verified_mean is not None
-    expected, half = found.predicted, _NORMAL_QUANTILE * found.std_error
-    if found.verified_mean is not None:
-        expected, half = found.verified_mean, found.verified_interval or 0.0
+    expected, half = found.expected
     return CardResponse(
         name,
         found.unit,
@@ -250,8 +245,8 @@ def _response(name: str, found: ResponseResult) -> CardResponse:
         expected,
         (expected - half, expected + half),
         found.deviation_percent,
-        verified,
-        verified and found.within_tolerance,
+        found.is_verified,
+        found.is_verified and found.within_tolerance,
     )
 
 

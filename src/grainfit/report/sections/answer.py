@@ -18,8 +18,6 @@ from grainfit.strategies.reachability import OutOfReach
 
 #: Where all runs failed alike, they are forgotten: the next start is to make them again.
 _FORGOTTEN = "Runs that all fail alike are not kept; the message it ended with says why"
-#: Of a normal distribution: half of the 95 % interval in standard errors.
-_QUANTILE = 1.96
 
 
 @dataclass(frozen=True)
@@ -196,16 +194,13 @@ def _response_row(context: ReportContext, target: Target) -> ResponseRow:
         return ResponseRow(
             label, **measured, expected="–", half_width="", predicted=False, deviation="–", met=None
         )
-    expected, half_width = response.predicted, _QUANTILE * response.std_error
-    verified = response.verified_mean is not None and response.verified_interval is not None
-    if response.verified_mean is not None and response.verified_interval is not None:
-        expected, half_width = response.verified_mean, response.verified_interval
+    expected, half_width = response.expected
     return ResponseRow(
         label,
         **measured,
         expected=rounded(expected, half_width),
         half_width=number(half_width, 2),
-        predicted=not verified,
+        predicted=not response.is_verified,
         deviation=_percent(response.deviation_percent),
         met=response.within_tolerance,
     )

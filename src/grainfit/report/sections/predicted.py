@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from grainfit.kriging import POOR_Q2, LeaveOneOut
+from grainfit.kriging import NORMAL_QUANTILE, POOR_Q2, LeaveOneOut
 from grainfit.printable import plain
 from grainfit.problem import Target
 from grainfit.report.labels import Label
@@ -21,7 +21,6 @@ from grainfit.report.waiting import waiting
 from grainfit.strategies.metamodels import Metamodels
 
 _KEY, _TITLE = "predicted", "Can the metamodels be trusted?"
-_NORMAL_QUANTILE = 1.959963984540054
 _JUDGEMENTS = (
     (0.9, "very well", "good"),
     (0.7, "well", "good"),
@@ -53,7 +52,7 @@ class _Check:
 
     @property
     def half_widths(self) -> NDArray[np.float64]:
-        return np.asarray(_NORMAL_QUANTILE * self.left_out.standard_deviation)
+        return np.asarray(NORMAL_QUANTILE * self.left_out.standard_deviation)
 
     @property
     def inside(self) -> NDArray[np.bool_]:
