@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 
 import grainfit as gf
+from grainfit.result import RunSummary
 from grainfit.solvers.python_callable import PythonCallable
 
 
@@ -175,6 +176,25 @@ def test_with_a_larger_budget_it_goes_on_from_where_the_smaller_one_ended(tmp_pa
     assert large.runs.reused == small.runs.total
     assert large.history[: small.runs.total] == small.history
     assert large.agreement >= small.agreement
+
+
+def test_two_verifications_in_a_row_are_both_remembered(tmp_path: Path) -> None:
+    def wavy(parameters: dict[str, float], seed: int) -> dict[str, float]:
+        return {
+            "angle": 10 * parameters["x"] + 3 * np.sin(25 * parameters["x"]) + 1e-6 * (seed % 7)
+        }
+
+    wanted = gf.Problem([gf.Parameter("x", 0, 1)], [gf.Target("angle", 6.0, tolerance=0.05)])
+    history: tuple[RunSummary, ...] = ()
+    # The search has used its budget when each of the later starts verifies another answer.
+    for max_runs in (11, 16, 21, 40):
+        result = gf.calibrate(
+            wanted, wavy, workdir=tmp_path, max_runs=max_runs, verification_runs=5
+        )
+        assert result.history[: len(history)] == history
+        history = result.history
+    assert [run.stage for run in history].count("verification") == 15
+    assert result.status == "calibrated"
 
 
 def test_another_model_in_the_same_folder_does_not_take_up_the_old_history(tmp_path: Path) -> None:

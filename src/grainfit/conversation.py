@@ -188,16 +188,26 @@ class Conversation:
         except RunFailedError:
             return None
 
-    def _recall(self, verification: bool) -> list[Proposal]:
-        """Take from the records those that come next and are, or are not, of a verification."""
+    def _recall_search(self) -> list[Proposal]:
+        """Take from the records what was asked for up to the next verification."""
         recalled = []
-        while self._recorded and (self._recorded[0].stage == "verification") == verification:
+        while self._recorded and self._recorded[0].stage != "verification":
             record = self._recorded.popleft()
             recalled.append(Proposal(record.parameters, record.seed, record.stage))
         return recalled
 
+    def _recall_verification(self, answer: Answer) -> None:
+        """Take from the records the verification of an answer, and not that of the next one.
+
+        The same answer asks for the same verification again; another one for another.
+        """
+        while self._recorded and self._recorded[0].stage == "verification":
+            if self._recorded[0].parameters != answer.parameters:
+                return
+            self._recorded.popleft()
+
     def _run_strategy(self) -> None:
-        recalled = self._recall(verification=False)
+        recalled = self._recall_search()
         self._strategy.remember(recalled)
         if self._recorded:
             # An earlier start came to an answer here, and what was decided stays decided.
@@ -228,8 +238,7 @@ class Conversation:
     def _verify(self, answer: Answer) -> bool:
         """Run fresh seeds at the answer until the verdict is clear; return whether it is met."""
         self._answer_from = len(self._evaluations)
-        # The same answer asks for the same verification again; another one for another.
-        self._recall(verification=True)
+        self._recall_verification(answer)
         for _ in range(ROUNDS):
             left = self._left()
             if left is not None and left < 0:
