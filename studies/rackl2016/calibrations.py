@@ -36,9 +36,10 @@ def calibrate_with_grainfit(
     With a limit of the search, every verification is paid for besides: one that fails is followed
     by more search up to the limit, as when a user starts again with a larger budget.
     """
+    made_before = 0
 
     def show(progress: Progress) -> None:
-        if progress.stage == "verification":
+        if progress.stage == "verification" and progress.done >= made_before:
             context.clock.note_end_of_search()
         context.report(progress.done, progress.done + progress.left, progress.stage)
 
@@ -71,6 +72,9 @@ def calibrate_with_grainfit(
         result = start(budget)
         if result.status == "out_of_tolerance":
             affordable = most_search_runs + result.runs.verification + verification_runs
+        if affordable > budget:
+            made_before = result.runs.total
+            context.clock.note_failed_verification()
     return _record(result)
 
 
@@ -85,7 +89,6 @@ def _record(result: Result) -> Record:
         "verification_runs": result.runs.verification,
         "failed_runs": result.runs.failed,
         "runs_made": result.runs.total,
-        "searched_again": _has_searched_again(result),
         "last_run": dict(searched[-1].responses),
         "rayleigh_time_step": result.rayleigh_time_step,
         "rayleigh_time_step_before": result.rayleigh_time_step_before,
@@ -94,13 +97,6 @@ def _record(result: Result) -> Record:
         "out_of_reach": [asdict(miss) for miss in result.out_of_reach],
         "version": result.version,
     }
-
-
-def _has_searched_again(result: Result) -> bool:
-    """Whether it went on searching after a verification; a run under way then comes back late."""
-    stages = [run.stage for run in result.history]
-    verified = [place for place, stage in enumerate(stages) if stage == "verification"]
-    return len(verified) > 2 and "optimisation" in stages[verified[2] :]
 
 
 def calibrate_with_peer(

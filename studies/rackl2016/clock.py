@@ -31,7 +31,7 @@ class Cost:
         Processor time that all else on the machine used meanwhile, s: with much of it, the wall
         time says little.
     search_seconds : float, optional
-        Wall time before the verification began, s.
+        Wall time before the verification that ended it began, s.
     """
 
     wall_seconds: float = 0.0
@@ -88,9 +88,13 @@ class Clock:
         )
 
     def note_end_of_search(self) -> None:
-        """Take note that the verification begins; only the first time counts."""
+        """Take note that the verification begins; the first time counts, if it is the last."""
         if self._search_seconds is None:
             self._search_seconds = self.cost.wall_seconds
+
+    def note_failed_verification(self) -> None:
+        """Take note that the verification has ended nothing, and so was part of the search."""
+        self._search_seconds = None
 
     def _note_now_and_then(self) -> None:
         while not self._stopped.wait(_SECONDS_BETWEEN_NOTES):

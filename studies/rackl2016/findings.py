@@ -68,11 +68,9 @@ class Row:
 
     @property
     def search_seconds(self) -> float:
-        """Wall time before verification, s; all of it where the search went on behind one."""
+        """Wall time before the verification that ended it, s: one that failed is part of it."""
         found = self.cost.search_seconds
-        if found is None or self.record.get("searched_again"):
-            return self.cost.wall_seconds
-        return found
+        return self.cost.wall_seconds if found is None else found
 
     def at_last_run(self, response: str) -> float | None:
         """Deviation of the last run, %: what the paper reports; None where that run failed."""

@@ -129,6 +129,8 @@ def test_the_clock_adds_up_over_all_starts(tmp_path: Path) -> None:
         assert second.cost.processor_seconds >= kept.processor_seconds >= 0.05
         assert second.cost.wall_seconds >= kept.wall_seconds
         assert second.cost.search_seconds == kept.search_seconds
+        second.note_failed_verification()
+        assert second.cost.search_seconds is None
 
 
 def test_runs_for_the_truth_are_never_made_twice(tmp_path: Path) -> None:
