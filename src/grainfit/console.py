@@ -228,6 +228,8 @@ def _execution_heading(plan: Plan) -> str:
 def print_status(console: Console, status: WorkdirStatus) -> None:
     """Print how far a work folder is."""
     console.print(_text(f"{status.name or 'no calibration'}: {status.state}", "bold"))
+    if status.failure:
+        console.print(_text(f"stopped by: {status.failure}", "red"), soft_wrap=True)
     for stage, asked in status.asked.items():
         ended = status.finished.get(stage, 0)
         console.print(_text(f"{stage}: {ended} of {asked} runs asked for have ended"))

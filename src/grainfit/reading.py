@@ -59,6 +59,10 @@ class CalibrationReading:
         Runs at a time.
     started : float
         When it was started last, seconds since the epoch.
+    max_runs : int, optional
+        Largest number of DEM runs, where there was a limit.
+    failure : str
+        What stopped it, if it failed.
     """
 
     folder: Path
@@ -80,6 +84,8 @@ class CalibrationReading:
     version: str
     workers: int
     started: float
+    max_runs: int | None = None
+    failure: str = ""
 
 
 def read_calibration(folder: Path) -> CalibrationReading:
@@ -155,6 +161,8 @@ def _reading(
         version=str(about.get("version", "")),
         workers=int(about.get("workers", 1)),
         started=calibration.started,
+        max_runs=about.get("max_runs"),
+        failure=str(about.get("failure", "")),
     )
 
 

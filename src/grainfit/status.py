@@ -45,6 +45,8 @@ class WorkdirStatus:
         What result.json holds, when there is one.
     result_fault : str
         Why it cannot be used, if so.
+    failure : str
+        What stopped the calibration, if it failed.
     """
 
     name: str
@@ -56,6 +58,7 @@ class WorkdirStatus:
     kept: int
     result: Result | None
     result_fault: str = ""
+    failure: str = ""
 
 
 def read_status(folder: Path) -> WorkdirStatus:
@@ -88,6 +91,7 @@ def read_status(folder: Path) -> WorkdirStatus:
         kept=sum(state == "finished" for state in states.values()),
         result=result,
         result_fault=fault,
+        failure=str(calibration.about.get("failure", "")) if calibration and not held else "",
     )
 
 

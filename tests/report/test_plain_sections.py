@@ -227,14 +227,15 @@ def test_without_an_interval_the_answer_says_why() -> None:
         ("running", None, "warn", "Simulated so far: 7 parameter sets; under way: 2 runs."),
         ("interrupted", None, "warn", "No answer yet"),
         ("interrupted", RESULT, "warn", "The numbers are the best so far"),
-        ("failed", None, "bad", "The table of runs says why"),
+        ("failed", None, "bad", "the first 3 runs all failed"),
         ("out_of_tolerance", RESULT, "bad", "Not calibrated."),
     ],
 )
 def test_the_verdict_is_one_line_in_words(
     state: str, result: Result | None, grade: str, words: str
 ) -> None:
-    found = verdict(context(state, result))
+    stopped_by = "the first 3 runs all failed" if state == "failed" else ""
+    found = verdict(context(state, result, failure=stopped_by))
     assert found.grade == grade
     assert words in " ".join((found.line, *found.details))
 
@@ -469,6 +470,8 @@ def test_the_command_can_be_pasted_into_a_shell() -> None:
     assert "lammps 29 Aug 2024 (test heap)" in shown
     assert "f" * 32 in shown
     assert "name = 'beads' # <b>" in unescape(str(section.html))
+    limited = text(reproduce(context(max_runs=40)))
+    assert f"{command} --max-runs 40" in limited
 
 
 def test_a_calibration_from_python_says_so() -> None:

@@ -15,9 +15,6 @@ from grainfit.report.rendering import render
 from grainfit.report.section import ReportContext, Section
 from grainfit.result import Result, RunCounts
 
-#: Where all runs failed alike, they are forgotten: the next start is to make them again.
-_FORGOTTEN = "Runs that all fail alike are not kept; the message it ended with says why"
-
 
 @dataclass(frozen=True)
 class Verdict:
@@ -89,8 +86,8 @@ def verdict(context: ReportContext) -> Verdict:
             words = f"{ended}; under way: {counted(reading.running, 'run')}."
             return Verdict("warn", "Running: no answer yet.", (words,))
         case "failed":
-            why = "The table of runs says why" if reading.evaluations else _FORGOTTEN
-            return Verdict("bad", "Stopped by an error.", (f"{ended}. {why}.",))
+            details = (plain(reading.failure), f"{ended}.") if reading.failure else (f"{ended}.",)
+            return Verdict("bad", "Stopped by an error.", details)
         case "interrupted":
             so_far = "The numbers are the best so far." if context.answer else "No answer yet."
             words = f"{ended}. Start the same command again to go on."
