@@ -22,9 +22,9 @@ from grainfit.bulk_tests.heap import HeapTest
 from grainfit.campaign.evaluation import Evaluation, Proposal, Stage
 from grainfit.campaign.records import RunRecord
 from grainfit.material import MATERIAL_PARAMETERS, ParticleSizes
+from grainfit.numerals import number, rounded
 from grainfit.reading import CalibrationReading
 from grainfit.report.heaps import heap_runs, read_heap
-from grainfit.report.labels import number, rounded
 from grainfit.report.outline import simplified
 from grainfit.report.section import ReportContext, Section
 from grainfit.report.sections.answer import answer, verdict

@@ -8,9 +8,10 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 from grainfit.analysis import Posterior
+from grainfit.numerals import number, rounded
 from grainfit.printable import counted, duration, plain
 from grainfit.problem import Parameter, Target
-from grainfit.report.labels import Label, number, rounded
+from grainfit.report.labels import Label
 from grainfit.report.rendering import render
 from grainfit.report.section import ReportContext, Section
 from grainfit.result import Result, RunCounts
