@@ -9,8 +9,8 @@ from math import isfinite
 from pathlib import Path
 from typing import Any, Literal
 
-from grainfit.campaign.workdir import write_atomically
 from grainfit.errors import StoreError
+from grainfit.files import write_atomically
 from grainfit.strategies.answer import MetamodelQuality, OutOfReach
 
 #: Half the width of a 95 % interval in standard errors.

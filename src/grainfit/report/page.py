@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable
-from contextlib import suppress
 from datetime import datetime
 from importlib.metadata import version
 from importlib.resources import files
@@ -14,8 +13,8 @@ from markupsafe import Markup
 from threadpoolctl import threadpool_limits
 
 from grainfit.analysis import analyse
-from grainfit.campaign.workdir import write_atomically
 from grainfit.errors import StoreError
+from grainfit.files import write_atomically
 from grainfit.printable import plain
 from grainfit.reading import read_calibration
 from grainfit.report.rendering import render, script_json
@@ -127,8 +126,6 @@ def _write(path: Path, page: str) -> None:
     try:
         write_atomically(path, page)
     except OSError as error:
-        with suppress(OSError):
-            path.with_name(path.name + ".new").unlink()
         raise StoreError(
             f"the report {str(path)!r} cannot be written: {error.strerror or error}. "
             "Choose another place with --output."
