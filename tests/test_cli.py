@@ -101,6 +101,11 @@ def test_out_of_reach_exits_with_three_and_names_the_bound(tmp_path: Path) -> No
 def test_runs_that_all_fail_exit_with_one_and_the_reason(tmp_path: Path) -> None:
     done = grainfit("run", calibration(tmp_path, breaks=0.0), folder=tmp_path, code=1)
     assert "the drum broke" in done.stderr
+    assert done.stdout == "Report: my sand.grainfit/report.html\n"
+    page = (tmp_path / "my sand.grainfit" / "report.html").read_text()
+    assert "Stopped by an error." in page
+    assert "the drum broke" in page
+    assert "the drum broke" in grainfit("status", "my sand.grainfit", folder=tmp_path).stdout
 
 
 def test_budget_and_strategy_can_be_given_on_the_command_line(tmp_path: Path) -> None:

@@ -38,8 +38,7 @@ def test_a_work_folder_tells_all_of_its_calibration(tmp_path: Path) -> None:
     assert [e.proposal.seed for e in reading.evaluations] != []
     assert {e.proposal.seed for e in reading.evaluations} == {run.seed for run in result.history}
     assert reading.runs.keys() == {run for r in result.history for run in r.runs.values()}
-    assert reading.result is not None
-    assert reading.result["parameters"] == result.parameters
+    assert reading.result == result
     assert (reading.source, reading.source_text) == ("beads.toml", "name = 'beads'")
     assert reading.fixed == {"wall.density": 7700.0}
     assert reading.units == {"particle.density": "kg/m^3", "wall.density": "kg/m^3"}
@@ -66,3 +65,24 @@ def test_folders_without_a_calibration_are_named(tmp_path: Path) -> None:
         connection.execute("DELETE FROM calibrations")
     with pytest.raises(StoreError, match="nothing has been calibrated"):
         read_calibration(tmp_path)
+
+
+def test_a_result_is_read_back_or_said_to_be_damaged_and_where(tmp_path: Path) -> None:
+    path = tmp_path / "result.json"
+    with pytest.raises(StoreError, match="cannot be read: No such file"):
+        grainfit.Result.from_json(path)
+    result = grainfit.calibrate(PROBLEM, simulate)
+    result.to_json(path)
+    assert grainfit.Result.from_json(path) == result
+    whole = path.read_text()
+    for old, new, why in (
+        ('"within_tolerance": true', '"within_tolerance": "yes"', "responses.angle.within_tol"),
+        ('"predicted": 2', '"predicted": 1e9992', "not a finite number"),
+        ('"wall_seconds": ', '"wall_seconds": NaN, "was": ', "NaN is not a finite number"),
+        (whole, whole[:-20], "delimiter|Expecting"),
+        (whole, "[" * 100_000, "recursion"),
+    ):
+        assert old in whole
+        path.write_text(whole.replace(old, new))
+        with pytest.raises(StoreError, match=f"is damaged: .*(?:{why}).*no finished run"):
+            grainfit.Result.from_json(path)

@@ -8,7 +8,8 @@ from __future__ import annotations
 import os
 import signal
 import sys
-from contextlib import ExitStack
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, NoReturn
@@ -19,7 +20,7 @@ from rich.console import Console
 from grainfit import console as show
 from grainfit.cli_export import export
 from grainfit.cli_runs import runs_app
-from grainfit.errors import Fault, GrainfitError, InputError
+from grainfit.errors import Fault, GrainfitError, InputError, RunFailedError
 
 if TYPE_CHECKING:
     from grainfit.assemble import Assembly
@@ -136,6 +137,8 @@ def run(
     )
     folder = workdir or default_workdir(file)
     with ExitStack() as stack:
+        if not no_report:
+            stack.enter_context(_report_of_failure(folder))
         if assembly.cluster is not None:
             options["executor"] = stack.enter_context(cluster_executor(assembly.cluster, folder))
         elif assembly.file.cluster is not None and not local:
@@ -292,6 +295,16 @@ def _write_report(workdir: Path, output: Path | None = None) -> Path:
         return write_report(
             workdir, output, on_progress=lambda words: status.update(f"report: {words}")
         )
+
+
+@contextmanager
+def _report_of_failure(workdir: Path) -> Iterator[None]:
+    """Write a report also of a calibration that cannot go on because its runs fail."""
+    try:
+        yield
+    except RunFailedError:
+        _report_if_possible(workdir)
+        raise
 
 
 def _report_if_possible(workdir: Path) -> None:

@@ -57,16 +57,11 @@ def write_card(path: Path, text: str) -> None:
     InputError
         The file cannot be written.
     """
-    from grainfit.campaign.workdir import write_atomically
     from grainfit.errors import Fault, InputError
+    from grainfit.files import write_atomically
 
     try:
-        target = path.resolve()  # Behind a link the file is replaced, not the link.
-        if target.is_file() or not target.exists():
-            write_atomically(target, text)
-        else:
-            # A device or a pipe is written to, never replaced; a folder is refused.
-            target.write_text(text, encoding="utf-8")
-    except (OSError, RuntimeError) as error:
-        reason = getattr(error, "strerror", None) or error
+        write_atomically(path, text)
+    except OSError as error:
+        reason = error.strerror or error
         raise InputError(Fault("", f"{str(path)!r} cannot be written: {reason}.")) from error

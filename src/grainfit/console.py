@@ -228,6 +228,8 @@ def _execution_heading(plan: Plan) -> str:
 def print_status(console: Console, status: WorkdirStatus) -> None:
     """Print how far a work folder is."""
     console.print(_text(f"{status.name or 'no calibration'}: {status.state}", "bold"))
+    if status.failure:
+        console.print(_text(f"stopped by: {status.failure}", "red"), soft_wrap=True)
     for stage, asked in status.asked.items():
         ended = status.finished.get(stage, 0)
         console.print(_text(f"{stage}: {ended} of {asked} runs asked for have ended"))
@@ -237,14 +239,10 @@ def print_status(console: Console, status: WorkdirStatus) -> None:
     )
     for failure in status.failed:
         console.print(_text(f"failed: {failure.reason} ({failure.folder})", "red"))
-    if status.result is not None and status.state != "running":
-        parameters = status.result.get("parameters")
-        if not isinstance(parameters, Mapping):
-            return
-        for name, value in parameters.items():
-            # A result that somebody edited is shown as it is.
-            shown = f"{value:.5g}" if isinstance(value, float) else f"{value}"
-            console.print(_text(f"{name} = {shown}"))
+    for name, value in status.result.parameters.items() if status.result else ():
+        console.print(_text(f"{name} = {value:.5g}"))
+    if status.result_fault:
+        print_warning(console, status.result_fault)
 
 
 def print_run(console: Console, evaluation: Evaluation, folders: Mapping[str, Path]) -> None:

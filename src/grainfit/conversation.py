@@ -16,7 +16,7 @@ from grainfit.campaign.known import most_telling, runs_of
 from grainfit.campaign.records import RequestRecord
 from grainfit.campaign.runner import Campaign
 from grainfit.campaign.store import RunStore
-from grainfit.errors import RunFailedError, StoreError
+from grainfit.errors import GrainfitError, RunFailedError, StoreError
 from grainfit.misfit import relative_deviation
 from grainfit.outcome import About, make_result
 from grainfit.problem import Problem
@@ -114,6 +114,7 @@ class Conversation:
             "rayleigh_weight": self._problem.rayleigh_weight,
             "version": version("grainfit"),
             "workers": self._options.workers,
+            "max_runs": self._options.max_runs,
             "provenance": asdict(self._options.provenance or Provenance()),
         }
 
@@ -136,10 +137,11 @@ class Conversation:
         except KeyboardInterrupt:
             self._campaign.cancel()
             answer, status = self._best_so_far(), "interrupted"
-        except BaseException:
+        except BaseException as error:
             self._campaign.cancel()
+            why = str(error) if isinstance(error, GrainfitError) else type(error).__name__
             with suppress(StoreError):
-                self._store.end_calibration(self._identity, "failed")
+                self._store.end_calibration(self._identity, "failed", why)
             raise
         self._store.end_calibration(self._identity, status)
         if status != "interrupted":

@@ -10,7 +10,8 @@ from grainfit.campaign.evaluation import Evaluation
 from grainfit.misfit import relative_deviation
 from grainfit.problem import Problem, Target
 from grainfit.result import ResponseResult, Result, RunCounts, RunSummary, Status
-from grainfit.strategies.answer import Answer, bound_at
+from grainfit.strategies.answer import Answer
+from grainfit.strategies.answer_making import bound_at
 from grainfit.strategies.base import Strategy
 from grainfit.verification import Verified, verified_responses
 

@@ -11,11 +11,12 @@ from grainfit.campaign.evaluation import Evaluation, Proposal
 from grainfit.campaign.records import CalibrationRecord, RequestRecord, RunRecord
 from grainfit.campaign.runner import evaluation_of
 from grainfit.campaign.store import STORE_NAME, RunStore, not_a_work_folder
-from grainfit.campaign.workdir import is_held
+from grainfit.campaign.workdir import RESULT_NAME, is_held
 from grainfit.errors import GrainfitError, StoreError
 from grainfit.material import MATERIAL_PARAMETERS
 from grainfit.problem import Parameter, Problem, Target
 from grainfit.provenance import Provenance
+from grainfit.result import Result, damaged_result
 from grainfit.status import read_result, state_of
 from grainfit.timestep import RayleighTimeStep
 
@@ -42,8 +43,10 @@ class CalibrationReading:
         Runs under way.
     runs : mapping of str to RunRecord
         Runs of the evaluations, by identity.
-    result : mapping, optional
+    result : Result, optional
         What result.json holds; None while it runs.
+    result_fault : str
+        Why it cannot be used, if so.
     fixed : mapping of str to float
         Parameters that are not free, SI, as far as they are known.
     units : mapping of str to str
@@ -56,6 +59,10 @@ class CalibrationReading:
         Runs at a time.
     started : float
         When it was started last, seconds since the epoch.
+    max_runs : int, optional
+        Largest number of DEM runs, where there was a limit.
+    failure : str
+        What stopped it, if it failed.
     """
 
     folder: Path
@@ -68,7 +75,8 @@ class CalibrationReading:
     evaluations: tuple[Evaluation, ...]
     running: int
     runs: Mapping[str, RunRecord]
-    result: Mapping[str, Any] | None
+    result: Result | None
+    result_fault: str
     fixed: Mapping[str, float]
     units: Mapping[str, str]
     source: str
@@ -76,6 +84,8 @@ class CalibrationReading:
     version: str
     workers: int
     started: float
+    max_runs: int | None = None
+    failure: str = ""
 
 
 def read_calibration(folder: Path) -> CalibrationReading:
@@ -125,6 +135,9 @@ def _reading(
     definition, about = calibration.definition, calibration.about
     problem = _problem(definition, about, evaluations)
     provenance = Provenance.from_json(about.get("provenance", {}))
+    result, fault = (None, "") if held else read_result(folder, calibration)
+    if result is not None and not _is_of(result, problem):
+        result, fault = None, damaged_result(folder / RESULT_NAME, "it is of another problem")
     free = {parameter.name: parameter.unit for parameter in problem.parameters}
     fixed = {**_material(runs.values(), free), **provenance.fixed}
     known = {name: known.unit for name, known in MATERIAL_PARAMETERS.items()}
@@ -139,7 +152,8 @@ def _reading(
         evaluations=evaluations,
         running=sum(record.status == "running" for record in records.values()) if held else 0,
         runs=runs,
-        result=None if held else read_result(folder, calibration),
+        result=result,
+        result_fault=fault,
         fixed=fixed,
         units={n: u for n, u in {**known, **provenance.units, **free}.items() if n in fixed | free},
         source=provenance.file,
@@ -147,6 +161,17 @@ def _reading(
         version=str(about.get("version", "")),
         workers=int(about.get("workers", 1)),
         started=calibration.started,
+        max_runs=about.get("max_runs"),
+        failure=str(about.get("failure", "")),
+    )
+
+
+def _is_of(result: Result, problem: Problem) -> bool:
+    """Whether a result has no answer yet, or has all of it."""
+    if not result.parameters:
+        return not result.responses
+    return result.parameters.keys() == {parameter.name for parameter in problem.parameters} and (
+        result.responses.keys() == {target.name for target in problem.targets}
     )
 
 

@@ -5,12 +5,13 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
+from math import isfinite
 from pathlib import Path
 from typing import Any, Literal
 
-from grainfit.campaign.workdir import write_atomically
-from grainfit.strategies.answer import MetamodelQuality
-from grainfit.strategies.reachability import OutOfReach
+from grainfit.errors import StoreError
+from grainfit.files import write_atomically
+from grainfit.strategies.answer import MetamodelQuality, OutOfReach
 
 #: Half the width of a 95 % interval in standard errors.
 _NORMAL_QUANTILE = 1.96
@@ -166,3 +167,51 @@ class Result:
             Path(path),
             json.dumps(self.to_dict(), indent=2, ensure_ascii=False, allow_nan=False) + "\n",
         )
+
+    @classmethod
+    def from_json(cls, path: str | Path) -> Result:
+        """Read a result that `to_json` wrote.
+
+        Raises
+        ------
+        StoreError
+            There is no such file, or what is in it is no result: it was edited, or written by
+            another version of grainfit.
+
+        Examples
+        --------
+        >>> Result.from_json("beads.grainfit/result.json")  # doctest: +SKIP
+        """
+        try:
+            return _read(Path(path).read_bytes())
+        except OSError as error:
+            raise StoreError(f"{str(path)!r} cannot be read: {error.strerror}.") from error
+        except (ValueError, RecursionError) as error:
+            raise StoreError(damaged_result(path, str(error))) from error
+
+
+def damaged_result(path: str | Path, why: str) -> str:
+    """Return words for a result that tells nothing any more."""
+    return (
+        f"{str(path)!r} is damaged: {why}. Start the calibration again: it is written anew, and no "
+        "finished run is repeated."
+    )
+
+
+def _read(text: bytes) -> Result:
+    from pydantic import TypeAdapter, ValidationError
+
+    json.loads(text, parse_float=_finite, parse_int=_finite, parse_constant=_finite)
+    try:
+        return TypeAdapter(Result).validate_json(text, strict=True)
+    except ValidationError as error:
+        first = error.errors(include_url=False)[0]
+        place = ".".join(map(str, first["loc"]))
+        raise ValueError(f"{place or 'it'}: {first['msg']}") from error
+
+
+def _finite(text: str) -> float:
+    # A whole number may be larger than any number of a computer, too.
+    if not isfinite(value := float(text)):
+        raise ValueError(f"{text[:20]} is not a finite number")
+    return value

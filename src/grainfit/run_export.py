@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import csv
-import os
 from collections.abc import Callable, Sequence
-from contextlib import suppress
 from datetime import datetime
 from pathlib import Path
 from typing import Any
 
 from grainfit.errors import Fault, InputError
+from grainfit.files import in_place_of
 from grainfit.run_table import COMMON_COLUMNS, Cell, RunRow
 
 Write = Callable[[Path, Sequence[str], Sequence[RunRow]], None]
@@ -64,17 +63,13 @@ def export_runs(path: Path, columns: Sequence[str], rows: Sequence[RunRow]) -> N
         The format is not known, or the file cannot be written.
     """
     write = writer_for(path)
-    temporary = path.with_name(f"{path.name}.{os.getpid()}.new")
     try:
-        write(temporary, columns, rows)
-        temporary.replace(path)
+        with in_place_of(path) as place:
+            write(place, columns, rows)
     except OSError as error:
         raise InputError(
             Fault("", f"{str(path)!r} cannot be written: {error.strerror or error}.")
         ) from error
-    finally:
-        with suppress(OSError):
-            temporary.unlink()
 
 
 def _write_csv(path: Path, columns: Sequence[str], rows: Sequence[RunRow]) -> None:
@@ -83,8 +78,6 @@ def _write_csv(path: Path, columns: Sequence[str], rows: Sequence[RunRow]) -> No
         writer = csv.writer(file)
         writer.writerow(columns)
         writer.writerows([_as_text(row.cells.get(name)) for name in columns] for row in rows)
-        file.flush()
-        os.fsync(file.fileno())
 
 
 def _as_text(cell: Cell) -> str:
@@ -113,8 +106,6 @@ def _write_parquet(path: Path, columns: Sequence[str], rows: Sequence[RunRow]) -
     ]
     table = pyarrow.Table.from_arrays(arrays, [str(_valid(name)) for name in columns])
     pyarrow.parquet.write_table(table, path)
-    with path.open("rb") as file:
-        os.fsync(file.fileno())
 
 
 def _valid(cell: Cell) -> Cell:

@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-import json
 from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 from grainfit.campaign.records import CalibrationRecord, RequestRecord, RunRecord
 from grainfit.campaign.store import STORE_NAME, RunStore, not_a_work_folder
 from grainfit.campaign.workdir import RESULT_NAME, is_held
 from grainfit.errors import StoreError
+from grainfit.result import Result
 
 
 @dataclass(frozen=True)
@@ -42,8 +41,12 @@ class WorkdirStatus:
         Runs of this calibration that failed.
     kept : int
         Finished runs in the store, those of other calibrations included.
-    result : mapping, optional
+    result : Result, optional
         What result.json holds, when there is one.
+    result_fault : str
+        Why it cannot be used, if so.
+    failure : str
+        What stopped the calibration, if it failed.
     """
 
     name: str
@@ -53,7 +56,9 @@ class WorkdirStatus:
     running: int
     failed: tuple[FailedRun, ...]
     kept: int
-    result: Mapping[str, Any] | None
+    result: Result | None
+    result_fault: str = ""
+    failure: str = ""
 
 
 def read_status(folder: Path) -> WorkdirStatus:
@@ -75,6 +80,7 @@ def read_status(folder: Path) -> WorkdirStatus:
     finally:
         store.close()
     held = is_held(folder)
+    result, fault = (None, "") if held else read_result(folder, calibration)
     return WorkdirStatus(
         name=calibration.name if calibration else "",
         state=state_of(calibration, held),
@@ -83,7 +89,9 @@ def read_status(folder: Path) -> WorkdirStatus:
         running=sum(state == "running" for state in states.values()) if held else 0,
         failed=tuple(_failures(folder, requests, failed)),
         kept=sum(state == "finished" for state in states.values()),
-        result=None if held or calibration is None else read_result(folder, calibration),
+        result=result,
+        result_fault=fault,
+        failure=str(calibration.about.get("failure", "")) if calibration and not held else "",
     )
 
 
@@ -120,12 +128,16 @@ def _failures(
     ]
 
 
-def read_result(folder: Path, calibration: CalibrationRecord) -> Mapping[str, Any] | None:
-    """Read the result; that of an earlier calibration in the folder is not this one's."""
+def read_result(folder: Path, calibration: CalibrationRecord | None) -> tuple[Result | None, str]:
+    """Read the result of a calibration, or why there is none that can be used.
+
+    That of an earlier calibration in the folder is not this one's, and no fault.
+    """
+    path = folder / RESULT_NAME
+    if calibration is None or not path.exists():
+        return None, ""
     try:
-        data = json.loads((folder / RESULT_NAME).read_text(encoding="utf-8"))
-    except (OSError, ValueError, RecursionError):
-        return None
-    if not isinstance(data, dict) or data.get("identity") != calibration.identity:
-        return None
-    return data
+        result = Result.from_json(path)
+    except StoreError as error:
+        return None, str(error)
+    return (result if result.identity == calibration.identity else None), ""

@@ -11,7 +11,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from types import TracebackType
 
-from grainfit.campaign.workdir import write_atomically
+from grainfit.files import write_atomically
 
 #: How often it is written down, s: so much is lost when the process is killed.
 _SECONDS_BETWEEN_NOTES = 5.0

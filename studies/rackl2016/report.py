@@ -12,7 +12,7 @@ from typing import Any
 
 import jinja2
 
-from grainfit.campaign.workdir import write_atomically
+from grainfit.files import write_atomically
 from studies.rackl2016 import peer, recovery, setting
 from studies.rackl2016.findings import (
     Deviation,

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from grainfit.campaign.identity import run_identity
-from grainfit.campaign.workdir import write_atomically
+from grainfit.files import write_atomically
 from grainfit.solvers.base import Solver
 from studies.rackl2016.clock import Clock, Cost
 

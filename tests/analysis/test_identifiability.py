@@ -50,8 +50,8 @@ def test_a_ridge_is_told_with_both_names_and_the_values_at_its_ends(
     # The cube's 1 is a rolling friction of 2.
     others = [float(n) for n in ridge.split("rolling_friction ")[2].split(" fits")[0].split(" → ")]
     assert others == pytest.approx([2 - 2 * start, 2 - 2 * end], abs=0.05)
-    assert determined.startswith("particle.density is determined to ±1.2 % (2,4")
-    assert determined.endswith("kg/m^3).")
+    assert determined.startswith("particle.density is determined to ±1.2 % (24")
+    assert determined.endswith("kg/m³).")
     assert [d.determined for d in found.directions] == [True, True, False]
     best = found.directions[0].components
     wanted = {SLIDING.name: 0.5**0.5, ROLLING.name: 0.5**0.5, DENSITY.name: 0.0}
@@ -78,7 +78,7 @@ def test_a_curved_ridge_is_a_ridge(shape: str, random: np.random.Generator) -> N
     assert "cannot be told apart" in verdict
     stops = [
         [float(number) for number in part.split(" fits")[0].rsplit("n ", 1)[1].split(" → ")]
-        for part in verdict.split("along ")[1].split(", ")
+        for part in verdict.replace("−", "-").split("along ")[1].split(", ")
     ]
     for first, second in zip(*stops, strict=True):
         on = {
@@ -113,7 +113,7 @@ def test_what_is_not_determined_comes_before_what_is(random: np.random.Generator
     )
     modulus, rolling, density, own = found.verdicts
     assert modulus == (
-        "particle.youngs_modulus is not determined: all of its interval (1e+06 to 1e+08 Pa) fits."
+        "particle.youngs_modulus is not determined: all of its interval (1·10⁶ to 1·10⁸ Pa) fits."
     )
     assert rolling.startswith("particle_particle.rolling_friction is only narrowed: 0.")
     # Percent of next to nothing would look like a lot.
@@ -158,7 +158,7 @@ def test_the_ends_of_a_narrow_interval_differ_in_what_is_shown(
     random: np.random.Generator,
 ) -> None:
     (verdict,) = judged([DENSITY], random.normal(0.5, 1e-4, COUNT)).verdicts
-    assert verdict == "particle.density is determined to ±0.0078 % (2,499.8 to 2,500.2 kg/m^3)."
+    assert verdict == "particle.density is determined to ±0.0078 % (2499.8 to 2500.2 kg/m³)."
 
 
 def test_a_single_parameter_is_judged_too(random: np.random.Generator) -> None:

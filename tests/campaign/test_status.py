@@ -8,11 +8,13 @@ import json
 import shutil
 import threading
 import time
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 from rich.console import Console
 
+import grainfit
 from grainfit.campaign.records import RequestRecord, RunRecord
 from grainfit.campaign.store import RunStore
 from grainfit.campaign.workdir import hold
@@ -117,6 +119,7 @@ def test_a_result_of_another_form_does_no_harm(tmp_path: Path, result: object) -
         result = {"identity": "c", **result}
     (tmp_path / "result.json").write_text(json.dumps(result))
     assert "1 finished runs kept" in shown(tmp_path)
+    assert "is damaged" in shown(tmp_path)
 
 
 @pytest.mark.parametrize(("identity", "appears"), [("c", True), ("of an earlier one", False)])
@@ -124,6 +127,10 @@ def test_the_parameters_of_this_calibration_are_shown(
     tmp_path: Path, identity: str, appears: bool
 ) -> None:
     work(tmp_path).close()
-    result = {"identity": identity, "parameters": {"friction": 0.123456789}}
-    (tmp_path / "result.json").write_text(json.dumps(result))
+    wanted = grainfit.Problem(
+        [grainfit.Parameter("friction", 0.1, 0.9)], [grainfit.Target("angle", 30.0)]
+    )
+    result = grainfit.calibrate(wanted, lambda p, _seed: {"angle": 60 * p["friction"]})
+    found = replace(result, identity=identity, parameters={"friction": 0.123456789})
+    found.to_json(tmp_path / "result.json")
     assert ("friction = 0.12346" in shown(tmp_path)) is appears

@@ -14,7 +14,8 @@ import grainfit
 from grainfit.analysis import Analysis
 from grainfit.campaign.workdir import hold
 from grainfit.errors import StoreError
-from grainfit.report.page import read_for_report, render_page
+from grainfit.reading import read_calibration
+from grainfit.report.page import render_page
 from grainfit.report.rendering import script_json
 from grainfit.report.section import ReportContext
 
@@ -128,10 +129,10 @@ def result(work: Path) -> Iterator[Path]:
 )
 def test_a_result_that_was_edited_is_no_answer(result: Path, key: str, value: object) -> None:
     result.write_text(json.dumps({**json.loads(result.read_text()), key: value}))
-    reading = read_for_report(result.parent)
+    reading = read_calibration(result.parent)
     assert reading.result is None
     page = render_page(ReportContext(reading, Analysis()))
-    assert "result.json is missing or was edited" in page
+    assert "result.json&#39; is damaged: " in page
 
 
 def test_the_report_can_be_written_while_it_is_running(work: Path, tmp_path: Path) -> None:

@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from contexts import result_of
 from PIL import Image
 
 import grainfit
@@ -21,9 +22,9 @@ from grainfit.bulk_tests.heap import HeapTest
 from grainfit.campaign.evaluation import Evaluation, Proposal, Stage
 from grainfit.campaign.records import RunRecord
 from grainfit.material import MATERIAL_PARAMETERS, ParticleSizes
+from grainfit.numerals import number, rounded
 from grainfit.reading import CalibrationReading
 from grainfit.report.heaps import heap_runs, read_heap
-from grainfit.report.labels import number, rounded
 from grainfit.report.outline import simplified
 from grainfit.report.section import ReportContext, Section
 from grainfit.report.sections.answer import answer, verdict
@@ -32,8 +33,9 @@ from grainfit.report.sections.heap import heap
 from grainfit.report.sections.reproduce import reproduce
 from grainfit.report.sections.runs import runs
 from grainfit.report.sections.verification import verification
+from grainfit.result import ResponseResult, Result, RunCounts
 from grainfit.solvers.base import Response
-from grainfit.strategies.reachability import OutOfReach
+from grainfit.strategies.answer import OutOfReach
 
 DENSITY, FRICTION = "particle.density", "particle_particle.rolling_friction"
 PROBLEM = grainfit.Problem(
@@ -47,30 +49,42 @@ PROBLEM = grainfit.Problem(
     ],
 )
 ANSWER = {DENSITY: 2309.4321, FRICTION: 0.52}
-RESULT: Mapping[str, Any] = {
-    "parameters": ANSWER,
-    "responses": {
-        "bulk_density": {
-            "target": 1500.0, "tolerance": 15.0, "unit": "kg/m^3", "predicted": 1503.0,
-            "std_error": 2.0, "verified_mean": 1501.84, "verified_std_error": 0.6,
-            "verified_interval": 1.5, "deviation_percent": 0.12, "within_tolerance": True,
-        },
-        "angle_of_repose": {
-            "target": 22.0, "tolerance": 0.5, "unit": "deg", "predicted": 21.6,
-            "std_error": 0.2, "verified_mean": None, "verified_std_error": None,
-            "verified_interval": None, "deviation_percent": -1.82, "within_tolerance": True,
-        },
-    },
-    "runs": {"design": 5, "optimisation": 11, "verification": 24, "failed": 1, "reused": 2,
-             "total": 40, "learnt_from": 3},
-    "rayleigh_time_step": 0.002153,
-    "rayleigh_time_step_before": 0.002054,
-    "agreement": 0.96,
-    "wall_seconds": 120.0,
-    "out_of_reach": [],
-    "metamodels": {},
-    "notices": ["<i>look</i>"],
-}  # fmt: skip
+ANGLE = ResponseResult(
+    target=22.0,
+    tolerance=0.5,
+    unit="deg",
+    predicted=21.6,
+    std_error=0.2,
+    verified_mean=None,
+    verified_std_error=None,
+    verified_interval=None,
+    deviation_percent=-1.82,
+    within_tolerance=True,
+)
+BULK_DENSITY = ResponseResult(
+    target=1500.0,
+    tolerance=15.0,
+    unit="kg/m^3",
+    predicted=1503.0,
+    std_error=2.0,
+    verified_mean=1501.84,
+    verified_std_error=0.6,
+    verified_interval=1.5,
+    deviation_percent=0.12,
+    within_tolerance=True,
+)
+RESULT = replace(
+    result_of(PROBLEM, ANSWER),
+    responses={"bulk_density": BULK_DENSITY, "angle_of_repose": ANGLE},
+    runs=RunCounts(
+        design=5, optimisation=11, verification=24, failed=1, reused=2, total=40, learnt_from=3
+    ),
+    rayleigh_time_step=0.002153,
+    rayleigh_time_step_before=0.002054,
+    agreement=0.96,
+    wall_seconds=120.0,
+    notices=("<i>look</i>",),
+)
 
 
 def evaluation(
@@ -106,7 +120,7 @@ RUNS = (
 
 def context(
     state: str = "calibrated",
-    result: Mapping[str, Any] | None = RESULT,
+    result: Result | None = RESULT,
     evaluations: Sequence[Evaluation] = RUNS,
     analysis: Analysis | None = None,
     folder: Path = Path("beads.grainfit"),
@@ -137,6 +151,7 @@ def context(
         running=2 if state == "running" else 0,
         runs=records,
         result=result,
+        result_fault="",
         fixed={"wall.density": 7700.0},
         units={DENSITY: "kg/m^3", "wall.density": "kg/m^3"},
         source="it's beads.toml",
@@ -208,30 +223,30 @@ def test_without_an_interval_the_answer_says_why() -> None:
     ("state", "result", "grade", "words"),
     [
         ("calibrated", RESULT, "good", "Calibrated"),
-        ("calibrated", None, "warn", "result.json is missing or was edited"),
+        ("calibrated", None, "warn", "result.json is missing"),
         ("running", None, "warn", "Simulated so far: 7 parameter sets; under way: 2 runs."),
         ("interrupted", None, "warn", "No answer yet"),
         ("interrupted", RESULT, "warn", "The numbers are the best so far"),
-        ("failed", None, "bad", "The table of runs says why"),
+        ("failed", None, "bad", "the first 3 runs all failed"),
         ("out_of_tolerance", RESULT, "bad", "Not calibrated."),
     ],
 )
 def test_the_verdict_is_one_line_in_words(
-    state: str, result: Mapping[str, Any] | None, grade: str, words: str
+    state: str, result: Result | None, grade: str, words: str
 ) -> None:
-    found = verdict(context(state, result))
+    stopped_by = "the first 3 runs all failed" if state == "failed" else ""
+    found = verdict(context(state, result, failure=stopped_by))
     assert found.grade == grade
     assert words in " ".join((found.line, *found.details))
 
 
 def test_a_missed_target_and_a_bound_in_the_way_are_named() -> None:
-    missed = {**RESULT["responses"]["angle_of_repose"], "within_tolerance": False}
-    responses = {**RESULT["responses"], "angle_of_repose": missed}
-    outside = context("out_of_tolerance", {**RESULT, "responses": responses})
+    responses = {**RESULT.responses, "angle_of_repose": replace(ANGLE, within_tolerance=False)}
+    outside = context("out_of_tolerance", replace(RESULT, responses=responses))
     assert "angle of repose deviates by −1.82 %, and ±2.27 % are accepted" in text(answer(outside))
     assert "✗ missed" in text(answer(outside))
     miss = OutOfReach("bulk_density", 1500, 1425, 2.0, False, DENSITY, "max", 2205.0, 2340.0)
-    unreachable = context("unreachable", {**RESULT, "out_of_reach": [vars(miss)]})
+    unreachable = context("unreachable", replace(RESULT, out_of_reach=(miss,)))
     assert "The bound in the way is particle.density.max = 2205; try 2340." in text(
         answer(unreachable)
     )
@@ -241,7 +256,7 @@ def test_an_interval_over_orders_of_magnitude_has_two_ends() -> None:
     wide = grainfit.Parameter(DENSITY, 1e5, 1e8, "log")
     problem = grainfit.Problem([wide, PROBLEM.parameters[1]], PROBLEM.targets)
     intervals = {DENSITY: (1.312e5, 8.4e7), FRICTION: (0.48, 0.57)}
-    result = {**RESULT, "parameters": {DENSITY: 3.04e6, FRICTION: 0.52}}
+    result = replace(RESULT, parameters={DENSITY: 3.04e6, FRICTION: 0.52})
     analysis = replace(Analysis(), posterior=posterior(intervals))
     found = answer(
         context(result=result, problem=problem, evaluations=(), units={}, analysis=analysis)
@@ -259,7 +274,7 @@ def test_all_fourteen_parameters_are_in_the_answer() -> None:
     free = [grainfit.Parameter(name, 0.1, 0.4) for name in MATERIAL_PARAMETERS]
     parameters = {parameter.name: 0.25 for parameter in free}
     problem = grainfit.Problem(free, PROBLEM.targets)
-    result = {**RESULT, "parameters": parameters}
+    result = replace(RESULT, parameters=parameters)
     found = answer(context(result=result, problem=problem, fixed={}, evaluations=()))
     assert str(found.html).count('class="range-value" style="left:50.0%"') == 14
 
@@ -455,6 +470,8 @@ def test_the_command_can_be_pasted_into_a_shell() -> None:
     assert "lammps 29 Aug 2024 (test heap)" in shown
     assert "f" * 32 in shown
     assert "name = 'beads' # <b>" in unescape(str(section.html))
+    limited = text(reproduce(context(max_runs=40)))
+    assert f"{command} --max-runs 40" in limited
 
 
 def test_a_calibration_from_python_says_so() -> None:

@@ -10,7 +10,7 @@ import pytest
 from scipy.stats import norm, qmc
 
 from grainfit.kriging import Kriging
-from grainfit.report.labels import number, rounded
+from grainfit.numerals import number, rounded
 from grainfit.report.sections.answer import seconds
 from grainfit.strategies.metamodels import Metamodels
 

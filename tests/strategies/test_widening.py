@@ -5,7 +5,7 @@ from dataclasses import replace
 import pytest
 
 from grainfit.problem import Parameter, Problem, Target
-from grainfit.strategies.reachability import OutOfReach
+from grainfit.strategies.answer import OutOfReach
 from grainfit.strategies.widening import widened, widenings
 
 PROBLEM = Problem(

@@ -18,7 +18,8 @@ from grainfit.campaign.known import MOST_RUNS
 from grainfit.errors import GrainfitError
 from grainfit.kriging import Kriging
 from grainfit.problem import Problem
-from grainfit.strategies.answer import MetamodelQuality, metamodel_quality
+from grainfit.strategies.answer import MetamodelQuality
+from grainfit.strategies.answer_making import metamodel_quality
 from grainfit.strategies.metamodels import Metamodels
 from grainfit.strategies.search import spread_points
 

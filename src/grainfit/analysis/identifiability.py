@@ -13,6 +13,7 @@ from scipy.stats import rankdata
 
 from grainfit.analysis.further_tests import to_settle, to_tell_apart
 from grainfit.analysis.posterior import Posterior
+from grainfit.numerals import number, unit_for_people, with_unit
 from grainfit.problem import Parameter, Problem
 
 Array = NDArray[np.float64]
@@ -241,7 +242,7 @@ def _verdict(posterior: Posterior, parameter: Parameter, narrowing: float) -> st
     percent = 100.0 * (high - low) / 2.0 / middle if middle > 0.0 else np.inf
     if percent > _LARGEST_PERCENTAGE:
         return f"{name} is determined: {between} with 95 % probability."
-    return f"{name} is determined to ±{_shown(percent, 2)} % ({between})."
+    return f"{name} is determined to ±{number(percent, 2)} % ({between})."
 
 
 def _what_would_narrow_it(posterior: Posterior, name: str, narrowing: dict[str, float]) -> str:
@@ -257,7 +258,7 @@ def _what_would_narrow_it(posterior: Posterior, name: str, narrowing: dict[str, 
 
 
 def _with_unit(text: str, parameter: Parameter) -> str:
-    return f"{text} {parameter.unit}".rstrip()
+    return with_unit(text, unit_for_people(parameter.unit))
 
 
 def _ends(low: float, high: float) -> str:
@@ -265,14 +266,8 @@ def _ends(low: float, high: float) -> str:
     share = (high - low) / max(abs(low), abs(high), 1e-300)
     digits = 1 - floor(log10(max(share, 1e-9)))
     digits = min(max(digits, 3), _MOST_DIGITS)
-    return f"{_shown(low, digits)} to {_shown(high, digits)}"
+    return f"{number(low, digits)} to {number(high, digits)}"
 
 
-def _shown(value: float, digits: int = 3) -> str:
-    """A number for people: so many digits that tell, without an exponent where it is readable."""
-    if value == 0.0:
-        return "0"
-    magnitude = floor(log10(abs(value)))
-    if not -4 <= magnitude < 6:
-        return f"{value:.{digits}g}"
-    return f"{round(value, digits - 1 - magnitude):,.{max(digits - 1 - magnitude, 0)}f}"
+def _shown(value: float) -> str:
+    return number(value, 3)

@@ -392,13 +392,15 @@ class RunStore:
                 )
             )
 
-    def end_calibration(self, identity: str, status: str) -> None:
-        """Note how a calibration ended."""
+    def end_calibration(self, identity: str, status: str, failure: str = "") -> None:
+        """Note how a calibration ended, and what stopped it if it failed."""
+        this = _calibrations.c.identity == identity
         with self._transaction() as connection:
+            about = connection.scalar(sql.select(_calibrations.c.about).where(this)) or {}
+            if failure:
+                about = {**about, "failure": failure}
             connection.execute(
-                _calibrations.update()
-                .where(_calibrations.c.identity == identity)
-                .values(status=status)
+                _calibrations.update().where(this).values(status=status, about=about)
             )
 
     def calibration(self, identity: str) -> CalibrationRecord | None:

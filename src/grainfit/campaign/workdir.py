@@ -21,6 +21,7 @@ from typing import Literal, TextIO
 from grainfit.campaign.records import RunRecord
 from grainfit.campaign.store import RunStore
 from grainfit.errors import StoreError
+from grainfit.files import write_atomically
 from grainfit.solvers.process import end_orphan
 
 #: What stays of a run's folder: all that the solver read and wrote, or what it takes to know what
@@ -221,13 +222,3 @@ def prune_run_folder(folder: Path) -> int:
             freed += path.lstat().st_size
             path.unlink()
     return freed
-
-
-def write_atomically(path: Path, text: str) -> None:
-    """Write a file so that it is either whole or not there, even after a crash."""
-    temporary = path.with_name(path.name + ".new")
-    with temporary.open("w", encoding="utf-8") as file:
-        file.write(text)
-        file.flush()
-        os.fsync(file.fileno())
-    temporary.replace(path)

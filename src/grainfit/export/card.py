@@ -9,7 +9,7 @@ from typing import Literal
 
 from grainfit.bulk_tests.heap import HeapTest
 from grainfit.errors import StoreError
-from grainfit.export.answer import CheckedAnswer, read_answer
+from grainfit.export.answer import read_answer
 from grainfit.material import MATERIAL_PARAMETERS, ParticleSizes
 from grainfit.reading import CalibrationReading
 from grainfit.result import ResponseResult
@@ -183,8 +183,11 @@ def make_card(
         The result is damaged.
     """
     answer = read_answer(reading)
+    # A start that came to no end leaves the result of the one before.
+    status = reading.state if answer.status == "calibrated" else answer.status
     conditions = _heap_conditions(reading)
-    parameters = tuple(_parameters(reading, answer, intervals))
+    origin: Origin = "calibrated" if status == "calibrated" else "not calibrated"
+    parameters = tuple(_parameters(reading, answer.parameters, origin, intervals))
     sizes = _sizes(reading, conditions)
     rayleigh = _rayleigh_time_step(parameters, sizes)
     fraction = min(
@@ -192,7 +195,7 @@ def make_card(
     )
     return MaterialCard(
         name=reading.name,
-        status=answer.status,
+        status=status,
         parameters=parameters,
         responses=tuple(_response(name, found) for name, found in answer.responses.items()),
         sizes=sizes,
@@ -213,13 +216,13 @@ def make_card(
 
 def _parameters(
     reading: CalibrationReading,
-    answer: CheckedAnswer,
+    found: Mapping[str, float],
+    origin: Origin,
     intervals: Mapping[str, tuple[float, float]],
 ) -> Iterator[CardParameter]:
     rayleigh = reading.problem.rayleigh
     given = {**(rayleigh.fixed if rayleigh else {}), **reading.fixed}
-    values = {**given, **answer.parameters}
-    found: Origin = "calibrated" if answer.status == "calibrated" else "not calibrated"
+    values = {**given, **found}
     first = [name for name in MATERIAL_PARAMETERS if name in values]
     for name in dict.fromkeys([*first, *values]):
         known = MATERIAL_PARAMETERS.get(name)
@@ -230,7 +233,7 @@ def _parameters(
             known.unit if known else reading.units.get(name, ""),
             known.description if known else "",
             float(values[name]),
-            found if name in answer.parameters else "given",
+            origin if name in found else "given",
             None if interval is None else (float(interval[0]), float(interval[1])),
         )
 

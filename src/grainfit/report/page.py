@@ -3,35 +3,27 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Mapping
-from contextlib import suppress
-from dataclasses import replace
+from collections.abc import Callable
 from datetime import datetime
 from importlib.metadata import version
 from importlib.resources import files
 from pathlib import Path
-from typing import Any
 
-import numpy as np
 from markupsafe import Markup
 from threadpoolctl import threadpool_limits
 
 from grainfit.analysis import analyse
-from grainfit.campaign.workdir import write_atomically
 from grainfit.errors import StoreError
+from grainfit.files import write_atomically
 from grainfit.printable import plain
-from grainfit.problem import Problem
-from grainfit.reading import CalibrationReading, read_calibration
+from grainfit.reading import read_calibration
 from grainfit.report.rendering import render, script_json
 from grainfit.report.section import ReportContext, Section
 from grainfit.report.sections import SECTIONS
-from grainfit.result import ResponseResult, RunCounts
-from grainfit.strategies.reachability import OutOfReach
 
 REPORT_NAME = "report.html"
 #: Enough to draw a figure; a grid of contours would be three times as large otherwise.
 _FIGURE_DIGITS = 6
-_STEPS = ("rayleigh_time_step", "rayleigh_time_step_before", "agreement")
 
 
 def write_report(
@@ -67,9 +59,9 @@ def write_report(
     """
     tell = on_progress or (lambda _words: None)
     tell("reading the runs")
-    reading = read_for_report(Path(folder))
+    reading = read_calibration(Path(folder))
     tell(f"analysing {len(reading.evaluations)} parameter sets")
-    answer = reading.result["parameters"] if reading.result else None
+    answer = reading.result.parameters if reading.result else None
     # Metamodels are small: threads of linear algebra would only wait for one another.
     with threadpool_limits(limits=1, user_api="blas"):
         # The same seed as that of the material card: both state the same intervals.
@@ -130,51 +122,10 @@ def _element_text(text: str) -> Markup:
     return Markup(safe.replace("<!--", r"<\!--"))
 
 
-def read_for_report(folder: Path) -> CalibrationReading:
-    """Read a calibration, without a result that somebody edited so that it tells nothing any more.
-
-    Raises
-    ------
-    StoreError
-        As `read_calibration`.
-    """
-    reading = read_calibration(folder)
-    try:
-        usable = reading.result is None or _is_usable(reading.result, reading.problem)
-    except (KeyError, TypeError, ValueError, AttributeError):
-        usable = False
-    return reading if usable else replace(reading, result=None)
-
-
-def _is_usable(result: Mapping[str, Any], problem: Problem) -> bool:
-    """Whether a result holds what the report takes from it; may raise where it does not."""
-    responses = [ResponseResult(**response) for response in result["responses"].values()]
-    numbers = [result["wall_seconds"], *vars(RunCounts(**result["runs"])).values()]
-    numbers += [value for key in _STEPS if (value := result[key]) is not None]
-    numbers += [problem.to_unit(result["parameters"])] if result["parameters"] else []
-    for response in responses:
-        found = [response.verified_mean, response.verified_interval]
-        numbers += [value for value in found if value is not None]
-        numbers += [response.target, response.tolerance, response.predicted, response.std_error]
-        numbers.append(response.deviation_percent)
-    words = [*result["notices"], *(str(OutOfReach(**miss)) for miss in result["out_of_reach"])]
-    words += [w for quality in result["metamodels"].values() for w in quality["warnings"]]
-    complete = not result["parameters"] or {t.name for t in problem.targets} == {
-        *result["responses"]
-    }
-    return (
-        complete
-        and all(np.isfinite(number).all() for number in numbers)
-        and all(isinstance(word, str) for word in words)
-    )
-
-
 def _write(path: Path, page: str) -> None:
     try:
         write_atomically(path, page)
     except OSError as error:
-        with suppress(OSError):
-            path.with_name(path.name + ".new").unlink()
         raise StoreError(
             f"the report {str(path)!r} cannot be written: {error.strerror or error}. "
             "Choose another place with --output."

@@ -12,8 +12,8 @@ import numpy as np
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
+from grainfit.numerals import number, rounded
 from grainfit.printable import counted, duration, plain
-from grainfit.report.labels import number, rounded
 
 # In a script element, HTML knows no escapes of its own: what could end it, or begin another one,
 # is written as JSON's escapes.

@@ -83,9 +83,7 @@ class ReportContext:
     @property
     def answer(self) -> Mapping[str, float]:
         """Parameters of the answer, SI; empty when there is none yet."""
-        result = self.reading.result
-        found: Mapping[str, float] = result["parameters"] if result else {}
-        return found
+        return self.reading.result.parameters if self.reading.result else {}
 
     @property
     def parameters(self) -> tuple[Parameter, ...]:

@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from math import floor, log10
-from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +12,7 @@ from scipy.optimize import minimize
 from grainfit.material import MATERIAL_PARAMETERS
 from grainfit.problem import Parameter, Target
 from grainfit.sampling import maximin_latin_hypercube
+from grainfit.strategies.answer import OutOfReach
 from grainfit.strategies.metamodels import Metamodels
 
 #: How many standard errors a target must be beyond its tolerance to be called out of reach.
@@ -23,55 +22,6 @@ _AT_BOUND = 0.01
 _MARGIN = 1.15
 #: How many interval widths from its middle a linear extrapolation is worth saying.
 _FARTHEST = 3.0
-
-
-@dataclass(frozen=True)
-class OutOfReach:
-    """A target that the intervals do not allow to meet.
-
-    Parameters
-    ----------
-    target : str
-        Name of the target.
-    value : float
-        Its value.
-    nearest, standard_error : float
-        Nearest expected response within the intervals, and how well it is known.
-    jointly : bool
-        The target could be met alone, but not together with the others.
-    parameter, bound, bound_value : str, {"min", "max"}, float, optional
-        The bound that is in the way.
-    suggestion : float, optional
-        A bound that should do, by linear extrapolation; None when none is in sight.
-    """
-
-    target: str
-    value: float
-    nearest: float
-    standard_error: float
-    jointly: bool = False
-    parameter: str | None = None
-    bound: Literal["min", "max"] | None = None
-    bound_value: float | None = None
-    suggestion: float | None = None
-
-    @property
-    def shortfall_percent(self) -> float:
-        """Deviation of the nearest response from the target, in percent of the target."""
-        return 100 * (self.nearest - self.value) / self.value
-
-    def __str__(self) -> str:
-        together = " together with the other targets" if self.jointly else ""
-        text = (
-            f"{self.target} = {self.value:g} is out of reach{together}: the nearest within the "
-            f"intervals is {self.nearest:.5g} ({self.shortfall_percent:+.1f} %)."
-        )
-        if self.parameter is None:
-            return f"{text} No single bound is in the way: free another parameter."
-        text += f" The bound in the way is {self.parameter}.{self.bound} = {self.bound_value:g}"
-        if self.suggestion is None:
-            return f"{text}, and no possible value beyond it would do: free another parameter."
-        return f"{text}; try {self.suggestion:g}."
 
 
 def out_of_reach(

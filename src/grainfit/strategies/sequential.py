@@ -25,7 +25,8 @@ from scipy.spatial.distance import cdist
 from grainfit.campaign.evaluation import Evaluation, Proposal, Stage
 from grainfit.problem import Problem
 from grainfit.sampling import maximin_latin_hypercube
-from grainfit.strategies.answer import Answer, make_answer
+from grainfit.strategies.answer import Answer, OutOfReach
+from grainfit.strategies.answer_making import make_answer
 from grainfit.strategies.answer_search import (
     EQUAL_TIME_STEPS,
     AnswerSearch,
@@ -42,7 +43,7 @@ from grainfit.strategies.design_size import design_size
 from grainfit.strategies.expected_improvement import ExpectedImprovement
 from grainfit.strategies.experience import Experience
 from grainfit.strategies.metamodels import Metamodels, can_be_fitted
-from grainfit.strategies.reachability import OutOfReach, out_of_reach
+from grainfit.strategies.reachability import out_of_reach
 from grainfit.strategies.search import points_about, shrinking_search, spread_points
 from grainfit.strategies.widening import widened, widenings
 

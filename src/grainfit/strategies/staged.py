@@ -20,7 +20,8 @@ from grainfit.errors import RunFailedError
 from grainfit.misfit import expected_misfit, within_tolerance
 from grainfit.problem import Problem
 from grainfit.sampling import maximin_latin_hypercube
-from grainfit.strategies.answer import Answer, make_answer
+from grainfit.strategies.answer import Answer, OutOfReach
+from grainfit.strategies.answer_making import make_answer
 from grainfit.strategies.base import RECONSIDERATIONS, BatchStrategy, Plan, insertion_seed
 from grainfit.strategies.design_size import design_size
 from grainfit.strategies.least_squares import (
@@ -30,7 +31,7 @@ from grainfit.strategies.least_squares import (
     fit_on_metamodels,
 )
 from grainfit.strategies.metamodels import Metamodels
-from grainfit.strategies.reachability import OutOfReach, out_of_reach
+from grainfit.strategies.reachability import out_of_reach
 
 Array = NDArray[np.float64]
 

@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from dataclasses import replace
 
 from grainfit.problem import Parameter, Problem
-from grainfit.strategies.reachability import OutOfReach
+from grainfit.strategies.answer import OutOfReach
 
 
 def widened(problem: Problem, misses: Iterable[OutOfReach]) -> Problem:

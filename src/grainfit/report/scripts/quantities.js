@@ -16,7 +16,7 @@
     return `${mantissa}·10${power < 0 ? "⁻" : ""}${digits}`.replace("-", "−");
   }
 
-  // A number with so many significant digits, as grainfit.report.labels.number has it.
+  // A number with so many significant digits, as grainfit.numerals.number has it.
   function text(value, digits = 4) {
     if (!Number.isFinite(value)) return "–";
     const [mantissa, power] = value.toExponential(digits - 1).split("e").map(Number);
@@ -26,7 +26,7 @@
     return withPower(mantissa, power);
   }
 
-  // A value down to two digits of its uncertainty, as grainfit.report.labels.rounded has it.
+  // A value down to two digits of its uncertainty, as grainfit.numerals.rounded has it.
   function rounded(value, uncertainty) {
     if (!Number.isFinite(value)) return "–";
     if (!(uncertainty > 0 && uncertainty < Infinity)) return text(value);

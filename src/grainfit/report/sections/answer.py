@@ -3,21 +3,18 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any, Literal
 
 from grainfit.analysis import Posterior
+from grainfit.numerals import number, rounded
 from grainfit.printable import counted, duration, plain
 from grainfit.problem import Parameter, Target
-from grainfit.report.labels import Label, number, rounded
+from grainfit.report.labels import Label
 from grainfit.report.rendering import render
 from grainfit.report.section import ReportContext, Section
-from grainfit.result import ResponseResult, RunCounts
-from grainfit.strategies.reachability import OutOfReach
-
-#: Where all runs failed alike, they are forgotten: the next start is to make them again.
-_FORGOTTEN = "Runs that all fail alike are not kept; the message it ended with says why"
+from grainfit.result import Result, RunCounts
 
 
 @dataclass(frozen=True)
@@ -90,54 +87,51 @@ def verdict(context: ReportContext) -> Verdict:
             words = f"{ended}; under way: {counted(reading.running, 'run')}."
             return Verdict("warn", "Running: no answer yet.", (words,))
         case "failed":
-            why = "The table of runs says why" if reading.evaluations else _FORGOTTEN
-            return Verdict("bad", "Stopped by an error.", (f"{ended}. {why}.",))
+            details = (plain(reading.failure), f"{ended}.") if reading.failure else (f"{ended}.",)
+            return Verdict("bad", "Stopped by an error.", details)
         case "interrupted":
             so_far = "The numbers are the best so far." if context.answer else "No answer yet."
             words = f"{ended}. Start the same command again to go on."
             return Verdict("warn", f"Interrupted. {so_far}", (words,))
     if not context.answer:
-        words = "Its result.json is missing or was edited: start the same command again."
-        return Verdict(
-            "warn", f"It has ended ({plain(reading.state)}), but not its answer.", (words,)
+        words = plain(reading.result_fault) or (
+            "Its result.json is missing. Start the same command again: it is written anew."
         )
+        ended = f"It has ended ({plain(reading.state)}), but there is no answer to be read."
+        return Verdict("warn", ended, (words,))
     return _final_verdict(context)
 
 
 def _final_verdict(context: ReportContext) -> Verdict:
-    result = context.reading.result or {}
+    result = context.reading.result
+    assert result is not None, "an answer comes from a result"
     sure = tuple(_sureness(result))
     if context.reading.state == "calibrated":
         return Verdict("good", "Calibrated: every measurement is met within its tolerance.", sure)
-    misses = tuple(str(OutOfReach(**miss)) for miss in result["out_of_reach"])
+    misses = tuple(map(str, result.out_of_reach))
     if context.reading.state == "unreachable" and misses:
         return Verdict("bad", "Out of reach within the given intervals.", misses)
     missed = [
         f"{context.response_label(name).words} deviates by {_percent(response.deviation_percent)}, "
         f"and ±{number(100 * response.tolerance / response.target, 3)} % are accepted"
-        for name, response in _responses(result).items()
+        for name, response in result.responses.items()
         if not response.within_tolerance
     ]
     words = f"Not calibrated: {'; '.join(missed)}." if missed else "Not calibrated."
     return Verdict("bad", words, sure)
 
 
-def _sureness(result: Mapping[str, Any]) -> Iterator[str]:
-    if result["agreement"] is not None:
+def _sureness(result: Result) -> Iterator[str]:
+    if result.agreement is not None:
         yield (
             "By all runs together, every expected response is within its tolerance with a "
-            f"probability of {_probability(result['agreement'])}."
+            f"probability of {_probability(result.agreement)}."
         )
 
 
 def _probability(value: float) -> str:
     """Return a probability in percent: no metamodel makes anything certain."""
     return "more than 99\u00a0%" if value > 0.995 else f"{100 * value:.0f}\u00a0%"
-
-
-def _responses(result: Mapping[str, Any] | None) -> dict[str, ResponseResult]:
-    found = result["responses"] if result else {}
-    return {name: ResponseResult(**response) for name, response in found.items()}
 
 
 def _parameter_row(context: ReportContext, parameter: Parameter) -> ParameterRow:
@@ -186,7 +180,8 @@ def _why_no_interval(context: ReportContext) -> str:
 
 
 def _response_row(context: ReportContext, target: Target) -> ResponseRow:
-    response = _responses(context.reading.result).get(target.name)
+    result = context.reading.result
+    response = result.responses.get(target.name) if result else None
     label = context.response_label(target.name)
     tolerance = target.accepted_deviation
     measured = {"measured": number(target.value, 6), "tolerance": number(tolerance, 3)}
@@ -210,8 +205,8 @@ def _percent(value: float) -> str:
     return f"{value:+.2f} %".replace("-", "−")
 
 
-def _time_step(result: Mapping[str, Any]) -> dict[str, str] | None:
-    step, before = result["rayleigh_time_step"], result["rayleigh_time_step_before"]
+def _time_step(result: Result) -> dict[str, str] | None:
+    step, before = result.rayleigh_time_step, result.rayleigh_time_step_before
     if step is None or not before:
         return None
     return {
@@ -242,7 +237,7 @@ def _cost(context: ReportContext) -> dict[str, Any]:
     for evaluation in reading.evaluations:
         stages[evaluation.proposal.stage] += len(evaluation.runs)
     counts = (
-        RunCounts(**result["runs"])
+        result.runs
         if result
         else RunCounts(
             **stages,
@@ -252,7 +247,7 @@ def _cost(context: ReportContext) -> dict[str, Any]:
     )
     return {
         "counts": counts,
-        "wall": duration(result["wall_seconds"]) if result else None,
+        "wall": duration(result.wall_seconds) if result else None,
         "simulated": duration(sum(record.seconds for record in reading.runs.values())),
         "workers": reading.workers,
     }
@@ -260,11 +255,11 @@ def _cost(context: ReportContext) -> dict[str, Any]:
 
 def _notices(context: ReportContext) -> Iterator[str]:
     result = context.reading.result
-    said = [*result["notices"]] if result else []
+    said = [*result.notices] if result else []
     if result:
-        for name, quality in result["metamodels"].items():
+        for name, quality in result.metamodels.items():
             words = context.response_label(name).words
-            said += [f"Metamodel of {words}: {warning}" for warning in quality["warnings"]]
+            said += [f"Metamodel of {words}: {warning}" for warning in quality.warnings]
     said += context.analysis.notes
     told = verdict(context).details
     yield from (plain(words) for words in dict.fromkeys(said) if words not in told)

@@ -11,9 +11,10 @@ from typing import Any
 import numpy as np
 
 from grainfit.measurement.particles import Particles
+from grainfit.numerals import number, with_unit
 from grainfit.problem import Target
 from grainfit.report.heaps import Heap, HeapRun, first_readable, heap_runs, picture, spread
-from grainfit.report.labels import Label, number, with_unit
+from grainfit.report.labels import Label
 from grainfit.report.outline import Drawing
 from grainfit.report.rendering import render
 from grainfit.report.section import ReportContext, Section

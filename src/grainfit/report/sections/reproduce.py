@@ -39,6 +39,8 @@ def _command(context: ReportContext) -> str:
     reading = context.reading
     words = ["grainfit", "run", reading.source, "--strategy", reading.strategy]
     words += ["--seed", str(reading.seed), "--workers", str(reading.workers)]
+    if reading.max_runs is not None:
+        words += ["--max-runs", str(reading.max_runs)]
     return plain(shlex.join(words))
 
 

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from grainfit.campaign.evaluation import Evaluation
+from grainfit.numerals import number
 from grainfit.printable import plain, plain_lines
-from grainfit.report.labels import number
 from grainfit.report.rendering import render
 from grainfit.report.section import ReportContext, Section
 from grainfit.report.sections.convergence import deviation_in_tolerances

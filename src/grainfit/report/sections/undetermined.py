@@ -10,9 +10,9 @@ import numpy as np
 
 from grainfit.analysis import Posterior
 from grainfit.analysis.identifiability import DETERMINED, OPEN
+from grainfit.numerals import number
 from grainfit.printable import plain
 from grainfit.problem import Parameter
-from grainfit.report.labels import number
 from grainfit.report.marks import BLUE, ORANGE, QUIET, VERMILION
 from grainfit.report.rendering import render
 from grainfit.report.section import Figure, ReportContext, Section

@@ -8,8 +8,9 @@ from html import escape
 from typing import Any
 
 from grainfit.campaign.evaluation import Evaluation
+from grainfit.numerals import number, rounded, with_unit
 from grainfit.problem import Target
-from grainfit.report.labels import Label, number, rounded, with_unit
+from grainfit.report.labels import Label
 from grainfit.report.marks import BLUE, STAGES, tolerance_band, value_range
 from grainfit.report.rendering import render
 from grainfit.report.section import Figure, ReportContext, Section
