@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any, Literal
 
 from grainfit.calibration import calibrate
+from grainfit.campaign.store import RunStore
 from grainfit.errors import RunFailedError
 from grainfit.problem import Problem
 from grainfit.progress import Progress
@@ -36,11 +37,9 @@ def calibrate_with_grainfit(
     With a limit of the search, every verification is paid for besides: one that fails is followed
     by more search up to the limit, as when a user starts again with a larger budget.
     """
-    made_before = 0
+    folder = context.folder / "grainfit"
 
     def show(progress: Progress) -> None:
-        if progress.stage == "verification" and progress.done >= made_before:
-            context.clock.note_end_of_search()
         context.report(progress.done, progress.done + progress.left, progress.stage)
 
     def start(max_runs: int | None) -> Result:
@@ -50,7 +49,7 @@ def calibrate_with_grainfit(
             strategy=strategy,
             seed=seed,
             workers=context.workers,
-            workdir=context.folder / "grainfit",
+            workdir=folder,
             name=context.folder.parent.name,
             design_runs=design_runs,
             max_runs=max_runs,
@@ -64,7 +63,7 @@ def calibrate_with_grainfit(
         return result
 
     if most_search_runs is None:
-        return _record(start(None))
+        return _record(start(None), folder)
     budget = 0
     affordable = most_search_runs + verification_runs
     while affordable > budget:
@@ -72,13 +71,10 @@ def calibrate_with_grainfit(
         result = start(budget)
         if result.status == "out_of_tolerance":
             affordable = most_search_runs + result.runs.verification + verification_runs
-        if affordable > budget:
-            made_before = result.runs.total
-            context.clock.note_failed_verification()
-    return _record(result)
+    return _record(result, folder)
 
 
-def _record(result: Result) -> Record:
+def _record(result: Result, folder: Path) -> Record:
     searched = [run for run in result.history if run.stage != "verification"]
     return {
         "status": result.status,
@@ -87,6 +83,7 @@ def _record(result: Result) -> Record:
         "design_runs": result.runs.design,
         "optimisation_runs": result.runs.optimisation,
         "verification_runs": result.runs.verification,
+        "verification_seconds": verification_seconds(folder, result.identity),
         "failed_runs": result.runs.failed,
         "runs_made": result.runs.total,
         "last_run": dict(searched[-1].responses),
@@ -97,6 +94,22 @@ def _record(result: Result) -> Record:
         "out_of_reach": [asdict(miss) for miss in result.out_of_reach],
         "version": result.version,
     }
+
+
+def verification_seconds(folder: Path, calibration: str) -> float:
+    """Wall time during which runs of a verification were under way in a work folder, s."""
+    store = RunStore.read_only(folder)
+    try:
+        requests = store.requests(calibration)
+        asked = {run for r in requests if r.stage == "verification" for run in r.runs.values()}
+        runs = store.find_many(asked).values()
+    finally:
+        store.close()
+    total, covered_until = 0.0, 0.0
+    for begun, ended in sorted((run.ended - run.seconds, run.ended) for run in runs):
+        total += max(0.0, ended - max(begun, covered_until))
+        covered_until = max(covered_until, ended)
+    return total
 
 
 def calibrate_with_peer(
@@ -124,6 +137,7 @@ def calibrate_with_peer(
         "difference_runs": sum(run["purpose"] == "differences" for run in behind_design),
         "serial_runs": len(steps),
         "verification_runs": 0,
+        "verification_seconds": 0.0,
         "failed_runs": sum(run["responses"] is None for run in history),
         "runs_made": len(_different(history)),
         "last_run": _nearest(steps, parameters)["responses"],
