@@ -115,6 +115,8 @@
       yield* this.factorised([response]);
       const view = this.surface && (yield* this.surfaceSteps());
       if (this.sliced !== response) {
+        // Until they are whole, they are those of no response.
+        this.sliced = null;
         yield* this.sliceSteps();
         this.sliced = response;
       }
