@@ -102,12 +102,18 @@ class Conversation:
             "tests": self._campaign.identities(sample),
             "parameters": [asdict(parameter) for parameter in self._problem.parameters],
             "targets": [asdict(target) for target in self._problem.targets],
-            "rayleigh": asdict(problem.rayleigh) if problem.rayleigh else None,
-            "rayleigh_weight": problem.rayleigh_weight,
             "strategy": self._strategy.name,
             "seed": self._strategy.seed,
             "options": self._strategy.definition,
+            **self._rayleigh(),
         }
+
+    def _rayleigh(self) -> dict[str, Any]:
+        """Where there is a Rayleigh time step, it decides what is the answer, too."""
+        known = self._problem.rayleigh
+        if known is None:
+            return {}
+        return {"rayleigh": asdict(known), "rayleigh_weight": self._problem.rayleigh_weight}
 
     def _about(self, known: Sequence[Evaluation]) -> dict[str, Any]:
         return {
