@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sqlite3
+import sys
 from dataclasses import replace
 from pathlib import Path
 
@@ -13,6 +14,7 @@ import grainfit
 from grainfit.errors import StoreError
 from grainfit.provenance import Provenance
 from grainfit.reading import read_calibration
+from grainfit.solvers.command import Command
 
 PROBLEM = grainfit.Problem(
     [grainfit.Parameter("particle.density", 2000, 3000, unit="kg/m^3")],
@@ -121,3 +123,16 @@ def test_the_result_of_an_earlier_start_is_not_that_of_the_last(tmp_path: Path) 
     reading = read_calibration(tmp_path)
     assert reading.result is None
     assert "'interrupted' of a calibration that has ended as 'calibrated'" in reading.result_fault
+
+
+def test_failures_that_stopped_a_calibration_are_told_with_their_logs(tmp_path: Path) -> None:
+    model = tmp_path / "model"
+    model.mkdir()
+    (model / "drum.py").write_text("density = 0\nraise SystemExit('the licence has expired')")
+    solver = Command(model, [sys.executable, "drum.py"], response_names=("angle",))
+    with pytest.raises(grainfit.RunFailedError):
+        grainfit.calibrate(PROBLEM, {"drum": solver}, workdir=tmp_path / "work")
+    reading = read_calibration(tmp_path / "work")
+    assert (reading.state, len(reading.evaluations)) == ("failed", 3)
+    assert "first 3 runs all failed" in reading.failure
+    assert all("the licence has expired" in run.log_tail for run in reading.runs.values())
