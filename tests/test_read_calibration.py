@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import sqlite3
+import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +14,7 @@ import grainfit
 from grainfit.errors import StoreError
 from grainfit.provenance import Provenance
 from grainfit.reading import read_calibration
+from grainfit.solvers.command import Command
 
 PROBLEM = grainfit.Problem(
     [grainfit.Parameter("particle.density", 2000, 3000, unit="kg/m^3")],
@@ -86,3 +89,50 @@ def test_a_result_is_read_back_or_said_to_be_damaged_and_where(tmp_path: Path) -
         path.write_text(whole.replace(old, new))
         with pytest.raises(StoreError, match=f"is damaged: .*(?:{why}).*no finished run"):
             grainfit.Result.from_json(path)
+
+
+def test_what_was_learnt_from_counts_in_all_that_is_said(tmp_path: Path) -> None:
+    first = grainfit.calibrate(PROBLEM, simulate, workdir=tmp_path)
+    other = replace(PROBLEM, targets=[replace(PROBLEM.targets[0], value=25.2)])
+    second = grainfit.calibrate(other, simulate, workdir=tmp_path)
+    reading = read_calibration(tmp_path)
+    assert len(reading.learnt) == second.runs.learnt_from == first.runs.total
+    assert len(reading.evaluations) == second.runs.total < first.runs.total
+    assert len(reading.known) == first.runs.total + second.runs.total
+    page = grainfit.write_report(tmp_path).read_text(encoding="utf-8")
+    assert (
+        f"Besides these, {first.runs.total} made for other calibrations were learnt from." in page
+    )
+    assert "a run of another calibration" in page
+    # The second has hardly another place than its answer, and alone would tell nothing.
+    assert "particle.density is determined to" in page
+
+
+def test_another_weight_of_the_time_step_is_another_calibration(tmp_path: Path) -> None:
+    first = grainfit.calibrate(PROBLEM, simulate, strategy="staged", workdir=tmp_path)
+    fast = replace(PROBLEM, rayleigh_weight=1.0)
+    second = grainfit.calibrate(fast, simulate, strategy="staged", workdir=tmp_path)
+    assert second.identity != first.identity
+    assert second.parameters != first.parameters
+    assert read_calibration(tmp_path).problem == fast
+
+
+def test_the_result_of_an_earlier_start_is_not_that_of_the_last(tmp_path: Path) -> None:
+    result = grainfit.calibrate(PROBLEM, simulate, workdir=tmp_path)
+    replace(result, status="interrupted").to_json(tmp_path / "result.json")
+    reading = read_calibration(tmp_path)
+    assert reading.result is None
+    assert "'interrupted' of a calibration that has ended as 'calibrated'" in reading.result_fault
+
+
+def test_failures_that_stopped_a_calibration_are_told_with_their_logs(tmp_path: Path) -> None:
+    model = tmp_path / "model"
+    model.mkdir()
+    (model / "drum.py").write_text("density = 0\nraise SystemExit('the licence has expired')")
+    solver = Command(model, [sys.executable, "drum.py"], response_names=("angle",))
+    with pytest.raises(grainfit.RunFailedError):
+        grainfit.calibrate(PROBLEM, {"drum": solver}, workdir=tmp_path / "work")
+    reading = read_calibration(tmp_path / "work")
+    assert (reading.state, len(reading.evaluations)) == ("failed", 3)
+    assert "first 3 runs all failed" in reading.failure
+    assert all("the licence has expired" in run.log_tail for run in reading.runs.values())

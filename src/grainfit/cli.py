@@ -6,6 +6,7 @@ What a command needs is imported when it is called: help and status are there at
 from __future__ import annotations
 
 import os
+import shlex
 import signal
 import sys
 from collections.abc import Iterator
@@ -319,7 +320,8 @@ def _report_if_possible(workdir: Path) -> None:
     else:
         _out.print(f"Report: {path}", highlight=False, markup=False, soft_wrap=True)
         return
-    words = f"No report was written ({reason}). 'grainfit report {workdir}' tries again."
+    folder = shlex.quote(str(workdir))
+    words = f"No report was written ({reason}). 'grainfit report {folder}' tries again."
     show.print_warning(_err, words)
 
 

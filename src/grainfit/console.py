@@ -16,6 +16,7 @@ from rich.table import Table
 from rich.text import Text
 
 from grainfit.errors import GrainfitError, InputError, RunFailedError
+from grainfit.numerals import probability
 from grainfit.printable import duration, plain
 
 if TYPE_CHECKING:
@@ -133,7 +134,7 @@ def print_result(console: Console, result: Result, folder: Path) -> None:
         if result.agreement is not None:
             console.print(
                 f"By all runs together, every expected response is within its tolerance with a "
-                f"probability of {result.agreement:.0%}.",
+                f"probability of {probability(result.agreement)}.",
                 highlight=False,
             )
         console.print(_time_step_line(result), highlight=False)

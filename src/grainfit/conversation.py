@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections import Counter, deque
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import asdict, dataclass, replace
 from importlib.metadata import version
@@ -105,13 +105,19 @@ class Conversation:
             "strategy": self._strategy.name,
             "seed": self._strategy.seed,
             "options": self._strategy.definition,
+            **self._rayleigh(),
         }
 
-    def _about(self) -> dict[str, Any]:
-        rayleigh = self._problem.rayleigh
+    def _rayleigh(self) -> dict[str, Any]:
+        """Where there is a Rayleigh time step, it decides what is the answer, too."""
+        known = self._problem.rayleigh
+        if known is None:
+            return {}
+        return {"rayleigh": asdict(known), "rayleigh_weight": self._problem.rayleigh_weight}
+
+    def _about(self, known: Sequence[Evaluation]) -> dict[str, Any]:
         return {
-            "rayleigh": asdict(rayleigh) if rayleigh else None,
-            "rayleigh_weight": self._problem.rayleigh_weight,
+            "learnt": [{**asdict(one.proposal), "runs": dict(one.runs)} for one in known],
             "version": version("grainfit"),
             "workers": self._options.workers,
             "max_runs": self._options.max_runs,
@@ -124,7 +130,7 @@ class Conversation:
         known = self._runs_known_before()
         runs = [run for evaluation in known for run in evaluation.runs.values()]
         self._store.begin_calibration(
-            self._identity, self._options.name, self._definition, runs, self._about()
+            self._identity, self._options.name, self._definition, runs, self._about(known)
         )
         if known:
             self._strategy.learn(known)

@@ -25,7 +25,7 @@ def in_place_of(path: Path) -> Iterator[Path]:
         yield path
         return
     target = Path(os.path.realpath(path))
-    temporary = target.with_name(f"{target.name}.new")
+    temporary = target.with_name(f".{target.name}.{os.getpid()}.new")
     try:
         yield temporary
         with temporary.open("rb") as file:

@@ -30,6 +30,13 @@ def with_unit(shown: str, unit: str) -> str:
     return f"{shown}{unit}" if unit in ("", "°") else f"{shown} {unit}"
 
 
+def probability(value: float) -> str:
+    """Return a probability in percent: no metamodel makes anything certain."""
+    if value > 0.995:
+        return "more than 99\u00a0%"
+    return "less than 1\u00a0%" if value < 0.005 else f"{100 * value:.0f}\u00a0%"
+
+
 def number(value: float | None, digits: int = 4) -> str:
     """Return a number with so many significant digits, for people.
 

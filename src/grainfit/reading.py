@@ -2,21 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 from grainfit.campaign.evaluation import Evaluation, Proposal
 from grainfit.campaign.records import CalibrationRecord, RequestRecord, RunRecord
 from grainfit.campaign.runner import evaluation_of
 from grainfit.campaign.store import STORE_NAME, RunStore, not_a_work_folder
-from grainfit.campaign.workdir import RESULT_NAME, is_held
+from grainfit.campaign.workdir import RESULT_NAME, is_held, read_record, run_folder
 from grainfit.errors import GrainfitError, StoreError
 from grainfit.material import MATERIAL_PARAMETERS
 from grainfit.problem import Parameter, Problem, Target
 from grainfit.provenance import Provenance
-from grainfit.result import Result, damaged_result
+from grainfit.result import Result, Status, damaged_result
 from grainfit.status import read_result, state_of
 from grainfit.timestep import RayleighTimeStep
 
@@ -39,6 +40,8 @@ class CalibrationReading:
         How runs were chosen.
     evaluations : tuple of Evaluation
         Every parameter set of which all runs have ended, in the order in which it was asked for.
+    learnt : tuple of Evaluation
+        What was known before from other calibrations, and was learnt from.
     running : int
         Runs under way.
     runs : mapping of str to RunRecord
@@ -73,6 +76,7 @@ class CalibrationReading:
     strategy: str
     seed: int
     evaluations: tuple[Evaluation, ...]
+    learnt: tuple[Evaluation, ...]
     running: int
     runs: Mapping[str, RunRecord]
     result: Result | None
@@ -86,6 +90,16 @@ class CalibrationReading:
     started: float
     max_runs: int | None = None
     failure: str = ""
+
+    @property
+    def known(self) -> tuple[Evaluation, ...]:
+        """The evaluations, and behind them those that were learnt from and not asked for too."""
+        asked = set(map(_run_of, self.evaluations))
+        return (*self.evaluations, *(e for e in self.learnt if _run_of(e) not in asked))
+
+
+def _run_of(evaluation: Evaluation) -> tuple[float, ...]:
+    return (*evaluation.proposal.parameters.values(), evaluation.proposal.seed)
 
 
 def read_calibration(folder: Path) -> CalibrationReading:
@@ -107,16 +121,25 @@ def read_calibration(folder: Path) -> CalibrationReading:
                 f"nothing has been calibrated in {str(folder)!r} yet. Start 'grainfit run' first."
             )
         requests = store.requests(calibration.identity)
-        records = store.find_many({run for request in requests for run in request.runs.values()})
+        learnt = _learnt(folder, calibration)
+        asked = {run for request in [*requests, *learnt] for run in request.runs.values()}
+        records = store.find_many(asked)
     finally:
         store.close()
-    held = is_held(folder)
-    ended = [request for request in requests if _has_ended(request, records)]
-    evaluations = tuple(_evaluation(request, records) for request in ended)
-    used = {run for request in ended for run in request.runs.values()}
-    runs = {identity: record for identity, record in records.items() if identity in used}
+    state = state_of(calibration, is_held(folder))
+    if state == "failed":
+        # Failures that stopped it are forgotten, for the next start to make them again.
+        kept = (read_record(run_folder(folder, run)) for run in asked - records.keys())
+        records |= {record.identity: record for record in kept if record is not None}
+    with _naming(folder):
+        return _reading(folder, calibration, state, requests, learnt, records)
+
+
+@contextmanager
+def _naming(folder: Path) -> Iterator[None]:
+    """Say of a calibration that cannot be read where it is."""
     try:
-        return _reading(folder, calibration, evaluations, runs, held, records)
+        yield
     except (GrainfitError, KeyError, TypeError, ValueError, AttributeError) as error:
         raise StoreError(
             f"the calibration that {str(folder / STORE_NAME)!r} tells of cannot be read: {error}. "
@@ -124,34 +147,45 @@ def read_calibration(folder: Path) -> CalibrationReading:
         ) from error
 
 
+def _learnt(folder: Path, calibration: CalibrationRecord) -> list[RequestRecord]:
+    with _naming(folder):
+        known = calibration.about.get("learnt", [])
+        return [RequestRecord.from_row({"position": 0, **row}) for row in known]
+
+
 def _reading(
     folder: Path,
     calibration: CalibrationRecord,
-    evaluations: tuple[Evaluation, ...],
-    runs: Mapping[str, RunRecord],
-    held: bool,
+    state: str,
+    requests: Sequence[RequestRecord],
+    learnt: Sequence[RequestRecord],
     records: Mapping[str, RunRecord],
 ) -> CalibrationReading:
+    ended = [request for request in requests if _has_ended(request, records)]
+    evaluations = tuple(_evaluation(request, records) for request in ended)
+    used = {run for request in ended for run in request.runs.values()}
+    running = state == "running"
     definition, about = calibration.definition, calibration.about
     problem = _problem(definition, about, evaluations)
     provenance = Provenance.from_json(about.get("provenance", {}))
-    result, fault = (None, "") if held else read_result(folder, calibration)
-    if result is not None and not _is_of(result, problem):
-        result, fault = None, damaged_result(folder / RESULT_NAME, "it is of another problem")
+    result, fault = (None, "") if running else read_result(folder, calibration)
+    if result is not None and (why := _why_unusable(result, problem, state)):
+        result, fault = None, damaged_result(folder / RESULT_NAME, why)
     free = {parameter.name: parameter.unit for parameter in problem.parameters}
-    fixed = {**_material(runs.values(), free), **provenance.fixed}
+    fixed = {**_material(records.values(), free), **provenance.fixed}
     known = {name: known.unit for name, known in MATERIAL_PARAMETERS.items()}
     return CalibrationReading(
         folder=folder,
         name=calibration.name,
         identity=calibration.identity,
-        state=state_of(calibration, held),
+        state=state,
         problem=problem,
         strategy=str(definition["strategy"]),
         seed=int(definition["seed"]),
         evaluations=evaluations,
-        running=sum(record.status == "running" for record in records.values()) if held else 0,
-        runs=runs,
+        learnt=tuple(_evaluation(run, records) for run in learnt if _has_ended(run, records)),
+        running=sum(r.status == "running" for r in records.values()) if running else 0,
+        runs={identity: record for identity, record in records.items() if identity in used},
         result=result,
         result_fault=fault,
         fixed=fixed,
@@ -166,24 +200,32 @@ def _reading(
     )
 
 
-def _is_of(result: Result, problem: Problem) -> bool:
-    """Whether a result has no answer yet, or has all of it."""
-    if not result.parameters:
-        return not result.responses
-    return result.parameters.keys() == {parameter.name for parameter in problem.parameters} and (
-        result.responses.keys() == {target.name for target in problem.targets}
+def _why_unusable(result: Result, problem: Problem, state: str) -> str:
+    """Return why a result does not tell how this calibration ended; "" when it does."""
+    if state in get_args(Status) and state not in ("interrupted", result.status):
+        # What the last start found could not be written.
+        return f"it says {result.status!r} of a calibration that has ended as {state!r}"
+    if not (result.parameters or result.responses):
+        return ""
+    targets = {target.name: target.value for target in problem.targets}
+    fits = (
+        result.parameters.keys() == {parameter.name for parameter in problem.parameters}
+        and {name: found.target for name, found in result.responses.items()} == targets
+        and all(p.scale != "log" or result.parameters[p.name] > 0 for p in problem.parameters)
     )
+    return "" if fits else "its parameters or targets are not those of the calibration"
 
 
 def _problem(
     definition: Mapping[str, Any], about: Mapping[str, Any], evaluations: Iterable[Evaluation]
 ) -> Problem:
-    rayleigh = about.get("rayleigh")
+    # Older versions kept it beside the definition.
+    rayleigh = definition.get("rayleigh") or about.get("rayleigh")
     return Problem(
         [_widened(Parameter(**data), evaluations) for data in definition["parameters"]],
         [Target(**data) for data in definition["targets"]],
         RayleighTimeStep(rayleigh["radius"], rayleigh["fixed"]) if rayleigh else None,
-        float(about.get("rayleigh_weight", 0.0)),
+        float(definition.get("rayleigh_weight") or about.get("rayleigh_weight", 0.0)),
     )
 
 

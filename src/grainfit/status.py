@@ -79,28 +79,30 @@ def read_status(folder: Path) -> WorkdirStatus:
         requests = store.requests(calibration.identity) if calibration else []
     finally:
         store.close()
-    held = is_held(folder)
-    result, fault = (None, "") if held else read_result(folder, calibration)
+    state = state_of(calibration, is_held(folder))
+    running = state == "running"
+    result, fault = (None, "") if running else read_result(folder, calibration)
     return WorkdirStatus(
         name=calibration.name if calibration else "",
-        state=state_of(calibration, held),
+        state=state,
         finished=_by_stage(requests, states, ("finished", "failed")),
         asked=_by_stage(requests, None, ()),
-        running=sum(state == "running" for state in states.values()) if held else 0,
+        running=sum(state == "running" for state in states.values()) if running else 0,
         failed=tuple(_failures(folder, requests, failed)),
         kept=sum(state == "finished" for state in states.values()),
         result=result,
         result_fault=fault,
-        failure=str(calibration.about.get("failure", "")) if calibration and not held else "",
+        failure=str(calibration.about.get("failure", "")) if calibration and not running else "",
     )
 
 
 def state_of(calibration: CalibrationRecord | None, held: bool) -> str:
     """Return whether a calibration is running, or how it ended."""
-    if held:
-        return "running"
     if calibration is None:
-        return "not started"
+        return "running" if held else "not started"
+    # Another command may be at work in the folder of a calibration that has ended.
+    if held and calibration.status == "running":
+        return "running"
     return "interrupted" if calibration.status == "running" else calibration.status
 
 

@@ -166,3 +166,28 @@ def test_a_single_parameter_is_judged_too(random: np.random.Generator) -> None:
     (direction,) = found.directions
     assert direction.components == {DENSITY.name: 1.0}
     assert direction.narrowing == pytest.approx(0.01 * 12**0.5, rel=0.1)
+
+
+def test_independent_parameters_of_equal_spread_are_not_called_inseparable() -> None:
+    for seed in range(20):
+        random = np.random.default_rng(seed)
+        cloud = random.normal(0.5, 0.0675, (3, COUNT))
+        found = judged([SLIDING, ROLLING, OWN], *cloud)
+        assert not any("told apart" in verdict for verdict in found.verdicts)
+
+
+def test_what_a_determined_parameter_hangs_on_is_not_inseparable_for_that(
+    random: np.random.Generator,
+) -> None:
+    b, c = random.random((2, COUNT))
+    a = 0.4 * (b + c) + random.normal(0.0, 0.01, COUNT)
+    found = judged([SLIDING, ROLLING, OWN], 0.25 * a, b, c)
+    assert not any("told apart" in verdict for verdict in found.verdicts)
+
+
+def test_two_peaks_are_two_ranges(random: np.random.Generator) -> None:
+    peaks = np.where(random.random(COUNT) < 0.5, 0.03, 0.97) + random.normal(0.0, 0.004, COUNT)
+    (verdict,) = judged([DENSITY], peaks).verdicts
+    assert verdict == (
+        "particle.density is not determined: 2000 to 2050 or 2950 to 3000 kg/m³ fits."
+    )

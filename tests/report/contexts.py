@@ -101,6 +101,7 @@ def reading(wanted: Problem, known: Sequence[Evaluation], *, answered: bool) -> 
         strategy="sequential",
         seed=1,
         evaluations=tuple(known),
+        learnt=(),
         running=0,
         runs={},
         result=result_of(wanted, answer) if answered else None,

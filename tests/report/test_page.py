@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import json
+import shutil
+import sqlite3
 from collections.abc import Iterator
+from contextlib import closing
 from html.parser import HTMLParser
 from pathlib import Path
 
@@ -136,6 +139,9 @@ def test_a_result_that_was_edited_is_no_answer(result: Path, key: str, value: ob
 
 
 def test_the_report_can_be_written_while_it_is_running(work: Path, tmp_path: Path) -> None:
+    work = shutil.copytree(work, tmp_path / "work")
+    with closing(sqlite3.connect(work / "runs.sqlite")) as store, store:
+        store.execute("UPDATE calibrations SET status = 'running'")
     before = {path: path.stat().st_mtime_ns for path in work.rglob("*") if path.is_file()}
     said: list[str] = []
     with hold(work):
@@ -144,6 +150,13 @@ def test_the_report_can_be_written_while_it_is_running(work: Path, tmp_path: Pat
     assert len(said) > 2
     changed = {path for path, time in before.items() if path.stat().st_mtime_ns != time}
     assert {path.name for path in changed} <= {"lock", "runs.sqlite-shm"}
+
+
+def test_another_command_in_its_folder_does_not_make_it_running(work: Path) -> None:
+    with hold(work):
+        reading = read_calibration(work)
+    assert (reading.state, reading.running) == ("calibrated", 0)
+    assert reading.result is not None
 
 
 def test_a_place_that_cannot_be_written_is_named(work: Path, tmp_path: Path) -> None:

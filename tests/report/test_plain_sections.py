@@ -148,6 +148,7 @@ def context(
         strategy="sequential",
         seed=7,
         evaluations=tuple(evaluations),
+        learnt=(),
         running=2 if state == "running" else 0,
         runs=records,
         result=result,
@@ -204,7 +205,7 @@ def test_the_answer_has_verdict_values_intervals_and_cost() -> None:
         "particle-particle rolling friction coefficient 0.520 0.480 … 0.571",
         "ρ p kg/m³ particle density of the solid 2309 2280 … 2341",
         "✓ met 1500 ± 15 1501.8 ± 1.5 +0.12 %",
-        "✓ met 22 ± 0.5 21.60 ± 0.39 (predicted) −1.82 %",
+        "not verified 22 ± 0.5 21.60 ± 0.39 (predicted) −1.82 %",
         "2.153 ms , 1.05 times that of the middle of the intervals (2.054 ms)",
         "40 = 5 design + 11 optimisation + 24 verification ; 1 failed, 2 reused, learnt from 3",
         "2 min 00 s since it was started last",
@@ -241,7 +242,14 @@ def test_the_verdict_is_one_line_in_words(
 
 
 def test_a_missed_target_and_a_bound_in_the_way_are_named() -> None:
-    responses = {**RESULT.responses, "angle_of_repose": replace(ANGLE, within_tolerance=False)}
+    missed = replace(
+        ANGLE,
+        verified_mean=21.6,
+        verified_std_error=0.2,
+        verified_interval=0.4,
+        within_tolerance=False,
+    )
+    responses = {**RESULT.responses, "angle_of_repose": missed}
     outside = context("out_of_tolerance", replace(RESULT, responses=responses))
     assert "angle of repose deviates by −1.82 %, and ±2.27 % are accepted" in text(answer(outside))
     assert "✗ missed" in text(answer(outside))
@@ -250,6 +258,13 @@ def test_a_missed_target_and_a_bound_in_the_way_are_named() -> None:
     assert "The bound in the way is particle.density.max = 2205; try 2340." in text(
         answer(unreachable)
     )
+
+
+def test_what_could_not_be_verified_is_neither_met_nor_missed() -> None:
+    shown = text(answer(context("out_of_tolerance")))
+    assert "angle of repose could not be verified" in shown
+    assert "bulk density" not in shown.partition("Parameters")[0]
+    assert "not verified 22 ± 0.5 21.60 ± 0.39 (predicted) −1.82 %" in shown
 
 
 def test_an_interval_over_orders_of_magnitude_has_two_ends() -> None:

@@ -131,7 +131,19 @@ def test_the_normal_distribution_is_right_far_into_its_tails() -> None:
 
 
 def test_numbers_are_written_as_in_the_rest_of_the_page() -> None:
-    values = [0.0, 1.0, -0.6, 0.00012345, 9.9996e-5, 12345.6, 9999.6, 1e20, -3.6e-9, 2309.4312]
+    values = [
+        0.0,
+        1.0,
+        -0.6,
+        0.00012345,
+        9.9996e-5,
+        12345.6,
+        9999.6,
+        123456.0,
+        1e20,
+        -3.6e-9,
+        2309.4312,
+    ]
     uncertainties = [31.0, 0.045, 0.0, 1e-9, 250.0]
     times = [2.0, 0.0020543, 4.2e-5, 3e-8]
     found = contexts.in_node(

@@ -34,6 +34,8 @@ _VARIANCE_BEFORE = 1.0 / 12.0
 #: From here on, percent say less than the ends of the interval.
 _LARGEST_PERCENTAGE = 50.0
 _MOST_DIGITS = 6
+#: Parts of an interval, and the share of an even spread below which nothing fits in one.
+_PARTS, _EMPTY = 20, 0.1
 
 
 @dataclass(frozen=True)
@@ -93,9 +95,9 @@ def identifiability(posterior: Posterior, problem: Problem) -> Identifiability:
     -------
     Identifiability
     """
-    directions = _directions(posterior)
+    directions = _directions(posterior, posterior.names)
     narrowing = _narrowing(posterior)
-    groups = _inseparable(posterior, narrowing, directions)
+    groups = _inseparable(posterior, narrowing)
     grouped = {name for group in groups for name in group}
     parameters = {parameter.name: parameter for parameter in problem.parameters}
     alone = sorted((n for n in narrowing if n not in grouped), key=lambda n: -narrowing[n])
@@ -114,8 +116,12 @@ def identifiability(posterior: Posterior, problem: Problem) -> Identifiability:
     )
 
 
-def _directions(posterior: Posterior) -> tuple[Direction, ...]:
-    eigenvalues, vectors = np.linalg.eigh(np.atleast_2d(np.cov(posterior.points, rowvar=False)))
+def _directions(posterior: Posterior, names: Sequence[str]) -> tuple[Direction, ...]:
+    """Principal directions of the distribution of some parameters, best determined first."""
+    if not names:
+        return ()
+    cloud = posterior.points[:, [posterior.names.index(name) for name in names]]
+    eigenvalues, vectors = np.linalg.eigh(np.atleast_2d(np.cov(cloud, rowvar=False)))
     directions = []
     for eigenvalue, vector in zip(eigenvalues, vectors.T, strict=True):
         largest = vector[np.abs(vector).argmax()]
@@ -124,7 +130,7 @@ def _directions(posterior: Posterior) -> tuple[Direction, ...]:
         narrowing = min(sqrt(max(float(eigenvalue), 0.0) / _VARIANCE_BEFORE), 1.0)
         directions.append(
             Direction(
-                components=dict(zip(posterior.names, components, strict=True)),
+                components=dict(zip(names, components, strict=True)),
                 narrowing=narrowing,
                 determined=narrowing <= DETERMINED,
             )
@@ -141,9 +147,7 @@ def _narrowing(posterior: Posterior) -> dict[str, float]:
 # Ridges -------------------------------------------------------------------------------------
 
 
-def _inseparable(
-    posterior: Posterior, narrowing: dict[str, float], directions: Sequence[Direction]
-) -> list[tuple[str, ...]]:
+def _inseparable(posterior: Posterior, narrowing: dict[str, float]) -> list[tuple[str, ...]]:
     """Groups of parameters that are open one by one and determined together."""
     is_open = [name for name in posterior.names if narrowing[name] > DETERMINED]
     groups: list[set[str]] = []
@@ -153,12 +157,18 @@ def _inseparable(
             groups = [group for group in groups if not group & set(pair)]
             groups.append(set(pair).union(*joined))
     # Three and more may be tied although no two of them are.
-    for direction in directions:
+    for direction in _directions(posterior, _spread_out(posterior, is_open)):
         if direction.determined:
-            tied = {n for n in is_open if abs(direction.components[n]) >= _TAKES_PART}
-            if len(tied) > 1 and not tied <= set[str]().union(*groups):
+            tied = {n for n, share in direction.components.items() if abs(share) >= _TAKES_PART}
+            if len(tied) > 2 and not tied <= set[str]().union(*groups):
                 groups.append(tied)
     return [tuple(name for name in posterior.names if name in group) for group in groups]
+
+
+def _spread_out(posterior: Posterior, names: Sequence[str]) -> list[str]:
+    """Those that are open in the measure of directions, too: otherwise any would determine them."""
+    spread = dict(zip(posterior.names, posterior.points.var(axis=0).tolist(), strict=True))
+    return [name for name in names if sqrt(spread[name] / _VARIANCE_BEFORE) > DETERMINED]
 
 
 def _dependence(posterior: Posterior, first: str, second: str) -> float:
@@ -231,6 +241,9 @@ def _verdict(posterior: Posterior, parameter: Parameter, narrowing: float) -> st
     name = parameter.name
     low, high = posterior.interval(name)
     between = _with_unit(_ends(low, high), parameter)
+    if narrowing > OPEN and len(ranges := _occupied(posterior, parameter)) > 1:
+        parts = " or ".join(f"{_shown(low)} to {_shown(high)}" for low, high in ranges)
+        return f"{name} is not determined: {_with_unit(parts, parameter)} fits."
     if narrowing > OPEN:
         whole = f"{_shown(parameter.minimum)} to {_shown(parameter.maximum)}"
         return (
@@ -243,6 +256,21 @@ def _verdict(posterior: Posterior, parameter: Parameter, narrowing: float) -> st
     if percent > _LARGEST_PERCENTAGE:
         return f"{name} is determined: {between} with 95 % probability."
     return f"{name} is determined to ±{number(percent, 2)} % ({between})."
+
+
+def _occupied(posterior: Posterior, parameter: Parameter) -> list[tuple[float, float]]:
+    """Ranges of a parameter's interval in which there is part of the distribution."""
+    position = posterior.points[:, posterior.names.index(parameter.name)]
+    counts, edges = np.histogram(position, bins=_PARTS, range=(0.0, 1.0))
+    filled = np.concatenate([[False], counts > _EMPTY * len(position) / _PARTS, [False]])
+    starts, ends = (
+        np.flatnonzero(filled[1:] & ~filled[:-1]),
+        np.flatnonzero(~filled[1:] & filled[:-1]),
+    )
+    return [
+        (parameter.from_unit(edges[start]), parameter.from_unit(edges[end]))
+        for start, end in zip(starts, ends, strict=True)
+    ]
 
 
 def _what_would_narrow_it(posterior: Posterior, name: str, narrowing: dict[str, float]) -> str:

@@ -116,7 +116,9 @@ def _credible_intervals(
     from grainfit.analysis import analyse
 
     answer = read_answer(reading).parameters
-    analysis = analyse(reading.problem, reading.evaluations, seed=reading.seed, answer=answer)
+    if reading.state == "unreachable":
+        return {}, ("No parameter set within the intervals agrees with the measurements.",)
+    analysis = analyse(reading.problem, reading.known, seed=reading.seed, answer=answer)
     if analysis.posterior is None:
         return {}, analysis.notes
     return {name: analysis.posterior.interval(name) for name in answer}, analysis.notes

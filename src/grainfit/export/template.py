@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from grainfit.export.card import CardParameter
+from grainfit.solvers.model_input import variable_name
 
 _LONGEST_VARIABLE = 60
 
@@ -28,7 +28,7 @@ def variables(
     used = set(taken)
     for parameter in parameters:
         # Hash signs, quotes and line ends of a name would be commands of the deck.
-        name = re.sub(r"\W", "_", parameter.name, flags=re.ASCII)[:_LONGEST_VARIABLE]
+        name = variable_name(parameter.name)[:_LONGEST_VARIABLE]
         number = 1
         while name in used:
             number += 1

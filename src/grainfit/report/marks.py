@@ -6,11 +6,13 @@ little lighter, to be seen on dark paper as well as on light.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from math import isfinite
 from typing import Any
 
+from grainfit.campaign.evaluation import Evaluation
 from grainfit.problem import Target
+from grainfit.reading import CalibrationReading
 
 BLUE, VERMILION, GREEN, PURPLE, ORANGE = "#1f83c4", "#d55e00", "#009e73", "#cc79a7", "#e69f00"
 #: A band that is seen through.
@@ -23,6 +25,13 @@ STAGES: Mapping[str, tuple[str, str]] = {
     "optimisation": ("diamond", ORANGE),
     "verification": ("square", PURPLE),
 }
+
+
+def named_runs(reading: CalibrationReading) -> Iterator[tuple[str, Evaluation]]:
+    """Yield all that is known with what it is called: by its number, as in the table of runs."""
+    for number, evaluation in enumerate(reading.known, start=1):
+        is_own = number <= len(reading.evaluations)
+        yield f"run {number}" if is_own else "a run of another calibration", evaluation
 
 
 def tolerance_band(target: Target, axis: str) -> list[dict[str, Any]]:

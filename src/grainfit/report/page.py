@@ -60,14 +60,12 @@ def write_report(
     tell = on_progress or (lambda _words: None)
     tell("reading the runs")
     reading = read_calibration(Path(folder))
-    tell(f"analysing {len(reading.evaluations)} parameter sets")
+    tell(f"analysing {len(reading.known)} parameter sets")
     answer = reading.result.parameters if reading.result else None
     # Metamodels are small: threads of linear algebra would only wait for one another.
     with threadpool_limits(limits=1, user_api="blas"):
         # The same seed as that of the material card: both state the same intervals.
-        analysis = analyse(
-            reading.problem, reading.evaluations, seed=reading.seed, answer=answer or None
-        )
+        analysis = analyse(reading.problem, reading.known, seed=reading.seed, answer=answer or None)
         tell("drawing")
         page = render_page(ReportContext(reading, analysis))
     path = Path(output) if output is not None else Path(folder) / REPORT_NAME

@@ -13,7 +13,8 @@ from typing import Any
 
 from markupsafe import Markup
 
-from grainfit.analysis import Analysis
+from grainfit.analysis import Analysis, Posterior
+from grainfit.printable import plain
 from grainfit.problem import Parameter, Target
 from grainfit.reading import CalibrationReading
 from grainfit.report.labels import Label, parameter_label, response_label
@@ -84,6 +85,19 @@ class ReportContext:
     def answer(self) -> Mapping[str, float]:
         """Parameters of the answer, SI; empty when there is none yet."""
         return self.reading.result.parameters if self.reading.result else {}
+
+    @property
+    def posterior(self) -> Posterior | None:
+        """Parameter sets in line with the measurements; None where nothing agrees with them."""
+        return None if self.reading.state == "unreachable" else self.analysis.posterior
+
+    @property
+    def why_no_posterior(self) -> str:
+        """Why there is none, if so."""
+        if self.reading.state == "unreachable":
+            return "No parameter set within the intervals agrees with the measurements."
+        notes = " ".join(plain(note) for note in self.analysis.notes)
+        return notes or "The runs do not suffice for an interval yet."
 
     @property
     def parameters(self) -> tuple[Parameter, ...]:

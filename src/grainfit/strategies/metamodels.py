@@ -217,26 +217,30 @@ def runs_that_yield(evaluations: Sequence[Evaluation], name: str) -> list[Evalua
 
 
 def can_be_fitted(problem: Problem, evaluations: Sequence[Evaluation]) -> bool:
-    """Whether enough runs yielded every response."""
+    """Whether runs at enough different places yielded every response."""
     return all(
-        len(runs_that_yield(evaluations, target.name)) >= _fewest_runs(problem)
+        _places(runs_that_yield(evaluations, target.name)) >= _fewest_places(problem)
         for target in problem.targets
     )
 
 
-def _fewest_runs(problem: Problem) -> int:
+def _fewest_places(problem: Problem) -> int:
     return problem.dimension + 2
+
+
+def _places(evaluations: Sequence[Evaluation]) -> int:
+    return len({tuple(e.proposal.parameters.values()) for e in evaluations})
 
 
 def _fit(problem: Problem, evaluations: Sequence[Evaluation], name: str) -> Kriging:
     known = runs_that_yield(evaluations, name)
-    needed = _fewest_runs(problem)
-    if len(known) < needed:
+    needed, places = _fewest_places(problem), _places(known)
+    if places < needed:
         reasons = sorted({reason for e in evaluations for reason in e.failures.values()})
         because = f" Failures: {'; '.join(reasons[:3])}." if reasons else ""
         raise RunFailedError(
-            f"only {len(known)} of {len(evaluations)} runs gave the response {name!r}, and "
-            f"{needed} are needed for its metamodel.{because}"
+            f"only {len(known)} of {len(evaluations)} runs gave the response {name!r}, at "
+            f"{places} different places, and {needed} are needed for its metamodel.{because}"
         )
     points = np.array([problem.to_unit(e.proposal.parameters) for e in known])
     return Kriging.fit(points, np.array([e.responses[name].value for e in known]))

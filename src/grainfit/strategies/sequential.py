@@ -147,6 +147,7 @@ class Sequential(Strategy):
         self._whole_design = self._design_size = design_size(
             problem.dimension, self.options.design_runs, usual, max_evaluations
         )
+        self._usual_design = self.options.design_runs or usual
         self._allowed = max_evaluations or (
             self._design_size + RUNS_PER_PARAMETER * problem.dimension
         )
@@ -163,7 +164,7 @@ class Sequential(Strategy):
     @property
     def definition(self) -> dict[str, Any]:
         """All options; the budget only decides how far it goes."""
-        return asdict(self.options) | {"design_runs": self._whole_design}
+        return asdict(self.options) | {"design_runs": self._usual_design}
 
     @property
     def design_runs(self) -> int:

@@ -152,7 +152,7 @@
       "-": () => zoomBy(1 / 1.2),
     };
     canvas.addEventListener("keydown", (event) => {
-      if (keys[event.key]) {
+      if (keys[event.key] && !event.ctrlKey && !event.altKey && !event.metaKey) {
         event.preventDefault();
         keys[event.key]();
       }

@@ -4,7 +4,7 @@
 
   const SUPERSCRIPTS = "⁰¹²³⁴⁵⁶⁷⁸⁹";
   const MOST_DIGITS = 6;
-  const FIXED = [1e-3, 1e6];
+  const FIXED = [1e-3, 1e5];
 
   // Whether a number is readable without a power of ten.
   function isPlain(value) {
@@ -82,7 +82,10 @@
         }
       }
     }
-    return { tickvals, ticktext };
+    // Within a decade there may be none.
+    return tickvals.length > 1
+      ? { tickvals, ticktext }
+      : { tickvals: [low, high], ticktext: [low, high].map((value) => text(value, 3)) };
   }
 
   function toUnit(parameter, value) {
@@ -114,7 +117,7 @@
 
   // Copies a text, and says on the button that it did; without leave to do so, shows it.
   async function copy(content, button) {
-    const words = button.textContent;
+    const words = (button.dataset.words ??= button.textContent);
     try {
       await navigator.clipboard.writeText(content);
     } catch {

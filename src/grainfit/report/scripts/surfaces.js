@@ -115,6 +115,8 @@
       yield* this.factorised([response]);
       const view = this.surface && (yield* this.surfaceSteps());
       if (this.sliced !== response) {
+        // Until they are whole, they are those of no response.
+        this.sliced = null;
         yield* this.sliceSteps();
         this.sliced = response;
       }
@@ -210,7 +212,11 @@
 
     inWords({ response, means, agreement }) {
       const { target, tolerance } = this.responses[response];
-      const met = means.get(response).some((mean) => Math.abs(mean - target) <= tolerance);
+      // The surface is continuous: between points on both sides of the band it is within.
+      const found = means.get(response);
+      const least = found.reduce((a, b) => Math.min(a, b), Infinity);
+      const largest = found.reduce((a, b) => Math.max(a, b), -Infinity);
+      const met = least <= target + tolerance && largest >= target - tolerance;
       const most = agreement.reduce((a, b) => Math.max(a, b), 0);
       const sentences = [];
       if (!met) {
@@ -355,7 +361,7 @@
     }
 
     runInWords(run) {
-      const lines = [`run ${run.number} (${run.stage})`];
+      const lines = [`${run.name} (${run.stage})`];
       this.parameters.forEach((parameter, j) => {
         lines.push(`${parameter.plot} = ${text(run.values[j])} ${parameter.plot_unit}`);
       });

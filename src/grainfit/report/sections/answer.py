@@ -7,14 +7,13 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any, Literal
 
-from grainfit.analysis import Posterior
-from grainfit.numerals import number, rounded
+from grainfit.numerals import number, probability, rounded
 from grainfit.printable import counted, duration, plain
 from grainfit.problem import Parameter, Target
 from grainfit.report.labels import Label
 from grainfit.report.rendering import render
 from grainfit.report.section import ReportContext, Section
-from grainfit.result import Result, RunCounts
+from grainfit.result import ResponseResult, Result, RunCounts
 
 
 @dataclass(frozen=True)
@@ -64,7 +63,7 @@ def answer(context: ReportContext) -> Section:
     html = render(
         "answer",
         verdict=verdict(context),
-        provisional=not context.answer and _posterior(context) is not None,
+        provisional=not context.answer and context.posterior is not None,
         parameters=[_parameter_row(context, parameter) for parameter in context.parameters],
         responses=[_response_row(context, target) for target in context.targets],
         fixed=[
@@ -87,8 +86,10 @@ def verdict(context: ReportContext) -> Verdict:
             words = f"{ended}; under way: {counted(reading.running, 'run')}."
             return Verdict("warn", "Running: no answer yet.", (words,))
         case "failed":
-            details = (plain(reading.failure), f"{ended}.") if reading.failure else (f"{ended}.",)
-            return Verdict("bad", "Stopped by an error.", details)
+            details = [plain(reading.failure)] if reading.failure else []
+            if reading.evaluations:
+                details.append(f"{ended}.")
+            return Verdict("bad", "Stopped by an error.", tuple(details))
         case "interrupted":
             so_far = "The numbers are the best so far." if context.answer else "No answer yet."
             words = f"{ended}. Start the same command again to go on."
@@ -112,30 +113,31 @@ def _final_verdict(context: ReportContext) -> Verdict:
     if context.reading.state == "unreachable" and misses:
         return Verdict("bad", "Out of reach within the given intervals.", misses)
     missed = [
-        f"{context.response_label(name).words} deviates by {_percent(response.deviation_percent)}, "
-        f"and ±{number(100 * response.tolerance / response.target, 3)} % are accepted"
+        _miss(context.response_label(name).words, response)
         for name, response in result.responses.items()
-        if not response.within_tolerance
+        if not (response.is_verified and response.within_tolerance)
     ]
-    words = f"Not calibrated: {'; '.join(missed)}." if missed else "Not calibrated."
-    return Verdict("bad", words, sure)
+    return Verdict("bad", f"Not calibrated: {'; '.join(missed)}.", sure)
+
+
+def _miss(words: str, response: ResponseResult) -> str:
+    if not response.is_verified:
+        return f"{words} could not be verified"
+    accepted = number(100 * response.tolerance / response.target, 3)
+    deviation = _percent(response.deviation_percent)
+    return f"{words} deviates by {deviation}, and ±{accepted} % are accepted"
 
 
 def _sureness(result: Result) -> Iterator[str]:
     if result.agreement is not None:
         yield (
             "By all runs together, every expected response is within its tolerance with a "
-            f"probability of {_probability(result.agreement)}."
+            f"probability of {probability(result.agreement)}."
         )
 
 
-def _probability(value: float) -> str:
-    """Return a probability in percent: no metamodel makes anything certain."""
-    return "more than 99\u00a0%" if value > 0.995 else f"{100 * value:.0f}\u00a0%"
-
-
 def _parameter_row(context: ReportContext, parameter: Parameter) -> ParameterRow:
-    posterior, name = _posterior(context), parameter.name
+    posterior, name = context.posterior, parameter.name
     value = context.answer.get(name)
     if value is None and posterior is not None:
         value = float(posterior.median(name))
@@ -150,7 +152,7 @@ def _parameter_row(context: ReportContext, parameter: Parameter) -> ParameterRow
         label=context.parameter_label(name),
         value=_shown(value, half_width),
         interval=" … ".join(_shown(bound, half_width) for bound in interval) if interval else "",
-        why_no_interval=_why_no_interval(context),
+        why_no_interval=context.why_no_posterior,
         position=None if value is None else _position(parameter, value),
         credible=(_position(parameter, interval[0]), _position(parameter, interval[1]))
         if interval
@@ -166,17 +168,6 @@ def _shown(value: float | None, half_width: float | None) -> str:
 def _position(parameter: Parameter, value: float) -> float:
     """Where a value is in its interval, percent."""
     return round(100 * min(max(parameter.to_unit(value), 0.0), 1.0), 2)
-
-
-def _posterior(context: ReportContext) -> Posterior | None:
-    """Where nothing agrees with the measurements, there is no interval of what agrees."""
-    return None if context.reading.state == "unreachable" else context.analysis.posterior
-
-
-def _why_no_interval(context: ReportContext) -> str:
-    if context.reading.state == "unreachable":
-        return "No parameter set within the intervals agrees with the measurements."
-    return " ".join(context.analysis.notes) or "The runs do not suffice for an interval yet."
 
 
 def _response_row(context: ReportContext, target: Target) -> ResponseRow:
@@ -197,7 +188,7 @@ def _response_row(context: ReportContext, target: Target) -> ResponseRow:
         half_width=number(half_width, 2),
         predicted=not response.is_verified,
         deviation=_percent(response.deviation_percent),
-        met=response.within_tolerance,
+        met=response.within_tolerance if response.is_verified else None,
     )
 
 
@@ -243,6 +234,7 @@ def _cost(context: ReportContext) -> dict[str, Any]:
             **stages,
             failed=sum(len(evaluation.failures) for evaluation in reading.evaluations),
             total=sum(stages.values()),
+            learnt_from=sum(len(evaluation.runs) for evaluation in reading.learnt),
         )
     )
     return {

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from html import escape
 from itertools import accumulate
 from typing import Any
@@ -27,6 +28,8 @@ from grainfit.strategies.metamodels import Metamodels, can_be_fitted
 #: grows with the cube of that.
 _FITS = 8
 _MOST_FITTED = 120
+#: The same where as many were learnt from as well.
+_FEWEST_FITTED = 20
 #: Deviations below this share of the tolerance are as good as none, and a log axis has no zero.
 _SMALLEST = 1e-3
 
@@ -208,20 +211,27 @@ _Expectation = tuple[int, np.ndarray[Any, Any], np.ndarray[Any, Any]]
 
 def _checkpoints(context: ReportContext) -> list[int]:
     """Numbers of runs after which it is asked what is expected at the answer."""
-    evaluations = context.reading.evaluations
-    problem = context.reading.problem
-    most = min(len(evaluations), _MOST_FITTED)
-    if not context.answer or not can_be_fitted(problem, evaluations[:most]):
+    reading = context.reading
+    most = min(len(reading.evaluations), max(_MOST_FITTED - len(reading.learnt), _FEWEST_FITTED))
+    if not context.answer or not can_be_fitted(reading.problem, _known_after(context, most)):
         return []
-    least = next(n for n in range(most + 1) if can_be_fitted(problem, evaluations[:n]))
-    return sorted({round(float(n)) for n in np.geomspace(least, most, _FITS)})
+    least = next(
+        n for n in range(most + 1) if can_be_fitted(reading.problem, _known_after(context, n))
+    )
+    return sorted({round(float(n)) for n in np.geomspace(max(least, 1), most, _FITS)})
+
+
+def _known_after(context: ReportContext, count: int) -> Sequence[Evaluation]:
+    """The first runs that were asked for, and all that was learnt before these."""
+    reading = context.reading
+    return replace(reading, evaluations=reading.evaluations[:count]).known
 
 
 def _expected_at_the_answer(context: ReportContext) -> list[_Expectation]:
-    problem, evaluations = context.reading.problem, context.reading.evaluations
+    problem = context.reading.problem
     found = []
     for count in _checkpoints(context):
-        metamodels = Metamodels.fit(problem, evaluations[:count])
+        metamodels = Metamodels.fit(problem, _known_after(context, count))
         means, variances = metamodels.predict(problem.to_unit(context.answer))
         found.append((count, means[0], np.sqrt(variances[0])))
     return found

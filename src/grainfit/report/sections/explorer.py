@@ -87,7 +87,7 @@ def _parameter(context: ReportContext, parameter: Parameter, held: float) -> Map
 def _response(context: ReportContext, metamodels: Metamodels, index: int) -> Mapping[str, Any]:
     target, model = metamodels.problem.targets[index], metamodels.models[index]
     label = context.response_label(target.name)
-    runs = runs_that_yield(context.reading.evaluations, target.name)
+    runs = runs_that_yield(context.reading.known, target.name)
     return {
         "name": target.name,
         "words": label.words,

@@ -68,7 +68,8 @@ def heap(context: ReportContext) -> Section:
         views.append(view)
         if particles is not None:
             data[key] = particles
-    return Section("heap", "The heap", render("heap", views=views), data=data)
+    html = render("heap", views=views, begun=bool(reading.evaluations))
+    return Section("heap", "The heap", html, data=data)
 
 
 def _view(
@@ -82,7 +83,7 @@ def _view(
         key=key,
         title=title,
         words=words,
-        target="" if target is None else number(target.value),
+        target="" if target is None else number(target.value, 6),
         angle="",
         flanks=0,
         drawing=None,

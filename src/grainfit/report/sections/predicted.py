@@ -14,7 +14,7 @@ from grainfit.kriging import NORMAL_QUANTILE, POOR_Q2, LeaveOneOut
 from grainfit.printable import plain
 from grainfit.problem import Target
 from grainfit.report.labels import Label
-from grainfit.report.marks import BLUE, QUIET, VERMILION
+from grainfit.report.marks import BLUE, QUIET, VERMILION, named_runs
 from grainfit.report.rendering import render
 from grainfit.report.section import Figure, ReportContext, Section
 from grainfit.report.waiting import waiting
@@ -35,7 +35,7 @@ class _Check:
 
     target: Target
     label: Label
-    numbers: Sequence[int]
+    names: Sequence[str]
     simulated: NDArray[np.float64]
     left_out: LeaveOneOut
     scatter: float
@@ -92,7 +92,7 @@ def _check(context: ReportContext, metamodels: Metamodels, index: int) -> _Check
     return _Check(
         target,
         context.response_label(target.name),
-        _numbers(context, metamodels, target, list(zip(runs, simulated, strict=True))),
+        _names(context, metamodels, target, list(zip(runs, simulated, strict=True))),
         simulated,
         model.leave_one_out(),
         model.noise_standard_deviation,
@@ -100,19 +100,19 @@ def _check(context: ReportContext, metamodels: Metamodels, index: int) -> _Check
     )
 
 
-def _numbers(
+def _names(
     context: ReportContext,
     metamodels: Metamodels,
     target: Target,
     runs: Sequence[tuple[tuple[float, ...], float]],
-) -> list[int]:
-    """Numbers of runs, in the order in which they were asked for: by their place and response."""
-    known: dict[tuple[float, ...], list[tuple[float, int]]] = {}
-    for number, evaluation in enumerate(context.reading.evaluations, start=1):
+) -> list[str]:
+    """Names of runs, by their place and response."""
+    known: dict[tuple[float, ...], list[tuple[float, str]]] = {}
+    for name, evaluation in named_runs(context.reading):
         if target.name in evaluation.responses:
             point = tuple(metamodels.problem.to_unit(evaluation.proposal.parameters).tolist())
             value = evaluation.responses[target.name].value
-            known.setdefault(point, []).append((value, number))
+            known.setdefault(point, []).append((value, name))
     return [min(known[point], key=lambda run: abs(run[0] - value))[1] for point, value in runs]
 
 
@@ -130,7 +130,7 @@ def _words(check: _Check) -> Mapping[str, Any]:
         "is_mostly_scatter": check.is_mostly_scatter,
         "spread": check.spread,
         "scatter": check.scatter,
-        "runs": len(check.numbers),
+        "runs": len(check.names),
         "inside": int(check.inside.sum()),
         "warnings": check.warnings,
     }
@@ -184,8 +184,8 @@ def _points(
         "x": check.simulated[chosen].tolist(),
         "y": check.left_out.predicted[chosen].tolist(),
         "customdata": [
-            [number, float(width)]
-            for number, width, kept in zip(check.numbers, check.half_widths, chosen, strict=True)
+            [name, float(width)]
+            for name, width, kept in zip(check.names, check.half_widths, chosen, strict=True)
             if kept
         ],
         "error_y": {
@@ -198,7 +198,7 @@ def _points(
         "marker": {"color": color, "symbol": symbol, "size": 7},
         "showlegend": bool(chosen.any()),
         "hovertemplate": (
-            "run %{customdata[0]}<br>simulated %{x:.4g}<br>"
+            "%{customdata[0]}<br>simulated %{x:.4g}<br>"
             "predicted %{y:.4g} ± %{customdata[1]:.2g}<extra></extra>"
         ),
     }

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -55,7 +56,8 @@ def runs(context: ReportContext) -> Section:
         rows=[_row(context, number, run) for number, run in enumerate(evaluations, 1)],
         stages=sorted({evaluation.proposal.stage for evaluation in evaluations}),
         failed=sum(1 for evaluation in evaluations if evaluation.failures),
-        folder=plain(context.reading.folder.absolute().name),
+        folder=plain(shlex.quote(context.reading.folder.absolute().name)),
+        learnt=len(context.reading.learnt),
     )
     return Section("runs", "Every run", html)
 

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from grainfit.report.marks import STAGES
+from grainfit.report.marks import STAGES, named_runs
 from grainfit.report.rendering import render
 from grainfit.report.section import ReportContext, Section
 from grainfit.report.sections.explorer import held_at
@@ -64,10 +64,10 @@ def _data(context: ReportContext, metamodels: Metamodels) -> Mapping[str, Any]:
 
 
 def _runs(context: ReportContext, metamodels: Metamodels) -> list[Mapping[str, Any]]:
-    """All that gave a response, numbered in the order in which they were asked for."""
+    """All that gave a response."""
     return [
         {
-            "number": number,
+            "name": name,
             "stage": evaluation.proposal.stage,
             "values": [
                 _rounded(evaluation.proposal.parameters[p.name]) for p in context.parameters
@@ -79,7 +79,7 @@ def _runs(context: ReportContext, metamodels: Metamodels) -> list[Mapping[str, A
                 for t in metamodels.problem.targets
             ],
         }
-        for number, evaluation in enumerate(context.reading.evaluations, start=1)
+        for name, evaluation in named_runs(context.reading)
         if evaluation.responses
     ]
 

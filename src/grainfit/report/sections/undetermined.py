@@ -31,9 +31,9 @@ _FRAME_HEIGHT = 100
 
 def undetermined(context: ReportContext) -> Section:
     """Verdicts, further tests, correlations, and how much was learnt of each parameter."""
-    posterior, found = context.analysis.posterior, context.analysis.identifiability
+    posterior, found = context.posterior, context.analysis.identifiability
     if posterior is None or found is None:
-        return waiting(context, _KEY, _TITLE)
+        return waiting(context, _KEY, _TITLE, context.why_no_posterior)
     figures = {f"{_KEY}-learnt": _learnt(context, posterior, found.narrowing)}
     if len(posterior.names) > 1:
         figures[f"{_KEY}-correlations"] = _correlations(context, posterior)
@@ -229,9 +229,12 @@ def _axis(context: ReportContext, parameter: Parameter) -> Mapping[str, Any]:
     if parameter.scale == "linear":
         return {**common, "range": [parameter.minimum, parameter.maximum], "nticks": 5}
     low, high = math.log10(parameter.minimum), math.log10(parameter.maximum)
-    powers = range(math.ceil(low - _ROUNDING), math.floor(high + _ROUNDING) + 1)
+    powers = range(math.floor(low), math.floor(high + _ROUNDING) + 1)
     factors = (1, 2, 5) if high - low < 2 else (1,)
     ticks = [float(f"{factor}e{power}") for power in powers for factor in factors]
+    ticks = [t for t in ticks if low - _ROUNDING <= math.log10(t) <= high + _ROUNDING]
+    if len(ticks) < 2:
+        ticks = [parameter.minimum, parameter.maximum]
     return {
         **common,
         "type": "log",
