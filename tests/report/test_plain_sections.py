@@ -229,7 +229,7 @@ def test_without_an_interval_the_answer_says_why() -> None:
         ("interrupted", None, "warn", "No answer yet"),
         ("interrupted", RESULT, "warn", "The numbers are the best so far"),
         ("failed", None, "bad", "the first 3 runs all failed"),
-        ("out_of_tolerance", RESULT, "bad", "Not calibrated."),
+        ("out_of_tolerance", RESULT, "bad", "Not calibrated: "),
     ],
 )
 def test_the_verdict_is_one_line_in_words(
