@@ -453,7 +453,8 @@ def test_hostile_keys_and_values_are_shown_harmlessly(faults_of: FaultsOf) -> No
         (DIAMETER, 'diameter = "\\u001b[2J"\n"\\u001b[31m" = 1'),
         (SOLVER, f'solver = "{"x" * 3000}"\n"{"y" * 3000}" = 1'),
     )
-    assert len(faults) == 4
+    faults += faults_of((TARGET, 'targets.bulk_density = "\\u001f"'))
+    assert len(faults) == 5
     for fault in faults:
         assert str(fault).isprintable()
         assert len(str(fault)) < 600

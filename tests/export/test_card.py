@@ -221,6 +221,8 @@ def test_an_answer_that_was_not_verified_is_not_called_met(drum_folder: Path) ->
             )
 
     edit_result(drum_folder, stop_before_verification)
+    with sqlite3.connect(drum_folder / "runs.sqlite") as connection:
+        connection.execute("UPDATE calibrations SET status = 'interrupted'")
     (response,) = material_card(drum_folder, {}).responses
     assert (response.verified, response.met) == (False, False)
     assert table(material_card(drum_folder, {}))[1]["origin"] == "predicted"

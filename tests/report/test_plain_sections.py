@@ -228,8 +228,8 @@ def test_without_an_interval_the_answer_says_why() -> None:
         ("running", None, "warn", "Simulated so far: 7 parameter sets; under way: 2 runs."),
         ("interrupted", None, "warn", "No answer yet"),
         ("interrupted", RESULT, "warn", "The numbers are the best so far"),
-        ("failed", None, "bad", "the first 3 runs all failed"),
-        ("out_of_tolerance", RESULT, "bad", "Not calibrated."),
+        ("failed", None, "bad", "The first 3 runs all failed"),
+        ("out_of_tolerance", RESULT, "bad", "Not calibrated: "),
     ],
 )
 def test_the_verdict_is_one_line_in_words(

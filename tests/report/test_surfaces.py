@@ -156,7 +156,7 @@ def test_surfaces_have_all_runs_that_gave_something_and_their_numbers() -> None:
         wanted, 20, failing=lambda n, name: n == 3 or (n == 5 and name[-1] == "0")
     )
     runs = surfaces(contexts.context(wanted, known)).data["runs"]
-    assert [run["number"] for run in runs] == [n for n in range(1, 21) if n != 3]
+    assert [run["name"] for run in runs] == [f"run {n}" for n in range(1, 21) if n != 3]
     fifth = runs[3]
     assert fifth["values"] == pytest.approx(list(known[4].proposal.parameters.values()), rel=1e-5)
     assert fifth["responses"][0] is None
@@ -192,9 +192,9 @@ def test_every_run_is_drawn_where_leaving_it_out_puts_it() -> None:
     left_out = made.analysis.metamodels.models[1].leave_one_out()
     figure = predicted(made).figures["predicted-1"]
     drawn = {
-        number: (x, y, half)
+        int(name.removeprefix("run ")): (x, y, half)
         for trace in figure.data[1:]
-        for x, y, (number, half) in zip(trace["x"], trace["y"], trace["customdata"], strict=True)
+        for x, y, (name, half) in zip(trace["x"], trace["y"], trace["customdata"], strict=True)
     }
     runs = made.reading.evaluations
     assert sorted(drawn) == list(range(1, len(runs) + 1))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 import statistics
 from dataclasses import dataclass
@@ -11,8 +12,12 @@ from grainfit.calibration_file.kinds import Kind, ListOf, Quantity, Schema, Text
 from grainfit.calibration_file.parameters import own_quantity
 from grainfit.calibration_file.places import Place, show
 from grainfit.calibration_file.tables import Key, Table, Values
+from grainfit.printable import plain
 from grainfit.problem import Target
 from grainfit.units import percentage
+
+#: A longer text is not repeated in what to write instead.
+_LONGEST_SHOWN = 40
 
 _SMALLEST_SHARE, _LARGEST_SHARE = 1e-9, 10.0
 
@@ -160,4 +165,6 @@ def _absolute(deviation: tuple[float, bool] | None, value: float) -> float | Non
 
 
 def _as_toml(value: object) -> str:
-    return f'"{value}"' if isinstance(value, str) and len(value) < 40 else "..."
+    if not isinstance(value, str) or len(value) >= _LONGEST_SHOWN:
+        return "..."
+    return plain(json.dumps(value, ensure_ascii=False))

@@ -86,7 +86,8 @@ def verdict(context: ReportContext) -> Verdict:
             words = f"{ended}; under way: {counted(reading.running, 'run')}."
             return Verdict("warn", "Running: no answer yet.", (words,))
         case "failed":
-            details = [plain(reading.failure)] if reading.failure else []
+            why = plain(reading.failure)
+            details = [why[0].upper() + why[1:]] if why else []
             if reading.evaluations:
                 details.append(f"{ended}.")
             return Verdict("bad", "Stopped by an error.", tuple(details))
@@ -193,7 +194,8 @@ def _response_row(context: ReportContext, target: Target) -> ResponseRow:
 
 
 def _percent(value: float) -> str:
-    return f"{value:+.2f} %".replace("-", "−")
+    # Adding zero: there is no minus zero for people.
+    return f"{round(value, 2) + 0.0:+.2f} %".replace("-", "−")
 
 
 def _time_step(result: Result) -> dict[str, str] | None:
