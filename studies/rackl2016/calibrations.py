@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any, Literal
 
 from grainfit.calibration import calibrate
+from grainfit.campaign.store import RunStore
 from grainfit.errors import RunFailedError
 from grainfit.problem import Problem
 from grainfit.progress import Progress
@@ -36,10 +37,9 @@ def calibrate_with_grainfit(
     With a limit of the search, every verification is paid for besides: one that fails is followed
     by more search up to the limit, as when a user starts again with a larger budget.
     """
+    folder = context.folder / "grainfit"
 
     def show(progress: Progress) -> None:
-        if progress.stage == "verification":
-            context.clock.note_end_of_search()
         context.report(progress.done, progress.done + progress.left, progress.stage)
 
     def start(max_runs: int | None) -> Result:
@@ -49,7 +49,7 @@ def calibrate_with_grainfit(
             strategy=strategy,
             seed=seed,
             workers=context.workers,
-            workdir=context.folder / "grainfit",
+            workdir=folder,
             name=context.folder.parent.name,
             design_runs=design_runs,
             max_runs=max_runs,
@@ -63,7 +63,7 @@ def calibrate_with_grainfit(
         return result
 
     if most_search_runs is None:
-        return _record(start(None))
+        return _record(start(None), folder)
     budget = 0
     affordable = most_search_runs + verification_runs
     while affordable > budget:
@@ -71,10 +71,10 @@ def calibrate_with_grainfit(
         result = start(budget)
         if result.status == "out_of_tolerance":
             affordable = most_search_runs + result.runs.verification + verification_runs
-    return _record(result)
+    return _record(result, folder)
 
 
-def _record(result: Result) -> Record:
+def _record(result: Result, folder: Path) -> Record:
     searched = [run for run in result.history if run.stage != "verification"]
     return {
         "status": result.status,
@@ -83,9 +83,9 @@ def _record(result: Result) -> Record:
         "design_runs": result.runs.design,
         "optimisation_runs": result.runs.optimisation,
         "verification_runs": result.runs.verification,
+        "verification_seconds": verification_seconds(folder, result.identity),
         "failed_runs": result.runs.failed,
         "runs_made": result.runs.total,
-        "searched_again": _has_searched_again(result),
         "last_run": dict(searched[-1].responses),
         "rayleigh_time_step": result.rayleigh_time_step,
         "rayleigh_time_step_before": result.rayleigh_time_step_before,
@@ -96,11 +96,20 @@ def _record(result: Result) -> Record:
     }
 
 
-def _has_searched_again(result: Result) -> bool:
-    """Whether it went on searching after a verification; a run under way then comes back late."""
-    stages = [run.stage for run in result.history]
-    verified = [place for place, stage in enumerate(stages) if stage == "verification"]
-    return len(verified) > 2 and "optimisation" in stages[verified[2] :]
+def verification_seconds(folder: Path, calibration: str) -> float:
+    """Wall time during which runs of a verification were under way in a work folder, s."""
+    store = RunStore.read_only(folder)
+    try:
+        requests = store.requests(calibration)
+        asked = {run for r in requests if r.stage == "verification" for run in r.runs.values()}
+        runs = store.find_many(asked).values()
+    finally:
+        store.close()
+    total, covered_until = 0.0, 0.0
+    for begun, ended in sorted((run.ended - run.seconds, run.ended) for run in runs):
+        total += max(0.0, ended - max(begun, covered_until))
+        covered_until = max(covered_until, ended)
+    return total
 
 
 def calibrate_with_peer(
@@ -128,6 +137,7 @@ def calibrate_with_peer(
         "difference_runs": sum(run["purpose"] == "differences" for run in behind_design),
         "serial_runs": len(steps),
         "verification_runs": 0,
+        "verification_seconds": 0.0,
         "failed_runs": sum(run["responses"] is None for run in history),
         "runs_made": len(_different(history)),
         "last_run": _nearest(steps, parameters)["responses"],

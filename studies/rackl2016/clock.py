@@ -30,14 +30,11 @@ class Cost:
     others_seconds : float
         Processor time that all else on the machine used meanwhile, s: with much of it, the wall
         time says little.
-    search_seconds : float, optional
-        Wall time before the verification began, s.
     """
 
     wall_seconds: float = 0.0
     processor_seconds: float = 0.0
     others_seconds: float = 0.0
-    search_seconds: float | None = None
 
     @property
     def was_disturbed(self) -> bool:
@@ -57,7 +54,6 @@ class Clock:
     def __init__(self, path: Path) -> None:
         self._path = path
         self._before = read_cost(path)
-        self._search_seconds = self._before.search_seconds
         self._stopped = threading.Event()
         self._thread = threading.Thread(target=self._note_now_and_then, daemon=True)
 
@@ -84,13 +80,7 @@ class Clock:
             self._before.wall_seconds + time.monotonic() - self._wall,
             self._before.processor_seconds + own,
             self._before.others_seconds + max(0.0, _all_seconds() - self._all - own),
-            self._search_seconds,
         )
-
-    def note_end_of_search(self) -> None:
-        """Take note that the verification begins; only the first time counts."""
-        if self._search_seconds is None:
-            self._search_seconds = self.cost.wall_seconds
 
     def _note_now_and_then(self) -> None:
         while not self._stopped.wait(_SECONDS_BETWEEN_NOTES):

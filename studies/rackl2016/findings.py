@@ -58,7 +58,7 @@ class Row:
 
     @property
     def runs(self) -> int:
-        """DEM runs before verification."""
+        """DEM runs of the search, without any verification."""
         return int(self.record["design_runs"] + self.record["optimisation_runs"])
 
     @property
@@ -68,11 +68,8 @@ class Row:
 
     @property
     def search_seconds(self) -> float:
-        """Wall time before verification, s; all of it where the search went on behind one."""
-        found = self.cost.search_seconds
-        if found is None or self.record.get("searched_again"):
-            return self.cost.wall_seconds
-        return found
+        """Wall time of the search, without any verification, s."""
+        return self.cost.wall_seconds - float(self.record["verification_seconds"])
 
     def at_last_run(self, response: str) -> float | None:
         """Deviation of the last run, %: what the paper reports; None where that run failed."""
@@ -83,12 +80,13 @@ class Row:
         """Deviation of the expected response; None when the fresh seeds have not been run."""
         return None if self.truth is None else deviation(self.truth, response)
 
-    def can_meet_targets(self) -> bool:
-        """Whether its expected responses are within the tolerances as far as they are known."""
+    def meets_targets(self, *, if_in_doubt: bool = False) -> bool:
+        """Whether its expected responses, or all that they may be, are within the tolerances."""
         found = {name: self.expected(name) for name in RESPONSES}
         return all(
             off is not None
-            and abs(off.percent) <= 100 * TOLERANCES[name] / MEASURED[name] + off.half_width
+            and abs(off.percent) - if_in_doubt * off.half_width
+            <= 100 * TOLERANCES[name] / MEASURED[name]
             for name, off in found.items()
         )
 
@@ -197,7 +195,11 @@ class Findings:
         rows = [row for method in METHODS for row in self.whole(method, with_truth=True)]
         if len(rows) < len(METHODS) * len(CASES):
             return None
-        return [w for w in WIDTHS if any(r.can_meet_targets() for r in rows if r.case.width == w)]
+        return [
+            w
+            for w in WIDTHS
+            if any(r.meets_targets(if_in_doubt=True) for r in rows if r.case.width == w)
+        ]
 
     def recovered(self) -> list[Recovered]:
         """Cases of the recovery study that have been done."""
@@ -251,7 +253,10 @@ class Findings:
         return goals + list(self._coverage_goals())
 
     def _within_tolerance(self) -> Goal:
-        words = "all calibrations by grainfit whose targets are reachable end within tolerance"
+        words = (
+            "all calibrations by grainfit whose targets are reachable end within tolerance, by "
+            "their own verification"
+        )
         rows, widths = self._ours_reachable(OURS), self.reachable_widths
         both = rows and self._ours_reachable(STAGED)
         if not both or widths is None:
@@ -259,7 +264,11 @@ class Findings:
         rows = [*both, *rows]
         ended = sum(row.record["status"] == "calibrated" for row in rows)
         reachable = ", ".join(f"±{100 * width:.0f} %" for width in widths)
-        return Goal(words, f"{ended} of {len(rows)} ({reachable} reachable)", ended == len(rows))
+        truly = sum(row.meets_targets() for row in rows)
+        found = (
+            f"{ended} of {len(rows)} ({reachable} reachable); {truly} by the mean of fresh seeds"
+        )
+        return Goal(words, found, ended == len(rows))
 
     def _ours_reachable(self, method: str) -> list[Row]:
         widths = self.reachable_widths or []
@@ -325,7 +334,7 @@ class Findings:
             found = f"{their / our:.2f} times ({their:.0f} against {our:.0f}{own})"
             return Goal(f"{against}: {words}", found, their / our >= (goal or 0))
 
-        yield ratio(f"at least {FEWER_RUNS} times fewer runs", _runs, "", FEWER_RUNS)
+        yield ratio(f"at least {FEWER_RUNS} times fewer runs of the search", _runs, "", FEWER_RUNS)
         yield ratio(
             f"at least {FEWER_RUNS} times fewer runs, verification included",
             _runs_with_verification,
@@ -333,7 +342,7 @@ class Findings:
             FEWER_RUNS,
         )
         wall = f"at least {LESS_WALL_TIME} times less wall time"
-        yield ratio(wall, _search_seconds, " s", LESS_WALL_TIME)
+        yield ratio(f"{wall} of the search", _search_seconds, " s", LESS_WALL_TIME)
         included = f"{wall}, verification included"
         yield ratio(included, _wall_seconds, " s", LESS_WALL_TIME)
         yield self._closer(peer, against)

@@ -20,8 +20,9 @@ RESPONSES = (BULK_DENSITY, ANGLE)
 UNITS: Mapping[str, str] = {BULK_DENSITY: "kg/m^3", ANGLE: "deg", DENSITY: "kg/m^3", MODULUS: "Pa"}
 #: What the paper took from the literature.
 MEASURED: Mapping[str, float] = {BULK_DENSITY: 1500.0, ANGLE: 22.0}
-#: The paper gives none; these are those of the examples: 1 % and half a degree.
-TOLERANCES: Mapping[str, float] = {BULK_DENSITY: 15.0, ANGLE: 0.5}
+#: The paper gives none. Expected responses are to be within 0.5 and 2 %; as a verification leaves
+#: half a percent of the angle open, 1.5 % of it are accepted.
+TOLERANCES: Mapping[str, float] = {BULK_DENSITY: 7.5, ANGLE: 0.33}
 #: Table 2: half-width of the intervals as a share of the values of table 1, and seeds.
 WIDTHS = (0.10, 0.33, 0.66)
 SEEDS = (3000, 4000)
