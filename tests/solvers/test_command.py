@@ -14,6 +14,7 @@ import pytest
 from grainfit.errors import InputError, RunFailedError, SolverNotFoundError
 from grainfit.solvers.base import Response, Workspace
 from grainfit.solvers.command import Command
+from grainfit.solvers.model_folder import ModelFolder
 from grainfit.testing.solver_contract import ProcessSolverContract
 
 PYTHON = sys.executable
@@ -243,6 +244,27 @@ def test_runs_of_a_calibration_inside_the_folder_are_not_copied(tmp_path):
     assert Command(folder, ["python3", "model.py"]).definition({"x": 1.0}, 1) == before
     solver.run({"x": 1.0}, 1, Workspace(new))
     assert not (new / "work").exists()
+
+
+@pytest.mark.parametrize("names", [["one"], ["one", "parts/two", "parts/of parts/three"]])
+def test_model_is_copied_whole_into_a_folder_that_is_there_and_into_no_other(tmp_path, names):
+    model = tmp_path / "model"
+    for name in names:
+        (model / name).parent.mkdir(parents=True, exist_ok=True)
+        (model / name).write_text(name)
+    there, removed = tmp_path / "there", tmp_path / "runs" / "removed"
+    there.mkdir()
+    folder = ModelFolder(model, ignored=lambda _: False)
+    folder.copy(there)
+
+    assert [(there / name).read_text() for name in names] == names
+    with pytest.raises(FileNotFoundError):
+        folder.copy(removed)
+    # Not even the folder of the run when only that was removed.
+    removed.parent.mkdir()
+    with pytest.raises(FileNotFoundError):
+        folder.copy(removed)
+    assert not removed.exists()
 
 
 # --- identity ------------------------------------------------------------------------------------

@@ -111,11 +111,19 @@ class ModelFolder:
             ) from error
 
     def copy(self, target: Path) -> None:
-        """Copy the model's files, with their permissions, into a folder."""
-        for name in self.files():
-            destination = target / name
-            destination.parent.mkdir(parents=True, exist_ok=True)
-            shutil.copy(self.path / name, destination)
+        """Copy the model's files, with their permissions, into a folder that is there.
+
+        Raises
+        ------
+        OSError
+            A file cannot be written; the folder itself may have been removed, and is not made.
+        """
+        names = self.files()
+        folders = {folder for name in names for folder in PurePosixPath(name).parents}
+        for folder in sorted(folders - {PurePosixPath()}):
+            (target / folder).mkdir(exist_ok=True)
+        for name in names:
+            shutil.copy(self.path / name, target / name)
 
     def _unusable(self) -> Iterator[tuple[str, str]]:
         for name, path in self._walk():

@@ -21,6 +21,7 @@ from __future__ import annotations
 
 import json
 import math
+import shutil
 import threading
 import time
 from collections.abc import Iterator, Mapping
@@ -212,6 +213,18 @@ class SolverContract:
             solver.run(parameters, 7, workspace)
 
         assert caught.value.kind == "cancelled"
+
+    def test_folder_that_was_removed_does_not_come_back(
+        self, solver: Solver, parameters: dict[str, float], workspaces: Workspaces
+    ) -> None:
+        if not solver.uses_folder:
+            pytest.skip("the solver writes nothing")
+        workspace = workspaces.new()
+        shutil.rmtree(workspaces.folder)
+        with pytest.raises((OSError, RunFailedError)):
+            solver.run(parameters, 7, workspace)
+
+        assert not workspaces.folder.exists()
 
 
 class ProcessSolverContract(SolverContract):
