@@ -92,6 +92,13 @@ class CalibrationReading:
     failure: str = ""
 
     @property
+    def why_nothing_agrees(self) -> str:
+        """Why no parameter set is in line with the measurements; "" where some may be."""
+        if self.state == "unreachable":
+            return "No parameter set within the intervals agrees with the measurements."
+        return ""
+
+    @property
     def known(self) -> tuple[Evaluation, ...]:
         """The evaluations, and behind them those that were learnt from and not asked for too."""
         asked = set(map(_run_of, self.evaluations))

@@ -33,7 +33,7 @@ from grainfit.report.sections.heap import heap
 from grainfit.report.sections.reproduce import reproduce
 from grainfit.report.sections.runs import runs
 from grainfit.report.sections.verification import verification
-from grainfit.result import ResponseResult, Result, RunCounts
+from grainfit.result import Result, RunCounts
 from grainfit.solvers.base import Response
 from grainfit.strategies.answer import OutOfReach
 
@@ -49,32 +49,21 @@ PROBLEM = grainfit.Problem(
     ],
 )
 ANSWER = {DENSITY: 2309.4321, FRICTION: 0.52}
-ANGLE = ResponseResult(
-    target=22.0,
-    tolerance=0.5,
-    unit="deg",
-    predicted=21.6,
-    std_error=0.2,
-    verified_mean=None,
-    verified_std_error=None,
-    verified_interval=None,
-    deviation_percent=-1.82,
-    within_tolerance=True,
+MET = result_of(PROBLEM, ANSWER)
+ANGLE = replace(
+    MET.responses["angle_of_repose"], predicted=21.6, std_error=0.2, deviation_percent=-1.82
 )
-BULK_DENSITY = ResponseResult(
-    target=1500.0,
-    tolerance=15.0,
-    unit="kg/m^3",
+BULK_DENSITY = replace(
+    MET.responses["bulk_density"],
     predicted=1503.0,
     std_error=2.0,
     verified_mean=1501.84,
     verified_std_error=0.6,
     verified_interval=1.5,
     deviation_percent=0.12,
-    within_tolerance=True,
 )
 RESULT = replace(
-    result_of(PROBLEM, ANSWER),
+    MET,
     responses={"bulk_density": BULK_DENSITY, "angle_of_repose": ANGLE},
     runs=RunCounts(
         design=5, optimisation=11, verification=24, failed=1, reused=2, total=40, learnt_from=3

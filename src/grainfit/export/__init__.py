@@ -116,8 +116,8 @@ def _credible_intervals(
     from grainfit.analysis import analyse
 
     answer = read_answer(reading).parameters
-    if reading.state == "unreachable":
-        return {}, ("No parameter set within the intervals agrees with the measurements.",)
+    if reading.why_nothing_agrees:
+        return {}, (reading.why_nothing_agrees,)
     analysis = analyse(reading.problem, reading.known, seed=reading.seed, answer=answer)
     if analysis.posterior is None:
         return {}, analysis.notes

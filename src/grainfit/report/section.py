@@ -89,15 +89,17 @@ class ReportContext:
     @property
     def posterior(self) -> Posterior | None:
         """Parameter sets in line with the measurements; None where nothing agrees with them."""
-        return None if self.reading.state == "unreachable" else self.analysis.posterior
+        return None if self.reading.why_nothing_agrees else self.analysis.posterior
 
     @property
     def why_no_posterior(self) -> str:
         """Why there is none, if so."""
-        if self.reading.state == "unreachable":
-            return "No parameter set within the intervals agrees with the measurements."
         notes = " ".join(plain(note) for note in self.analysis.notes)
-        return notes or "The runs do not suffice for an interval yet."
+        return (
+            self.reading.why_nothing_agrees
+            or notes
+            or "The runs do not suffice for an interval yet."
+        )
 
     @property
     def parameters(self) -> tuple[Parameter, ...]:
