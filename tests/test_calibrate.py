@@ -240,6 +240,26 @@ def test_an_answer_that_verification_refutes_is_not_called_calibrated() -> None:
     assert gf.calibrate(problem(), biased).status in ("out_of_tolerance", "unreachable")
 
 
+def test_an_answer_that_is_verified_by_luck_is_not_called_calibrated() -> None:
+    def scattered(parameters: dict[str, float], seed: int) -> dict[str, float]:
+        scatter = 0.8 * np.random.default_rng(seed).standard_normal()
+        return {"angle": 20 + 10 * parameters["friction"] + scatter}
+
+    # At most 30 is expected, which is out of reach by less than ten runs can tell.
+    result = gf.calibrate(
+        gf.Problem([gf.Parameter("friction", 0, 1)], [gf.Target("angle", 30.8, tolerance=0.5)]),
+        scattered,
+        max_runs=12,
+        verification_runs=2,
+        seed=7,
+    )
+    angle = result.responses["angle"]
+    assert angle.verified_mean == pytest.approx(30.8, abs=0.5)
+    assert result.status == "out_of_tolerance"
+    assert angle.is_contradicted
+    assert "angle counts as missed: the verification runs alone" in " ".join(result.notices)
+
+
 def test_runs_that_all_fail_stop_the_calibration_with_the_reason() -> None:
     def broken(parameters: dict[str, float], seed: int) -> dict[str, float]:
         raise ValueError("no licence")

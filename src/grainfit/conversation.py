@@ -18,7 +18,7 @@ from grainfit.campaign.runner import Campaign
 from grainfit.campaign.store import RunStore
 from grainfit.errors import GrainfitError, RunFailedError, StoreError
 from grainfit.misfit import relative_deviation
-from grainfit.outcome import About, make_result
+from grainfit.outcome import About, Verdict, make_result
 from grainfit.problem import Problem
 from grainfit.progress import Progress
 from grainfit.provenance import Provenance
@@ -27,7 +27,9 @@ from grainfit.strategies.answer import Answer
 from grainfit.strategies.base import Strategy, insertion_seed
 from grainfit.verification import (
     ROUNDS,
+    Contradiction,
     Verified,
+    contradictions,
     meets_targets,
     needs_more_runs,
     verified_responses,
@@ -160,11 +162,11 @@ class Conversation:
             self._utilisation(wall_seconds),
             status,
         )
-        verification = [] if answer is None else self._verification_of(answer)
+        verdict = Verdict()
+        if answer is not None:
+            verdict = Verdict(self._verification_of(answer), self._contradictions(answer))
         known_runs = sum(self._origins.values())
-        return make_result(
-            about, self._strategy, answer, self._evaluations, verification, known_runs
-        )
+        return make_result(about, self._strategy, answer, self._evaluations, verdict, known_runs)
 
     def _converse(self) -> tuple[Answer, Status]:
         self._run_strategy()
@@ -177,7 +179,7 @@ class Conversation:
         # The runs of the verification tell how sure it is, too.
         agreement = self._strategy.answer(answer.parameters).agreement
         answer = replace(answer, agreement=agreement)
-        if meets_targets(self._problem, self._verified(answer)):
+        if self._is_met(answer):
             return answer, "calibrated"
         return answer, "unreachable" if answer.out_of_reach else "out_of_tolerance"
 
@@ -254,7 +256,17 @@ class Conversation:
             self._verification_round(answer)
             if not needs_more_runs(self._problem, self._verified(answer)):
                 break
-        return meets_targets(self._problem, self._verified(answer))
+        return self._is_met(answer)
+
+    def _is_met(self, answer: Answer) -> bool:
+        """Whether the verification runs meet all targets, and no other runs speak against it."""
+        if not meets_targets(self._problem, self._verified(answer)):
+            return False
+        return not self._contradictions(answer)
+
+    def _contradictions(self, answer: Answer) -> list[Contradiction]:
+        known = self._strategy.answer(answer.parameters)
+        return contradictions(self._problem, self._verified(answer), known)
 
     def _verification_of(self, answer: Answer) -> list[Evaluation]:
         """Runs that verify this answer: made since it was chosen, and at its parameters."""

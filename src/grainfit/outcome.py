@@ -13,7 +13,7 @@ from grainfit.result import ResponseResult, Result, RunCounts, RunSummary, Statu
 from grainfit.strategies.answer import Answer
 from grainfit.strategies.answer_making import bound_at
 from grainfit.strategies.base import Strategy
-from grainfit.verification import Verified, verified_responses
+from grainfit.verification import Contradiction, Verified, verified_responses
 
 
 @dataclass(frozen=True)
@@ -27,12 +27,20 @@ class About:
     status: Status
 
 
+@dataclass(frozen=True)
+class Verdict:
+    """The evaluations that verify an answer, and what other runs have to say against them."""
+
+    runs: Sequence[Evaluation] = ()
+    contradictions: Sequence[Contradiction] = ()
+
+
 def make_result(
     about: About,
     strategy: Strategy,
     answer: Answer | None,
     evaluations: Sequence[Evaluation],
-    verification: Sequence[Evaluation],
+    verdict: Verdict,
     known: int = 0,
 ) -> Result:
     """Put together the result of a calibration.
@@ -47,8 +55,8 @@ def make_result(
         None when it was interrupted before there was one.
     evaluations : sequence of Evaluation
         All parameter sets that were simulated.
-    verification : sequence of Evaluation
-        Those of them that verify the answer.
+    verdict : Verdict
+        Those of them that verify the answer, and what speaks against them.
     known : int
         Runs that were made before the calibration and that it learnt from.
     """
@@ -56,13 +64,17 @@ def make_result(
     rayleigh = problem.rayleigh
     middle = strategy.problem.from_unit([0.5] * problem.dimension)
     parameters = dict(answer.parameters) if answer else {}
-    notices = [*strategy.notices, *_failure_notices(verification)]
+    notices = [
+        *strategy.notices,
+        *map(str, verdict.contradictions),
+        *_failure_notices(verdict.runs),
+    ]
     if answer:
         notices += _edge_notices(problem, answer)
     return Result(
         status=about.status,
         parameters=parameters,
-        responses=_responses(problem, answer, verification) if answer else {},
+        responses=_responses(problem, answer, verdict) if answer else {},
         runs=_counts(evaluations, known),
         rayleigh_time_step=problem.rayleigh_time_step(parameters) if answer else None,
         rayleigh_time_step_before=problem.rayleigh_time_step(middle),
@@ -83,18 +95,24 @@ def make_result(
     )
 
 
-def _responses(
-    problem: Problem, answer: Answer, verification: Sequence[Evaluation]
-) -> dict[str, ResponseResult]:
-    verified = verified_responses(problem, verification)
+def _responses(problem: Problem, answer: Answer, verdict: Verdict) -> dict[str, ResponseResult]:
+    verified = verified_responses(problem, verdict.runs)
+    contradicted = {contradiction.target.name for contradiction in verdict.contradictions}
     return {
-        target.name: _response(target, answer, verified.get(target.name), bool(verification))
+        target.name: _response(
+            target,
+            answer,
+            verified.get(target.name),
+            # What verification runs failed to confirm is not met, whatever was predicted.
+            refuted=target.name in contradicted
+            or (bool(verdict.runs) and target.name not in verified),
+        )
         for target in problem.targets
     }
 
 
 def _response(
-    target: Target, answer: Answer, verified: Verified | None, attempted: bool
+    target: Target, answer: Answer, verified: Verified | None, *, refuted: bool
 ) -> ResponseResult:
     predicted = answer.predicted[target.name]
     best = verified.mean if verified else predicted
@@ -109,8 +127,7 @@ def _response(
         verified_std_error=verified.standard_error if verified else None,
         verified_interval=verified.half_width if verified else None,
         deviation_percent=100 * relative_deviation(best, target),
-        # What verification runs failed to confirm is not met, whatever was predicted.
-        within_tolerance=close and (verified is not None or not attempted),
+        within_tolerance=close and not refuted,
     )
 
 

@@ -38,7 +38,7 @@ class ResponseResult:
     deviation_percent : float
         Deviation of the verified mean (before verification: of the prediction) from the target.
     within_tolerance : bool
-        Whether that deviation is accepted.
+        Whether that deviation is accepted, and all runs together do not speak against it.
     """
 
     target: float
@@ -56,6 +56,13 @@ class ResponseResult:
     def is_verified(self) -> bool:
         """Whether verification runs tell what is expected."""
         return self.verified_mean is not None and self.verified_interval is not None
+
+    @property
+    def is_contradicted(self) -> bool:
+        """Whether the verification runs meet the target, but all runs together do not."""
+        mean, _ = self.expected
+        met_alone = self.is_verified and abs(mean - self.target) <= self.tolerance
+        return met_alone and not self.within_tolerance
 
     @property
     def expected(self) -> tuple[float, float]:
@@ -102,7 +109,8 @@ class Result:
     Parameters
     ----------
     status : {"calibrated", "out_of_tolerance", "unreachable", "interrupted"}
-        ``calibrated``: the mean of the verification runs meets every target within tolerance.
+        ``calibrated``: the mean of the verification runs meets every target within tolerance, and
+        where they do not settle that by themselves, so does what all runs together make expected.
     parameters : mapping of str to float
         The calibrated values, SI. Empty when interrupted before there was an answer.
     responses : mapping of str to ResponseResult

@@ -10,7 +10,10 @@ from statistics import fmean, stdev
 from scipy.stats import t as student_t
 
 from grainfit.campaign.evaluation import Evaluation
+from grainfit.kriging import NORMAL_QUANTILE
+from grainfit.numerals import number, rounded, unit_for_people, with_unit
 from grainfit.problem import Problem, Target
+from grainfit.strategies.answer import Answer
 
 #: Fresh seeds in a round of verification, at least.
 VERIFICATION_RUNS = 5
@@ -51,10 +54,49 @@ class Verified:
         """Whether the mean meets the target within tolerance."""
         return abs(self.mean - target.value) <= target.accepted_deviation
 
+    def surely_within(self, target: Target) -> bool:
+        """Whether the whole 95 % interval meets the target within tolerance."""
+        return abs(self.mean - target.value) + self.half_width <= target.accepted_deviation
+
     def undecided(self, target: Target) -> bool:
         """Whether the mean is outside, but could be inside as far as the runs can tell."""
         deviation = abs(self.mean - target.value)
         return target.accepted_deviation < deviation <= target.accepted_deviation + self.half_width
+
+
+@dataclass(frozen=True)
+class Contradiction:
+    """A target that the verification runs meet as if by luck: all runs together miss it.
+
+    Parameters
+    ----------
+    target : Target
+        What was measured.
+    verified : Verified
+        What the verification runs give; their interval reaches beyond the tolerance.
+    expected, standard_error : float
+        Response at the answer by the metamodel of all runs, those of the verification included.
+    """
+
+    target: Target
+    verified: Verified
+    expected: float
+    standard_error: float
+
+    def __str__(self) -> str:
+        target, half_width = self.target, NORMAL_QUANTILE * self.standard_error
+        alone = _interval(self.verified.mean, self.verified.half_width)
+        together = _interval(self.expected, half_width)
+        accepted = f"{number(target.value, 6)} ± {number(target.accepted_deviation, 3)}"
+        return (
+            f"{target.name} counts as missed: the verification runs alone give {alone}, which does "
+            f"not settle it; all runs together make {together} expected, and "
+            f"{with_unit(accepted, unit_for_people(target.unit))} is accepted."
+        )
+
+
+def _interval(middle: float, half_width: float) -> str:
+    return f"{rounded(middle, half_width)} ± {number(half_width, 2)}"
 
 
 def verified_responses(problem: Problem, runs: Iterable[Evaluation]) -> dict[str, Verified]:
@@ -81,6 +123,38 @@ def meets_targets(problem: Problem, verified: Mapping[str, Verified]) -> bool:
         target.name in verified and verified[target.name].within(target)
         for target in problem.targets
     )
+
+
+def contradictions(
+    problem: Problem, verified: Mapping[str, Verified], known: Answer
+) -> list[Contradiction]:
+    """Targets that the verification runs meet, but not surely, and all runs together do not.
+
+    An answer that is verified anew until it passes does so by luck in the end; and of many
+    calibrations, some pass by luck at once. The runs of the search are evidence too.
+
+    Parameters
+    ----------
+    problem : Problem
+        What is calibrated.
+    verified : mapping of str to Verified
+        What the verification runs give.
+    known : Answer
+        What all runs together say of the same parameter set.
+    """
+    return [
+        Contradiction(
+            target,
+            verified[target.name],
+            known.predicted[target.name],
+            known.standard_errors[target.name],
+        )
+        for target in problem.targets
+        if target.name in verified
+        and verified[target.name].within(target)
+        and not verified[target.name].surely_within(target)
+        and abs(known.predicted[target.name] - target.value) > target.accepted_deviation
+    ]
 
 
 def needs_more_runs(problem: Problem, verified: Mapping[str, Verified]) -> bool:

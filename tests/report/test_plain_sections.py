@@ -233,20 +233,35 @@ def test_the_verdict_is_one_line_in_words(
 def test_a_missed_target_and_a_bound_in_the_way_are_named() -> None:
     missed = replace(
         ANGLE,
-        verified_mean=21.6,
+        verified_mean=21.3,
         verified_std_error=0.2,
         verified_interval=0.4,
+        deviation_percent=-3.18,
         within_tolerance=False,
     )
     responses = {**RESULT.responses, "angle_of_repose": missed}
     outside = context("out_of_tolerance", replace(RESULT, responses=responses))
-    assert "angle of repose deviates by −1.82 %, and ±2.27 % are accepted" in text(answer(outside))
+    assert "angle of repose deviates by −3.18 %, and ±2.27 % are accepted" in text(answer(outside))
     assert "✗ missed" in text(answer(outside))
     miss = OutOfReach("bulk_density", 1500, 1425, 2.0, False, DENSITY, "max", 2205.0, 2340.0)
     unreachable = context("unreachable", replace(RESULT, out_of_reach=(miss,)))
     assert "The bound in the way is particle.density.max = 2205; try 2340." in text(
         answer(unreachable)
     )
+
+
+def test_what_is_met_by_luck_is_said_to_be_contradicted_by_the_other_runs() -> None:
+    lucky = replace(
+        ANGLE,
+        verified_mean=21.6,
+        verified_std_error=0.2,
+        verified_interval=0.4,
+        within_tolerance=False,
+    )
+    responses = {**RESULT.responses, "angle_of_repose": lucky}
+    shown = text(answer(context("out_of_tolerance", replace(RESULT, responses=responses))))
+    assert "angle of repose is met by the verification runs alone, but not by all runs" in shown
+    assert "✗ missed" in shown
 
 
 def test_what_could_not_be_verified_is_neither_met_nor_missed() -> None:
@@ -444,6 +459,20 @@ def test_a_narrow_miss_is_told_from_a_clear_one() -> None:
 
     assert "missed narrowly" in at(22.6)
     assert "✗ missed" in at(26.0)
+
+
+def test_what_all_runs_together_contradict_is_not_called_met() -> None:
+    lucky = replace(
+        ANGLE,
+        verified_mean=21.93,
+        verified_std_error=0.17,
+        verified_interval=0.54,
+        within_tolerance=False,
+    )
+    result = replace(RESULT, responses={**RESULT.responses, "angle_of_repose": lucky})
+    shown = text(verification(context("out_of_tolerance", result)))
+    assert "! met by luck, it seems" in shown
+    assert "all runs together make a response outside of it expected" in shown
 
 
 def test_verification_runs_at_other_answers_do_not_count() -> None:

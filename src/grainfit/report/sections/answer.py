@@ -124,6 +124,8 @@ def _final_verdict(context: ReportContext) -> Verdict:
 def _miss(words: str, response: ResponseResult) -> str:
     if not response.is_verified:
         return f"{words} could not be verified"
+    if response.is_contradicted:
+        return f"{words} is met by the verification runs alone, but not by all runs together"
     accepted = number(100 * response.tolerance / response.target, 3)
     deviation = _percent(response.deviation_percent)
     return f"{words} deviates by {deviation}, and ±{accepted} % are accepted"

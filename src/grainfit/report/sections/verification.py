@@ -35,7 +35,7 @@ def verification(context: ReportContext) -> Section:
     runs = _runs_at_the_answer(context)
     verified = verified_responses(context.reading.problem, runs)
     rows = [
-        _row(context.response_label(target.name), target, verified[target.name])
+        _row(context, target, verified[target.name])
         for target in context.targets
         if target.name in verified
     ]
@@ -72,13 +72,21 @@ def _other_verifications(context: ReportContext) -> int:
     return stages.count("verification")
 
 
-def _row(label: Label, target: Target, verified: Verified) -> VerifiedRow:
+def _row(context: ReportContext, target: Target, verified: Verified) -> VerifiedRow:
+    label = context.response_label(target.name)
     mean = f"{rounded(verified.mean, verified.half_width)} ± {number(verified.half_width, 2)}"
     wanted = f"{number(target.value, 6)} ± {number(target.accepted_deviation, 3)}"
     words = (
         f"their mean is {with_unit(mean, label.unit)}, "
         f"and {with_unit(wanted, label.unit)} was measured"
     )
+    result = context.reading.result
+    if result and result.responses[target.name].is_contradicted:
+        words += (
+            ". The tolerance ends within the interval, and all runs together make a response "
+            "outside of it expected"
+        )
+        return VerifiedRow(label, "warn", "! met by luck, it seems", words)
     if verified.within(target):
         return VerifiedRow(label, "good", "✓ met", words)
     if verified.undecided(target):
