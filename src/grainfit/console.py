@@ -177,8 +177,14 @@ def _response_cells(name: str, response: ResponseResult) -> tuple[Text, ...]:
         _text(f"{response.target:.5g} ± {response.tolerance:.3g} {response.unit}".rstrip()),
         _text(f"{kind}{expected:.5g} ± {half_width:.2g}"),
         _text(f"{response.deviation_percent:+.2f} %"),
-        _text("met", "green") if response.within_tolerance else _text("missed", "red"),
+        _verdict_cell(response),
     )
+
+
+def _verdict_cell(response: ResponseResult) -> Text:
+    if not response.is_verified:
+        return _text("not verified", "yellow")
+    return _text("met", "green") if response.within_tolerance else _text("missed", "red")
 
 
 def _time_step_line(result: Result) -> str:
