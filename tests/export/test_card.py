@@ -195,6 +195,17 @@ def test_a_card_that_is_not_calibrated_says_so_at_the_top(
     assert "NOT CALIBRATED" not in render(card, to)
 
 
+def test_a_card_tells_what_is_missed_from_what_other_runs_contradict(card: MaterialCard) -> None:
+    def said(**changes: object) -> str:
+        angle = replace(card.responses[1], target=22.0, tolerance=0.5, met=False, **changes)
+        text = render(replace(card, responses=(card.responses[0], angle)), "liggghts")
+        return next(line for line in text.splitlines() if "22 +/- 0.5" in line)
+
+    assert said(expected=22.4).endswith(", NOT MET by all runs")
+    assert said(expected=22.6).endswith(", NOT MET")
+    assert said(expected=22.4, verified=False).endswith(", NOT VERIFIED")
+
+
 def test_a_target_out_of_reach_makes_a_card_that_is_not_calibrated(unreachable_drum: Path) -> None:
     card = material_card(unreachable_drum, {})
     assert not card.calibrated
