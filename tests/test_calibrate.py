@@ -240,24 +240,59 @@ def test_an_answer_that_verification_refutes_is_not_called_calibrated() -> None:
     assert gf.calibrate(problem(), biased).status in ("out_of_tolerance", "unreachable")
 
 
-def test_an_answer_that_is_verified_by_luck_is_not_called_calibrated() -> None:
-    def scattered(parameters: dict[str, float], seed: int) -> dict[str, float]:
-        scatter = 0.8 * np.random.default_rng(seed).standard_normal()
-        return {"angle": 20 + 10 * parameters["friction"] + scatter}
+def scattered(parameters: dict[str, float], seed: int) -> dict[str, float]:
+    """At most 30 is expected."""
+    scatter = 0.8 * np.random.default_rng(seed).standard_normal()
+    return {"angle": 20 + 10 * parameters["friction"] + scatter}
 
-    # At most 30 is expected, which is out of reach by less than ten runs can tell.
+
+def just_out_of_reach(value: float, tolerance: float) -> gf.Problem:
+    return gf.Problem(
+        [gf.Parameter("friction", 0, 1)], [gf.Target("angle", value, tolerance=tolerance)]
+    )
+
+
+def test_an_answer_that_is_verified_by_luck_is_not_called_calibrated() -> None:
     result = gf.calibrate(
-        gf.Problem([gf.Parameter("friction", 0, 1)], [gf.Target("angle", 30.8, tolerance=0.5)]),
-        scattered,
-        max_runs=12,
-        verification_runs=2,
-        seed=7,
+        just_out_of_reach(30.8, 0.5), scattered, max_runs=12, verification_runs=2, seed=7
     )
     angle = result.responses["angle"]
     assert angle.verified_mean == pytest.approx(30.8, abs=0.5)
     assert result.status == "out_of_tolerance"
-    assert angle.is_contradicted
-    assert "angle counts as missed: the verification runs alone" in " ".join(result.notices)
+    assert angle.verdict == "in doubt"
+    assert "angle is in doubt: the verification runs alone" in " ".join(result.notices)
+
+
+def test_an_answer_in_doubt_is_verified_further_and_then_sought_anew(tmp_path: Path) -> None:
+    def calibrate(stop_at: int | None = None, workdir: Path | None = None) -> gf.Result:
+        def on_progress(progress: gf.Progress) -> None:
+            if progress.done == stop_at:
+                raise KeyboardInterrupt
+
+        return gf.calibrate(
+            just_out_of_reach(30.6, 0.4),
+            scattered,
+            max_runs=40,
+            verification_runs=3,
+            seed=8,
+            workdir=workdir,
+            on_progress=on_progress,
+        )
+
+    result = calibrate()
+    stages = [run.stage for run in result.history]
+    first = stages.index("verification")
+    assert stages[first : first + 12] == ["verification"] * 12
+    assert "optimisation" in stages[first + 12 :]
+    assert result.responses["angle"].verdict == "in doubt"
+    for stop_at in (first + 2, first + 8, first + 13):
+        stopped = calibrate(stop_at, tmp_path)
+        assert stopped.status == "interrupted"
+        # From part of a verification, nothing is concluded yet.
+        assert not any("in doubt" in notice for notice in stopped.notices)
+    again = calibrate(workdir=tmp_path)
+    assert again.history == result.history
+    assert again.status == result.status
 
 
 def test_runs_that_all_fail_stop_the_calibration_with_the_reason() -> None:

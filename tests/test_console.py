@@ -32,7 +32,10 @@ def printed(result: Result, **changes: object) -> str:
 def test_a_response_is_met_or_missed_by_its_verification_only(calibrated: Result) -> None:
     unverified = {"verified_mean": None, "verified_std_error": None, "verified_interval": None}
     assert printed(calibrated).rstrip().endswith("%   met")
-    assert printed(calibrated, within_tolerance=False).rstrip().endswith("%   missed")
+    missed = {"verified_mean": 22.6, "within_tolerance": False}
+    assert printed(calibrated, **missed).rstrip().endswith("%   missed")
+    lucky = {"verified_mean": 22.4, "verified_interval": 0.6, "within_tolerance": False}
+    assert printed(calibrated, **lucky).rstrip().endswith("%   in doubt")
     for close in (True, False):
         shown = printed(calibrated, within_tolerance=close, **unverified).rstrip()
         assert "predicted 22 " in shown

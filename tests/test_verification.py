@@ -19,9 +19,8 @@ def contradiction(values: list[float], expected: float) -> list[str]:
 def test_runs_that_may_have_met_the_target_by_luck_need_all_others_on_their_side() -> None:
     assert contradiction(SCATTERED, expected=22.4) == []
     assert contradiction(SCATTERED, expected=22.6) == [
-        "angle_of_repose counts as missed: the verification runs alone give 22.30 ± 0.58, which "
-        "does not settle it; all runs together make 22.60 ± 0.2 expected, and 22 ± 0.5° is "
-        "accepted."
+        "angle_of_repose is in doubt: the verification runs alone give 22.30 ± 0.58, where "
+        "22 ± 0.5° is accepted, but by all runs together 22.60 ± 0.2 is expected."
     ]
     assert len(contradiction(SCATTERED, expected=21.4)) == 1
 

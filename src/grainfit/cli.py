@@ -125,8 +125,8 @@ def run(
 
     Stop it at any time with Ctrl-C and start the same command again: no finished run is repeated.
 
-    Exit code: 0 calibrated, 1 bad input or a missing solver, 3 finished outside the tolerance or
-    out of reach, 130 interrupted.
+    Exit code: 0 calibrated, 1 bad input or a missing solver, 3 not every target is met or in reach,
+    130 interrupted.
     """
     from grainfit.calibration import calibrate
     from grainfit.campaign.cluster import cluster_executor, missing_scheduler

@@ -29,10 +29,11 @@ if TYPE_CHECKING:
 
 _STATUS_WORDS = {
     "calibrated": ("green", "calibrated: every target is met within its tolerance"),
-    "out_of_tolerance": ("yellow", "finished outside the tolerance"),
+    "out_of_tolerance": ("yellow", "finished without meeting every target"),
     "unreachable": ("red", "out of reach within the given intervals"),
     "interrupted": ("yellow", "interrupted: start the same command again to go on"),
 }
+_VERDICT_COLOURS = {"met": "green", "in doubt": "yellow", "missed": "red", "not verified": "yellow"}
 #: Without a terminal, a line of progress after this many seconds.
 _LINE_SECONDS = 15.0
 
@@ -177,14 +178,8 @@ def _response_cells(name: str, response: ResponseResult) -> tuple[Text, ...]:
         _text(f"{response.target:.5g} ± {response.tolerance:.3g} {response.unit}".rstrip()),
         _text(f"{kind}{expected:.5g} ± {half_width:.2g}"),
         _text(f"{response.deviation_percent:+.2f} %"),
-        _verdict_cell(response),
+        _text(response.verdict, _VERDICT_COLOURS[response.verdict]),
     )
-
-
-def _verdict_cell(response: ResponseResult) -> Text:
-    if not response.is_verified:
-        return _text("not verified", "yellow")
-    return _text("met", "green") if response.within_tolerance else _text("missed", "red")
 
 
 def _time_step_line(result: Result) -> str:

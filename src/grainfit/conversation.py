@@ -32,6 +32,7 @@ from grainfit.verification import (
     contradictions,
     meets_targets,
     needs_more_runs,
+    unsettled,
     verified_responses,
 )
 
@@ -140,8 +141,9 @@ class Conversation:
         self._campaign.fetch([run for r in self._recorded for run in r.runs.values()])
         answer: Answer | None = None
         status: Status
+        contradicted: list[Contradiction] = []
         try:
-            answer, status = self._converse()
+            answer, status, contradicted = self._converse()
         except KeyboardInterrupt:
             self._campaign.cancel()
             answer, status = self._best_so_far(), "interrupted"
@@ -162,13 +164,11 @@ class Conversation:
             self._utilisation(wall_seconds),
             status,
         )
-        verdict = Verdict()
-        if answer is not None:
-            verdict = Verdict(self._verification_of(answer), self._contradictions(answer))
+        verdict = Verdict(self._verification_of(answer) if answer else (), contradicted)
         known_runs = sum(self._origins.values())
         return make_result(about, self._strategy, answer, self._evaluations, verdict, known_runs)
 
-    def _converse(self) -> tuple[Answer, Status]:
+    def _converse(self) -> tuple[Answer, Status, list[Contradiction]]:
         self._run_strategy()
         answer = self._strategy.answer(self._recorded_answer())
         while not self._verify(answer) and self._strategy.reconsider(self._left()):
@@ -177,11 +177,12 @@ class Conversation:
             if answer.parameters == earlier.parameters:
                 break
         # The runs of the verification tell how sure it is, too.
-        agreement = self._strategy.answer(answer.parameters).agreement
-        answer = replace(answer, agreement=agreement)
-        if self._is_met(answer):
-            return answer, "calibrated"
-        return answer, "unreachable" if answer.out_of_reach else "out_of_tolerance"
+        known, verified = self._strategy.answer(answer.parameters), self._verified(answer)
+        answer = replace(answer, agreement=known.agreement)
+        contradicted = contradictions(self._problem, verified, known)
+        if meets_targets(self._problem, verified) and not contradicted:
+            return answer, "calibrated", contradicted
+        return answer, "unreachable" if answer.out_of_reach else "out_of_tolerance", contradicted
 
     def _recorded_answer(self) -> Mapping[str, float] | None:
         """The answer that an earlier start was verifying when it ended."""
@@ -249,24 +250,23 @@ class Conversation:
         """Run fresh seeds at the answer until the verdict is clear; return whether it is met."""
         self._answer_from = len(self._evaluations)
         self._recall_verification(answer)
+        contradicted: list[Contradiction] = []
         for _ in range(ROUNDS):
             left = self._left()
             if left is not None and left < 0:
                 break
             self._verification_round(answer)
-            if not needs_more_runs(self._problem, self._verified(answer)):
+            contradicted = self._contradictions(answer)
+            if not needs_more_runs(self._problem, self._verified(answer), contradicted):
                 break
-        return self._is_met(answer)
-
-    def _is_met(self, answer: Answer) -> bool:
-        """Whether the verification runs meet all targets, and no other runs speak against it."""
-        if not meets_targets(self._problem, self._verified(answer)):
-            return False
-        return not self._contradictions(answer)
+        return meets_targets(self._problem, self._verified(answer)) and not contradicted
 
     def _contradictions(self, answer: Answer) -> list[Contradiction]:
+        verified = self._verified(answer)
+        if not unsettled(self._problem, verified):
+            return []
         known = self._strategy.answer(answer.parameters)
-        return contradictions(self._problem, self._verified(answer), known)
+        return contradictions(self._problem, verified, known)
 
     def _verification_of(self, answer: Answer) -> list[Evaluation]:
         """Runs that verify this answer: made since it was chosen, and at its parameters."""

@@ -17,6 +17,7 @@ from grainfit.strategies.answer import MetamodelQuality, OutOfReach
 _NORMAL_QUANTILE = 1.96
 
 Status = Literal["calibrated", "out_of_tolerance", "unreachable", "interrupted"]
+Verdict = Literal["met", "in doubt", "missed", "not verified"]
 
 
 @dataclass(frozen=True)
@@ -38,7 +39,7 @@ class ResponseResult:
     deviation_percent : float
         Deviation of the verified mean (before verification: of the prediction) from the target.
     within_tolerance : bool
-        Whether that deviation is accepted, and all runs together do not speak against it.
+        Whether that deviation is accepted, and not in doubt.
     """
 
     target: float
@@ -58,11 +59,20 @@ class ResponseResult:
         return self.verified_mean is not None and self.verified_interval is not None
 
     @property
-    def is_contradicted(self) -> bool:
-        """Whether the verification runs meet the target, but all runs together do not."""
+    def is_in_doubt(self) -> bool:
+        """Whether the verification runs meet the target unsurely, and all runs together do not."""
         mean, _ = self.expected
         met_alone = self.is_verified and abs(mean - self.target) <= self.tolerance
         return met_alone and not self.within_tolerance
+
+    @property
+    def verdict(self) -> Verdict:
+        """What the verification says of the target, in words."""
+        if not self.is_verified:
+            return "not verified"
+        if self.is_in_doubt:
+            return "in doubt"
+        return "met" if self.within_tolerance else "missed"
 
     @property
     def expected(self) -> tuple[float, float]:

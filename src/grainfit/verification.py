@@ -66,7 +66,7 @@ class Verified:
 
 @dataclass(frozen=True)
 class Contradiction:
-    """A target that the verification runs meet as if by luck: all runs together miss it.
+    """A target that the verification runs meet, but do not settle, and all runs together miss.
 
     Parameters
     ----------
@@ -89,9 +89,9 @@ class Contradiction:
         together = _interval(self.expected, half_width)
         accepted = f"{number(target.value, 6)} ± {number(target.accepted_deviation, 3)}"
         return (
-            f"{target.name} counts as missed: the verification runs alone give {alone}, which does "
-            f"not settle it; all runs together make {together} expected, and "
-            f"{with_unit(accepted, unit_for_people(target.unit))} is accepted."
+            f"{target.name} is in doubt: the verification runs alone give {alone}, where "
+            f"{with_unit(accepted, unit_for_people(target.unit))} is accepted, but by all runs "
+            f"together {together} is expected."
         )
 
 
@@ -125,10 +125,21 @@ def meets_targets(problem: Problem, verified: Mapping[str, Verified]) -> bool:
     )
 
 
+def unsettled(problem: Problem, verified: Mapping[str, Verified]) -> list[Target]:
+    """Targets that the verification runs meet, but not with their whole 95 % interval."""
+    return [
+        target
+        for target in problem.targets
+        if target.name in verified
+        and verified[target.name].within(target)
+        and not verified[target.name].surely_within(target)
+    ]
+
+
 def contradictions(
     problem: Problem, verified: Mapping[str, Verified], known: Answer
 ) -> list[Contradiction]:
-    """Targets that the verification runs meet, but not surely, and all runs together do not.
+    """Targets that the verification runs meet, but do not settle, and all runs together miss.
 
     An answer that is verified anew until it passes does so by luck in the end; and of many
     calibrations, some pass by luck at once. The runs of the search are evidence too.
@@ -149,24 +160,26 @@ def contradictions(
             known.predicted[target.name],
             known.standard_errors[target.name],
         )
-        for target in problem.targets
-        if target.name in verified
-        and verified[target.name].within(target)
-        and not verified[target.name].surely_within(target)
-        and abs(known.predicted[target.name] - target.value) > target.accepted_deviation
+        for target in unsettled(problem, verified)
+        if abs(known.predicted[target.name] - target.value) > target.accepted_deviation
     ]
 
 
-def needs_more_runs(problem: Problem, verified: Mapping[str, Verified]) -> bool:
+def needs_more_runs(
+    problem: Problem,
+    verified: Mapping[str, Verified],
+    contradicted: Sequence[Contradiction] = (),
+) -> bool:
     """Whether further seeds could still turn the verdict.
 
-    That is so when some target is missed by less than the runs can tell, and none clearly.
+    That is so when some target is missed by less than the runs can tell, or met by less than they
+    can tell while all runs together miss it; and none is missed clearly.
     """
     missed = [
         target
         for target in problem.targets
         if target.name not in verified or not verified[target.name].within(target)
     ]
-    return bool(missed) and all(
+    return bool(missed or contradicted) and all(
         target.name in verified and verified[target.name].undecided(target) for target in missed
     )

@@ -264,14 +264,11 @@ class Findings:
         rows = [*both, *rows]
         ended = sum(row.record["status"] == "calibrated" for row in rows)
         reachable = ", ".join(f"±{100 * width:.0f} %" for width in widths)
-        truly = [row.meets_targets() for row in rows]
-        right = sum(
-            met == (row.record["status"] == "calibrated")
-            for row, met in zip(rows, truly, strict=True)
-        )
+        truly = sum(row.meets_targets() for row in rows)
+        right = sum(row.meets_targets() == (row.record["status"] == "calibrated") for row in rows)
         found = (
-            f"{ended} of {len(rows)} ({reachable} reachable); by the mean of fresh seeds "
-            f"{sum(truly)} are, and {right} of the verdicts are right"
+            f"{ended} of {len(rows)} ({reachable} reachable); by the mean of fresh seeds {truly} "
+            f"are, and {right} of the verdicts are right"
         )
         return Goal(words, found, ended == len(rows))
 

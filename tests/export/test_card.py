@@ -195,15 +195,20 @@ def test_a_card_that_is_not_calibrated_says_so_at_the_top(
     assert "NOT CALIBRATED" not in render(card, to)
 
 
-def test_a_card_tells_what_is_missed_from_what_other_runs_contradict(card: MaterialCard) -> None:
-    def said(**changes: object) -> str:
+def test_a_card_tells_what_is_missed_from_what_is_in_doubt(card: MaterialCard) -> None:
+    def said(**changes: object) -> tuple[str, str]:
         angle = replace(card.responses[1], target=22.0, tolerance=0.5, met=False, **changes)
-        text = render(replace(card, responses=(card.responses[0], angle)), "liggghts")
-        return next(line for line in text.splitlines() if "22 +/- 0.5" in line)
+        missed = replace(card, responses=(card.responses[0], angle))
+        lines = render(missed, "liggghts").splitlines()
+        return missed.verdict, next(line for line in lines if "22 +/- 0.5" in line)
 
-    assert said(expected=22.4).endswith(", NOT MET by all runs")
-    assert said(expected=22.6).endswith(", NOT MET")
-    assert said(expected=22.4, verified=False).endswith(", NOT VERIFIED")
+    verdict, line = said(expected=22.4, in_doubt=True)
+    assert verdict.endswith("(not met: angle_of_repose, which is in doubt)")
+    assert line.endswith(", IN DOUBT")
+    verdict, line = said(expected=22.6)
+    assert verdict.endswith("(not met: angle_of_repose)")
+    assert line.endswith(", NOT MET")
+    assert said(expected=22.4, verified=False)[1].endswith(", NOT VERIFIED")
 
 
 def test_a_target_out_of_reach_makes_a_card_that_is_not_calibrated(unreachable_drum: Path) -> None:

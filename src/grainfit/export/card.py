@@ -19,7 +19,7 @@ Origin = Literal["calibrated", "not calibrated", "given"]
 
 _STATUS_WORDS = {
     "calibrated": "calibrated: every target is met within its tolerance",
-    "out_of_tolerance": "NOT CALIBRATED: finished outside the tolerance",
+    "out_of_tolerance": "NOT CALIBRATED: finished without meeting every target",
     "unreachable": "NOT CALIBRATED: out of reach within the given intervals",
     "interrupted": "NOT CALIBRATED: interrupted before it was decided",
 }
@@ -71,6 +71,8 @@ class CardResponse:
         Whether it is that of verification runs.
     met : bool
         Whether it is verified that the target is met within its tolerance.
+    in_doubt : bool
+        Whether the verification runs meet it unsurely, and all runs together do not.
     """
 
     name: str
@@ -82,6 +84,7 @@ class CardResponse:
     deviation_percent: float
     verified: bool
     met: bool
+    in_doubt: bool
 
 
 @dataclass(frozen=True)
@@ -154,7 +157,11 @@ class MaterialCard:
     def verdict(self) -> str:
         """How the calibration ended, in words, with the targets that are not met."""
         words = _STATUS_WORDS.get(self.status, _NOT_ENDED)
-        missed = [response.name for response in self.responses if not response.met]
+        missed = [
+            f"{response.name}, which is in doubt" if response.in_doubt else response.name
+            for response in self.responses
+            if not response.met
+        ]
         return f"{words} (not met: {', '.join(missed)})" if missed else words
 
     @property
@@ -250,6 +257,7 @@ def _response(name: str, found: ResponseResult) -> CardResponse:
         found.deviation_percent,
         found.is_verified,
         found.is_verified and found.within_tolerance,
+        found.is_in_doubt,
     )
 
 

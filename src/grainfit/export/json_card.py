@@ -71,4 +71,5 @@ def _response(response: CardResponse) -> dict[str, Any]:
         "deviation_percent": response.deviation_percent,
         "verified": response.verified,
         "met": response.met,
+        "in_doubt": response.in_doubt,
     }

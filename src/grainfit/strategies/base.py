@@ -11,7 +11,7 @@ The life of a strategy:
    either a run under way has to come back first, or the strategy has `finished`.
 3. `Strategy.tell` hands it what came of a proposal, in any order; failed runs too.
 4. Once it has finished, `Strategy.answer` is the parameter set it believes in.
-5. The answer is verified with fresh seeds, outside the strategy. If that leaves the tolerance, the
+5. The answer is verified with fresh seeds, outside the strategy. If it does not stand that, the
    strategy is told those runs as well, and `Strategy.reconsider` asks whether it can do better: if
    so it is unfinished again and life goes on at 2.
 """
@@ -29,7 +29,7 @@ from grainfit.campaign.evaluation import Evaluation, Proposal, Stage
 from grainfit.problem import Problem
 from grainfit.strategies.answer import Answer
 
-#: How often a verification outside the tolerance may lead back to the search.
+#: How often a verification that the answer does not stand may lead back to the search.
 RECONSIDERATIONS = 2
 
 _STAGE_CODES: Mapping[Stage, int] = {"design": 0, "optimisation": 1, "verification": 2}
@@ -152,7 +152,7 @@ class Strategy(ABC):
 
     @abstractmethod
     def reconsider(self, affordable: int | None = None) -> bool:
-        """Go on after a verification that left the tolerance; False when it cannot do better.
+        """Go on when the answer did not stand its verification; False when it cannot do better.
 
         Parameters
         ----------

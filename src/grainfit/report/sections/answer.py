@@ -54,7 +54,7 @@ class ResponseRow:
     half_width: str
     predicted: bool
     deviation: str
-    met: bool | None
+    verdict: str
 
 
 def answer(context: ReportContext) -> Section:
@@ -124,7 +124,7 @@ def _final_verdict(context: ReportContext) -> Verdict:
 def _miss(words: str, response: ResponseResult) -> str:
     if not response.is_verified:
         return f"{words} could not be verified"
-    if response.is_contradicted:
+    if response.is_in_doubt:
         return f"{words} is met by the verification runs alone, but not by all runs together"
     accepted = number(100 * response.tolerance / response.target, 3)
     deviation = _percent(response.deviation_percent)
@@ -181,7 +181,13 @@ def _response_row(context: ReportContext, target: Target) -> ResponseRow:
     measured = {"measured": number(target.value, 6), "tolerance": number(tolerance, 3)}
     if response is None:
         return ResponseRow(
-            label, **measured, expected="–", half_width="", predicted=False, deviation="–", met=None
+            label,
+            **measured,
+            expected="–",
+            half_width="",
+            predicted=False,
+            deviation="–",
+            verdict="",
         )
     expected, half_width = response.expected
     return ResponseRow(
@@ -191,7 +197,7 @@ def _response_row(context: ReportContext, target: Target) -> ResponseRow:
         half_width=number(half_width, 2),
         predicted=not response.is_verified,
         deviation=_percent(response.deviation_percent),
-        met=response.within_tolerance if response.is_verified else None,
+        verdict=response.verdict,
     )
 
 

@@ -81,12 +81,12 @@ def _row(context: ReportContext, target: Target, verified: Verified) -> Verified
         f"and {with_unit(wanted, label.unit)} was measured"
     )
     result = context.reading.result
-    if result and result.responses[target.name].is_contradicted:
+    if verified.within(target) and result and result.responses[target.name].is_in_doubt:
         words += (
-            ". The tolerance ends within the interval, and all runs together make a response "
-            "outside of it expected"
+            ". The tolerance ends within the interval, and by all runs together a response outside "
+            "of it is expected"
         )
-        return VerifiedRow(label, "warn", "! met by luck, it seems", words)
+        return VerifiedRow(label, "warn", "! in doubt", words)
     if verified.within(target):
         return VerifiedRow(label, "good", "✓ met", words)
     if verified.undecided(target):
