@@ -18,7 +18,7 @@ from grainfit.campaign.runner import Campaign
 from grainfit.campaign.store import RunStore
 from grainfit.errors import GrainfitError, RunFailedError, StoreError
 from grainfit.misfit import relative_deviation
-from grainfit.outcome import About, Verdict, make_result
+from grainfit.outcome import About, Verification, make_result
 from grainfit.problem import Problem
 from grainfit.progress import Progress
 from grainfit.provenance import Provenance
@@ -164,9 +164,11 @@ class Conversation:
             self._utilisation(wall_seconds),
             status,
         )
-        verdict = Verdict(self._verification_of(answer) if answer else (), contradicted)
+        verification = Verification(self._verification_of(answer) if answer else (), contradicted)
         known_runs = sum(self._origins.values())
-        return make_result(about, self._strategy, answer, self._evaluations, verdict, known_runs)
+        return make_result(
+            about, self._strategy, answer, self._evaluations, verification, known_runs
+        )
 
     def _converse(self) -> tuple[Answer, Status, list[Contradiction]]:
         self._run_strategy()
@@ -180,7 +182,7 @@ class Conversation:
         known, verified = self._strategy.answer(answer.parameters), self._verified(answer)
         answer = replace(answer, agreement=known.agreement)
         contradicted = contradictions(self._problem, verified, known)
-        if meets_targets(self._problem, verified) and not contradicted:
+        if meets_targets(self._problem, verified, contradicted):
             return answer, "calibrated", contradicted
         return answer, "unreachable" if answer.out_of_reach else "out_of_tolerance", contradicted
 
@@ -250,19 +252,23 @@ class Conversation:
         """Run fresh seeds at the answer until the verdict is clear; return whether it is met."""
         self._answer_from = len(self._evaluations)
         self._recall_verification(answer)
+        verified: dict[str, Verified] = {}
         contradicted: list[Contradiction] = []
         for _ in range(ROUNDS):
             left = self._left()
             if left is not None and left < 0:
                 break
             self._verification_round(answer)
-            contradicted = self._contradictions(answer)
-            if not needs_more_runs(self._problem, self._verified(answer), contradicted):
+            verified = self._verified(answer)
+            contradicted = self._contradictions(answer, verified)
+            if not needs_more_runs(self._problem, verified, contradicted):
                 break
-        return meets_targets(self._problem, self._verified(answer)) and not contradicted
+        return meets_targets(self._problem, verified, contradicted)
 
-    def _contradictions(self, answer: Answer) -> list[Contradiction]:
-        verified = self._verified(answer)
+    def _contradictions(
+        self, answer: Answer, verified: Mapping[str, Verified]
+    ) -> list[Contradiction]:
+        # What all runs say takes a while to find out.
         if not unsettled(self._problem, verified):
             return []
         known = self._strategy.answer(answer.parameters)

@@ -28,7 +28,7 @@ class About:
 
 
 @dataclass(frozen=True)
-class Verdict:
+class Verification:
     """The evaluations that verify an answer, and what other runs have to say against them."""
 
     runs: Sequence[Evaluation] = ()
@@ -40,7 +40,7 @@ def make_result(
     strategy: Strategy,
     answer: Answer | None,
     evaluations: Sequence[Evaluation],
-    verdict: Verdict,
+    verification: Verification,
     known: int = 0,
 ) -> Result:
     """Put together the result of a calibration.
@@ -55,7 +55,7 @@ def make_result(
         None when it was interrupted before there was one.
     evaluations : sequence of Evaluation
         All parameter sets that were simulated.
-    verdict : Verdict
+    verification : Verification
         Those of them that verify the answer, and what speaks against them.
     known : int
         Runs that were made before the calibration and that it learnt from.
@@ -66,15 +66,15 @@ def make_result(
     parameters = dict(answer.parameters) if answer else {}
     notices = [
         *strategy.notices,
-        *map(str, verdict.contradictions),
-        *_failure_notices(verdict.runs),
+        *map(str, verification.contradictions),
+        *_failure_notices(verification.runs),
     ]
     if answer:
         notices += _edge_notices(problem, answer)
     return Result(
         status=about.status,
         parameters=parameters,
-        responses=_responses(problem, answer, verdict) if answer else {},
+        responses=_responses(problem, answer, verification) if answer else {},
         runs=_counts(evaluations, known),
         rayleigh_time_step=problem.rayleigh_time_step(parameters) if answer else None,
         rayleigh_time_step_before=problem.rayleigh_time_step(middle),
@@ -95,9 +95,11 @@ def make_result(
     )
 
 
-def _responses(problem: Problem, answer: Answer, verdict: Verdict) -> dict[str, ResponseResult]:
-    verified = verified_responses(problem, verdict.runs)
-    contradicted = {contradiction.target.name for contradiction in verdict.contradictions}
+def _responses(
+    problem: Problem, answer: Answer, verification: Verification
+) -> dict[str, ResponseResult]:
+    verified = verified_responses(problem, verification.runs)
+    contradicted = {contradiction.target.name for contradiction in verification.contradictions}
     return {
         target.name: _response(
             target,
@@ -105,7 +107,7 @@ def _responses(problem: Problem, answer: Answer, verdict: Verdict) -> dict[str, 
             verified.get(target.name),
             # What verification runs failed to confirm is not met, whatever was predicted.
             refuted=target.name in contradicted
-            or (bool(verdict.runs) and target.name not in verified),
+            or (bool(verification.runs) and target.name not in verified),
         )
         for target in problem.targets
     }

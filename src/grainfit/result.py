@@ -59,20 +59,14 @@ class ResponseResult:
         return self.verified_mean is not None and self.verified_interval is not None
 
     @property
-    def is_in_doubt(self) -> bool:
-        """Whether the verification runs meet the target unsurely, and all runs together do not."""
-        mean, _ = self.expected
-        met_alone = self.is_verified and abs(mean - self.target) <= self.tolerance
-        return met_alone and not self.within_tolerance
-
-    @property
     def verdict(self) -> Verdict:
-        """What the verification says of the target, in words."""
+        """What comes of the target; in doubt if met by the verification runs alone, unsurely."""
         if not self.is_verified:
             return "not verified"
-        if self.is_in_doubt:
-            return "in doubt"
-        return "met" if self.within_tolerance else "missed"
+        if self.within_tolerance:
+            return "met"
+        mean, _ = self.expected
+        return "in doubt" if abs(mean - self.target) <= self.tolerance else "missed"
 
     @property
     def expected(self) -> tuple[float, float]:

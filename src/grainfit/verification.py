@@ -54,9 +54,10 @@ class Verified:
         """Whether the mean meets the target within tolerance."""
         return abs(self.mean - target.value) <= target.accepted_deviation
 
-    def surely_within(self, target: Target) -> bool:
-        """Whether the whole 95 % interval meets the target within tolerance."""
-        return abs(self.mean - target.value) + self.half_width <= target.accepted_deviation
+    def unsettled(self, target: Target) -> bool:
+        """Whether the mean is inside, but could be outside as far as the runs can tell."""
+        deviation = abs(self.mean - target.value)
+        return deviation <= target.accepted_deviation < deviation + self.half_width
 
     def undecided(self, target: Target) -> bool:
         """Whether the mean is outside, but could be inside as far as the runs can tell."""
@@ -117,9 +118,13 @@ def mean_with_interval(values: Sequence[float]) -> Verified:
     return Verified(fmean(values), error, quantile * error)
 
 
-def meets_targets(problem: Problem, verified: Mapping[str, Verified]) -> bool:
-    """Whether every target is verified and met within tolerance."""
-    return all(
+def meets_targets(
+    problem: Problem,
+    verified: Mapping[str, Verified],
+    contradicted: Sequence[Contradiction] = (),
+) -> bool:
+    """Whether every target is verified and met within tolerance, and none in doubt."""
+    return not contradicted and all(
         target.name in verified and verified[target.name].within(target)
         for target in problem.targets
     )
@@ -130,9 +135,7 @@ def unsettled(problem: Problem, verified: Mapping[str, Verified]) -> list[Target
     return [
         target
         for target in problem.targets
-        if target.name in verified
-        and verified[target.name].within(target)
-        and not verified[target.name].surely_within(target)
+        if target.name in verified and verified[target.name].unsettled(target)
     ]
 
 

@@ -230,17 +230,22 @@ def test_the_verdict_is_one_line_in_words(
     assert words in " ".join((found.line, *found.details))
 
 
-def test_a_missed_target_and_a_bound_in_the_way_are_named() -> None:
-    missed = replace(
+def not_met(angle: float, interval: float, **changes: Any) -> ReportContext:
+    """A calibration whose verification gives an angle that does not count as met."""
+    verified = replace(
         ANGLE,
-        verified_mean=21.3,
-        verified_std_error=0.2,
-        verified_interval=0.4,
-        deviation_percent=-3.18,
+        verified_mean=angle,
+        verified_std_error=interval / 3,
+        verified_interval=interval,
         within_tolerance=False,
+        **changes,
     )
-    responses = {**RESULT.responses, "angle_of_repose": missed}
-    outside = context("out_of_tolerance", replace(RESULT, responses=responses))
+    responses = {**RESULT.responses, "angle_of_repose": verified}
+    return context("out_of_tolerance", replace(RESULT, responses=responses))
+
+
+def test_a_missed_target_and_a_bound_in_the_way_are_named() -> None:
+    outside = not_met(21.3, interval=0.4, deviation_percent=-3.18)
     assert "angle of repose deviates by −3.18 %, and ±2.27 % are accepted" in text(answer(outside))
     assert "✗ missed" in text(answer(outside))
     miss = OutOfReach("bulk_density", 1500, 1425, 2.0, False, DENSITY, "max", 2205.0, 2340.0)
@@ -251,15 +256,7 @@ def test_a_missed_target_and_a_bound_in_the_way_are_named() -> None:
 
 
 def test_what_is_met_by_luck_is_said_to_be_contradicted_by_the_other_runs() -> None:
-    lucky = replace(
-        ANGLE,
-        verified_mean=21.6,
-        verified_std_error=0.2,
-        verified_interval=0.4,
-        within_tolerance=False,
-    )
-    responses = {**RESULT.responses, "angle_of_repose": lucky}
-    shown = text(answer(context("out_of_tolerance", replace(RESULT, responses=responses))))
+    shown = text(answer(not_met(21.6, interval=0.4)))
     assert "angle of repose is met by the verification runs alone, but not by all runs" in shown
     assert "! in doubt 22 ± 0.5" in shown
 
@@ -462,15 +459,7 @@ def test_a_narrow_miss_is_told_from_a_clear_one() -> None:
 
 
 def test_what_all_runs_together_contradict_is_not_called_met() -> None:
-    lucky = replace(
-        ANGLE,
-        verified_mean=21.93,
-        verified_std_error=0.17,
-        verified_interval=0.54,
-        within_tolerance=False,
-    )
-    result = replace(RESULT, responses={**RESULT.responses, "angle_of_repose": lucky})
-    shown = text(verification(context("out_of_tolerance", result)))
+    shown = text(verification(not_met(21.93, interval=0.54)))
     assert "! in doubt" in shown
     assert "by all runs together a response outside of it is expected" in shown
 

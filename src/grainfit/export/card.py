@@ -256,8 +256,8 @@ def _response(name: str, found: ResponseResult) -> CardResponse:
         (expected - half, expected + half),
         found.deviation_percent,
         found.is_verified,
-        found.is_verified and found.within_tolerance,
-        found.is_in_doubt,
+        found.verdict == "met",
+        found.verdict == "in doubt",
     )
 
 

@@ -116,7 +116,7 @@ def _final_verdict(context: ReportContext) -> Verdict:
     missed = [
         _miss(context.response_label(name).words, response)
         for name, response in result.responses.items()
-        if not (response.is_verified and response.within_tolerance)
+        if response.verdict != "met"
     ]
     return Verdict("bad", f"Not calibrated: {'; '.join(missed)}.", sure)
 
@@ -124,7 +124,7 @@ def _final_verdict(context: ReportContext) -> Verdict:
 def _miss(words: str, response: ResponseResult) -> str:
     if not response.is_verified:
         return f"{words} could not be verified"
-    if response.is_in_doubt:
+    if response.verdict == "in doubt":
         return f"{words} is met by the verification runs alone, but not by all runs together"
     accepted = number(100 * response.tolerance / response.target, 3)
     deviation = _percent(response.deviation_percent)

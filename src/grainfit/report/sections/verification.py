@@ -81,14 +81,14 @@ def _row(context: ReportContext, target: Target, verified: Verified) -> Verified
         f"and {with_unit(wanted, label.unit)} was measured"
     )
     result = context.reading.result
-    if verified.within(target) and result and result.responses[target.name].is_in_doubt:
+    if verified.within(target):
+        if result is None or result.responses[target.name].verdict != "in doubt":
+            return VerifiedRow(label, "good", "✓ met", words)
         words += (
             ". The tolerance ends within the interval, and by all runs together a response outside "
             "of it is expected"
         )
         return VerifiedRow(label, "warn", "! in doubt", words)
-    if verified.within(target):
-        return VerifiedRow(label, "good", "✓ met", words)
     if verified.undecided(target):
         words += ". More runs could still turn it: the tolerance begins within the interval"
         return VerifiedRow(label, "warn", "! missed narrowly", words)
