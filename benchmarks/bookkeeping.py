@@ -11,11 +11,11 @@ import tempfile
 import time
 from pathlib import Path
 
-from grainfit.campaign.evaluation import Proposal
-from grainfit.campaign.runner import Campaign, CampaignOptions
-from grainfit.campaign.store import RunStore
-from grainfit.campaign.workdir import hold
-from grainfit.solvers.python_callable import PythonCallable
+from grainfit.campaign.campaign import Campaign, CampaignOptions
+from grainfit.campaign.store.store import RunStore
+from grainfit.campaign.work_folder import hold
+from grainfit.evaluation import Proposal
+from grainfit.solvers.own_model.python_callable import PythonCallable
 
 
 def at_once(parameters: dict[str, float], seed: int) -> dict[str, float]:

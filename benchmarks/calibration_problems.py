@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from grainfit.kriging import Kriging
+from grainfit.metamodels.kriging import Kriging
 from grainfit.problem import Parameter, Problem, Target
 
 Array = NDArray[np.float64]

@@ -37,7 +37,7 @@ from numpy.typing import NDArray
 from scipy.stats import qmc
 from threadpoolctl import threadpool_limits
 
-from grainfit.kriging import Kriging
+from grainfit.metamodels.kriging import Kriging
 
 Array = NDArray[np.float64]
 HERE = Path(__file__).parent

@@ -24,7 +24,7 @@ os.environ["OMP_NUM_THREADS"] = "1"
 import numpy as np
 from numpy.typing import NDArray
 
-from grainfit.sampling import maximin_latin_hypercube, smallest_distance
+from grainfit.metamodels.designs import maximin_latin_hypercube, smallest_distance
 
 SIZES = ((26, 2), (21, 5), (60, 8))
 LARGE_SIZES = ((140, 14), (300, 14))

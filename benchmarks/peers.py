@@ -34,7 +34,7 @@ from numpy.typing import ArrayLike, NDArray
 from threadpoolctl import threadpool_limits
 
 from calibration_problems import Case
-from grainfit.sampling import maximin_latin_hypercube
+from grainfit.metamodels.designs import maximin_latin_hypercube
 from grainfit.strategies.base import insertion_seed
 
 Array = NDArray[np.float64]

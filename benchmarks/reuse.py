@@ -24,7 +24,7 @@ from rich.progress import track
 import grainfit as gf
 from calibration_problems import Case, heap
 from grainfit.result import Result
-from grainfit.solvers.python_callable import PythonCallable
+from grainfit.solvers.own_model.python_callable import PythonCallable
 
 #: Half-width of the intervals: the widest of the method's study.
 WIDTH = 0.66

@@ -19,18 +19,16 @@ from pathlib import Path
 
 from rich.progress import track
 
-from grainfit.assemble import Assembly, assemble
-from grainfit.calibration_file import load_calibration_file
-from grainfit.campaign.evaluation import Proposal
-from grainfit.campaign.identity import run_identity
-from grainfit.campaign.known import most_telling, runs_of
-from grainfit.campaign.records import RequestRecord, RunRecord
-from grainfit.campaign.runner import Campaign, CampaignOptions
-from grainfit.campaign.store import RunStore
-from grainfit.campaign.workdir import RECORD_NAME, hold, recover, run_folder
-from grainfit.sampling import maximin_latin_hypercube
-from grainfit.solvers.base import Response
-from grainfit.status import read_status
+from grainfit.calibration_file.build import Assembly, assemble
+from grainfit.calibration_file.load import load_calibration_file
+from grainfit.campaign.campaign import Campaign, CampaignOptions
+from grainfit.campaign.reuse import most_telling, runs_of
+from grainfit.campaign.store.records import RequestRecord, RunRecord, run_identity
+from grainfit.campaign.store.store import RunStore
+from grainfit.campaign.work_folder import RECORD_NAME, hold, recover, run_folder
+from grainfit.evaluation import Proposal, Response
+from grainfit.metamodels.designs import maximin_latin_hypercube
+from grainfit.work_folder.status import read_status
 
 EXAMPLE = Path(__file__).parents[1] / "examples" / "glass_beads" / "calibration.toml"
 #: Each of them is to take less than this, s.

@@ -22,11 +22,11 @@ import numpy as np
 from scipy import stats
 
 from grainfit.bulk_tests.heap import HeapTest
-from grainfit.material import ParticleSizes
+from grainfit.materials.sizes import ParticleSizes
 from grainfit.solvers.base import Workspace
-from grainfit.solvers.deck_solver import DeckSolver
-from grainfit.solvers.lammps import Lammps
-from grainfit.solvers.liggghts import Liggghts
+from grainfit.solvers.dem.lammps.program import Lammps
+from grainfit.solvers.dem.liggghts.program import Liggghts
+from grainfit.solvers.dem.program import DeckSolver
 from grainfit.testing.materials import GLASS_BEADS
 
 SOLVERS: Mapping[str, type[DeckSolver]] = {"lammps": Lammps, "liggghts": Liggghts}

@@ -39,12 +39,12 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from calibration_problems import CASES, Case
-from grainfit.campaign.evaluation import Evaluation, Proposal
-from grainfit.solvers.base import Response
+from grainfit.evaluation import Evaluation, Proposal, Response
 from grainfit.strategies.answer import Answer
 from grainfit.strategies.base import Strategy
-from grainfit.strategies.sequential import Sequential, SequentialOptions
-from grainfit.strategies.staged import Staged
+from grainfit.strategies.sequential.options import SequentialOptions
+from grainfit.strategies.sequential.strategy import Sequential
+from grainfit.strategies.staged.strategy import Staged
 from peers import PEERS
 
 Kind = TypeVar("Kind")

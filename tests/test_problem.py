@@ -12,8 +12,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from grainfit.errors import InputError
+from grainfit.materials.time_step import RayleighTimeStep
 from grainfit.problem import Parameter, Problem, Target
-from grainfit.timestep import RayleighTimeStep
 
 
 @given(st.floats(0, 1))

@@ -5,7 +5,8 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from grainfit.analysis import Analysis, analyse
-    from grainfit.calibration import calibrate
+    from grainfit.calibration.calibrate import calibrate
+    from grainfit.calibration.progress import Progress
     from grainfit.errors import (
         GrainfitError,
         InputError,
@@ -14,13 +15,13 @@ if TYPE_CHECKING:
         SolverNotFoundError,
         StoreError,
     )
-    from grainfit.material import ParticleSizes
+    from grainfit.evaluation import Response
+    from grainfit.materials.sizes import ParticleSizes
+    from grainfit.materials.time_step import RayleighTimeStep, rayleigh_time_step
     from grainfit.problem import Parameter, Problem, Target
-    from grainfit.progress import Progress
     from grainfit.report.page import write_report
     from grainfit.result import Result
-    from grainfit.solvers.base import Response, Solver, Workspace
-    from grainfit.timestep import RayleighTimeStep, rayleigh_time_step
+    from grainfit.solvers.base import Solver, Workspace
 
 __all__ = [
     "Analysis",
@@ -48,15 +49,16 @@ __all__ = [
 
 # Imported when first used: the command line does without most of it, and SciPy takes a second.
 _HOMES = {
-    **dict.fromkeys(("Analysis", "analyse"), "analysis"),
-    "calibrate": "calibration",
-    "ParticleSizes": "material",
-    "Progress": "progress",
+    **dict.fromkeys(("Analysis", "analyse"), "analysis.analysis"),
+    "calibrate": "calibration.calibrate",
+    "ParticleSizes": "materials.sizes",
+    "Progress": "calibration.progress",
     "Result": "result",
     "write_report": "report.page",
     **dict.fromkeys(("Parameter", "Problem", "Target"), "problem"),
-    **dict.fromkeys(("Response", "Solver", "Workspace"), "solvers.base"),
-    **dict.fromkeys(("RayleighTimeStep", "rayleigh_time_step"), "timestep"),
+    "Response": "evaluation",
+    **dict.fromkeys(("Solver", "Workspace"), "solvers.base"),
+    **dict.fromkeys(("RayleighTimeStep", "rayleigh_time_step"), "materials.time_step"),
     **{name: "errors" for name in __all__ if name.endswith("Error")},
 }
 

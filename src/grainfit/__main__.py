@@ -8,7 +8,7 @@ _INTERRUPTED = 130
 def main() -> None:
     """Run the command line."""
     try:
-        from grainfit.cli import main as command_line
+        from grainfit.cli.app import main as command_line
     except KeyboardInterrupt:
         sys.exit(_INTERRUPTED)
     command_line()

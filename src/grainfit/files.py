@@ -8,6 +8,10 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
+#: How much of the end of a log is searched for causes, and how much is kept.
+_LOG_BYTES = 65536
+_TAIL_CHARACTERS = 8192
+
 
 @contextmanager
 def in_place_of(path: Path) -> Iterator[Path]:
@@ -54,3 +58,30 @@ def write_atomically(path: Path, text: str) -> None:
     """
     with in_place_of(path) as place:
         place.write_text(text, encoding="utf-8")
+
+
+def log_tail(path: Path, lines: int = 20) -> str:
+    """Return the last lines of a log, or an empty text when there is none."""
+    return last_lines(text_of(path), lines)
+
+
+def text_of(path: Path) -> str:
+    """Return the end of a log, or an empty text when there is none."""
+    try:
+        with path.open("rb") as file:
+            return end_of_file(file.fileno())
+    except OSError:
+        return ""
+
+
+def end_of_file(file: int) -> str:
+    """Return the last 64 KiB of an open file as text."""
+    # The place in an open file is shared with the program that writes it: it is left alone.
+    size = os.fstat(file).st_size
+    start = max(0, size - _LOG_BYTES)
+    return os.pread(file, size - start, start).decode("utf-8", errors="replace")
+
+
+def last_lines(text: str, lines: int = 20) -> str:
+    """Return the last lines of a text, cut to what a record keeps."""
+    return "\n".join(text[-_TAIL_CHARACTERS:].splitlines()[-lines:])

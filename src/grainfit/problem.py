@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from grainfit.errors import Fault, InputError
-from grainfit.timestep import RayleighTimeStep
+from grainfit.materials.time_step import RayleighTimeStep
 
 #: Relative tolerance of a target for which neither an uncertainty nor a tolerance is given.
 DEFAULT_RELATIVE_TOLERANCE = 0.02
@@ -161,6 +161,19 @@ class Target:
         if self.uncertainty is not None:
             return self.uncertainty
         return DEFAULT_RELATIVE_TOLERANCE * self.value
+
+    def relative_deviation(self, response: float) -> float:
+        """Deviation of a response from the target, relative to the target.
+
+        References
+        ----------
+        Rackl, Görnig, Hanley & Günthner (ECCOMAS 2016), equation 1.
+        """
+        return (response - self.value) / self.value
+
+    def is_met_by(self, response: float) -> bool:
+        """Whether a response deviates from the target by its tolerance at most."""
+        return abs(response - self.value) <= self.accepted_deviation
 
 
 def _target_faults(target: Target) -> Sequence[Fault]:

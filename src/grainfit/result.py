@@ -11,13 +11,12 @@ from typing import Any, Literal
 
 from grainfit.errors import StoreError
 from grainfit.files import write_atomically
-from grainfit.strategies.answer import MetamodelQuality, OutOfReach
 
 #: Half the width of a 95 % interval in standard errors.
 _NORMAL_QUANTILE = 1.96
-
 Status = Literal["calibrated", "out_of_tolerance", "unreachable", "interrupted"]
 Verdict = Literal["met", "in doubt", "missed", "not verified"]
+Bound = Literal["min", "max"]
 
 
 @dataclass(frozen=True)
@@ -227,3 +226,75 @@ def _finite(text: str) -> float:
     if not isfinite(value := float(text)):
         raise ValueError(f"{text[:20]} is not a finite number")
     return value
+
+
+@dataclass(frozen=True)
+class MetamodelQuality:
+    """How far a metamodel can be trusted, by leave-one-out.
+
+    Parameters
+    ----------
+    q2 : float or None
+        Share of the variance of the responses that is predicted; 1 is perfect. None when the
+        responses are all equal.
+    coverage : float
+        Share of the runs inside their 95 % interval.
+    noise : float
+        Estimated standard deviation of the response from seed to seed.
+    warnings : tuple of str
+        Why it is not to be trusted, in words; empty when it is.
+    """
+
+    q2: float | None
+    coverage: float
+    noise: float
+    warnings: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class OutOfReach:
+    """A target that the intervals do not allow to meet.
+
+    Parameters
+    ----------
+    target : str
+        Name of the target.
+    value : float
+        Its value.
+    nearest, standard_error : float
+        Nearest expected response within the intervals, and how well it is known.
+    jointly : bool
+        The target could be met alone, but not together with the others.
+    parameter, bound, bound_value : str, {"min", "max"}, float, optional
+        The bound that is in the way.
+    suggestion : float, optional
+        A bound that should do, by linear extrapolation; None when none is in sight.
+    """
+
+    target: str
+    value: float
+    nearest: float
+    standard_error: float
+    jointly: bool = False
+    parameter: str | None = None
+    bound: Bound | None = None
+    bound_value: float | None = None
+    suggestion: float | None = None
+
+    @property
+    def shortfall_percent(self) -> float:
+        """Deviation of the nearest response from the target, in percent of the target."""
+        return 100 * (self.nearest - self.value) / self.value
+
+    def __str__(self) -> str:
+        together = " together with the other targets" if self.jointly else ""
+        text = (
+            f"{self.target} = {self.value:g} is out of reach{together}: the nearest within the "
+            f"intervals is {self.nearest:.5g} ({self.shortfall_percent:+.1f} %)."
+        )
+        if self.parameter is None:
+            return f"{text} No single bound is in the way: free another parameter."
+        text += f" The bound in the way is {self.parameter}.{self.bound} = {self.bound_value:g}"
+        if self.suggestion is None:
+            return f"{text}, and no possible value beyond it would do: free another parameter."
+        return f"{text}; try {self.suggestion:g}."

@@ -12,8 +12,8 @@ from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 from threadpoolctl import threadpool_limits
 
-from grainfit.campaign.identity import run_identity
-from grainfit.console import print_error
+from grainfit.campaign.store.records import run_identity
+from grainfit.cli.console import print_error
 from grainfit.errors import GrainfitError
 from grainfit.testing.materials import GLASS_BEADS
 from studies.rackl2016.plan import STEPS, all_tasks

@@ -6,11 +6,11 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any, Literal
 
-from grainfit.calibration import calibrate
-from grainfit.campaign.store import RunStore
+from grainfit.calibration.calibrate import calibrate
+from grainfit.calibration.progress import Progress
+from grainfit.campaign.store.store import RunStore
 from grainfit.errors import RunFailedError
 from grainfit.problem import Problem
-from grainfit.progress import Progress
 from grainfit.result import Result
 from studies.rackl2016.peer import calibrate_with_octave, settings_of
 from studies.rackl2016.runs import Runs, fresh_seeds

@@ -8,10 +8,10 @@ from contextlib import ExitStack
 from pathlib import Path
 from types import TracebackType
 
-from grainfit.campaign.evaluation import Evaluation, Proposal
-from grainfit.campaign.runner import Campaign, CampaignOptions
-from grainfit.campaign.store import RunStore
-from grainfit.campaign.workdir import hold, recover
+from grainfit.campaign.campaign import Campaign, CampaignOptions
+from grainfit.campaign.store.store import RunStore
+from grainfit.campaign.work_folder import hold, recover
+from grainfit.evaluation import Evaluation, Proposal
 from grainfit.solvers.base import Solver
 
 #: Longest wall time of a run, s; such a run takes about 8.

@@ -6,11 +6,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from grainfit.bulk_tests.heap import HeapTest
-from grainfit.material import ParticleSizes
+from grainfit.materials.sizes import ParticleSizes
+from grainfit.materials.time_step import RayleighTimeStep
 from grainfit.problem import Parameter, Problem, Target
-from grainfit.solvers.liggghts import Liggghts
+from grainfit.solvers.dem.liggghts.program import Liggghts
 from grainfit.testing.materials import GLASS_BEADS
-from grainfit.timestep import RayleighTimeStep
 
 DIAMETER = 0.010
 DENSITY, ROLLING_FRICTION = "particle.density", "particle_particle.rolling_friction"

@@ -8,7 +8,7 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
-from grainfit.campaign.identity import run_identity
+from grainfit.campaign.store.records import run_identity
 from grainfit.files import write_atomically
 from grainfit.solvers.base import Solver
 from studies.rackl2016.clock import Clock, Cost

@@ -4,9 +4,9 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from grainfit.kriging import Kriging, Prediction
+from grainfit.metamodels.kriging import Kriging, Prediction
+from grainfit.metamodels.metamodels import Metamodels
 from grainfit.problem import Parameter, Problem, Target
-from grainfit.strategies.metamodels import Metamodels
 
 Function = Callable[[np.ndarray], np.ndarray]
 

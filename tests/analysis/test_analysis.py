@@ -10,10 +10,9 @@ from scipy.stats import qmc
 
 import grainfit
 from grainfit.analysis import Analysis, analyse
-from grainfit.campaign.evaluation import Evaluation, Proposal
+from grainfit.evaluation import Evaluation, Proposal, Response
+from grainfit.materials.time_step import RayleighTimeStep
 from grainfit.problem import Parameter, Problem, Target
-from grainfit.solvers.base import Response
-from grainfit.timestep import RayleighTimeStep
 
 DENSITY = Parameter("particle.density", 2000.0, 3000.0, unit="kg/m^3")
 SLIDING = Parameter("particle_particle.sliding_friction", 0.1, 0.9)

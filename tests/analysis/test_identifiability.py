@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from grainfit.analysis import Identifiability, Posterior, identifiability
+from grainfit.analysis import Identifiability, Posterior, assess_identifiability
 from grainfit.problem import Parameter, Problem, Target
 
 SLIDING = Parameter("particle_particle.sliding_friction", 0.0, 1.0)
@@ -23,7 +23,7 @@ def judged(parameters: list[Parameter], *columns: np.ndarray) -> Identifiability
     values = np.array([list(problem.from_unit(point).values()) for point in points])
     names = tuple(parameter.name for parameter in parameters)
     posterior = Posterior(names, points, values, np.ones((COUNT, 1)), True, "", 1000.0)
-    return identifiability(posterior, problem)
+    return assess_identifiability(posterior, problem)
 
 
 @pytest.fixture

@@ -7,9 +7,9 @@ import pytest
 from given_metamodels import Given
 
 from grainfit.analysis import pareto_front
+from grainfit.materials.time_step import RayleighTimeStep
+from grainfit.metamodels.metamodels import Metamodels
 from grainfit.problem import Parameter, Problem, Target
-from grainfit.strategies.metamodels import Metamodels
-from grainfit.timestep import RayleighTimeStep
 
 MODULUS = Parameter("particle.youngs_modulus", 1e6, 1e8, "log")
 FRICTION = Parameter("particle_particle.sliding_friction", 0.0, 1.0)

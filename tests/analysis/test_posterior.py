@@ -9,9 +9,9 @@ from scipy.stats import truncnorm
 
 from grainfit.analysis import Posterior, sample_posterior, standard_uncertainty
 from grainfit.errors import InputError
-from grainfit.kriging import Kriging
+from grainfit.metamodels.kriging import Kriging
+from grainfit.metamodels.metamodels import Metamodels
 from grainfit.problem import Parameter, Problem, Target
-from grainfit.strategies.metamodels import Metamodels
 
 
 def assert_normal(posterior: Posterior, mean: np.ndarray, covariance: np.ndarray) -> None:

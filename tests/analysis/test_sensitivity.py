@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from given_metamodels import Given, given
 
-from grainfit.analysis import sensitivity
+from grainfit.analysis import estimate_sensitivity
 from grainfit.errors import InputError
 from grainfit.problem import Target
 
@@ -29,7 +29,7 @@ def test_indices_are_those_in_closed_form() -> None:
     models = [Given(ishigami), Given(constant), Given(linear)]
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        found = sensitivity(given(targets, models, 3))
+        found = estimate_sensitivity(given(targets, models, 3))
     first = np.array([[0.3139, 0.4424, 0.0], [0.0, 0.0, 0.0], [0.9, 0.1, 0.0]])
     total = np.array([[0.5576, 0.4424, 0.2437], [0.0, 0.0, 0.0], [0.9, 0.1, 0.0]])
     np.testing.assert_allclose(found.first, first, atol=0.05)
@@ -55,18 +55,20 @@ def test_indices_are_those_in_closed_form() -> None:
 
 def test_the_same_seed_gives_the_same_indices_and_intervals() -> None:
     metamodels = given([Target("y", 10.0)], [Given(ishigami)], 3)
-    first, second = (sensitivity(metamodels, seed=3, points=128) for _ in range(2))
+    first, second = (estimate_sensitivity(metamodels, seed=3, points=128) for _ in range(2))
     np.testing.assert_array_equal(first.total, second.total)
     np.testing.assert_array_equal(first.first_high, second.first_high)
 
 
 def test_one_parameter_alone_is_answerable_for_everything() -> None:
     targets = [Target("y", 10.0), Target("constant", 5.0)]
-    found = sensitivity(given(targets, [Given(lambda x: x[:, 0] ** 2), Given(constant)], 1))
+    found = estimate_sensitivity(
+        given(targets, [Given(lambda x: x[:, 0] ** 2), Given(constant)], 1)
+    )
     np.testing.assert_array_equal(found.first, [[1.0], [0.0]])
     np.testing.assert_array_equal(found.total_low, [[1.0], [0.0]])
 
 
 def test_a_number_of_points_that_is_no_power_of_two_is_refused() -> None:
     with pytest.raises(InputError, match=r"points: is 1000\. Give a power of two"):
-        sensitivity(given([Target("y", 10.0)], [Given(linear)], 3), points=1000)
+        estimate_sensitivity(given([Target("y", 10.0)], [Given(linear)], 3), points=1000)

@@ -9,7 +9,7 @@ import pytest
 
 from grainfit.bulk_tests.heap import HeapTest, estimate_cost
 from grainfit.errors import InputError, NotMeasurableError, RunFailedError
-from grainfit.material import ParticleSizes
+from grainfit.materials.sizes import ParticleSizes
 
 MONOSIZE = ParticleSizes((0.010,))
 BIDISPERSE = ParticleSizes((0.012, 0.008), (0.5, 0.5))
@@ -175,7 +175,7 @@ class TestDeck:
         HeapTest(BIDISPERSE).write_deck(tmp_path, solver, glass_beads, seed=5)
         rows = (tmp_path / "particles.data").read_text().split("Atoms\n\n")[1].split("\n")
         particles = np.array([[float(word) for word in row.split()] for row in rows if row])
-        from grainfit.bulk_tests.heap.packing import random_column
+        from grainfit.bulk_tests.shared.packing import random_column
 
         setup = HeapTest(BIDISPERSE).setup
         column = random_column(BIDISPERSE, setup.particle_count, setup.cylinder_radius, 5)

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from scipy.spatial.distance import pdist, squareform
 
-from grainfit.bulk_tests.heap.packing import column_height, particle_numbers, random_column
+from grainfit.bulk_tests.shared.packing import column_height, particle_numbers, random_column
 from grainfit.errors import InputError
-from grainfit.material import ParticleSizes
+from grainfit.materials.sizes import ParticleSizes
 
 MONOSIZE = ParticleSizes((0.010,))
 WIDE = ParticleSizes((0.020, 0.005, 0.010), (0.3, 0.2, 0.5))

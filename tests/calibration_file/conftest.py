@@ -5,7 +5,8 @@ from pathlib import Path
 
 import pytest
 
-from grainfit.calibration_file import FileFault, load_calibration_file
+from grainfit.calibration_file.load import load_calibration_file
+from grainfit.calibration_file.places import FileFault
 from grainfit.errors import InputError
 
 EXAMPLES = Path(__file__).parents[2] / "examples"

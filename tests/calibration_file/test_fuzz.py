@@ -12,7 +12,8 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from grainfit.calibration_file import CalibrationFile, load_calibration_file
+from grainfit.calibration_file.content import CalibrationFile
+from grainfit.calibration_file.load import load_calibration_file
 from grainfit.errors import InputError
 
 GLASS_BEADS = (

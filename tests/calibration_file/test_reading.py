@@ -11,16 +11,14 @@ from pathlib import Path
 import pytest
 
 from grainfit.bulk_tests.heap import HeapTest
-from grainfit.calibration_file import (
-    CalibrationFile,
-    StrategyOptions,
-    load_calibration_file,
-)
-from grainfit.calibration_file.bulk_tests import HEAP_OPTIONS, HEAP_TARGETS
-from grainfit.campaign.cluster import ClusterOptions
-from grainfit.material import MATERIAL_PARAMETERS, ParticleSizes
+from grainfit.calibration_file.content import CalibrationFile, StrategyOptions
+from grainfit.calibration_file.load import load_calibration_file
+from grainfit.calibration_file.starter import starter_file
+from grainfit.calibration_file.tests_section import HEAP_OPTIONS, HEAP_TARGETS
+from grainfit.campaign.cluster.options import ClusterOptions
+from grainfit.materials.parameters import MATERIAL_PARAMETERS
+from grainfit.materials.sizes import ParticleSizes
 from grainfit.problem import Parameter, Target
-from grainfit.starter import starter_file
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 GLASS_BEADS = (EXAMPLES / "glass_beads" / "calibration.toml").read_text(encoding="utf-8")

@@ -10,9 +10,9 @@ from typing import Any
 import jsonschema
 import pytest
 
-from grainfit.calibration_file import calibration_file_schema, schema_path
-from grainfit.calibration_file.document import LAYOUT
-from grainfit.starter import starter_file
+from grainfit.calibration_file.layout import LAYOUT
+from grainfit.calibration_file.schema import calibration_file_schema, schema_path
+from grainfit.calibration_file.starter import starter_file
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 GLASS_BEADS = (EXAMPLES / "glass_beads" / "calibration.toml").read_text(encoding="utf-8")

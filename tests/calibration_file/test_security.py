@@ -12,15 +12,15 @@ from pathlib import Path
 import pytest
 from rich.console import Console
 
-from grainfit.assemble import assemble
-from grainfit.calibration_file import load_calibration_file
-from grainfit.console import print_error, print_plan, print_status
+from grainfit.calibration_file.build import assemble
+from grainfit.calibration_file.load import load_calibration_file
+from grainfit.calibration_file.plan import describe_plan
+from grainfit.cli.console import print_error, print_plan, print_status
 from grainfit.errors import GrainfitError, InputError, RunFailedError
-from grainfit.plan import describe_plan
-from grainfit.solvers import model_folder
 from grainfit.solvers.base import Workspace
-from grainfit.solvers.command import Command
-from grainfit.status import FailedRun, WorkdirStatus
+from grainfit.solvers.own_model import model_folder
+from grainfit.solvers.own_model.command import Command
+from grainfit.work_folder.status import FailedRun, WorkdirStatus
 
 MATERIAL = """
 [particle]

@@ -16,12 +16,12 @@ from pathlib import Path
 import pytest
 
 import grainfit as gf
-from grainfit.campaign.evaluation import Proposal
-from grainfit.campaign.runner import Campaign, CampaignOptions
-from grainfit.campaign.store import RunStore
+from grainfit.campaign.campaign import Campaign, CampaignOptions
+from grainfit.campaign.store.store import RunStore
 from grainfit.errors import ExecutorError
-from grainfit.solvers.command import Command
-from grainfit.solvers.python_callable import PythonCallable
+from grainfit.evaluation import Proposal
+from grainfit.solvers.own_model.command import Command
+from grainfit.solvers.own_model.python_callable import PythonCallable
 
 PROBLEM = gf.Problem([gf.Parameter("friction", 0.1, 0.9)], [gf.Target("angle", 33.0)])
 

@@ -14,14 +14,13 @@ from typing import Any
 import pytest
 
 import grainfit as gf
-from grainfit.campaign.evaluation import Proposal
-from grainfit.campaign.records import RunRecord
-from grainfit.campaign.runner import Campaign, CampaignOptions
-from grainfit.campaign.shared import SharedRuns, share
-from grainfit.campaign.store import RunStore
+from grainfit.campaign.campaign import Campaign, CampaignOptions
+from grainfit.campaign.store.records import RunRecord
+from grainfit.campaign.store.shared import SharedRuns, share
+from grainfit.campaign.store.store import RunStore
 from grainfit.errors import StoreError
-from grainfit.solvers.base import Response
-from grainfit.solvers.python_callable import PythonCallable
+from grainfit.evaluation import Proposal, Response
+from grainfit.solvers.own_model.python_callable import PythonCallable
 from postgresql_server import PostgresqlServer, postgresql_server, program
 
 FORK = multiprocessing.get_context("fork")

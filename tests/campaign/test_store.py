@@ -7,11 +7,10 @@ from pathlib import Path
 
 import pytest
 
-from grainfit.campaign import workdir
-from grainfit.campaign.identity import run_identity
-from grainfit.campaign.records import RequestRecord, RunRecord, RunStatus
-from grainfit.campaign.store import RunStore
-from grainfit.campaign.workdir import (
+from grainfit.campaign import work_folder as workdir
+from grainfit.campaign.store.records import RequestRecord, RunRecord, RunStatus, run_identity
+from grainfit.campaign.store.store import RunStore
+from grainfit.campaign.work_folder import (
     close_run_folder,
     open_run_folder,
     read_record,
@@ -19,7 +18,7 @@ from grainfit.campaign.workdir import (
     run_folder,
 )
 from grainfit.errors import StoreError
-from grainfit.solvers.base import Response
+from grainfit.evaluation import Response
 
 
 def test_a_run_is_found_again_after_reopening(tmp_path: Path) -> None:

@@ -16,13 +16,13 @@ from pathlib import Path
 import pytest
 
 import grainfit
-from grainfit.campaign import schema
-from grainfit.campaign.store import RunStore
+from grainfit.campaign.store import schema
+from grainfit.campaign.store.store import RunStore
 from grainfit.errors import StoreError
-from grainfit.reading import read_calibration
 from grainfit.result import Result
-from grainfit.solvers.command import Command
-from grainfit.status import read_status
+from grainfit.solvers.own_model.command import Command
+from grainfit.work_folder.saved_calibration import read_calibration
+from grainfit.work_folder.status import read_status
 
 VERSION_1 = Path(__file__).parent / "store_version_1"
 PROBLEM = grainfit.Problem(

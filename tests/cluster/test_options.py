@@ -6,7 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from grainfit.campaign.cluster import ClusterOptions, cluster_executor, is_available
+from grainfit.campaign.cluster.executor import cluster_executor, is_available
+from grainfit.campaign.cluster.options import ClusterOptions
 from grainfit.errors import GrainfitError, InputError
 
 HOUR = ClusterOptions(walltime=3600.0)
@@ -59,5 +60,5 @@ def test_without_parsl_it_is_said_how_to_get_it(
 
 
 def test_parsl_is_not_imported_unless_it_is_used() -> None:
-    code = "import grainfit.cli, sys; sys.exit('parsl' in sys.modules)"
+    code = "import grainfit.cli.app, sys; sys.exit('parsl' in sys.modules)"
     subprocess.run([sys.executable, "-c", code], check=True, timeout=60)

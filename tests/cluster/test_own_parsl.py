@@ -7,7 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from grainfit.campaign.cluster import ClusterOptions, cluster_executor
+from grainfit.campaign.cluster.executor import cluster_executor
+from grainfit.campaign.cluster.options import ClusterOptions
 from grainfit.errors import GrainfitError
 
 pytest.importorskip("parsl")

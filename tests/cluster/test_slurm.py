@@ -18,17 +18,18 @@ import pytest
 
 import grainfit as gf
 from grainfit.bulk_tests.heap import HeapTest
-from grainfit.campaign import parsl_jobs
-from grainfit.campaign.cluster import ClusterOptions, cluster_executor
-from grainfit.campaign.execution import RunOrder, execute
-from grainfit.campaign.records import RunRecord
+from grainfit.campaign.cluster import parsl_executor as parsl_jobs
+from grainfit.campaign.cluster.executor import cluster_executor
+from grainfit.campaign.cluster.options import ClusterOptions
+from grainfit.campaign.store.records import RunRecord
+from grainfit.campaign.worker import RunOrder, execute
 from grainfit.errors import ExecutorError
-from grainfit.material import ParticleSizes
+from grainfit.materials.sizes import ParticleSizes
 from grainfit.result import Result
 from grainfit.solvers.base import Solver
-from grainfit.solvers.lammps import Lammps
-from grainfit.solvers.liggghts import Liggghts
-from grainfit.solvers.python_callable import PythonCallable
+from grainfit.solvers.dem.lammps.program import Lammps
+from grainfit.solvers.dem.liggghts.program import Liggghts
+from grainfit.solvers.own_model.python_callable import PythonCallable
 from grainfit.testing.materials import GLASS_BEADS
 
 pytest.importorskip("parsl")

@@ -28,15 +28,15 @@ from pathlib import Path
 from typing import Any
 
 import grainfit
-from grainfit import calibration
-from grainfit.campaign.records import RunRecord
-from grainfit.campaign.runner import CampaignOptions
-from grainfit.campaign.store import STORE_NAME, RunStore
-from grainfit.campaign.workdir import PARTIAL_SUFFIX, read_record
+from grainfit.calibration import calibrate as calibration
+from grainfit.campaign.campaign import CampaignOptions
+from grainfit.campaign.store.records import RunRecord
+from grainfit.campaign.store.store import STORE_NAME, RunStore
+from grainfit.campaign.work_folder import PARTIAL_SUFFIX, read_record
 from grainfit.errors import StoreError
 from grainfit.result import Result
-from grainfit.solvers.command import Command
-from grainfit.solvers.python_callable import PythonCallable
+from grainfit.solvers.own_model.command import Command
+from grainfit.solvers.own_model.python_callable import PythonCallable
 
 LOG_VARIABLE = "CRASH_LOG"
 SECONDS_VARIABLE = "CRASH_SECONDS"

@@ -13,8 +13,8 @@ import pytest
 from crash_harness import PROGRAM, Tally, Trial, Variant, children, is_alive, small_disk
 
 from grainfit.campaign.reserve import RESERVE_NAME, Reserve
-from grainfit.campaign.store import RunStore
-from grainfit.status import read_status
+from grainfit.campaign.store.store import RunStore
+from grainfit.work_folder.status import read_status
 
 FILE = """
 name = "beads"

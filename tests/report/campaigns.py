@@ -17,17 +17,18 @@ from numpy.typing import NDArray
 from scipy.stats import qmc
 
 import grainfit as gf
-from grainfit.calibration import Simulate
-from grainfit.campaign.evaluation import Proposal, Stage
-from grainfit.campaign.runner import Campaign, CampaignOptions
-from grainfit.campaign.store import RunStore
-from grainfit.campaign.workdir import RESULT_NAME, hold
-from grainfit.conversation import Conversation, ConversationOptions
-from grainfit.material import MATERIAL_PARAMETERS
-from grainfit.provenance import Provenance
-from grainfit.solvers.python_callable import PythonCallable
+from grainfit.calibration.calibrate import Simulate
+from grainfit.calibration.loop import Conversation, ConversationOptions
+from grainfit.calibration.provenance import Provenance
+from grainfit.campaign.campaign import Campaign, CampaignOptions
+from grainfit.campaign.store.store import RunStore
+from grainfit.campaign.work_folder import RESULT_NAME, hold
+from grainfit.evaluation import Proposal, Stage
+from grainfit.materials.parameters import MATERIAL_PARAMETERS
+from grainfit.solvers.own_model.python_callable import PythonCallable
 from grainfit.strategies.answer import Answer
-from grainfit.strategies.base import BatchStrategy, Plan, insertion_seed
+from grainfit.strategies.base import insertion_seed
+from grainfit.strategies.batch import BatchStrategy, Plan
 
 Points = NDArray[np.float64]
 

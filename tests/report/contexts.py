@@ -17,21 +17,20 @@ from scipy.stats import qmc
 from grainfit.analysis import (
     Analysis,
     analyse,
-    identifiability,
+    assess_identifiability,
+    estimate_sensitivity,
     pareto_front,
     sample_posterior,
-    sensitivity,
 )
-from grainfit.campaign.evaluation import Evaluation, Proposal
-from grainfit.material import MATERIAL_PARAMETERS
+from grainfit.evaluation import Evaluation, Proposal, Response
+from grainfit.materials.parameters import MATERIAL_PARAMETERS
+from grainfit.materials.time_step import RayleighTimeStep
+from grainfit.metamodels.metamodels import Metamodels, can_be_fitted
 from grainfit.problem import Parameter, Problem, Target
-from grainfit.reading import CalibrationReading
 from grainfit.report.section import ReportContext
 from grainfit.result import ResponseResult, Result, RunCounts
-from grainfit.solvers.base import Response
-from grainfit.strategies.answer_making import metamodel_quality
-from grainfit.strategies.metamodels import Metamodels, can_be_fitted
-from grainfit.timestep import RayleighTimeStep
+from grainfit.strategies.answer import metamodel_quality
+from grainfit.work_folder.saved_calibration import CalibrationReading
 
 NODE = shutil.which("node")
 NASTY = "<script>alert('x')</script> \"Größe\" & {{ 7*7 }}"
@@ -168,8 +167,8 @@ def rough_analysis(wanted: Problem, known: Sequence[Evaluation]) -> Analysis:
         metamodels=metamodels,
         quality=metamodel_quality(metamodels),
         posterior=posterior,
-        sensitivity=sensitivity(metamodels, points=32),
-        identifiability=identifiability(posterior, wanted),
+        sensitivity=estimate_sensitivity(metamodels, points=32),
+        identifiability=assess_identifiability(posterior, wanted),
         pareto=pareto_front(metamodels, points=4),
     )
 

@@ -20,8 +20,8 @@ from pypdfium2 import PdfDocument
 from scipy.stats import norm
 
 from grainfit.analysis import Analysis, analyse
+from grainfit.metamodels.metamodels import Metamodels
 from grainfit.report.page import write_report
-from grainfit.strategies.metamodels import Metamodels
 
 pytestmark = pytest.mark.skipif(chromium.EXECUTABLE is None, reason="Chromium is not installed")
 

@@ -15,12 +15,12 @@ import pytest
 
 import grainfit
 from grainfit.analysis import Analysis
-from grainfit.campaign.workdir import hold
+from grainfit.campaign.work_folder import hold
 from grainfit.errors import StoreError
-from grainfit.reading import read_calibration
 from grainfit.report.page import render_page
 from grainfit.report.rendering import script_json
 from grainfit.report.section import ReportContext
+from grainfit.work_folder.saved_calibration import read_calibration
 
 PROBLEM = grainfit.Problem(
     [grainfit.Parameter("friction", 0.1, 0.9)],

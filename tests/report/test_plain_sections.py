@@ -19,23 +19,22 @@ from PIL import Image
 import grainfit
 from grainfit.analysis import Analysis
 from grainfit.bulk_tests.heap import HeapTest
-from grainfit.campaign.evaluation import Evaluation, Proposal, Stage
-from grainfit.campaign.records import RunRecord
-from grainfit.material import MATERIAL_PARAMETERS, ParticleSizes
-from grainfit.numerals import number, rounded
-from grainfit.reading import CalibrationReading
-from grainfit.report.heaps import heap_runs, read_heap
-from grainfit.report.outline import simplified
+from grainfit.campaign.store.records import RunRecord
+from grainfit.evaluation import Evaluation, Proposal, Response, Stage
+from grainfit.formatting import number, rounded
+from grainfit.materials.parameters import MATERIAL_PARAMETERS
+from grainfit.materials.sizes import ParticleSizes
+from grainfit.measurement.drawing import simplified
 from grainfit.report.section import ReportContext, Section
-from grainfit.report.sections.answer import answer, verdict
-from grainfit.report.sections.convergence import convergence
-from grainfit.report.sections.heap import heap
-from grainfit.report.sections.reproduce import reproduce
-from grainfit.report.sections.runs import runs
-from grainfit.report.sections.verification import verification
-from grainfit.result import Result, RunCounts
-from grainfit.solvers.base import Response
-from grainfit.strategies.answer import OutOfReach
+from grainfit.report.sections.answer.section import answer, verdict
+from grainfit.report.sections.convergence.section import convergence
+from grainfit.report.sections.heap.heaps import heap_runs, read_heap
+from grainfit.report.sections.heap.section import heap
+from grainfit.report.sections.reproduce.section import reproduce
+from grainfit.report.sections.runs.section import runs
+from grainfit.report.sections.verification.section import verification
+from grainfit.result import OutOfReach, Result, RunCounts
+from grainfit.work_folder.saved_calibration import CalibrationReading
 
 DENSITY, FRICTION = "particle.density", "particle_particle.rolling_friction"
 PROBLEM = grainfit.Problem(

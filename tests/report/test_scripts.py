@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 from scipy.stats import norm, qmc
 
-from grainfit.kriging import Kriging
-from grainfit.numerals import number, rounded
-from grainfit.report.sections.answer import seconds
-from grainfit.strategies.metamodels import Metamodels
+from grainfit.formatting import number, rounded
+from grainfit.metamodels.kriging import Kriging
+from grainfit.metamodels.metamodels import Metamodels
+from grainfit.report.sections.answer.section import seconds
 
 pytestmark = pytest.mark.skipif(contexts.NODE is None, reason="Node.js is not installed")
 

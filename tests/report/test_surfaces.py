@@ -14,16 +14,16 @@ import numpy as np
 import pytest
 
 from grainfit.analysis import Analysis, ParetoFront
+from grainfit.metamodels.metamodels import Metamodels
 from grainfit.problem import Problem
 from grainfit.report.rendering import script_json
 from grainfit.report.section import ReportContext, Section
-from grainfit.report.sections.explorer import explorer
-from grainfit.report.sections.predicted import predicted
-from grainfit.report.sections.sensitivity import sensitivity
-from grainfit.report.sections.surfaces import surfaces
-from grainfit.report.sections.tradeoff import tradeoff
-from grainfit.report.sections.undetermined import undetermined
-from grainfit.strategies.metamodels import Metamodels
+from grainfit.report.sections.explorer.section import explorer
+from grainfit.report.sections.predicted.section import predicted
+from grainfit.report.sections.sensitivity.section import sensitivity
+from grainfit.report.sections.surfaces.section import surfaces
+from grainfit.report.sections.tradeoff.section import tradeoff
+from grainfit.report.sections.undetermined.section import undetermined
 
 SECTIONS: tuple[Callable[[ReportContext], Section], ...] = (
     surfaces,

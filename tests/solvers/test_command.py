@@ -12,9 +12,10 @@ from pathlib import Path
 import pytest
 
 from grainfit.errors import InputError, RunFailedError, SolverNotFoundError
-from grainfit.solvers.base import Response, Workspace
-from grainfit.solvers.command import Command
-from grainfit.solvers.model_folder import ModelFolder
+from grainfit.evaluation import Response
+from grainfit.solvers.base import Workspace
+from grainfit.solvers.own_model.command import Command
+from grainfit.solvers.own_model.model_folder import ModelFolder
 from grainfit.testing.solver_contract import ProcessSolverContract
 
 PYTHON = sys.executable

@@ -8,14 +8,14 @@ import shutil
 
 import pytest
 
-from grainfit.bulk_tests.contact import hertz_overlap, particle_moduli
 from grainfit.bulk_tests.heap import HeapTest
-from grainfit.material import ParticleSizes
+from grainfit.contact_models.hertz_mindlin.model import hertz_overlap, particle_moduli
+from grainfit.materials.sizes import ParticleSizes
 from grainfit.measurement.particles import read_dump
 from grainfit.solvers.base import Workspace
-from grainfit.solvers.lammps import Lammps
-from grainfit.solvers.liggghts import Liggghts
-from grainfit.solvers.process import run_process
+from grainfit.solvers.dem.lammps.program import Lammps
+from grainfit.solvers.dem.liggghts.program import Liggghts
+from grainfit.solvers.process.process import run_process
 from grainfit.testing.materials import GLASS_BEADS
 
 RADIUS = 0.005

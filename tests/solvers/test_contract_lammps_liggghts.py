@@ -7,9 +7,9 @@ import shutil
 import pytest
 
 from grainfit.bulk_tests.heap import HeapTest
-from grainfit.material import ParticleSizes
-from grainfit.solvers.lammps import Lammps
-from grainfit.solvers.liggghts import Liggghts
+from grainfit.materials.sizes import ParticleSizes
+from grainfit.solvers.dem.lammps.program import Lammps
+from grainfit.solvers.dem.liggghts.program import Liggghts
 from grainfit.testing.materials import GLASS_BEADS
 from grainfit.testing.solver_contract import ProcessSolverContract
 

@@ -12,10 +12,11 @@ import pytest
 
 from grainfit.bulk_tests.heap import HeapTest
 from grainfit.errors import InputError, RunFailedError, SolverNotFoundError
-from grainfit.material import MATERIAL_PARAMETERS, ParticleSizes
+from grainfit.materials.parameters import MATERIAL_PARAMETERS
+from grainfit.materials.sizes import ParticleSizes
 from grainfit.solvers.base import Workspace
-from grainfit.solvers.lammps import Lammps
-from grainfit.solvers.liggghts import Liggghts
+from grainfit.solvers.dem.lammps.program import Lammps
+from grainfit.solvers.dem.liggghts.program import Liggghts
 from grainfit.testing.materials import GLASS_BEADS
 
 MONOSIZE = ParticleSizes((0.010,))

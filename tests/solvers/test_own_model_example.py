@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from grainfit.solvers.base import Workspace
-from grainfit.solvers.command import Command
+from grainfit.solvers.own_model.command import Command
 
 MODEL = Path(__file__).parents[2] / "examples" / "own_model" / "model"
 DIAMETER, DENSITY, DROP, POISSON = 0.010, 2500.0, 0.200, 0.22

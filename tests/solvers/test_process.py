@@ -13,8 +13,9 @@ from pathlib import Path
 import pytest
 
 from grainfit.errors import RunFailedError
+from grainfit.files import log_tail
 from grainfit.solvers.base import Workspace
-from grainfit.solvers.process import LOG_NAME, end_orphan, log_tail, run_process
+from grainfit.solvers.process.process import LOG_NAME, end_orphan, run_process
 
 PYTHON = sys.executable
 
@@ -213,7 +214,7 @@ def test_orphan_of_a_killed_calibration_is_ended(tmp_path):
     code = f"""
 from pathlib import Path
 from grainfit.solvers.base import Workspace
-from grainfit.solvers.process import run_process
+from grainfit.solvers.process.process import run_process
 run_process([{PYTHON!r}, "-c", {STUBBORN_FAMILY!r}], Workspace(Path({str(folder)!r})))
 """
     calibration = subprocess.Popen(python(code))

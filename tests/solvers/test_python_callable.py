@@ -14,10 +14,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from grainfit.campaign.identity import run_identity
+from grainfit.campaign.store.records import run_identity
 from grainfit.errors import InputError, NotMeasurableError, RunFailedError
-from grainfit.solvers.base import Response, Workspace
-from grainfit.solvers.python_callable import PythonCallable
+from grainfit.evaluation import Response
+from grainfit.solvers.base import Workspace
+from grainfit.solvers.own_model.python_callable import PythonCallable
 from grainfit.testing.solver_contract import SolverContract
 
 MODEL = """
@@ -228,7 +229,7 @@ def test_identity_without_source_is_the_same_in_every_process():
     space = {}
     exec(source, space)
     code = (
-        "import json; from grainfit.solvers.python_callable import PythonCallable\n"
+        "import json; from grainfit.solvers.own_model.python_callable import PythonCallable\n"
         f"exec({source!r})\n"
         "print(json.dumps(PythonCallable(f).definition({'x': 1.0}, 1)['function']))"
     )
@@ -382,7 +383,7 @@ def test_variable_without_a_value_yet():
 def test_identity_of_held_data_is_the_same_in_every_process():
     code = (
         "import json, numpy as np\n"
-        "from grainfit.solvers.python_callable import PythonCallable\n"
+        "from grainfit.solvers.own_model.python_callable import PythonCallable\n"
         "import functools\n"
         "f = functools.partial(max, {'x', 'y', 'zz'}, np.array([1.0, None]), {'b': 1, 'a': 2})\n"
         "print(json.dumps(PythonCallable(f).definition({'x': 1.0}, 1)['function']))"

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from grainfit.errors import InputError, RunFailedError
-from grainfit.solvers.base import Response, Workspace
-from grainfit.solvers.recorded_table import RecordedTable
+from grainfit.evaluation import Response
+from grainfit.solvers.base import Workspace
+from grainfit.solvers.own_model.recorded_table import RecordedTable
 from grainfit.testing.solver_contract import SolverContract
 
 HEADER = "comment,density,friction,seed,angle,angle_std_error"

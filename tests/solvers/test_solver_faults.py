@@ -19,15 +19,15 @@ import pytest
 
 from grainfit.bulk_tests.heap import HeapTest
 from grainfit.errors import RunFailedError
-from grainfit.material import ParticleSizes
+from grainfit.materials.sizes import ParticleSizes
 from grainfit.solvers.base import Workspace
-from grainfit.solvers.command import Command
-from grainfit.solvers.faults import cause_of_exit, machine_fault
-from grainfit.solvers.lammps import Lammps
-from grainfit.solvers.liggghts import Liggghts
-from grainfit.solvers.process import run_process
-from grainfit.solvers.python_callable import PythonCallable
-from grainfit.solvers.run_folder import RunFolder
+from grainfit.solvers.dem.lammps.program import Lammps
+from grainfit.solvers.dem.liggghts.program import Liggghts
+from grainfit.solvers.own_model.command import Command
+from grainfit.solvers.own_model.python_callable import PythonCallable
+from grainfit.solvers.process.faults import cause_of_exit, machine_fault
+from grainfit.solvers.process.process import run_process
+from grainfit.solvers.process.run_folder import RunFolder
 from grainfit.testing.materials import GLASS_BEADS
 
 PYTHON = sys.executable

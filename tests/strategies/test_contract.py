@@ -2,8 +2,8 @@
 
 import pytest
 
-from grainfit.strategies.sequential import Sequential
-from grainfit.strategies.staged import Staged
+from grainfit.strategies.sequential.strategy import Sequential
+from grainfit.strategies.staged.strategy import Staged
 from grainfit.testing.strategy_contract import Make, StrategyContract
 
 

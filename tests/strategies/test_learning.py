@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from grainfit.strategies.sequential import Sequential
+from grainfit.strategies.sequential.strategy import Sequential
 from grainfit.testing.strategy_contract import converse, heap, heap_problem
 
 

@@ -8,12 +8,14 @@ import numpy as np
 import pytest
 from scipy.spatial.distance import pdist
 
-from grainfit.campaign.evaluation import Evaluation, Proposal
 from grainfit.errors import RunFailedError
+from grainfit.evaluation import Evaluation, Proposal
+from grainfit.materials.time_step import RayleighTimeStep
+from grainfit.metamodels.metamodels import Metamodels
 from grainfit.problem import Parameter, Problem, Target
 from grainfit.strategies.answer import Answer
-from grainfit.strategies.metamodels import Metamodels
-from grainfit.strategies.sequential import RUNS_PER_PARAMETER, Sequential, SequentialOptions
+from grainfit.strategies.sequential.options import RUNS_PER_PARAMETER, SequentialOptions
+from grainfit.strategies.sequential.strategy import Sequential
 from grainfit.testing.strategy_contract import (
     converse,
     failed,
@@ -23,7 +25,6 @@ from grainfit.testing.strategy_contract import (
     quiet,
     scattered,
 )
-from grainfit.timestep import RayleighTimeStep
 
 DESIGN = 5
 DEFAULT_BUDGET = DESIGN + 2 * RUNS_PER_PARAMETER

@@ -5,11 +5,10 @@ from collections.abc import Callable, Mapping
 import numpy as np
 import pytest
 
-from grainfit.campaign.evaluation import Evaluation
 from grainfit.errors import InputError, RunFailedError
+from grainfit.evaluation import Evaluation, Response
 from grainfit.problem import Parameter, Problem, Target
-from grainfit.solvers.base import Response
-from grainfit.strategies.staged import Staged, StagedOptions
+from grainfit.strategies.staged.strategy import Staged, StagedOptions
 
 Function = Callable[[Mapping[str, float], np.random.Generator], Mapping[str, float]]
 
@@ -175,7 +174,7 @@ def test_impossible_budgets_are_refused(budget: int | None, design: int | None, 
 
 
 def test_a_rayleigh_weight_trades_accuracy_for_a_larger_time_step() -> None:
-    from grainfit.timestep import RayleighTimeStep
+    from grainfit.materials.time_step import RayleighTimeStep
 
     base = problem()
     rayleigh = RayleighTimeStep(

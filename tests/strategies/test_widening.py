@@ -5,8 +5,8 @@ from dataclasses import replace
 import pytest
 
 from grainfit.problem import Parameter, Problem, Target
-from grainfit.strategies.answer import OutOfReach
-from grainfit.strategies.widening import widened, widenings
+from grainfit.result import OutOfReach
+from grainfit.strategies.out_of_reach import widened, widenings
 
 PROBLEM = Problem(
     [

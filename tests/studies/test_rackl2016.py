@@ -13,9 +13,9 @@ from typing import Any
 
 import pytest
 
-from grainfit.calibration import calibrate
+from grainfit.calibration.calibrate import calibrate
 from grainfit.problem import Parameter, Problem, Target
-from grainfit.solvers.python_callable import PythonCallable
+from grainfit.solvers.own_model.python_callable import PythonCallable
 from studies.rackl2016 import peer, setting
 from studies.rackl2016.calibrations import verification_seconds
 from studies.rackl2016.clock import Clock, Cost, read_cost

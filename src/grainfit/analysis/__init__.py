@@ -1,10 +1,10 @@
 """What the runs of a calibration tell beyond the answer: how sure it is, and what it hangs on."""
 
 from grainfit.analysis.analysis import Analysis, analyse
-from grainfit.analysis.identifiability import Direction, Identifiability, identifiability
+from grainfit.analysis.identifiability import Direction, Identifiability, assess_identifiability
 from grainfit.analysis.pareto import ParetoFront, pareto_front
 from grainfit.analysis.posterior import Posterior, sample_posterior, standard_uncertainty
-from grainfit.analysis.sensitivity import Sensitivity, sensitivity
+from grainfit.analysis.sensitivity import Sensitivity, estimate_sensitivity
 
 __all__ = [
     "Analysis",
@@ -14,9 +14,9 @@ __all__ = [
     "Posterior",
     "Sensitivity",
     "analyse",
-    "identifiability",
+    "assess_identifiability",
+    "estimate_sensitivity",
     "pareto_front",
     "sample_posterior",
-    "sensitivity",
     "standard_uncertainty",
 ]

@@ -9,19 +9,19 @@ import numpy as np
 from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
-from grainfit.analysis.identifiability import Identifiability, identifiability
+from grainfit.analysis.identifiability import Identifiability, assess_identifiability
 from grainfit.analysis.pareto import ParetoFront, pareto_front
 from grainfit.analysis.posterior import Posterior, sample_posterior
-from grainfit.analysis.sensitivity import Sensitivity, sensitivity
-from grainfit.campaign.evaluation import Evaluation
-from grainfit.campaign.known import MOST_RUNS
+from grainfit.analysis.sensitivity import Sensitivity, estimate_sensitivity
+from grainfit.campaign.reuse import MOST_RUNS
 from grainfit.errors import GrainfitError
-from grainfit.kriging import Kriging
+from grainfit.evaluation import Evaluation
+from grainfit.metamodels.kriging import Kriging
+from grainfit.metamodels.metamodels import Metamodels
+from grainfit.metamodels.unit_cube import spread_points
 from grainfit.problem import Problem
-from grainfit.strategies.answer import MetamodelQuality
-from grainfit.strategies.answer_making import metamodel_quality
-from grainfit.strategies.metamodels import Metamodels
-from grainfit.strategies.search import spread_points
+from grainfit.result import MetamodelQuality
+from grainfit.strategies.answer import metamodel_quality
 
 Array = NDArray[np.float64]
 
@@ -112,8 +112,8 @@ def analyse(
             metamodels=metamodels,
             quality=metamodel_quality(fitted, spread=_is_spread(chosen)),
             posterior=posterior,
-            sensitivity=sensitivity(metamodels, seed=seed),
-            identifiability=identifiability(posterior, metamodels.problem),
+            sensitivity=estimate_sensitivity(metamodels, seed=seed),
+            identifiability=assess_identifiability(posterior, metamodels.problem),
             pareto=pareto_front(metamodels, seed=seed),
             notes=tuple(notes),
         )

@@ -13,7 +13,7 @@ from scipy.stats import rankdata
 
 from grainfit.analysis.further_tests import to_settle, to_tell_apart
 from grainfit.analysis.posterior import Posterior
-from grainfit.numerals import number, unit_for_people, with_unit
+from grainfit.formatting import number, unit_for_people, with_unit
 from grainfit.problem import Parameter, Problem
 
 Array = NDArray[np.float64]
@@ -81,7 +81,7 @@ class Identifiability:
     further_tests: tuple[str, ...]
 
 
-def identifiability(posterior: Posterior, problem: Problem) -> Identifiability:
+def assess_identifiability(posterior: Posterior, problem: Problem) -> Identifiability:
     """Judge what the tests determine.
 
     Parameters

@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 from scipy import optimize
 from threadpoolctl import threadpool_limits
 
+from grainfit.metamodels.metamodels import Metamodels
+from grainfit.metamodels.time_steps import log_time_steps, with_long_steps
+from grainfit.metamodels.unit_cube import gauss_newton, spread_points
 from grainfit.problem import Problem
-from grainfit.strategies.answer_search import log_time_steps, with_long_steps
-from grainfit.strategies.metamodels import Metamodels
-from grainfit.strategies.search import gauss_newton, spread_points
 
 Array = NDArray[np.float64]
 

@@ -13,8 +13,8 @@ from threadpoolctl import threadpool_limits
 
 from grainfit.analysis.ensemble import sample_cube
 from grainfit.errors import Fault, InputError
+from grainfit.metamodels.metamodels import Metamodels
 from grainfit.problem import Target
-from grainfit.strategies.metamodels import Metamodels
 
 Array = NDArray[np.float64]
 

@@ -10,8 +10,8 @@ from scipy import stats
 from threadpoolctl import threadpool_limits
 
 from grainfit.errors import Fault, InputError
-from grainfit.strategies.metamodels import Metamodels
-from grainfit.strategies.search import spread_points
+from grainfit.metamodels.metamodels import Metamodels
+from grainfit.metamodels.unit_cube import spread_points
 
 Array = NDArray[np.float64]
 
@@ -76,7 +76,9 @@ class Sensitivity:
         return bool(self.total[row, column] - self.first[row, column] >= _INTERACTION)
 
 
-def sensitivity(metamodels: Metamodels, *, seed: int = 1, points: int = 1024) -> Sensitivity:
+def estimate_sensitivity(
+    metamodels: Metamodels, *, seed: int = 1, points: int = 1024
+) -> Sensitivity:
     """Sobol' indices of the expected responses over the intervals of the parameters.
 
     Parameters

@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, ClassVar
 
-from grainfit.solvers.base import Response
+from grainfit.evaluation import Response
 
 
 class BulkTest(ABC):

@@ -9,14 +9,14 @@ from grainfit.calibration_file.files import note_not_there
 from grainfit.calibration_file.kinds import Choice, Kind, ListOf, Quantity, Schema, Text, Whole
 from grainfit.calibration_file.places import Place, show
 from grainfit.calibration_file.tables import Key, Values
-from grainfit.campaign.cluster import (
+from grainfit.campaign.cluster.options import (
     LONGEST_WALLTIME,
     SCHEDULERS,
     SHORTEST_WALLTIME,
     ClusterOptions,
 )
 from grainfit.errors import InputError
-from grainfit.solvers.python_file import PythonFile
+from grainfit.solvers.own_model.python_file import PythonFile
 
 
 @dataclass(frozen=True)

@@ -9,8 +9,8 @@ from typing import Any
 from grainfit.calibration_file.kinds import Kind, Schema, Text
 from grainfit.calibration_file.places import Place, show
 from grainfit.errors import InputError
-from grainfit.solvers.model_folder import is_inside
-from grainfit.solvers.python_file import PythonFile
+from grainfit.solvers.own_model.model_folder import is_inside
+from grainfit.solvers.own_model.python_file import PythonFile
 
 
 @dataclass(frozen=True)

@@ -17,7 +17,8 @@ from grainfit.calibration_file.kinds import (
 )
 from grainfit.calibration_file.places import Place, show
 from grainfit.calibration_file.tables import Key, Table, Values
-from grainfit.material import MaterialParameter, ParticleSizes
+from grainfit.materials.parameters import MaterialParameter
+from grainfit.materials.sizes import ParticleSizes
 from grainfit.problem import Parameter
 from grainfit.units import is_unit
 

@@ -6,7 +6,7 @@ import json
 from pathlib import Path
 from typing import Any
 
-from grainfit.calibration_file.document import LAYOUT
+from grainfit.calibration_file.layout import LAYOUT
 
 
 def calibration_file_schema() -> dict[str, Any]:

@@ -12,7 +12,7 @@ from grainfit.calibration_file.kinds import Kind, ListOf, Quantity, Schema, Text
 from grainfit.calibration_file.parameters import own_quantity
 from grainfit.calibration_file.places import Place, show
 from grainfit.calibration_file.tables import Key, Table, Values
-from grainfit.printable import plain
+from grainfit.formatting import plain
 from grainfit.problem import Target
 from grainfit.units import percentage
 

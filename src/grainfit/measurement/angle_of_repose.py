@@ -17,9 +17,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from grainfit.errors import NotMeasurableError
+from grainfit.evaluation import Response
 from grainfit.measurement.particles import Particles
 from grainfit.measurement.silhouette import Silhouette, render_silhouette
-from grainfit.solvers.base import Response
 
 #: Resolution of silhouettes and outlines: pixels in a particle diameter.
 PIXELS_PER_DIAMETER = 20

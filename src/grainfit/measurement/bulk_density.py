@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from grainfit.errors import Fault, InputError, NotMeasurableError
+from grainfit.evaluation import Response
 from grainfit.measurement.particles import Particles
-from grainfit.solvers.base import Response
 
 #: The uppermost layer holds at least this share of the others, or the bed ends there: a tenth is
 #: more than a bed loosens upwards, and a layer of N particles varies by some 0.3 / sqrt(N).

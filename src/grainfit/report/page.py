@@ -15,11 +15,11 @@ from threadpoolctl import threadpool_limits
 from grainfit.analysis import analyse
 from grainfit.errors import StoreError
 from grainfit.files import write_atomically
-from grainfit.printable import plain
-from grainfit.reading import read_calibration
+from grainfit.formatting import plain
 from grainfit.report.rendering import render, script_json
 from grainfit.report.section import ReportContext, Section
-from grainfit.report.sections import SECTIONS
+from grainfit.report.sections.registry import SECTIONS
+from grainfit.work_folder.saved_calibration import read_calibration
 
 REPORT_NAME = "report.html"
 #: Enough to draw a figure; a grid of contours would be three times as large otherwise.
@@ -83,8 +83,8 @@ def render_page(context: ReportContext) -> str:
         written=datetime.now().astimezone().strftime("%d %B %Y, %H:%M"),
         version=version("grainfit"),
         sections=sections,
-        styles=[_element_text(text) for text in _parts("styles", ".css", "report.css")],
-        scripts=[_element_text(text) for text in _parts("scripts", ".js", "page.js")],
+        styles=[_element_text(text) for text in _parts("styles/report.css", "style.css")],
+        scripts=[_element_text(text) for text in _parts("scripts/page.js", "script.js")],
         figure_index=script_json(
             {key: {"height": f.height, "description": f.description} for key, f in figures.items()}
         ),
@@ -103,11 +103,13 @@ def _data(sections: list[Section]) -> dict[str, Markup]:
     return {section.key: script_json(section.data) for section in sections if section.data}
 
 
-def _parts(folder: str, suffix: str, first: str) -> list[str]:
-    """Texts of all files of a kind, that of the page itself before those of its sections."""
-    found = [f for f in (files("grainfit.report") / folder).iterdir() if f.name.endswith(suffix)]
-    found.sort(key=lambda file: (file.name != first, file.name))
-    return [file.read_text(encoding="utf-8") for file in found]
+def _parts(first: str, of_section: str) -> list[str]:
+    """Texts of all scripts or styles: the page's own, what sections share, then each section's."""
+    package = Path(str(files("grainfit.report")))
+    own = package / first
+    shared = sorted(path for path in own.parent.glob(f"*{own.suffix}") if path != own)
+    sections = sorted((package / "sections").glob(f"*/{of_section}"))
+    return [path.read_text(encoding="utf-8") for path in (own, *shared, *sections)]
 
 
 def _plotly() -> str:

@@ -9,11 +9,10 @@ from functools import cache
 from typing import Any
 
 import numpy as np
-from jinja2 import Environment, PackageLoader, StrictUndefined
+from jinja2 import ChoiceLoader, Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
-from grainfit.numerals import number, rounded
-from grainfit.printable import counted, duration, plain
+from grainfit.formatting import counted, duration, number, plain, rounded
 
 # In a script element, HTML knows no escapes of its own: what could end it, or begin another one,
 # is written as JSON's escapes.
@@ -26,7 +25,7 @@ def render(template: str, **values: Any) -> Markup:
     Parameters
     ----------
     template : str
-        File in ``templates``, without ``.html.jinja``.
+        File in ``templates`` or ``sections``, without ``.html.jinja``, such as ``heap/page``.
     **values
         What it mentions.
     """
@@ -64,7 +63,9 @@ def _plain_data(value: Any, digits: int | None) -> Any:
 @cache
 def _environment() -> Environment:
     environment = Environment(
-        loader=PackageLoader("grainfit.report"),
+        loader=ChoiceLoader(
+            [PackageLoader("grainfit.report"), PackageLoader("grainfit.report", "sections")]
+        ),
         undefined=StrictUndefined,
         autoescape=True,
         trim_blocks=True,

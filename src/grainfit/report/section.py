@@ -14,10 +14,11 @@ from typing import Any
 from markupsafe import Markup
 
 from grainfit.analysis import Analysis, Posterior
-from grainfit.printable import plain
+from grainfit.formatting import plain
+from grainfit.plots.labels import Label, parameter_label, response_label
 from grainfit.problem import Parameter, Target
-from grainfit.reading import CalibrationReading
-from grainfit.report.labels import Label, parameter_label, response_label
+from grainfit.report.rendering import render
+from grainfit.work_folder.saved_calibration import CalibrationReading
 
 
 @dataclass(frozen=True)
@@ -119,3 +120,26 @@ class ReportContext:
         """How a response is called on the page."""
         units = {target.name: target.unit for target in self.targets}
         return response_label(name, units.get(name, ""))
+
+
+def waiting(context: ReportContext, key: str, title: str, reason: str = "") -> Section:
+    """Return a section that has nothing to say yet, and says why.
+
+    Parameters
+    ----------
+    context : ReportContext
+        The notes of its analysis are the reasons, unless one is given.
+    key, title : str
+        Of the section.
+    reason : str
+        In a sentence or two.
+    """
+    reasons = [reason] if reason else [plain(note) for note in context.analysis.notes]
+    return Section(key, title, render("waiting", reasons=reasons))
+
+
+def without_metamodel(context: ReportContext) -> list[Label]:
+    """Responses that are missing in all that rests on metamodels."""
+    metamodels = context.analysis.metamodels
+    known = {target.name for target in metamodels.problem.targets} if metamodels else set()
+    return [context.response_label(t.name) for t in context.targets if t.name not in known]

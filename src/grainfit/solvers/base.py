@@ -20,21 +20,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-
-@dataclass(frozen=True)
-class Response:
-    """One measured quantity of one run.
-
-    Parameters
-    ----------
-    value : float
-        In SI units, except angles, which are in degrees.
-    standard_error : float
-        Standard error of measuring *this* run; the scatter from seed to seed comes on top.
-    """
-
-    value: float
-    standard_error: float = 0.0
+from grainfit.evaluation import Response
 
 
 @dataclass(frozen=True)

@@ -2,83 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Literal
+from math import isfinite
 
-Bound = Literal["min", "max"]
+import numpy as np
+from numpy.typing import NDArray
 
+from grainfit.metamodels.kriging import Kriging
+from grainfit.metamodels.metamodels import Metamodels
+from grainfit.result import Bound, MetamodelQuality, OutOfReach
 
-@dataclass(frozen=True)
-class MetamodelQuality:
-    """How far a metamodel can be trusted, by leave-one-out.
-
-    Parameters
-    ----------
-    q2 : float or None
-        Share of the variance of the responses that is predicted; 1 is perfect. None when the
-        responses are all equal.
-    coverage : float
-        Share of the runs inside their 95 % interval.
-    noise : float
-        Estimated standard deviation of the response from seed to seed.
-    warnings : tuple of str
-        Why it is not to be trusted, in words; empty when it is.
-    """
-
-    q2: float | None
-    coverage: float
-    noise: float
-    warnings: tuple[str, ...] = ()
-
-
-@dataclass(frozen=True)
-class OutOfReach:
-    """A target that the intervals do not allow to meet.
-
-    Parameters
-    ----------
-    target : str
-        Name of the target.
-    value : float
-        Its value.
-    nearest, standard_error : float
-        Nearest expected response within the intervals, and how well it is known.
-    jointly : bool
-        The target could be met alone, but not together with the others.
-    parameter, bound, bound_value : str, {"min", "max"}, float, optional
-        The bound that is in the way.
-    suggestion : float, optional
-        A bound that should do, by linear extrapolation; None when none is in sight.
-    """
-
-    target: str
-    value: float
-    nearest: float
-    standard_error: float
-    jointly: bool = False
-    parameter: str | None = None
-    bound: Bound | None = None
-    bound_value: float | None = None
-    suggestion: float | None = None
-
-    @property
-    def shortfall_percent(self) -> float:
-        """Deviation of the nearest response from the target, in percent of the target."""
-        return 100 * (self.nearest - self.value) / self.value
-
-    def __str__(self) -> str:
-        together = " together with the other targets" if self.jointly else ""
-        text = (
-            f"{self.target} = {self.value:g} is out of reach{together}: the nearest within the "
-            f"intervals is {self.nearest:.5g} ({self.shortfall_percent:+.1f} %)."
-        )
-        if self.parameter is None:
-            return f"{text} No single bound is in the way: free another parameter."
-        text += f" The bound in the way is {self.parameter}.{self.bound} = {self.bound_value:g}"
-        if self.suggestion is None:
-            return f"{text}, and no possible value beyond it would do: free another parameter."
-        return f"{text}; try {self.suggestion:g}."
+#: Nearer to a bound than this share of the interval counts as on it.
+_ON_BOUND = 0.01
+#: In squared tolerances: what fits worse than the best by less fits as well, and by more does not.
+_AS_GOOD, _WORSE = 1.0, 4.0
 
 
 @dataclass(frozen=True)
@@ -109,3 +47,72 @@ class Answer:
     out_of_reach: tuple[OutOfReach, ...] = ()
     quality: Mapping[str, MetamodelQuality] = field(default_factory=dict)
     cut_off: Mapping[str, Bound] = field(default_factory=dict)
+
+
+def make_answer(
+    metamodels: Metamodels,
+    parameters: Mapping[str, float],
+    out_of_reach: Sequence[OutOfReach],
+    closest: NDArray[np.float64],
+    *,
+    spread: bool = True,
+) -> Answer:
+    """Make a parameter set the answer, with all that the metamodels say of it.
+
+    ``closest`` is the point of the unit cube where they meet the targets best, and ``spread`` tells
+    whether the runs are spread by a design, see `Kriging.warnings`.
+    """
+    point: NDArray[np.float64] = metamodels.problem.to_unit(parameters)
+    means, variances = metamodels.predict(point)
+    names = [target.name for target in metamodels.problem.targets]
+    return Answer(
+        parameters=dict(parameters),
+        predicted=dict(zip(names, means[0].tolist(), strict=True)),
+        standard_errors=dict(zip(names, np.sqrt(variances[0]).tolist(), strict=True)),
+        agreement=float(metamodels.agreement(point)[0]),
+        out_of_reach=tuple(out_of_reach),
+        quality=metamodel_quality(metamodels, spread=spread),
+        cut_off=dict(_cut_off(metamodels, closest)),
+    )
+
+
+def bound_at(position: float) -> Bound | None:
+    """Return the bound that a position in an interval is on, 0 being its minimum; or None."""
+    if _ON_BOUND <= position <= 1 - _ON_BOUND:
+        return None
+    return "min" if position < _ON_BOUND else "max"
+
+
+def _cut_off(metamodels: Metamodels, closest: NDArray[np.float64]) -> Iterator[tuple[str, Bound]]:
+    least = float(metamodels.misfit(closest[None])[0])
+    for axis, parameter in enumerate(metamodels.problem.parameters):
+        ends = np.array([closest, closest])
+        ends[:, axis] = 0.0, 1.0
+        low, high = metamodels.misfit(ends) - least
+        if low <= _AS_GOOD and high >= _WORSE:
+            yield parameter.name, "min"
+        elif high <= _AS_GOOD and low >= _WORSE:
+            yield parameter.name, "max"
+
+
+def metamodel_quality(
+    metamodels: Metamodels, *, spread: bool = True
+) -> dict[str, MetamodelQuality]:
+    """Return how far the metamodels can be trusted, by name of the target.
+
+    ``spread`` tells whether the runs are spread by a design, see `Kriging.warnings`.
+    """
+    names = [target.name for target in metamodels.problem.targets]
+    return {
+        name: _quality(model, spread) for name, model in zip(names, metamodels.models, strict=True)
+    }
+
+
+def _quality(model: Kriging, spread: bool) -> MetamodelQuality:
+    check = model.leave_one_out()
+    return MetamodelQuality(
+        q2=float(check.q2) if isfinite(check.q2) else None,
+        coverage=float(check.coverage),
+        noise=float(model.noise_standard_deviation),
+        warnings=tuple(model.warnings(spread=spread)),
+    )

@@ -33,7 +33,8 @@ from typing import Any
 import pytest
 
 from grainfit.errors import GrainfitError, RunFailedError
-from grainfit.solvers.base import Response, Solver, Workspace
+from grainfit.evaluation import Response
+from grainfit.solvers.base import Solver, Workspace
 
 #: Within this time a run must be over after it was told to end, s.
 SOON = 5.0

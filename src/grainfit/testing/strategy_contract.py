@@ -25,10 +25,9 @@ from typing import Any, Protocol
 import numpy as np
 import pytest
 
-from grainfit.campaign.evaluation import Evaluation, Proposal
 from grainfit.errors import RunFailedError
+from grainfit.evaluation import Evaluation, Proposal, Response
 from grainfit.problem import Parameter, Problem, Target
-from grainfit.solvers.base import Response
 from grainfit.strategies.base import Strategy, insertion_seed
 
 #: More proposals than any strategy may need without a budget.

@@ -12,12 +12,12 @@ from typing import Any
 import numpy as np
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
-from grainfit.bulk_tests import contact
-from grainfit.bulk_tests.heap import mesh
-from grainfit.bulk_tests.heap.packing import Column, random_column
 from grainfit.bulk_tests.heap.setup import HeapSetup
-from grainfit.material import ParticleSizes
-from grainfit.timestep import rayleigh_time_step
+from grainfit.bulk_tests.shared import mesh
+from grainfit.bulk_tests.shared.packing import Column, random_column
+from grainfit.contact_models.hertz_mindlin import model as contact
+from grainfit.materials.sizes import ParticleSizes
+from grainfit.materials.time_step import rayleigh_time_step
 
 _TEMPLATES = {"lammps": "in.lammps.j2", "liggghts": "in.liggghts.j2"}
 _PARTICLES = "particles.data"

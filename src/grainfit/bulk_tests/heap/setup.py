@@ -6,9 +6,9 @@ import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
-from grainfit.bulk_tests.heap.packing import column_height, mean_particle_volume
+from grainfit.bulk_tests.shared.packing import column_height, mean_particle_volume
 from grainfit.errors import Fault, InputError
-from grainfit.material import ParticleSizes
+from grainfit.materials.sizes import ParticleSizes
 
 #: The defaults are those of a test of 10 mm beads on Earth; other sizes follow by Froude's law.
 _REFERENCE_DIAMETER = 0.010

@@ -1,4 +1,4 @@
-// The predictor of grainfit.kriging: mean, and variance of the mean, from what Kriging.to_plain
+// The predictor of grainfit.metamodels.kriging: mean, and variance of the mean, from what Kriging.to_plain
 // gives. The algebra is the same, on contrasts, so that the numbers are the same to rounding; the
 // covariance is factorised here, because the factors of many runs are too large to ship.
 (() => {

@@ -16,7 +16,7 @@
     return `${mantissa}·10${power < 0 ? "⁻" : ""}${digits}`.replace("-", "−");
   }
 
-  // A number with so many significant digits, as grainfit.numerals.number has it.
+  // A number with so many significant digits, as grainfit.formatting.number has it.
   function text(value, digits = 4) {
     if (!Number.isFinite(value)) return "–";
     const [mantissa, power] = value.toExponential(digits - 1).split("e").map(Number);
@@ -26,7 +26,7 @@
     return withPower(mantissa, power);
   }
 
-  // A value down to two digits of its uncertainty, as grainfit.numerals.rounded has it.
+  // A value down to two digits of its uncertainty, as grainfit.formatting.rounded has it.
   function rounded(value, uncertainty) {
     if (!Number.isFinite(value)) return "–";
     if (!(uncertainty > 0 && uncertainty < Infinity)) return text(value);
@@ -130,7 +130,7 @@
     }, 1500);
   }
 
-  // Rayleigh time step, s, see grainfit.timestep.
+  // Rayleigh time step, s, see grainfit.materials.time_step.
   function rayleigh(known, values) {
     const all = { ...known.fixed, ...values };
     const ratio = all["particle.poissons_ratio"];

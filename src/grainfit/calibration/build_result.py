@@ -1,0 +1,181 @@
+"""Puts together what comes out of a calibration."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from importlib.metadata import version
+
+from grainfit.calibration.verification import Contradiction, Verified, verified_responses
+from grainfit.evaluation import Evaluation
+from grainfit.problem import Problem, Target
+from grainfit.result import ResponseResult, Result, RunCounts, RunSummary, Status
+from grainfit.strategies.answer import Answer, bound_at
+from grainfit.strategies.base import Strategy
+
+
+@dataclass(frozen=True)
+class About:
+    """What a calibration is called, its identity, how long it took how busily, and its end."""
+
+    name: str
+    identity: str
+    wall_seconds: float
+    utilisation: float
+    status: Status
+
+
+@dataclass(frozen=True)
+class Verification:
+    """The evaluations that verify an answer, and what other runs have to say against them."""
+
+    runs: Sequence[Evaluation] = ()
+    contradictions: Sequence[Contradiction] = ()
+
+
+def make_result(
+    about: About,
+    strategy: Strategy,
+    answer: Answer | None,
+    evaluations: Sequence[Evaluation],
+    verification: Verification,
+    known: int = 0,
+) -> Result:
+    """Put together the result of a calibration.
+
+    Parameters
+    ----------
+    about : About
+        Name, identity, duration and end.
+    strategy : Strategy
+        What was calibrated, and how.
+    answer : Answer or None
+        None when it was interrupted before there was one.
+    evaluations : sequence of Evaluation
+        All parameter sets that were simulated.
+    verification : Verification
+        Those of them that verify the answer, and what speaks against them.
+    known : int
+        Runs that were made before the calibration and that it learnt from.
+    """
+    problem = strategy.searched
+    rayleigh = problem.rayleigh
+    middle = strategy.problem.from_unit([0.5] * problem.dimension)
+    parameters = dict(answer.parameters) if answer else {}
+    notices = [
+        *strategy.notices,
+        *map(str, verification.contradictions),
+        *_failure_notices(verification.runs),
+    ]
+    if answer:
+        notices += _edge_notices(problem, answer)
+    return Result(
+        status=about.status,
+        parameters=parameters,
+        responses=_responses(problem, answer, verification) if answer else {},
+        runs=_counts(evaluations, known),
+        rayleigh_time_step=problem.rayleigh_time_step(parameters) if answer else None,
+        rayleigh_time_step_before=problem.rayleigh_time_step(middle),
+        rayleigh_time_step_limits=rayleigh.limits(problem.intervals) if rayleigh else None,
+        wall_seconds=about.wall_seconds,
+        utilisation=about.utilisation,
+        agreement=answer.agreement if answer else None,
+        name=about.name,
+        identity=about.identity,
+        strategy=strategy.name,
+        seed=strategy.seed,
+        version=version("grainfit"),
+        units={parameter.name: parameter.unit for parameter in problem.parameters},
+        out_of_reach=answer.out_of_reach if answer else (),
+        metamodels=answer.quality if answer else {},
+        notices=tuple(notices),
+        history=tuple(_summary(evaluation) for evaluation in evaluations),
+    )
+
+
+def _responses(
+    problem: Problem, answer: Answer, verification: Verification
+) -> dict[str, ResponseResult]:
+    verified = verified_responses(problem, verification.runs)
+    contradicted = {contradiction.target.name for contradiction in verification.contradictions}
+    return {
+        target.name: _response(
+            target,
+            answer,
+            verified.get(target.name),
+            # What verification runs failed to confirm is not met, whatever was predicted.
+            refuted=target.name in contradicted
+            or (bool(verification.runs) and target.name not in verified),
+        )
+        for target in problem.targets
+    }
+
+
+def _response(
+    target: Target, answer: Answer, verified: Verified | None, *, refuted: bool
+) -> ResponseResult:
+    predicted = answer.predicted[target.name]
+    best = verified.mean if verified else predicted
+    close = abs(best - target.value) <= target.accepted_deviation
+    return ResponseResult(
+        target=target.value,
+        tolerance=target.accepted_deviation,
+        unit=target.unit,
+        predicted=predicted,
+        std_error=answer.standard_errors[target.name],
+        verified_mean=verified.mean if verified else None,
+        verified_std_error=verified.standard_error if verified else None,
+        verified_interval=verified.half_width if verified else None,
+        deviation_percent=100 * target.relative_deviation(best),
+        within_tolerance=close and not refuted,
+    )
+
+
+def _counts(evaluations: Sequence[Evaluation], known: int) -> RunCounts:
+    def runs(stage: str) -> int:
+        return sum(len(e.runs) for e in evaluations if e.proposal.stage == stage)
+
+    return RunCounts(
+        design=runs("design"),
+        optimisation=runs("optimisation"),
+        verification=runs("verification"),
+        failed=sum(len(e.failures) for e in evaluations),
+        reused=sum(e.reused for e in evaluations),
+        total=sum(len(e.runs) for e in evaluations),
+        learnt_from=known,
+    )
+
+
+def _failure_notices(verification: Sequence[Evaluation]) -> Iterator[str]:
+    """Say when verification runs failed."""
+    reasons = [reason for e in verification for reason in e.failures.values()]
+    if reasons:
+        yield (
+            f"{len(reasons)} of {sum(len(e.runs) for e in verification)} verification runs "
+            f"failed: {reasons[-1]}"
+        )
+
+
+def _edge_notices(problem: Problem, answer: Answer) -> Iterator[str]:
+    """Say when the answer, or more that agrees, reaches a bound of an interval."""
+    for parameter in problem.parameters:
+        on = bound_at(parameter.to_unit(answer.parameters[parameter.name]))
+        bound = on or answer.cut_off.get(parameter.name)
+        if bound is not None:
+            value = parameter.minimum if bound == "min" else parameter.maximum
+            where = "lies on" if on else "agrees up to"
+            yield (
+                f"{parameter.name} {where} its bound {bound} = {value:g}: a wider interval may "
+                "fit better."
+            )
+
+
+def _summary(evaluation: Evaluation) -> RunSummary:
+    return RunSummary(
+        evaluation.proposal.stage,
+        dict(evaluation.proposal.parameters),
+        evaluation.proposal.seed,
+        {name: response.value for name, response in evaluation.responses.items()},
+        dict(evaluation.failures),
+        dict(evaluation.runs),
+    )

@@ -1,0 +1,274 @@
+"""The facade: one call that calibrates, from the first run to the verified answer."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import Executor
+from contextlib import ExitStack
+from dataclasses import replace
+from pathlib import Path
+from typing import Any, get_args
+
+from threadpoolctl import threadpool_limits
+
+from grainfit.calibration.loop import Conversation, ConversationOptions
+from grainfit.calibration.progress import Progress
+from grainfit.calibration.provenance import Provenance
+from grainfit.calibration.verification import usual_verification_runs
+from grainfit.campaign.campaign import Campaign, CampaignOptions
+from grainfit.campaign.reuse import open_source, take_runs
+from grainfit.campaign.store.shared import SharedRuns, share
+from grainfit.campaign.store.store import RunStore
+from grainfit.campaign.work_folder import RESULT_NAME, Keep, hold, recover
+from grainfit.errors import Fault, InputError
+from grainfit.evaluation import response_name
+from grainfit.problem import Problem
+from grainfit.result import Result
+from grainfit.solvers.base import Solver
+from grainfit.solvers.own_model.python_callable import PythonCallable
+from grainfit.strategies.registry import DEFAULT_STRATEGY, StrategyChoice, make_strategy
+from grainfit.strategies.sequential.options import Preference
+
+Simulate = Callable[[dict[str, float], int], Mapping[str, Any]] | Solver | Mapping[str, Solver]
+
+
+def calibrate(
+    problem: Problem,
+    simulate: Simulate,
+    *,
+    strategy: str = DEFAULT_STRATEGY,
+    max_runs: int | None = None,
+    workers: int = 1,
+    seed: int = 1,
+    workdir: str | Path | None = None,
+    name: str = "",
+    design_runs: int | None = None,
+    verification_runs: int | None = None,
+    prefer: Preference | None = None,
+    extend_intervals: bool | None = None,
+    timeouts: Mapping[str, float] | None = None,
+    executor: Executor | None = None,
+    runs_from: Sequence[str | Path] = (),
+    store: str | None = None,
+    keep: Keep = "all",
+    retry_failed: bool = False,
+    provenance: Provenance | None = None,
+    on_progress: Callable[[Progress], None] | None = None,
+) -> Result:
+    """Find the parameters at which the simulated responses meet their targets.
+
+    Parameters
+    ----------
+    problem : Problem
+        Free parameters and targets.
+    simulate : callable, Solver, or mapping of str to Solver
+        ``simulate(parameters: dict[str, float], seed: int) -> dict[str, float]`` called once per
+        run; or a solver; or one solver for each of several tests, by name of the test: responses
+        are then called ``test.response``.
+    strategy : {"sequential", "staged"}
+        How runs are chosen: each where it is expected to improve the answer most, until it is
+        decided; or by the three steps of the method.
+    max_runs : int, optional
+        Largest number of DEM runs, verification included.
+    workers : int
+        Number of runs at a time.
+    seed : int
+        Decides the design and all insertion seeds.
+    workdir : path, optional
+        Where runs are kept; started again with the same folder, the calibration goes on and no
+        finished run is repeated. Without it nothing is kept.
+    name : str
+        What the calibration is called.
+    design_runs : int, optional
+        Size of the Latin hypercube; with d free parameters 1.5 (d + 1) by default, and 13 d for
+        the staged strategy.
+    verification_runs : int, optional
+        Fresh seeds at the answer, at least 2; by default 5, or up to so many that no worker is
+        idle.
+    prefer : {"time_step", "accuracy"}
+        Of all parameter sets that agree with the measurements, take the one with the largest
+        Rayleigh time step, or the closest one. Sequential strategy only.
+    extend_intervals : bool
+        Move a bound that keeps a target out of reach, within physical limits, and go on.
+        Sequential strategy only.
+    timeouts : mapping of str to float, optional
+        Longest wall time of one run by name of the test, s.
+    executor : concurrent.futures.Executor, optional
+        What makes the runs, ``workers`` at a time: processes, or the nodes of a cluster. They must
+        see the work folder by the same path. It is not shut down. Threads that wait for solver
+        processes by default.
+    runs_from : sequence of path or str
+        Work folders, or addresses of stores, whose runs are used as far as they fit: those of this
+        problem, whatever their targets and intervals were. They are only read.
+    store : str, optional
+        Address of a store that several processes share, such as
+        ``postgresql+psycopg://user@host/database``: what one has made, none makes again.
+    keep : {"all", "results"}
+        What stays of the folder of a finished run: all files, or record, logs and pictures.
+    retry_failed : bool
+        Make every run of the work folder that failed again, whatever the reason. By default, faults
+        of the machine and time-outs are tried again, and others would only fail again.
+    provenance : Provenance, optional
+        What a report says of where the calibration comes from.
+    on_progress : callable, optional
+        Called with `Progress` whenever something changes, and a few times a second.
+
+    Returns
+    -------
+    Result
+        Also after Ctrl-C, with status ``interrupted``.
+
+    Raises
+    ------
+    InputError
+        Something about the arguments cannot be used.
+    SolverNotFoundError
+        A solver's program is missing.
+    RunFailedError
+        The first runs all failed, or too few succeeded to go on.
+    StoreError
+        The work folder or its store cannot be used.
+
+    Examples
+    --------
+    >>> from grainfit import Parameter, Problem, Target, calibrate
+    >>> problem = Problem([Parameter("friction", 0.1, 0.9)], [Target("angle", 30.0)])
+    >>> result = calibrate(problem, lambda p, seed: {"angle": 10 + 40 * p["friction"]})
+    >>> result.status, round(result.parameters["friction"], 2)
+    ('calibrated', 0.5)
+    """
+    solvers = _solvers(simulate)
+    _check_numbers(max_runs, workers, seed, verification_runs, design_runs)
+    _check_targets(problem, solvers)
+    _check_timeouts(timeouts or {}, solvers)
+    _check_keep(keep)
+    for solver in solvers.values():
+        solver.check()
+    verification_runs = verification_runs or usual_verification_runs(workers)
+    options = ConversationOptions(
+        name, workers, max_runs, verification_runs, on_progress, provenance
+    )
+    wanted = StrategyChoice(strategy, design_runs, prefer, extend_intervals)
+    chosen = make_strategy(problem, wanted, len(solvers), seed, max_runs, verification_runs)
+    with ExitStack() as stack:
+        # Metamodels are small; threads of linear algebra would only fight the solvers for cores.
+        stack.enter_context(threadpool_limits(limits=1, user_api="blas"))
+        # Runs happen in folders of their own: a relative path would mean another place there.
+        folder = None if workdir is None else Path(workdir).absolute()
+        if folder is not None:
+            stack.enter_context(hold(folder))
+        runs = RunStore("sqlite://") if folder is None else RunStore.in_folder(folder)
+        stack.callback(runs.close)
+        if folder is not None:
+            recover(folder, runs)
+        for source in runs_from:
+            with open_source(source) as other:
+                take_runs(other, problem, solvers, runs)
+        shared = None
+        if store is not None:
+            shared = stack.enter_context(share(store, folder, runs))
+            take_runs(shared.store, problem, solvers, runs)
+        if retry_failed:
+            _forget_failed(runs, shared)
+        making = CampaignOptions(workers, timeouts or {}, executor, keep)
+        campaign = Campaign(solvers, runs, folder, making, shared)
+        stack.callback(campaign.close)
+        result = Conversation(problem, chosen, campaign, runs, options).hold()
+        return result if folder is None else _keep(result, folder / RESULT_NAME)
+
+
+def _keep(result: Result, path: Path) -> Result:
+    """Write the result; when that fails, the caller gets it all the same."""
+    try:
+        result.to_json(path)
+    except OSError as error:
+        notice = f"{str(path)!r} cannot be written: {error.strerror}."
+        return replace(result, notices=(*result.notices, notice))
+    return result
+
+
+def _forget_failed(runs: RunStore, shared: SharedRuns | None) -> None:
+    failed = [record.identity for record in runs.runs("failed")]
+    runs.forget_failed(failed)
+    if shared is not None:
+        shared.forget_failed(failed)
+
+
+def _solvers(simulate: Simulate) -> dict[str, Solver]:
+    if isinstance(simulate, Solver):
+        return {simulate.name: simulate}
+    if isinstance(simulate, Mapping):
+        if not simulate or not all(isinstance(s, Solver) for s in simulate.values()):
+            raise InputError(Fault("simulate", "must map names of tests to solvers."))
+        return dict(simulate)
+    if callable(simulate):
+        return {"simulate": PythonCallable(simulate)}
+    raise InputError(
+        Fault("simulate", f"is {simulate!r}.", "Give a function, a solver, or solvers by test.")
+    )
+
+
+def _check_numbers(
+    max_runs: int | None,
+    workers: int,
+    seed: int,
+    verification_runs: int | None,
+    design_runs: int | None,
+) -> None:
+    faults = []
+    for key, value, lowest in (
+        ("max_runs", max_runs, 1),
+        ("workers", workers, 1),
+        ("seed", seed, 0),
+        ("verification_runs", verification_runs, 2),
+        ("design_runs", design_runs, 1),
+    ):
+        if value is None:
+            continue
+        if isinstance(value, bool) or not isinstance(value, int) or value < lowest:
+            faults.append(
+                Fault(key, f"is {value!r}.", f"It must be a whole number, {lowest} or above.")
+            )
+    if faults:
+        raise InputError(faults)
+
+
+def _check_timeouts(timeouts: Mapping[str, float], solvers: Mapping[str, Solver]) -> None:
+    faults = [
+        Fault(f"timeouts.{test}", "is no test.", f"There are: {', '.join(solvers)}.")
+        for test in timeouts
+        if test not in solvers
+    ]
+    faults += [
+        Fault(f"timeouts.{test}", f"is {seconds} s.", "It must be above 0.")
+        for test, seconds in timeouts.items()
+        if not seconds > 0
+    ]
+    if faults:
+        raise InputError(faults)
+
+
+def _check_keep(keep: str) -> None:
+    if keep not in get_args(Keep):
+        words = " or ".join(f'"{word}"' for word in get_args(Keep))
+        raise InputError(Fault("keep", f"is {keep!r}.", f"Use {words}."))
+
+
+def _check_targets(problem: Problem, solvers: Mapping[str, Solver]) -> None:
+    known: set[str] = set()
+    for test, solver in solvers.items():
+        if solver.response_names is None:
+            return
+        known |= {response_name(test, name, len(solvers)) for name in solver.response_names}
+    missing = [target.name for target in problem.targets if target.name not in known]
+    if missing:
+        raise InputError(
+            [
+                Fault(
+                    name,
+                    "is a target, but no test yields such a response.",
+                    f"There are: {', '.join(sorted(known))}.",
+                )
+                for name in missing
+            ]
+        )

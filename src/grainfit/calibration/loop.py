@@ -1,0 +1,415 @@
+"""The conversation of a calibration: a strategy asks, a campaign answers."""
+
+from __future__ import annotations
+
+import time
+from collections import Counter, deque
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import asdict, dataclass, replace
+from importlib.metadata import version
+from typing import Any
+
+from grainfit.calibration.build_result import About, Verification, make_result
+from grainfit.calibration.progress import Progress
+from grainfit.calibration.provenance import Provenance
+from grainfit.calibration.verification import (
+    ROUNDS,
+    Contradiction,
+    Verified,
+    contradictions,
+    meets_targets,
+    needs_more_runs,
+    unsettled,
+    verified_responses,
+)
+from grainfit.campaign.campaign import Campaign
+from grainfit.campaign.reuse import most_telling, runs_of
+from grainfit.campaign.store.records import RequestRecord, run_identity
+from grainfit.campaign.store.store import RunStore
+from grainfit.errors import GrainfitError, RunFailedError, StoreError
+from grainfit.evaluation import Evaluation, Proposal
+from grainfit.problem import Problem
+from grainfit.result import Result, Status
+from grainfit.strategies.answer import Answer
+from grainfit.strategies.base import Strategy, insertion_seed
+
+#: With this many failures that are alike, or this many of any kind, and not one success, there is
+#: no use in going on.
+_HOPELESS = 3
+_HOPELESS_WHATEVER = 8
+
+
+@dataclass(frozen=True)
+class ConversationOptions:
+    """What the user decides about a conversation, see `grainfit.calibrate`."""
+
+    name: str
+    workers: int
+    max_runs: int | None
+    verification_runs: int
+    on_progress: Callable[[Progress], None] | None = None
+    provenance: Provenance | None = None
+
+
+class Conversation:
+    """The strategy asks, the campaign answers, until the answer is verified."""
+
+    def __init__(
+        self,
+        problem: Problem,
+        strategy: Strategy,
+        campaign: Campaign,
+        store: RunStore,
+        options: ConversationOptions,
+    ) -> None:
+        self._problem = problem
+        self._strategy = strategy
+        self._campaign = campaign
+        self._store = store
+        self._options = options
+        self._evaluations: list[Evaluation] = []
+        #: Number of runs that are known, by where they came from.
+        self._origins: Mapping[str, int] = {}
+        self._answer_from = 0
+        self._verification_asked = 0
+        self._stage = "design"
+        self._requested = 0
+        #: What earlier starts of this calibration asked for and this one has not come to yet.
+        self._recorded: deque[RequestRecord] = deque()
+        self._started = time.monotonic()
+        self._definition = self._define()
+        self._identity = run_identity(self._definition)
+
+    def _runs_known_before(self) -> list[Evaluation]:
+        """Runs of other calibrations that this one learns from: those of its first start."""
+        earlier = self._store.calibration(self._identity)
+        if earlier is None:
+            records = self._store.runs()
+        else:
+            records = list(self._store.find_many(earlier.known).values())
+        known = runs_of(self._problem, self._campaign.solvers, records)
+        telling = most_telling(self._problem, known)
+        used = {run for evaluation in telling for run in evaluation.runs.values()}
+        self._origins = Counter(record.origin for record in records if record.identity in used)
+        return telling
+
+    def _define(self) -> dict[str, Any]:
+        # Another deck or another version of a solver makes another calibration: its history would
+        # lead astray. One run stands for all.
+        problem = self._problem
+        sample = Proposal(problem.from_unit([0.5] * problem.dimension), 1, "design")
+        return {
+            "tests": self._campaign.identities(sample),
+            "parameters": [asdict(parameter) for parameter in self._problem.parameters],
+            "targets": [asdict(target) for target in self._problem.targets],
+            "strategy": self._strategy.name,
+            "seed": self._strategy.seed,
+            "options": self._strategy.definition,
+            **self._rayleigh(),
+        }
+
+    def _rayleigh(self) -> dict[str, Any]:
+        """Where there is a Rayleigh time step, it decides what is the answer, too."""
+        known = self._problem.rayleigh
+        if known is None:
+            return {}
+        return {"rayleigh": asdict(known), "rayleigh_weight": self._problem.rayleigh_weight}
+
+    def _about(self, known: Sequence[Evaluation]) -> dict[str, Any]:
+        return {
+            "learnt": [{**asdict(one.proposal), "runs": dict(one.runs)} for one in known],
+            "version": version("grainfit"),
+            "workers": self._options.workers,
+            "max_runs": self._options.max_runs,
+            "provenance": asdict(self._options.provenance or Provenance()),
+        }
+
+    def hold(self) -> Result:
+        """Hold the conversation to its end; Ctrl-C ends it early with what is known."""
+        self._recorded.extend(self._store.requests(self._identity))
+        known = self._runs_known_before()
+        runs = [run for evaluation in known for run in evaluation.runs.values()]
+        self._store.begin_calibration(
+            self._identity, self._options.name, self._definition, runs, self._about(known)
+        )
+        if known:
+            self._strategy.learn(known)
+            self._show()
+        self._campaign.fetch([run for r in self._recorded for run in r.runs.values()])
+        answer: Answer | None = None
+        status: Status
+        contradicted: list[Contradiction] = []
+        try:
+            answer, status, contradicted = self._converse()
+        except KeyboardInterrupt:
+            self._campaign.cancel()
+            answer, status = self._best_so_far(), "interrupted"
+        except BaseException as error:
+            self._campaign.cancel()
+            why = str(error) if isinstance(error, GrainfitError) else type(error).__name__
+            with suppress(StoreError):
+                self._store.end_calibration(self._identity, "failed", why)
+            raise
+        self._store.end_calibration(self._identity, status)
+        if status != "interrupted":
+            self._store.forget_requests_behind(self._identity, self._requested)
+        wall_seconds = time.monotonic() - self._started
+        about = About(
+            self._options.name,
+            self._identity,
+            wall_seconds,
+            self._utilisation(wall_seconds),
+            status,
+        )
+        verification = Verification(self._verification_of(answer) if answer else (), contradicted)
+        known_runs = sum(self._origins.values())
+        return make_result(
+            about, self._strategy, answer, self._evaluations, verification, known_runs
+        )
+
+    def _converse(self) -> tuple[Answer, Status, list[Contradiction]]:
+        self._run_strategy()
+        answer = self._strategy.answer(self._recorded_answer())
+        while not self._verify(answer) and self._strategy.reconsider(self._left()):
+            self._run_strategy()
+            earlier, answer = answer, self._strategy.answer(self._recorded_answer())
+            if answer.parameters == earlier.parameters:
+                break
+        # The runs of the verification tell how sure it is, too.
+        known, verified = self._strategy.answer(answer.parameters), self._verified(answer)
+        answer = replace(answer, agreement=known.agreement)
+        contradicted = contradictions(self._problem, verified, known)
+        if meets_targets(self._problem, verified, contradicted):
+            return answer, "calibrated", contradicted
+        return answer, "unreachable" if answer.out_of_reach else "out_of_tolerance", contradicted
+
+    def _recorded_answer(self) -> Mapping[str, float] | None:
+        """The answer that an earlier start was verifying when it ended."""
+        return self._recorded[0].parameters if self._recorded else None
+
+    def _utilisation(self, wall_seconds: float) -> float:
+        """Share of the workers' time in which they simulated."""
+        simulated = sum(evaluation.simulated_seconds for evaluation in self._evaluations)
+        return min(1.0, simulated / (self._options.workers * max(wall_seconds, 1e-9)))
+
+    def _best_so_far(self) -> Answer | None:
+        try:
+            return self._strategy.answer()
+        except RunFailedError:
+            return None
+
+    def _recall_search(self) -> list[Proposal]:
+        """Take from the records what was asked for up to the next verification."""
+        recalled = []
+        while self._recorded and self._recorded[0].stage != "verification":
+            record = self._recorded.popleft()
+            recalled.append(Proposal(record.parameters, record.seed, record.stage))
+        return recalled
+
+    def _recall_verification(self, answer: Answer) -> None:
+        """Take from the records the verification of an answer, and not that of the next one.
+
+        The same answer asks for the same verification again; another one for another.
+        """
+        while self._recorded and self._recorded[0].stage == "verification":
+            if self._recorded[0].parameters != answer.parameters:
+                return
+            self._recorded.popleft()
+
+    def _run_strategy(self) -> None:
+        recalled = self._recall_search()
+        self._strategy.remember(recalled)
+        if self._recorded:
+            # An earlier start came to an answer here, and what was decided stays decided.
+            self._answer_proposals(lambda asked: asked == len(recalled))
+        else:
+            self._answer_proposals(lambda _asked: self._strategy.finished)
+
+    def _answer_proposals(self, is_enough: Callable[[int], bool]) -> None:
+        """Answer what the strategy asks for until it is enough, by the number of proposals."""
+        asked = 0
+        while not is_enough(asked):
+            while self._has_room and not is_enough(asked):
+                proposal = self._strategy.ask()
+                if proposal is None:
+                    break
+                self._start(proposal)
+                asked += 1
+            if not self._campaign.has_pending:
+                return
+            for evaluation in self._wait():
+                self._strategy.tell(evaluation)
+
+    @property
+    def _has_room(self) -> bool:
+        """Whether to ask for another run now: with all that is known told, and a worker free."""
+        return self._campaign.has_free_worker and not self._campaign.has_complete
+
+    def _verify(self, answer: Answer) -> bool:
+        """Run fresh seeds at the answer until the verdict is clear; return whether it is met."""
+        self._answer_from = len(self._evaluations)
+        self._recall_verification(answer)
+        verified: dict[str, Verified] = {}
+        contradicted: list[Contradiction] = []
+        for _ in range(ROUNDS):
+            left = self._left()
+            if left is not None and left < 0:
+                break
+            self._verification_round(answer)
+            verified = self._verified(answer)
+            contradicted = self._contradictions(answer, verified)
+            if not needs_more_runs(self._problem, verified, contradicted):
+                break
+        return meets_targets(self._problem, verified, contradicted)
+
+    def _contradictions(
+        self, answer: Answer, verified: Mapping[str, Verified]
+    ) -> list[Contradiction]:
+        # What all runs say takes a while to find out.
+        if not unsettled(self._problem, verified):
+            return []
+        known = self._strategy.answer(answer.parameters)
+        return contradictions(self._problem, verified, known)
+
+    def _verification_of(self, answer: Answer) -> list[Evaluation]:
+        """Runs that verify this answer: made since it was chosen, and at its parameters."""
+        return [
+            evaluation
+            for evaluation in self._evaluations[self._answer_from :]
+            if evaluation.proposal.stage == "verification"
+            and evaluation.proposal.parameters == answer.parameters
+        ]
+
+    def _verification_round(self, answer: Answer) -> None:
+        waiting = []
+        for _ in range(self._options.verification_runs):
+            self._verification_asked += 1
+            seed = insertion_seed(self._strategy.seed, "verification", self._verification_asked)
+            waiting.append(Proposal(answer.parameters, seed, "verification"))
+        order = {proposal.seed: position for position, proposal in enumerate(waiting)}
+        ended: list[Evaluation] = []
+        # Runs of the search that were under way when it was decided come back meanwhile.
+        while waiting or self._campaign.has_pending:
+            while waiting and self._campaign.has_free_worker:
+                self._start(waiting.pop(0))
+            for evaluation in self._wait():
+                if evaluation.proposal.seed in order:
+                    ended.append(evaluation)
+                else:
+                    self._strategy.tell(evaluation)
+        ended.sort(key=lambda evaluation: order[evaluation.proposal.seed])
+        for evaluation in ended:
+            self._strategy.tell(evaluation)
+
+    def _left(self) -> int | None:
+        """Proposals that the budget allows besides one round of verification."""
+        if self._options.max_runs is None:
+            return None
+        affordable = self._options.max_runs // self._campaign.tests
+        return affordable - len(self._evaluations) - self._options.verification_runs
+
+    def _start(self, proposal: Proposal) -> None:
+        self._stage = proposal.stage
+        self._requested += 1
+        self._campaign.start(proposal, lambda runs: self._note_request(proposal, runs))
+        self._show()
+
+    def _note_request(self, proposal: Proposal, runs: dict[str, str]) -> None:
+        request = RequestRecord(
+            self._requested, proposal.stage, dict(proposal.parameters), proposal.seed, runs
+        )
+        self._store.add_request(self._identity, request)
+
+    def _wait(self) -> list[Evaluation]:
+        evaluations = self._campaign.wait(self._show)
+        self._evaluations += evaluations
+        self._stop_when_hopeless()
+        self._stop_when_the_machine_fails()
+        self._show()
+        return evaluations
+
+    def _stop_when_hopeless(self) -> None:
+        """Stop when a target has not been yielded once and nothing speaks for a change."""
+        count = len(self._evaluations)
+        missing = [
+            target.name
+            for target in self._problem.targets
+            if not any(target.name in e.responses for e in self._evaluations)
+        ]
+        reasons = {tuple(e.failures.values()) for e in self._evaluations}
+        alike = _HOPELESS if len(reasons) == 1 else _HOPELESS_WHATEVER
+        if not missing or count < alike:
+            return
+        last = self._evaluations[-1]
+        why = "; ".join(last.failures.values()) or (
+            f"there was only {', '.join(sorted(last.responses)) or 'nothing'}"
+        )
+        failed = [self._store.find(last.runs[test]) for test in last.failures]
+        self._campaign.forget_failures(self._evaluations)
+        raise RunFailedError(
+            f"the first {count} runs all failed to give {', '.join(missing)}, so going on is "
+            f"pointless. The last one: {why}",
+            failed[0].log_tail if failed and failed[0] else "",
+        )
+
+    def _stop_when_the_machine_fails(self) -> None:
+        """Stop when the last runs all failed alike, each after several tries, by the machine."""
+        latest = self._evaluations[-_HOPELESS:]
+        reasons = {tuple(evaluation.failures.values()) for evaluation in latest}
+        if (
+            len(latest) < _HOPELESS
+            or len(reasons) > 1
+            or not all(evaluation.failed_by_machine for evaluation in latest)
+        ):
+            return
+        self._campaign.forget_failures(latest)
+        raise RunFailedError(
+            f"the last {_HOPELESS} runs failed alike, each of several tries: "
+            f"{'; '.join(latest[-1].failures.values())}. Finished runs are kept; mend it and "
+            "start again to go on.",
+            kind="machine",
+        )
+
+    def _verified(self, answer: Answer) -> dict[str, Verified]:
+        return verified_responses(self._problem, self._verification_of(answer))
+
+    def _show(self) -> None:
+        if self._options.on_progress is None:
+            return
+        evaluations = self._evaluations
+        left = self._strategy.expected_left
+        if self._stage == "verification":
+            verified = sum(e.proposal.stage == "verification" for e in evaluations)
+            left = self._verification_asked - verified
+        else:
+            left += self._options.verification_runs
+        simulated = [e.seconds for e in evaluations if not e.reused]
+        seconds = (
+            sum(simulated) / len(simulated) * left / self._options.workers if simulated else None
+        )
+        self._options.on_progress(
+            Progress(
+                self._stage,
+                len(evaluations),
+                self._campaign.under_way,
+                sum(1 for e in evaluations if e.failures),
+                left,
+                seconds,
+                min(self._deviations(), default=None),
+                tuple(self._strategy.notices),
+                self._origins,
+            )
+        )
+
+    def _deviations(self) -> list[float]:
+        """Largest relative deviation of each evaluation that has all responses."""
+        names = {target.name for target in self._problem.targets}
+        return [
+            max(
+                abs(target.relative_deviation(e.responses[target.name].value))
+                for target in self._problem.targets
+            )
+            for e in self._evaluations
+            if names <= e.responses.keys()
+        ]

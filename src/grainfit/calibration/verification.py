@@ -1,0 +1,188 @@
+"""Verification: what the answer really gives, by fresh seeds that nothing was fitted to."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from math import ceil, sqrt
+from statistics import fmean, stdev
+
+from scipy.stats import t as student_t
+
+from grainfit.evaluation import Evaluation
+from grainfit.formatting import number, rounded, unit_for_people, with_unit
+from grainfit.metamodels.kriging import NORMAL_QUANTILE
+from grainfit.problem import Problem, Target
+from grainfit.strategies.answer import Answer
+
+#: Fresh seeds in a round of verification, at least.
+VERIFICATION_RUNS = 5
+#: Most rounds of verification runs at one answer.
+ROUNDS = 4
+
+
+def usual_verification_runs(workers: int) -> int:
+    """Fresh seeds in a round where the user does not say: five, and no few workers left idle.
+
+    Examples
+    --------
+    >>> [usual_verification_runs(workers) for workers in (1, 2, 3, 8)]
+    [5, 6, 6, 5]
+    """
+    if workers > VERIFICATION_RUNS:
+        return VERIFICATION_RUNS
+    return ceil(VERIFICATION_RUNS / workers) * workers
+
+
+@dataclass(frozen=True)
+class Verified:
+    """Mean of a response over the verification runs.
+
+    Parameters
+    ----------
+    mean, standard_error : float
+        Over the runs.
+    half_width : float
+        Half of the 95 % confidence interval of the mean (Student's t).
+    """
+
+    mean: float
+    standard_error: float
+    half_width: float
+
+    def within(self, target: Target) -> bool:
+        """Whether the mean meets the target within tolerance."""
+        return abs(self.mean - target.value) <= target.accepted_deviation
+
+    def unsettled(self, target: Target) -> bool:
+        """Whether the mean is inside, but could be outside as far as the runs can tell."""
+        deviation = abs(self.mean - target.value)
+        return deviation <= target.accepted_deviation < deviation + self.half_width
+
+    def undecided(self, target: Target) -> bool:
+        """Whether the mean is outside, but could be inside as far as the runs can tell."""
+        deviation = abs(self.mean - target.value)
+        return target.accepted_deviation < deviation <= target.accepted_deviation + self.half_width
+
+
+@dataclass(frozen=True)
+class Contradiction:
+    """A target that the verification runs meet, but do not settle, and all runs together miss.
+
+    Parameters
+    ----------
+    target : Target
+        What was measured.
+    verified : Verified
+        What the verification runs give; their interval reaches beyond the tolerance.
+    expected, standard_error : float
+        Response at the answer by the metamodel of all runs, those of the verification included.
+    """
+
+    target: Target
+    verified: Verified
+    expected: float
+    standard_error: float
+
+    def __str__(self) -> str:
+        target, half_width = self.target, NORMAL_QUANTILE * self.standard_error
+        alone = _interval(self.verified.mean, self.verified.half_width)
+        together = _interval(self.expected, half_width)
+        accepted = f"{number(target.value, 6)} ± {number(target.accepted_deviation, 3)}"
+        return (
+            f"{target.name} is in doubt: the verification runs alone give {alone}, where "
+            f"{with_unit(accepted, unit_for_people(target.unit))} is accepted, but by all runs "
+            f"together {together} is expected."
+        )
+
+
+def _interval(middle: float, half_width: float) -> str:
+    return f"{rounded(middle, half_width)} ± {number(half_width, 2)}"
+
+
+def verified_responses(problem: Problem, runs: Iterable[Evaluation]) -> dict[str, Verified]:
+    """Means of the responses that at least two verification runs yielded."""
+    known = list(runs)
+    found = {}
+    for target in problem.targets:
+        values = [e.responses[target.name].value for e in known if target.name in e.responses]
+        if len(values) >= 2:
+            found[target.name] = mean_with_interval(values)
+    return found
+
+
+def mean_with_interval(values: Sequence[float]) -> Verified:
+    """Mean, standard error and 95 % confidence interval of at least two values."""
+    error = stdev(values) / sqrt(len(values))
+    quantile = float(student_t.ppf(0.975, len(values) - 1))
+    return Verified(fmean(values), error, quantile * error)
+
+
+def meets_targets(
+    problem: Problem,
+    verified: Mapping[str, Verified],
+    contradicted: Sequence[Contradiction] = (),
+) -> bool:
+    """Whether every target is verified and met within tolerance, and none in doubt."""
+    return not contradicted and all(
+        target.name in verified and verified[target.name].within(target)
+        for target in problem.targets
+    )
+
+
+def unsettled(problem: Problem, verified: Mapping[str, Verified]) -> list[Target]:
+    """Targets that the verification runs meet, but not with their whole 95 % interval."""
+    return [
+        target
+        for target in problem.targets
+        if target.name in verified and verified[target.name].unsettled(target)
+    ]
+
+
+def contradictions(
+    problem: Problem, verified: Mapping[str, Verified], known: Answer
+) -> list[Contradiction]:
+    """Targets that the verification runs meet, but do not settle, and all runs together miss.
+
+    An answer that is verified anew until it passes does so by luck in the end; and of many
+    calibrations, some pass by luck at once. The runs of the search are evidence too.
+
+    Parameters
+    ----------
+    problem : Problem
+        What is calibrated.
+    verified : mapping of str to Verified
+        What the verification runs give.
+    known : Answer
+        What all runs together say of the same parameter set.
+    """
+    return [
+        Contradiction(
+            target,
+            verified[target.name],
+            known.predicted[target.name],
+            known.standard_errors[target.name],
+        )
+        for target in unsettled(problem, verified)
+        if abs(known.predicted[target.name] - target.value) > target.accepted_deviation
+    ]
+
+
+def needs_more_runs(
+    problem: Problem,
+    verified: Mapping[str, Verified],
+    contradicted: Sequence[Contradiction] = (),
+) -> bool:
+    """Whether further seeds could still turn the verdict.
+
+    That is so when some target is missed by less than the runs can tell, or met by less than they
+    can tell while all runs together miss it; and none is missed clearly.
+    """
+    missed = [
+        target
+        for target in problem.targets
+        if target.name not in verified or not verified[target.name].within(target)
+    ]
+    return bool(missed or contradicted) and all(
+        target.name in verified and verified[target.name].undecided(target) for target in missed
+    )

@@ -1,0 +1,242 @@
+"""The layout of the whole calibration file, and what must be true of its sections together."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from grainfit.bulk_tests.heap import HeapTest
+from grainfit.calibration_file.cluster import CLUSTER, cluster_options
+from grainfit.calibration_file.content import StrategyOptions
+from grainfit.calibration_file.kinds import Choice, Flag, Quantity, Text, Whole
+from grainfit.calibration_file.parameters import Diameters, FixedOrFree, OwnParameter
+from grainfit.calibration_file.places import Findings, Place
+from grainfit.calibration_file.tables import Key, Named, Table, Values
+from grainfit.calibration_file.tests_section import HEAP_OPTIONS, Tests
+from grainfit.errors import InputError
+from grainfit.materials.parameters import MATERIAL_PARAMETERS, MaterialParameter
+from grainfit.problem import Parameter
+from grainfit.strategies.registry import PREFERENCES, STRATEGIES
+
+MATERIAL_SECTIONS = {
+    "particle": "The particles.",
+    "wall": "The walls, all of one material.",
+    "particle_particle": "Contacts between particles.",
+    "particle_wall": "Contacts between particles and walls.",
+}
+#: Names of own parameters that templates and decks of own models could not tell from others.
+_RESERVED = (
+    "seed",
+    "parameters",
+    *MATERIAL_SECTIONS,
+    *(name.replace(".", "_") for name in MATERIAL_PARAMETERS),
+)
+_EXAMPLES = {
+    "youngs_modulus": '"0.36 MPa"',
+    "poissons_ratio": "0.22",
+    "density": '"2100 kg/m^3"',
+    "sliding_friction": "0.18",
+    "rolling_friction": "{ min = 0.2, max = 1.0 }",
+    "restitution": "0.8",
+    "rolling_damping": "0.25",
+}
+
+STRATEGY = (
+    Key("name", Choice(STRATEGIES), "How runs are chosen.", example='"sequential"'),
+    Key("max_runs", Whole(1), "Budget of DEM runs, of all tests together.", example="60"),
+    Key("seed", Whole(0), "Same seed, same calibration.", example="1"),
+    Key("workers", Whole(1, 4096), "Runs at once; as many as processor cores by default."),
+    Key("design_runs", Whole(2), "Runs of the design; the strategy's own number by default."),
+    Key("verification_runs", Whole(2), "Runs with fresh seeds at the answer; 5 by default."),
+    Key(
+        "prefer",
+        Choice(PREFERENCES),
+        "Of all parameter sets that agree, take the one with the largest Rayleigh time step "
+        "(default) or the closest one. Sequential strategy only.",
+        example='"accuracy"',
+    ),
+    Key(
+        "extend_intervals",
+        Flag(),
+        "Move a bound that keeps a target out of reach, within physical limits, and go on; "
+        "false by default. Sequential strategy only.",
+        example="true",
+    ),
+    Key(
+        "rayleigh_weight",
+        Quantity("", lowest=0.0),
+        "Weight of the Rayleigh criterion; above 0 it trades accuracy for a larger time step. "
+        "Staged strategy only.",
+    ),
+    Key(
+        "keep",
+        Choice(("all", "results")),
+        "What stays of the folder of a finished run: all its files (default), or its record, logs "
+        "and pictures.",
+        example='"results"',
+    ),
+)
+
+
+def _material_key(parameter: MaterialParameter) -> Key:
+    key = parameter.name.partition(".")[2]
+    unit = f", {parameter.unit}" if parameter.unit else ""
+    return Key(
+        key,
+        FixedOrFree(parameter),
+        f"{parameter.description}{unit}: a value, or {{ min, max }} when free.",
+        example=_EXAMPLES[key],
+    )
+
+
+def _homes() -> dict[str, str]:
+    """Where keys belong that people put into the wrong section."""
+    homes = {"diameter": "[particle]", "name": "the top of the file, above all sections"}
+    homes |= {key.name: "[strategy]" for key in STRATEGY if key.name != "name"}
+    homes |= {key.name: "[cluster]" for key in CLUSTER}
+    homes |= {key.name: "[[test]]" for key in HEAP_OPTIONS}
+    homes |= dict.fromkeys(("solver", "ranks", "timeout", "executable", "targets"), "[[test]]")
+    for name in MATERIAL_PARAMETERS:
+        section, _, key = name.partition(".")
+        homes[key] = f"{homes[key]} or [{section}]" if key in homes else f"[{section}]"
+    return homes
+
+
+def _material_table(section: str) -> Table:
+    keys = [
+        _material_key(parameter)
+        for name, parameter in MATERIAL_PARAMETERS.items()
+        if name.startswith(f"{section}.")
+    ]
+    if section == "particle":
+        diameter = Key(
+            "diameter",
+            Diameters(),
+            "Particle diameter, or a list of { value, mass_fraction }.",
+            example='"10 mm"',
+        )
+        keys.insert(0, diameter)
+    return Table(tuple(keys), homes=_homes())
+
+
+def _strategy(values: Values, place: Place) -> StrategyOptions | None:
+    if None in values.values():
+        return None
+    options = StrategyOptions(**values)
+    try:
+        options.choice().check(options.rayleigh_weight or 0.0)
+    except InputError as error:
+        for fault in error.faults:
+            place.at(fault.key).fault(fault.message, fault.remedy)
+        return None
+    return options
+
+
+LAYOUT = Table(
+    (
+        Key("name", Text(), "What is calibrated, for people.", True, '"glass beads"'),
+        *(
+            Key(section, _material_table(section), description)
+            for section, description in MATERIAL_SECTIONS.items()
+        ),
+        Key(
+            "parameters",
+            Named(OwnParameter(), reserved=_RESERVED),
+            "Further parameters, of your own model.",
+        ),
+        Key("test", Tests(), "The bulk tests that were measured."),
+        Key("strategy", Table(STRATEGY, _strategy, _homes()), "How to search; all optional."),
+        Key(
+            "cluster",
+            Table(CLUSTER, cluster_options, _homes()),
+            "Jobs of a cluster to make the runs in; without it they are made on this machine.",
+        ),
+    ),
+    homes=_homes(),
+)
+
+
+def read_document(document: dict[str, Any], place: Place) -> Values:
+    """Read a whole file and note every fault.
+
+    Parameters
+    ----------
+    document : dict
+        As Python's own TOML reader gives it.
+    place : Place
+        The top of the file.
+    """
+    values: Values = LAYOUT.read(document, place)
+    if "test" not in document:
+        place.at("test").fault("is missing.", "Add a section [[test]] with type and targets.")
+    tests = _tests(document)
+    heaps = [(index, test) for index, test in tests if test.get("type") == "heap"]
+    if heaps:
+        _note_missing_material(values, place)
+        _note_impossible_heaps(heaps, values, place)
+        if len(heaps) == len(tests):
+            _note_useless_parameters(values, place)
+    if not any(isinstance(value, Parameter) or value is None for value in _parameters(values)):
+        place.fault(
+            "there is no free parameter, so there is nothing to calibrate.",
+            "Give at least one an interval, for example "
+            'particle.density = { min = "1400 kg/m^3", max = "2800 kg/m^3" }.',
+        )
+    return values
+
+
+def _parameters(values: Values) -> list[Any]:
+    """Values of all material and own parameters; None where one, or a section, is faulty."""
+    found: list[Any] = []
+    for section in (*MATERIAL_SECTIONS, "parameters"):
+        table = values.get(section, {})
+        found += [None] if table is None else [v for k, v in table.items() if k != "diameter"]
+    return found
+
+
+def _tests(document: dict[str, Any]) -> list[tuple[int, dict[str, Any]]]:
+    tests = document.get("test")
+    if not isinstance(tests, list):
+        return []
+    return [(index, test) for index, test in enumerate(tests) if isinstance(test, dict)]
+
+
+def _note_missing_material(values: Values, place: Place) -> None:
+    for section in MATERIAL_SECTIONS:
+        keys = _material_table(section).keys
+        if section not in values:
+            names = ", ".join(key.name for key in keys)
+            place.at(section).fault("is missing.", f"The heap test needs [{section}] with {names}.")
+        elif values[section] is not None:
+            for key in keys:
+                if key.name not in values[section]:
+                    key.note_missing(place.at(section))
+
+
+def _note_useless_parameters(values: Values, place: Place) -> None:
+    for name in values.get("parameters") or ():
+        place.at("parameters", name).fault(
+            "is used by no test: the heap test has the material parameters only.",
+            "Remove it, or add a [[test]] of your own model.",
+        )
+
+
+def _note_impossible_heaps(
+    heaps: list[tuple[int, dict[str, Any]]], values: Values, place: Place
+) -> None:
+    """Note geometries that cannot be; only the test itself can tell, from sizes and options."""
+    sizes = (values.get("particle") or {}).get("diameter")
+    if sizes is None:
+        return
+    layout = Table(HEAP_OPTIONS)
+    names = [key.name for key in HEAP_OPTIONS]
+    for index, test in heaps:
+        given = {name: test[name] for name in names if name in test}
+        # Faults of the single options are noted already.
+        options = layout.read(given, Place(Findings(place.findings.folder)))
+        if None in options.values():
+            continue
+        try:
+            HeapTest(sizes, **options)
+        except InputError as error:
+            for fault in error.faults:
+                place.at("test", index, fault.key).fault(fault.message, fault.remedy)

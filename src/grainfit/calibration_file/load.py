@@ -1,0 +1,114 @@
+"""Read a calibration file: everything that is wrong with it in one go, and nothing is executed."""
+
+from __future__ import annotations
+
+import os
+import re
+import tomllib
+from pathlib import Path
+from typing import Any
+
+from grainfit.calibration_file.content import CalibrationFile, StrategyOptions
+from grainfit.calibration_file.layout import MATERIAL_SECTIONS, read_document
+from grainfit.calibration_file.line_numbers import key_lines
+from grainfit.calibration_file.places import FileFault, Findings, Place
+from grainfit.errors import InputError
+from grainfit.problem import Parameter
+
+_LARGEST_FILE = 1_000_000
+# Python's TOML reader takes hours for a key of very many parts; three are all there are here.
+_DEEP_KEY = re.compile(
+    r"""(?<![\w"'-])(?:(?:[\w-]++|"(?:\\.|[^"\\\n])*+"|'[^'\n]*+')[ \t]*+\.[ \t]*+){33}"""
+)
+_NOT_TOML = "It must be a TOML file; docs/calibration_file.md shows one."
+
+
+def load_calibration_file(path: str | os.PathLike[str]) -> CalibrationFile:
+    """Read a calibration file.
+
+    Parameters
+    ----------
+    path : path-like
+        The TOML file.
+
+    Returns
+    -------
+    CalibrationFile
+        What it says, in SI units and degrees.
+
+    Raises
+    ------
+    InputError
+        With every fault of the file: key, line, offending value, and remedy.
+    """
+    path = Path(path)
+    text = _read_text(path)
+    document = _parse(text, path)
+    findings = Findings(path.parent.absolute(), key_lines(text))
+    values = read_document(document, Place(findings))
+    if findings.faults:
+        findings.faults.sort(key=lambda fault: fault.line or 0)
+        raise InputError(findings.faults, str(path))
+    return _calibration_file(values, path)
+
+
+def _read_text(path: Path) -> str:
+    try:
+        if path.is_dir():
+            raise _fault(path, "is a folder.", "Name the calibration file in it.")
+        if not path.is_file():
+            raise _fault(path, "there is no such file.", '"grainfit new" writes a first one.')
+        with path.open("rb") as file:
+            data = file.read(_LARGEST_FILE + 1)
+    except (OSError, ValueError) as error:
+        if isinstance(error, InputError):
+            raise
+        reason = getattr(error, "strerror", None) or str(error)
+        raise _fault(path, f"cannot be read: {reason}.", "") from None
+    if len(data) > _LARGEST_FILE:
+        raise _fault(path, "is larger than 1 MB.", "Is it a calibration file?")
+    try:
+        # Some editors put a byte order mark first, which TOML does not know.
+        return data.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        line = data.count(b"\n", 0, error.start) + 1
+        raise _fault(path, "is not UTF-8 text.", "Save it as UTF-8.", line) from None
+
+
+def _parse(text: str, path: Path) -> dict[str, Any]:
+    deep = _DEEP_KEY.search(text)
+    if deep is not None:
+        start = text.count("\n", 0, deep.start()) + 1
+        raise _fault(path, "has a key of too many parts.", _NOT_TOML, start)
+    try:
+        return tomllib.loads(text)
+    except RecursionError:
+        raise _fault(path, "has brackets nested too deeply.", _NOT_TOML) from None
+    except ValueError as error:
+        position = re.search(r"\(at line (\d+), column \d+\)", str(error))
+        line = int(position[1]) if position else None
+        raise _fault(path, f"is not valid TOML: {error}.", _NOT_TOML, line) from None
+
+
+def _fault(path: Path, message: str, remedy: str, line: int | None = None) -> InputError:
+    return InputError(FileFault("", message, remedy, line), str(path))
+
+
+def _calibration_file(values: dict[str, Any], path: Path) -> CalibrationFile:
+    material = {
+        f"{section}.{key}": value
+        for section in MATERIAL_SECTIONS
+        for key, value in values.get(section, {}).items()
+    }
+    sizes = material.pop("particle.diameter", None)
+    everything = material | values.get("parameters", {})
+    return CalibrationFile(
+        name=values["name"],
+        path=path,
+        sizes=sizes,
+        fixed={n: v for n, v in everything.items() if not isinstance(v, Parameter)},
+        parameters=tuple(v for v in everything.values() if isinstance(v, Parameter)),
+        tests=values["test"],
+        strategy=values.get("strategy", StrategyOptions()),
+        cluster=values.get("cluster"),
+    )

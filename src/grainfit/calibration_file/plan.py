@@ -1,0 +1,137 @@
+"""What a calibration will do and cost, told before anything is run."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+from grainfit.bulk_tests.heap import HeapTest
+from grainfit.bulk_tests.heap.bulk_test import estimate_cost
+from grainfit.calibration.verification import ROUNDS, usual_verification_runs
+from grainfit.calibration_file.build import Assembly
+from grainfit.campaign.cluster.executor import describe_cluster, executed_by
+from grainfit.errors import GrainfitError, InputError
+from grainfit.materials.parameters import MATERIAL_PARAMETERS
+from grainfit.problem import Parameter, Problem, Target
+from grainfit.solvers.base import Solver
+from grainfit.solvers.dem.program import DeckSolver
+from grainfit.solvers.parameters_for import ParametersFor
+from grainfit.strategies.registry import make_strategy
+
+
+@dataclass(frozen=True)
+class Plan:
+    """A calibration as `grainfit check` shows it.
+
+    Parameters
+    ----------
+    name : str
+        Name of the calibration.
+    parameters, targets : sequence
+        What is free, and what has to be met.
+    lines : tuple of str
+        Solvers, time step, and cost.
+    executes : tuple of str
+        Programs, functions and shell lines that a run executes.
+    problems : tuple of str
+        What keeps it from running; empty when nothing does.
+    """
+
+    name: str
+    parameters: Sequence[Parameter]
+    targets: Sequence[Target]
+    lines: tuple[str, ...]
+    executes: tuple[str, ...]
+    problems: tuple[str, ...]
+
+
+def describe_plan(assembly: Assembly) -> Plan:
+    """Say what a calibration will do; starts no simulation and none of the user's code."""
+    problems: list[str] = []
+    lines: list[str] = []
+    executes: list[str] = []
+    for test, solver in assembly.solvers.items():
+        try:
+            # Before the check: it is shown whatever else is wrong.
+            executes += [f"test {test}: {line}" for line in solver.executes()]
+            solver.check()
+            lines.append(_ready_line(test, solver))
+            lines += _cost_lines(solver, assembly.problem)
+        except GrainfitError as error:
+            problems.append(f"Test {test}: {error}")
+    lines += _rayleigh_lines(assembly.problem)
+    cluster = assembly.cluster or assembly.file.cluster
+    if cluster is not None:
+        lines += describe_cluster(cluster)
+        executes += [f"cluster: {line}" for line in executed_by(cluster)]
+    try:
+        lines += _run_lines(assembly)
+    except InputError as error:
+        problems += [str(fault) for fault in error.faults]
+    problem = assembly.problem
+    return Plan(
+        assembly.name,
+        problem.parameters,
+        problem.targets,
+        tuple(lines),
+        tuple(executes),
+        tuple(problems),
+    )
+
+
+def _ready_line(test: str, solver: Solver) -> str:
+    deck_solver = solver.solver if isinstance(solver, ParametersFor) else solver
+    if isinstance(deck_solver, DeckSolver) and deck_solver.executable is not None:
+        return f"Test {test}: {solver.name} is there; the first run asks it for its version."
+    return f"Test {test}: {solver.name} {solver.version()}".rstrip() + " is ready."
+
+
+def _rayleigh_lines(problem: Problem) -> Iterator[str]:
+    if problem.rayleigh is not None:
+        smallest, largest = problem.rayleigh.limits(problem.intervals)
+        yield f"Rayleigh time step within the intervals: {smallest:.4g} to {largest:.4g} s."
+
+
+def _cost_lines(solver: Solver, problem: Problem) -> Iterator[str]:
+    if isinstance(solver, ParametersFor):
+        solver = solver.solver
+    if not (isinstance(solver, DeckSolver) and isinstance(solver.test, HeapTest)):
+        return
+    middle = problem.from_unit([0.5] * problem.dimension)
+    material = solver.all_parameters(
+        {name: value for name, value in middle.items() if name in MATERIAL_PARAMETERS}
+    )
+    cost = estimate_cost(solver.test, solver.name, material, solver.ranks)
+    yield (
+        f"  In the middle of the intervals: {solver.test.setup.particle_count} particles, time "
+        f"step {cost.time_step:.3g} s ({solver.test.time_step_fraction:.0%} of the Rayleigh time "
+        f"step), about {cost.steps:,} steps, about {cost.wall_seconds:.0f} s a run."
+    )
+
+
+def _run_lines(assembly: Assembly) -> Iterator[str]:
+    dimension = assembly.problem.dimension
+    strategy = assembly.strategy
+    verification = strategy.verification_runs or usual_verification_runs(assembly.workers)
+    tests = len(assembly.solvers)
+    chosen = make_strategy(
+        assembly.problem,
+        strategy.choice(),
+        tests,
+        seed=1,
+        max_runs=strategy.max_runs,
+        verification_runs=verification,
+    )
+    design = chosen.design_runs
+    behind = chosen.expected_left - design
+    yield (
+        f"DEM runs: {design * tests} for the design, usually {behind // 2 * tests} to "
+        f"{2 * behind * tests} for the optimisation, and {verification * tests} for the "
+        f"verification (up to {ROUNDS * verification * tests} where it is a close call); "
+        f"{assembly.workers} at a time. Strategy: {chosen.name}."
+    )
+    if dimension > len(assembly.problem.targets):
+        yield (
+            f"Note: {dimension} free parameters and {len(assembly.problem.targets)} targets: many "
+            "parameter sets will fit equally well. Fix a parameter or measure another response."
+        )

@@ -1,0 +1,1 @@
+"""DEM runs in jobs of a cluster."""

@@ -1,0 +1,90 @@
+"""DEM runs on a cluster: what the user says of its jobs, and an executor whose workers are in them.
+
+Parsl submits the jobs and hands the runs to them. It is imported only when it is used.
+"""
+
+from __future__ import annotations
+
+import importlib.util
+import re
+import shutil
+from collections.abc import Iterator
+from concurrent.futures import Executor
+from contextlib import contextmanager
+from pathlib import Path
+
+from grainfit.campaign.cluster.options import SCHEDULERS, ClusterOptions
+from grainfit.errors import GrainfitError
+
+_INSTALL = 'Install it with: pip install "grainfit[parsl]"'
+#: The path of the work folder stands in the script of the job, which a shell reads.
+_SAFE_PATH = re.compile(r"[A-Za-z0-9_./+@,:=-]+")
+
+
+def is_available(options: ClusterOptions) -> bool:
+    """Whether jobs can be submitted on this machine; one's own Parsl configuration must know."""
+    return options.parsl is not None or shutil.which(SCHEDULERS[options.scheduler]) is not None
+
+
+def describe_cluster(options: ClusterOptions) -> list[str]:
+    """Say what would be submitted, in a few lines."""
+    workers = f"Cluster: {options.workers} runs at a time"
+    if options.parsl is not None:
+        return [f"{workers} by your own Parsl configuration."]
+    assert options.walltime is not None, "options without it are refused"
+    cores = options.runs_per_job * (options.cores_per_run or 1)
+    lines = [
+        f"{workers} in up to {options.jobs} jobs of {options.scheduler}, each with "
+        f"{options.runs_per_job} runs on {cores} cores of one node for at most "
+        f"{options.walltime // 60:.0f} min; partition {options.partition or '(default)'}, account "
+        f"{options.account or '(default)'}{''.join(f', {option}' for option in options.options)}."
+    ]
+    return lines if is_available(options) else [*lines, f"  {missing_scheduler(options)}"]
+
+
+def executed_by(options: ClusterOptions) -> list[str]:
+    """Say what of the user's is executed for the jobs, here and in them."""
+    if options.parsl is not None:
+        return [f"Parsl configuration {options.parsl}, on this machine"]
+    return [f"by the shell of every job: {line}" for line in options.setup]
+
+
+def missing_scheduler(options: ClusterOptions) -> str:
+    """Say that there is no scheduler on this machine, and what follows from it."""
+    command = SCHEDULERS[options.scheduler]
+    return f"{command} is not found: the runs are made on this machine."
+
+
+@contextmanager
+def cluster_executor(options: ClusterOptions, folder: Path) -> Iterator[Executor]:
+    """Give an executor that makes runs in jobs of a cluster, and end all jobs on leaving.
+
+    Jobs are submitted when there are runs for them. A run whose job is lost fails with an error of
+    Parsl's, and another job is submitted; when no job starts at all, every run fails with a
+    `GrainfitError` that says why.
+
+    Parameters
+    ----------
+    options : ClusterOptions
+        The jobs.
+    folder : Path
+        The work folder, on a file system that the nodes share; scripts and logs of the jobs go to
+        ``parsl`` in it.
+
+    Raises
+    ------
+    GrainfitError
+        Parsl is not installed, or the folder or the user's own configuration cannot be used.
+    """
+    folder = folder.absolute()
+    if not _SAFE_PATH.fullmatch(str(folder)):
+        raise GrainfitError(
+            f"the work folder {str(folder)!r} cannot be used on a cluster: scripts of jobs cannot "
+            "have such a path. Choose one of letters (a to z), digits and _ . - with --workdir."
+        )
+    if importlib.util.find_spec("parsl") is None:
+        raise GrainfitError(f"runs on a cluster need Parsl, which is not installed. {_INSTALL}")
+    from grainfit.campaign.cluster.parsl_executor import jobs_of
+
+    with jobs_of(options, folder / "parsl") as executor:
+        yield executor

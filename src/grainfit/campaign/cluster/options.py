@@ -1,0 +1,134 @@
+"""Options of the jobs of a cluster in which DEM runs are made"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from grainfit.errors import Fault, InputError
+
+#: Command that submits a job, by scheduler.
+SCHEDULERS = {"slurm": "sbatch"}
+#: Limits of the time that a job lasts, s.
+SHORTEST_WALLTIME = 60.0
+LONGEST_WALLTIME = 365 * 86400.0
+_NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.,:@+-]{0,199}")
+_OPTION = re.compile(r"--(?P<name>[a-z][a-z0-9-]*)(=.+)?")
+#: Directives that have a key of their own.
+_KEYS = {"partition": "partition", "account": "account", "time": "walltime"}
+#: Directives without which grainfit and its jobs would lose each other.
+_DECIDED = (
+    *("array", "chdir", "clusters", "cpus-per-task", "error", "help", "input", "job-name"),
+    *("nodes", "ntasks", "ntasks-per-node", "output", "parsable", "quiet", "requeue"),
+    *("test-only", "usage", "version", "wait", "wrap"),
+)
+
+
+@dataclass(frozen=True)
+class ClusterOptions:
+    """Jobs of a cluster in which DEM runs are made.
+
+    Parameters
+    ----------
+    scheduler : {"slurm"}
+        Who gives out the nodes.
+    partition, account : str, optional
+        Where the jobs run and who pays for them; the scheduler's defaults otherwise.
+    walltime : float, optional
+        Longest time that a job lasts, s; the whole minutes of it. Needed without ``parsl``.
+    jobs : int
+        Largest number of jobs at a time.
+    runs_per_job : int
+        Runs at a time in one job.
+    cores_per_run : int, optional
+        Cores that a run takes, 1 by default; a job asks for as many as all its runs take.
+    setup : tuple of str
+        Shell lines that a job executes first, such as ``module load liggghts``.
+    options : tuple of str
+        Further directives for the scheduler, such as ``--mem=4G``.
+    parsl : str, optional
+        ``"file.py:name"``: a Parsl configuration of the user's own, in place of all this but
+        ``jobs`` and ``runs_per_job``, which say how many runs it makes at a time.
+
+    Raises
+    ------
+    InputError
+        Something about them cannot be used; all faults of all options.
+    """
+
+    scheduler: str = "slurm"
+    partition: str | None = None
+    account: str | None = None
+    walltime: float | None = None
+    jobs: int = 1
+    runs_per_job: int = 1
+    cores_per_run: int | None = None
+    setup: tuple[str, ...] = ()
+    options: tuple[str, ...] = ()
+    parsl: str | None = None
+
+    def __post_init__(self) -> None:
+        faults = list(self._faults())
+        if faults:
+            raise InputError(faults)
+
+    @property
+    def workers(self) -> int:
+        """Largest number of runs at a time."""
+        return self.jobs * self.runs_per_job
+
+    def _faults(self) -> Iterator[Fault]:
+        if self.scheduler not in SCHEDULERS:
+            yield Fault(
+                "scheduler", f"is {self.scheduler!r}.", f"There is: {', '.join(SCHEDULERS)}."
+            )
+        for key in ("jobs", "runs_per_job", "cores_per_run"):
+            count = getattr(self, key)
+            if count is not None and count < 1:
+                yield Fault(key, f"is {count}.", "It must be at least 1.")
+        yield from self._faults_with_own_parsl() if self.parsl else self._faults_of_jobs()
+
+    def _faults_with_own_parsl(self) -> Iterator[Fault]:
+        for key in ("partition", "account", "walltime", "setup", "options"):
+            if getattr(self, key):
+                yield Fault(
+                    key,
+                    "has no effect beside parsl.",
+                    "Say it in your Parsl configuration instead.",
+                )
+
+    def _faults_of_jobs(self) -> Iterator[Fault]:
+        for key in ("partition", "account"):
+            name = getattr(self, key)
+            if name is not None and not _NAME.fullmatch(name):
+                yield Fault(
+                    key,
+                    f"{name!r} cannot be a name.",
+                    "Use letters (a to z), digits and _ . , : @ + -",
+                )
+        if self.walltime is None:
+            yield Fault("walltime", "is missing.", 'Say how long a job may last: walltime = "2 h".')
+        elif not SHORTEST_WALLTIME <= self.walltime <= LONGEST_WALLTIME:
+            yield Fault(
+                "walltime", f"is {self.walltime:g} s.", "It must be from 1 minute to 1 year."
+            )
+        for line in self.setup:
+            if not line.strip() or not line.isprintable():
+                yield Fault("setup", f"{line!r} is not one line.", "Write a list, line by line.")
+        for option in self.options:
+            yield from _faults_of_option(option)
+
+
+def _faults_of_option(option: str) -> Iterator[Fault]:
+    form = _OPTION.fullmatch(option)
+    if form is None or not option.isprintable():
+        yield Fault("options", f"{option!r} is no directive.", 'Write it like "--mem=4G".')
+        return
+    # sbatch understands the beginning of a name too.
+    name = form["name"]
+    for directive, key in _KEYS.items():
+        if directive.startswith(name):
+            yield Fault("options", f"{option!r} has a key of its own.", f"Use {key}.")
+    if any(directive.startswith(name) for directive in _DECIDED):
+        yield Fault("options", f"{option!r} is for grainfit to decide.", "Remove it.")

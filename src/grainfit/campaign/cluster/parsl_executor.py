@@ -1,0 +1,254 @@
+"""Jobs of a cluster by Parsl: submitted on demand, watched, replaced when lost, and ended."""
+
+from __future__ import annotations
+
+import ctypes
+import logging
+import shlex
+import signal
+import socket
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from concurrent.futures import Executor, Future
+from contextlib import contextmanager
+from functools import partial
+from pathlib import Path
+from typing import Any, NoReturn, ParamSpec, TypeVar
+
+import psutil
+from parsl.concurrent import ParslPoolExecutor
+from parsl.config import Config
+from parsl.dataflow.dflow import DataFlowKernel
+from parsl.executors import HighThroughputExecutor
+from parsl.executors.errors import BadStateException
+from parsl.executors.high_throughput.executor import (
+    DEFAULT_INTERCHANGE_LAUNCH_CMD,
+    DEFAULT_LAUNCH_CMD,
+)
+from parsl.executors.status_handling import BlockProviderExecutor
+from parsl.logconfigs.file import FileLogging
+
+from grainfit.campaign.cluster.options import ClusterOptions
+from grainfit.campaign.cluster.slurm import END_SECONDS, GiveUp, Slurm
+from grainfit.errors import ExecutorError, GrainfitError
+from grainfit.solvers.own_model.python_file import PythonFile
+
+_Arguments = ParamSpec("_Arguments")
+_Result = TypeVar("_Result")
+#: A job that does not report for the second time is lost.
+_HEARTBEAT_SECONDS = 5
+_LOST_SECONDS = 20
+_LOOK_SECONDS = 3
+_GRACE_SECONDS = 0.1
+_PR_SET_PDEATHSIG = 1
+_INTERCHANGE = [sys.executable, "-P", str(Path(__file__).with_name("interchange.py"))]
+_WORKER_POOL = (
+    f"{shlex.quote(sys.executable)} -P -m parsl.executors.high_throughput.process_worker_pool"
+)
+
+
+@contextmanager
+def jobs_of(options: ClusterOptions, folder: Path) -> Iterator[Executor]:
+    """See `grainfit.campaign.cluster.executor.cluster_executor`; the folder is that of Parsl."""
+    config = _own_config(options.parsl) if options.parsl else _slurm_config(options)
+    config.run_dir = str(folder)
+    config.usage_tracking = 0
+    # The campaign decides which runs are tried again.
+    config.retries = 0
+    with _signals_wait():
+        jobs = _Jobs(DataFlowKernel(config))
+    try:
+        yield jobs
+    finally:
+        with _signals_wait():
+            jobs.end()
+
+
+def _slurm_config(options: ClusterOptions) -> Config:
+    assert options.walltime is not None, "options without it are refused"
+    minutes = int(options.walltime // 60)
+    cores_per_run = options.cores_per_run or 1
+    provider = Slurm(
+        partition=options.partition,
+        account=options.account,
+        walltime=f"{minutes // 60:02d}:{minutes % 60:02d}:00",
+        cores_per_node=options.runs_per_job * cores_per_run,
+        init_blocks=0,
+        max_blocks=options.jobs,
+        exclusive=False,
+        worker_init="\n".join(options.setup),
+        # A job that lost its node is replaced here; it must not come back besides.
+        scheduler_options=_directives(["--no-requeue", *options.options]),
+        cmd_timeout=30,
+    )
+    executor = HighThroughputExecutor(
+        label="grainfit",
+        provider=provider,
+        # All interfaces. Without an address Parsl would ask the internet for one.
+        address="0.0.0.0",
+        max_workers_per_node=options.runs_per_job,
+        cores_per_worker=float(cores_per_run),
+        heartbeat_period=_HEARTBEAT_SECONDS,
+        heartbeat_threshold=_LOST_SECONDS,
+        launch_cmd=DEFAULT_LAUNCH_CMD.replace("process_worker_pool.py", _WORKER_POOL),
+        interchange_launch_cmd=_INTERCHANGE,
+        block_error_handler=GiveUp(provider),
+    )
+    executor.all_addresses = _addresses()
+    return Config(
+        executors=[executor],
+        strategy_period=_LOOK_SECONDS,
+        initialize_logging=FileLogging(level=logging.INFO),
+    )
+
+
+def _directives(options: Iterable[str]) -> str:
+    return "\n".join(f"#SBATCH {option}" for option in options)
+
+
+def _addresses() -> set[str]:
+    """Addresses of this machine at which jobs may reach it."""
+    return {
+        address.address
+        for addresses in psutil.net_if_addrs().values()
+        for address in addresses
+        if address.family == socket.AF_INET
+    }
+
+
+def _own_config(reference: str) -> Config:
+    try:
+        file = PythonFile(reference)
+        file.check()
+        config = file.load()
+    except GrainfitError:
+        raise
+    except Exception as error:
+        raise GrainfitError(f"{reference}: {type(error).__name__}: {error}") from error
+    if not isinstance(config, Config):
+        raise GrainfitError(f"{reference} is a {type(config).__name__}, not a parsl.Config.")
+    for executor in config.executors:
+        if (
+            isinstance(executor, HighThroughputExecutor)
+            and list(executor.interchange_launch_cmd) == DEFAULT_INTERCHANGE_LAUNCH_CMD
+        ):
+            executor.interchange_launch_cmd = _INTERCHANGE
+    return config
+
+
+class _Jobs(Executor):
+    """Runs in the jobs of a Parsl kernel."""
+
+    def __init__(self, kernel: DataFlowKernel) -> None:
+        self._kernel = kernel
+        self._pool = ParslPoolExecutor(dfk=kernel)
+        self._open: set[Future[Any]] = set()
+        self._ending = threading.Event()
+        threading.Thread(target=self._watch, name="interchange-watch", daemon=True).start()
+
+    def submit(
+        self,
+        fn: Callable[_Arguments, _Result],
+        /,
+        *args: _Arguments.args,
+        **kwargs: _Arguments.kwargs,
+    ) -> Future[_Result]:
+        """Have a call made in a job; it must be possible to pickle all of it."""
+        future: Future[_Result] = Future()
+        self._open.add(future)
+        # Packed, because some arguments have a meaning to Parsl.
+        task = self._pool.submit(_in_job, fn, args, kwargs)
+        task.add_done_callback(partial(self._pass_on, future))
+        return future
+
+    def _pass_on(self, future: Future[Any], task: Future[Any]) -> None:
+        error = task.exception()
+        if isinstance(error, BadStateException):
+            error = ExecutorError(error.reason)
+        self._settle(future, None if error else task.result(), error)
+
+    def _settle(self, future: Future[Any], result: Any, error: BaseException | None) -> None:
+        self._open.discard(future)
+        if future.done() or not future.set_running_or_notify_cancel():
+            return
+        if error is None:
+            future.set_result(result)
+        else:
+            future.set_exception(error)
+
+    def _watch(self) -> None:
+        """Fail all runs once an interchange is gone; Parsl would wait for them for ever."""
+        while not self._ending.wait(_HEARTBEAT_SECONDS):
+            if any(process.poll() is not None for process in self._interchanges()):
+                error = ExecutorError(
+                    "Parsl's interchange, which speaks with the jobs of the cluster, was ended. "
+                    f"Its log is in {self._kernel.run_dir}. Start again to go on."
+                )
+                for future in list(self._open):
+                    self._settle(future, None, error)
+
+    def _interchanges(self) -> list[subprocess.Popen[bytes]]:
+        executors = self._kernel.executors.values()
+        found = [getattr(executor, "interchange_proc", None) for executor in executors]
+        return [process for process in found if process is not None]
+
+    def end(self) -> None:
+        """End all jobs, whatever state they are in, and every process on this machine."""
+        self._ending.set()
+        # Parsl waits for ever for an interchange that does not answer.
+        dead = any(process.poll() is not None for process in self._interchanges())
+        cleanup = threading.Thread(target=self._kernel.cleanup, name="parsl-cleanup", daemon=True)
+        cleanup.start()
+        cleanup.join(1.0 if dead else END_SECONDS)
+        for process in self._interchanges():
+            process.kill()
+        for executor in self._kernel.executors.values():
+            # Parsl leaves the jobs of an executor on which it has given up.
+            if isinstance(executor, BlockProviderExecutor) and executor.provider is not None:
+                if executor.bad_state_is_set or cleanup.is_alive():
+                    executor.provider.cancel(list(executor.blocks_to_job_id.values()))
+                if isinstance(executor.provider, Slurm):
+                    executor.provider.wait_until_gone()
+
+
+class _JobEnded(BaseException):
+    """The job is being ended; no exception of a run, which the run itself would handle."""
+
+
+def _in_job(
+    function: Callable[..., _Result], arguments: Sequence[Any], named: Mapping[str, Any]
+) -> _Result:
+    """Make a call in a worker of a job; when the job is ended, so is what the call has started."""
+    signal.signal(signal.SIGTERM, _end_job)
+    # Not every Slurm finds the processes of a job whose parent was the first to be ended.
+    ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGTERM)
+    result = function(*arguments, **named)
+    # The processes of a job are ended one by one. That a solver was ended before its worker says
+    # nothing of the run, and must not be taken for its result.
+    time.sleep(_GRACE_SECONDS)
+    return result
+
+
+def _end_job(_signal: int, _frame: object) -> NoReturn:
+    raise _JobEnded
+
+
+@contextmanager
+def _signals_wait() -> Iterator[None]:
+    """Let Ctrl-C and a termination wait until Parsl is in a state in which it can be ended."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    caught: list[int] = []
+    numbers = (signal.SIGINT, signal.SIGTERM)
+    handlers = [signal.signal(number, lambda *given: caught.append(given[0])) for number in numbers]
+    try:
+        yield
+    finally:
+        for number, handler in zip(numbers, handlers, strict=True):
+            signal.signal(number, handler)
+        if caught:
+            signal.raise_signal(caught[0])

@@ -1,0 +1,158 @@
+"""Slurm jobs for Parsl: submit them, follow their state, give up when none starts"""
+
+from __future__ import annotations
+
+import getpass
+import re
+import subprocess
+import time
+from collections.abc import Sequence
+from itertools import takewhile
+
+from parsl.executors import HighThroughputExecutor
+from parsl.executors.status_handling import BlockProviderExecutor
+from parsl.jobs.states import TERMINAL_STATES, JobState, JobStatus
+from parsl.providers import SlurmProvider
+from parsl.providers.errors import SubmitException
+
+from grainfit.errors import ExecutorError
+
+_STATUS_SECONDS = 10
+#: So many jobs, one after the other and over this time, have to fail before all hope is given up.
+_FAILED_STARTS = 3
+_FAILED_START_SECONDS = 25.0
+END_SECONDS = 30.0
+_STATES = {
+    "PENDING": JobState.PENDING,
+    "CONFIGURING": JobState.PENDING,
+    "REQUEUED": JobState.PENDING,
+    "SUSPENDED": JobState.HELD,
+    "CANCELLED": JobState.CANCELLED,
+    "COMPLETED": JobState.COMPLETED,
+    # On a node that does not answer it can last long, and such a job takes no run any more.
+    "COMPLETING": JobState.COMPLETED,
+    "TIMEOUT": JobState.TIMEOUT,
+    "DEADLINE": JobState.TIMEOUT,
+    "PREEMPTED": JobState.TIMEOUT,
+    "BOOT_FAIL": JobState.FAILED,
+    "FAILED": JobState.FAILED,
+    "NODE_FAIL": JobState.FAILED,
+    "OUT_OF_MEMORY": JobState.FAILED,
+    "REVOKED": JobState.FAILED,
+}
+#: What sbatch says of a job that will not be accepted later either.
+_REFUSED = re.compile(r"invalid|not permitted|not available|violates", re.IGNORECASE)
+#: Reasons for which Slurm accepts a job and never starts it.
+_NEVER = {
+    *("AssocMaxCpuPerJobLimit", "AssocMaxMemPerJob", "AssocMaxWallDurationPerJobLimit"),
+    *("BadConstraints", "InvalidAccount", "InvalidQOS", "PartitionNodeLimit"),
+    *("PartitionTimeLimit", "QOSMaxCpuPerJobLimit", "QOSMaxMemoryPerJob"),
+    "QOSMaxWallDurationPerJobLimit",
+}
+
+
+class Slurm(SlurmProvider):
+    """Slurm, asked for more than Parsl asks: how a job ended, and whether it will ever start."""
+
+    #: Why no job like these can ever start, as far as Slurm has said so.
+    refusal = ""
+
+    @property
+    def status_polling_interval(self) -> int:
+        """Seconds between two looks at the queue."""
+        return _STATUS_SECONDS
+
+    def submit(self, command: str, tasks_per_node: int, job_name: str = "grainfit") -> str:
+        """Submit a job; an error has Slurm's own words."""
+        try:
+            job: str = super().submit(command, tasks_per_node, job_name)
+        except SubmitException as error:
+            words = " ".join((error.stderr or error.message).split())
+            if _REFUSED.search(words):
+                self.refusal = words
+            raise ExecutorError(words) from error
+        return job
+
+    def cancel(self, job_ids: Sequence[object]) -> list[bool]:
+        """End jobs."""
+        return list(super().cancel(job_ids)) if job_ids else []  # type: ignore[no-untyped-call]
+
+    def _status(self) -> None:
+        queue = self._queue()
+        if queue is None:
+            return
+        for job, entry in self.resources.items():
+            if entry["status"].terminal:
+                continue
+            word, reason = queue.get(str(job), ("COMPLETED", ""))
+            state = _STATES.get(word, JobState.RUNNING)
+            message = f"Slurm says of its job {job}: {word}, {reason}"
+            if state == JobState.PENDING and reason in _NEVER:
+                self.cancel([job])
+                state, self.refusal = JobState.FAILED, message
+            entry["status"] = JobStatus(
+                state, message, None, entry["job_stdout_path"], entry["job_stderr_path"]
+            )
+
+    def _queue(self) -> dict[str, tuple[str, str]] | None:
+        """State and reason of the user's jobs by number; None when Slurm does not answer."""
+        user = getpass.getuser()
+        command = ["squeue", "--noheader", "--states=all", f"--user={user}", "--format=%i|%T|%r"]
+        try:
+            done = subprocess.run(
+                command, capture_output=True, text=True, timeout=self.cmd_timeout, check=True
+            )
+        except (OSError, subprocess.SubprocessError):
+            return None
+        rows = [line.split("|") for line in done.stdout.splitlines()]
+        return {row[0].strip(): (row[1], row[2]) for row in rows if len(row) == 3}
+
+    def wait_until_gone(self) -> None:
+        """Wait until no process of a cancelled job can be left, or Slurm has had time enough."""
+        deadline = time.monotonic() + END_SECONDS
+        while time.monotonic() < deadline:
+            queue = self._queue() or {}
+            here = {queue[job][0] for job in map(str, self.resources) if job in queue}
+            if not here & {"PENDING", "CONFIGURING", "RUNNING", "COMPLETING", "SUSPENDED"}:
+                return
+            time.sleep(0.2)
+
+
+class GiveUp:
+    """Gives up when job after job ends before its workers have reported.
+
+    A job that is lost later says nothing against the next one.
+    """
+
+    def __init__(self, provider: Slurm) -> None:
+        self._provider = provider
+        self._ended: dict[str, float] = {}
+
+    def __call__(self, executor: BlockProviderExecutor, status: dict[str, JobStatus]) -> None:
+        """Look at all jobs there have been, by their number."""
+        assert isinstance(executor, HighThroughputExecutor)
+        connected = set(executor.connected_blocks())
+        ended = [job for job in sorted(status, key=int) if status[job].state in TERMINAL_STATES]
+        for job in ended:
+            self._ended.setdefault(job, time.monotonic())
+        # The last ones, back to the last one that did start.
+        failed = list(takewhile(lambda job: job not in connected, reversed(ended)))
+        refusal = self._provider.refusal
+        if executor.bad_state_is_set or not (refusal or len(failed) >= _FAILED_STARTS):
+            return
+        at_work = [job for job in status if job in connected and job not in ended]
+        if at_work:
+            # The jobs that did start do the work; others would fail again every few seconds.
+            self._provider.max_blocks = len(at_work)
+        elif refusal:
+            self._give_up(executor, refusal)
+        elif time.monotonic() - self._ended[failed[-1]] > _FAILED_START_SECONDS:
+            last = status[failed[0]]
+            output = (last.stderr_summary or "").strip().splitlines()
+            message = re.sub(r"^Failed to start block \d+: ", "", last.message or "")
+            self._give_up(executor, output[-1] if output else message)
+
+    def _give_up(self, executor: BlockProviderExecutor, why: str) -> None:
+        reason = f"no job of the cluster starts: {why.rstrip('.')}. Scripts and output of the jobs"
+        reason += f" are in {self._provider.script_dir}."
+        executor.set_bad_state_and_fail_all(ExecutorError(reason))

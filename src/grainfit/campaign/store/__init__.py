@@ -1,0 +1,1 @@
+"""The store of runs and calibrations, alone or shared by several processes."""

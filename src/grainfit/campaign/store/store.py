@@ -1,0 +1,520 @@
+"""The store of runs: one row for every run ever made, the truth about its status and responses.
+
+Runs are kept by identity and belong to no calibration; a calibration only lists which runs it asked
+for. So any later calibration that wants the same run finds it.
+"""
+
+from __future__ import annotations
+
+import sqlite3
+import threading
+import time
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any, TypeVar, cast
+from urllib.parse import unquote
+
+import sqlalchemy as sql
+from sqlalchemy.exc import ArgumentError, IntegrityError, NoSuchModuleError, SQLAlchemyError
+from sqlalchemy.pool import StaticPool
+
+from grainfit.campaign.store import schema
+from grainfit.campaign.store.records import CalibrationRecord, RequestRecord, RunRecord
+from grainfit.campaign.store.schema import SCHEMA_VERSION
+from grainfit.campaign.store.schema import calibrations as _calibrations
+from grainfit.campaign.store.schema import requests as _requests
+from grainfit.campaign.store.schema import runs as _runs
+from grainfit.errors import Fault, StoreError
+
+STORE_NAME = "runs.sqlite"
+
+_DAMAGED = (sqlite3.SQLITE_CORRUPT, sqlite3.SQLITE_NOTADB, sqlite3.SQLITE_ERROR)
+_RENEW = (
+    f"Move {STORE_NAME} away (and {STORE_NAME}-wal and {STORE_NAME}-shm beside it, if there): it "
+    "is made anew from the run folders; only runs of Python functions and tables are lost."
+)
+#: Databases have limits on the number of values in one statement.
+_CHUNK = 500
+#: Key of the lock under which the tables of a shared database are made.
+_SCHEMA_LOCK = 7_203_114
+_RECORD_COLUMNS = [column for column in _runs.c if column.name not in ("owner", "beat")]
+_CALIBRATION_COLUMNS = [column for column in _calibrations.c if column.name != "number"]
+_Record = TypeVar("_Record")
+
+
+@dataclass(frozen=True)
+class Claim:
+    """Who makes a run, and a number that grows while they live."""
+
+    owner: str
+    beat: int
+
+
+class _File:
+    """A file that is told from any other that may later be found at its path."""
+
+    def __init__(self, path: Path) -> None:
+        self._path = path
+        self._identity = self._look()
+
+    def is_there(self) -> bool:
+        # What is written to a file that was removed is gone without an error.
+        return self._look() == self._identity
+
+    def _look(self) -> tuple[int, int] | None:
+        try:
+            found = self._path.stat()
+        except OSError:
+            return None
+        return found.st_dev, found.st_ino
+
+
+class RunStore:
+    """Index of runs in a database.
+
+    Parameters
+    ----------
+    url : str or sqlalchemy.URL
+        ``"sqlite://"`` keeps everything in memory; ``"postgresql+psycopg://user@host/database"``
+        is for several machines.
+    read_only : bool
+        Write nothing, not even a schema.
+
+    Raises
+    ------
+    StoreError
+        The address is not one of a database, the database cannot be opened, or it was written by a
+        version that this one cannot read.
+    """
+
+    def __init__(self, url: str | sql.URL, *, read_only: bool = False) -> None:
+        self._lock = threading.RLock()
+        url = _database_url(url)
+        self._where = _place(url)
+        self._file: _File | None = None
+        options: dict[str, Any] = {"pool_pre_ping": True}
+        if url == sql.make_url("sqlite://"):
+            options = {"poolclass": StaticPool, "connect_args": {"check_same_thread": False}}
+        try:
+            self._engine = sql.create_engine(url, **options)
+        except ImportError as error:
+            raise StoreError(
+                f"the run store {self._where} needs the Python package {error.name}. "
+                "For PostgreSQL: pip install 'grainfit[postgresql]'."
+            ) from error
+        if self._engine.dialect.name == "sqlite":
+            sql.event.listen(self._engine, "connect", _leave_transactions_to_us)
+            sql.event.listen(self._engine, "begin", _begin_sqlite)
+            if not read_only:
+                sql.event.listen(self._engine, "connect", _set_up_sqlite)
+        try:
+            self._check_version() if read_only else self._create()
+        except StoreError:
+            self.close()
+            raise
+
+    @classmethod
+    def in_folder(cls, folder: Path) -> RunStore:
+        """Open the store of a work folder, and make it if there is none."""
+        path = _path(folder)
+        log = path.with_name(f"{STORE_NAME}-wal")
+        # SQLite would take it for a new store, and drop the log.
+        if path.exists() and not path.stat().st_size and log.exists() and log.stat().st_size:
+            raise StoreError(f"the run store {path} is damaged: it is empty. {_RENEW}")
+        store = cls(sql.URL.create("sqlite", database=str(path)))
+        store._file = _File(path)
+        return store
+
+    @classmethod
+    def read_only(cls, folder: Path) -> RunStore:
+        """Open the store of a work folder to read; a process that writes to it is not disturbed.
+
+        Raises
+        ------
+        StoreError
+            Also when there is no store yet.
+        """
+        path = _path(folder)
+        query = {"uri": "true", "mode": "ro"}
+        # Without a write-ahead log nobody writes, and reading one that is not there would make it.
+        if not path.with_name(f"{STORE_NAME}-wal").exists():
+            query["immutable"] = "1"
+        database = path.absolute().as_uri()
+        return cls(sql.URL.create("sqlite", database=database, query=query), read_only=True)
+
+    @property
+    def place(self) -> str:
+        """Where the store is, for people; without a password."""
+        return self._where
+
+    def _create(self) -> None:
+        with self._transaction() as connection:
+            if connection.dialect.name == "postgresql":
+                connection.execute(sql.select(sql.func.pg_advisory_xact_lock(_SCHEMA_LOCK)))
+            version = schema.bring_up_to_date(connection)
+        self._require_version(version)
+
+    def _check_version(self) -> None:
+        with self._reading() as connection:
+            version = schema.version_of(connection)
+        if version is None:
+            raise StoreError(f"the run store {self._where} is empty: nothing was run yet.")
+        self._require_version(version)
+
+    def _require_version(self, version: int) -> None:
+        if version > SCHEMA_VERSION:
+            raise StoreError(
+                f"the run store {self._where} has schema version {version}, this grainfit "
+                f"reads version {SCHEMA_VERSION}. Use the grainfit version that wrote it, or "
+                "another work folder."
+            )
+        if version < SCHEMA_VERSION:
+            raise StoreError(
+                f"the run store {self._where} has the older schema version {version}. Start "
+                "'grainfit run' in its work folder once: that brings it up to date."
+            )
+
+    def _require_file(self) -> None:
+        if self._file is not None and not self._file.is_there():
+            raise StoreError(
+                f"the run store {self._where} was removed or replaced while it was in use. Start "
+                "again: that goes on with the runs whose folders are still there."
+            )
+
+    @contextmanager
+    def _transaction(self) -> Iterator[sql.Connection]:
+        self._require_file()
+        with (
+            self._lock,
+            self._connection(self._engine.execution_options(writes=True)) as connection,
+        ):
+            yield connection
+
+    @contextmanager
+    def _reading(self) -> Iterator[sql.Connection]:
+        with self._lock, self._connection(self._engine) as connection:
+            yield connection
+
+    @contextmanager
+    def _connection(self, engine: sql.Engine) -> Iterator[sql.Connection]:
+        try:
+            with engine.begin() as connection:
+                yield connection
+        except SQLAlchemyError as error:
+            self._require_file()
+            cause = getattr(error, "orig", None) or error
+            raise StoreError(
+                f"the run store {self._where} cannot be used: {cause}. {_remedy(cause)}"
+            ) from error
+
+    def _read(
+        self, query: sql.Select[Any], make: Callable[[Mapping[str, Any]], _Record]
+    ) -> list[_Record]:
+        with self._reading() as connection:
+            try:
+                rows = connection.execute(query).mappings()
+                return [make(cast(Mapping[str, Any], row)) for row in rows]
+            except (KeyError, TypeError, ValueError) as error:
+                raise StoreError(
+                    f"the run store {self._where} is damaged: {error}. {_RENEW}"
+                ) from error
+
+    def close(self) -> None:
+        """Close all connections."""
+        self._engine.dispose()
+
+    # Runs --------------------------------------------------------------------------------------
+
+    def find(self, identity: str) -> RunRecord | None:
+        """Return the run of this identity, or None."""
+        return self.find_many([identity]).get(identity)
+
+    def find_many(self, identities: Collection[str]) -> dict[str, RunRecord]:
+        """Return those of some runs that there are, by identity."""
+        wanted = list(identities)
+        found = []
+        for start in range(0, len(wanted), _CHUNK):
+            query = sql.select(*_RECORD_COLUMNS).where(
+                _runs.c.identity.in_(wanted[start : start + _CHUNK])
+            )
+            found += self._read(query, RunRecord.from_json)
+        return {record.identity: record for record in found}
+
+    def save(self, record: RunRecord) -> None:
+        """Write a run, in place of what was known of it."""
+        self.save_many([record])
+
+    def save_many(self, records: Iterable[RunRecord]) -> None:
+        """Write several runs at once, or none of them."""
+        rows = [_row(record) for record in records]
+        with self._transaction() as connection:
+            for start in range(0, len(rows), _CHUNK):
+                part = rows[start : start + _CHUNK]
+                identities = [row["identity"] for row in part]
+                connection.execute(_runs.delete().where(_runs.c.identity.in_(identities)))
+                connection.execute(_runs.insert(), part)
+
+    def forget_running(self) -> None:
+        """Drop the rows of runs that were under way when an earlier process died."""
+        with self._transaction() as connection:
+            connection.execute(_runs.delete().where(_runs.c.status == "running"))
+
+    def forget(self, identity: str) -> None:
+        """Drop one run (it was stopped before it ended)."""
+        with self._transaction() as connection:
+            connection.execute(_runs.delete().where(_runs.c.identity == identity))
+
+    def forget_failed(self, identities: Collection[str]) -> None:
+        """Drop those of some runs that failed, and no others: they are to be made again."""
+        wanted = list(identities)
+        with self._transaction() as connection:
+            for start in range(0, len(wanted), _CHUNK):
+                part = _runs.c.identity.in_(wanted[start : start + _CHUNK])
+                connection.execute(_runs.delete().where(part, _runs.c.status == "failed"))
+
+    def identities(self) -> set[str]:
+        """Return the identities of all runs."""
+        with self._reading() as connection:
+            return set(connection.scalars(sql.select(_runs.c.identity)))
+
+    def states(self) -> dict[str, str]:
+        """Return the status of every run by identity."""
+        with self._reading() as connection:
+            rows = connection.execute(sql.select(_runs.c.identity, _runs.c.status))
+            return {row.identity: row.status for row in rows}
+
+    def runs(self, status: str | None = None) -> list[RunRecord]:
+        """Return all runs, or those of a status, in the order in which they ended."""
+        query = sql.select(*_RECORD_COLUMNS).order_by(_runs.c.ended, _runs.c.identity)
+        if status is not None:
+            query = query.where(_runs.c.status == status)
+        return self._read(query, RunRecord.from_json)
+
+    # Claims, where several processes share a store ---------------------------------------------
+
+    def claim(self, record: RunRecord, owner: str, instead_of: Claim | None = None) -> bool:
+        """Note that a run is being made, unless somebody else makes it or has made it well.
+
+        Parameters
+        ----------
+        record : RunRecord
+            The run, with status ``running``.
+        owner : str
+            Who makes it.
+        instead_of : Claim, optional
+            A claim whose owner has died; it is taken over.
+
+        Returns
+        -------
+        bool
+            Whether the run is now the owner's to make. Of all who ask, one is told so.
+        """
+        row = _row(record) | {"owner": owner, "beat": 0}
+        here = _runs.c.identity == record.identity
+        if instead_of is None:
+            replaceable = _runs.c.status == "failed"
+        else:
+            replaceable = sql.and_(
+                _runs.c.status == "running",
+                _runs.c.owner == instead_of.owner,
+                _runs.c.beat == instead_of.beat,
+            )
+        with self._transaction() as connection:
+            replaced = connection.execute(_runs.update().where(here, replaceable).values(**row))
+            if replaced.rowcount:
+                return True
+            try:
+                with connection.begin_nested():
+                    connection.execute(_runs.insert().values(**row))
+            except IntegrityError:
+                return False
+            return True
+
+    def claims(self, identities: Collection[str]) -> dict[str, Claim]:
+        """Return who makes those of some runs that are under way, by identity."""
+        query = sql.select(_runs.c.identity, _runs.c.owner, _runs.c.beat).where(
+            _runs.c.status == "running", _runs.c.identity.in_(list(identities))
+        )
+        with self._reading() as connection:
+            return {row.identity: Claim(row.owner, row.beat) for row in connection.execute(query)}
+
+    def beat(self, owner: str) -> None:
+        """Show that an owner of claims lives."""
+        mine = sql.and_(_runs.c.owner == owner, _runs.c.status == "running")
+        with self._transaction() as connection:
+            connection.execute(_runs.update().where(mine).values(beat=_runs.c.beat + 1))
+
+    def release(self, owner: str) -> None:
+        """Drop all claims of an owner: what they were making, others may make."""
+        mine = sql.and_(_runs.c.owner == owner, _runs.c.status == "running")
+        with self._transaction() as connection:
+            connection.execute(_runs.delete().where(mine))
+
+    # Calibrations ------------------------------------------------------------------------------
+
+    def begin_calibration(
+        self,
+        identity: str,
+        name: str,
+        definition: Mapping[str, Any],
+        known: Sequence[str] = (),
+        about: Mapping[str, Any] | None = None,
+    ) -> None:
+        """Note that a calibration starts, or goes on with what it asked for before.
+
+        Parameters
+        ----------
+        identity, name : str
+            What it is, and what it is called.
+        definition : mapping
+            All that decides what it asks for.
+        known : sequence of str
+            Identities of the runs that it learns from and did not ask for.
+        about : mapping, optional
+            What a report tells of it besides, as JSON.
+        """
+        latest = sql.select(sql.func.coalesce(sql.func.max(_calibrations.c.number), 0))
+        with self._transaction() as connection:
+            number = int(connection.scalar(latest) or 0) + 1
+            connection.execute(_calibrations.delete().where(_calibrations.c.identity == identity))
+            connection.execute(
+                _calibrations.insert().values(
+                    identity=identity,
+                    name=name,
+                    definition=dict(definition),
+                    status="running",
+                    started=time.time(),
+                    known=list(known),
+                    number=number,
+                    about=dict(about or {}),
+                )
+            )
+
+    def end_calibration(self, identity: str, status: str, failure: str = "") -> None:
+        """Note how a calibration ended, and what stopped it if it failed."""
+        this = _calibrations.c.identity == identity
+        with self._transaction() as connection:
+            about = connection.scalar(sql.select(_calibrations.c.about).where(this)) or {}
+            if failure:
+                about = {**about, "failure": failure}
+            connection.execute(
+                _calibrations.update().where(this).values(status=status, about=about)
+            )
+
+    def calibration(self, identity: str) -> CalibrationRecord | None:
+        """Return a calibration, or None."""
+        query = sql.select(*_CALIBRATION_COLUMNS).where(_calibrations.c.identity == identity)
+        return next(iter(self._read(query, lambda row: CalibrationRecord(**row))), None)
+
+    def latest_calibration(self) -> CalibrationRecord | None:
+        """Return the calibration that was started last, or None."""
+        query = sql.select(*_CALIBRATION_COLUMNS).order_by(_calibrations.c.number.desc()).limit(1)
+        return next(iter(self._read(query, lambda row: CalibrationRecord(**row))), None)
+
+    def add_request(self, calibration: str, request: RequestRecord) -> None:
+        """Note that a calibration asked for a parameter set, in place of one at that position."""
+        with self._transaction() as connection:
+            connection.execute(
+                _requests.delete().where(
+                    _requests.c.calibration == calibration,
+                    _requests.c.position == request.position,
+                )
+            )
+            connection.execute(
+                _requests.insert().values(calibration=calibration, **asdict(request))
+            )
+
+    def forget_requests_behind(self, calibration: str, position: int) -> None:
+        """Forget what a calibration asked for behind a position, in an earlier start."""
+        with self._transaction() as connection:
+            connection.execute(
+                _requests.delete().where(
+                    _requests.c.calibration == calibration, _requests.c.position > position
+                )
+            )
+
+    def requests(self, calibration: str) -> list[RequestRecord]:
+        """Return what a calibration asked for, in order."""
+        query = (
+            sql.select(_requests)
+            .where(_requests.c.calibration == calibration)
+            .order_by(_requests.c.position)
+        )
+        return self._read(query, RequestRecord.from_row)
+
+
+def _database_url(url: str | sql.URL) -> sql.URL:
+    try:
+        found = sql.make_url(url)
+        found.get_dialect()
+    except (ArgumentError, NoSuchModuleError, ValueError) as error:
+        raise StoreError(
+            f"{str(url)!r} is not the address of a database. Give one such as "
+            "postgresql+psycopg://user@host/database or sqlite:////path/to/runs.sqlite."
+        ) from error
+    return found
+
+
+def _place(url: sql.URL) -> str:
+    """Return where a database is, for people; never the password in its address."""
+    if url.get_backend_name() != "sqlite":
+        return url.render_as_string(hide_password=True)
+    place = str(url.database or url)
+    return unquote(place.removeprefix("file://")) if place.startswith("file://") else place
+
+
+def not_a_work_folder(folder: str | Path, key: str = "") -> Fault:
+    """Return what to say of a folder that has no store."""
+    return Fault(
+        key,
+        f"{str(folder)!r} is not a work folder of grainfit: it has no {STORE_NAME}.",
+        "Name the folder that 'grainfit run' wrote.",
+    )
+
+
+def _path(folder: Path) -> Path:
+    path = folder / STORE_NAME
+    if path.is_dir():
+        raise StoreError(f"the run store {path} is a folder, not a file. {_RENEW}")
+    return path
+
+
+def _row(record: RunRecord) -> dict[str, Any]:
+    row = record.to_json() | {"owner": "", "beat": 0}
+    # What a solver prints may be anything; not every database takes a zero byte for text.
+    for name in ("reason", "log_tail"):
+        row[name] = row[name].replace("\0", " ").encode(errors="replace").decode()
+    return row
+
+
+def _remedy(cause: BaseException) -> str:
+    code = getattr(cause, "sqlite_errorcode", None)
+    # The low byte is the kind of the error, the rest its details.
+    if code is not None and code & 0xFF in _DAMAGED:
+        return _RENEW
+    if code is None:
+        return "See that the database server runs, can be reached, and accepts this user."
+    return "See that its folder can be written, the disk is not full, and nobody else uses it."
+
+
+def _leave_transactions_to_us(connection: Any, _record: Any) -> None:
+    # Python's own SQLite module would begin transactions late, and not at all before some
+    # statements.
+    connection.isolation_level = None
+
+
+def _begin_sqlite(connection: sql.Connection) -> None:
+    # Who is going to write waits for the other writer now: later it would be too late.
+    writes = connection.get_execution_options().get("writes")
+    connection.exec_driver_sql("BEGIN IMMEDIATE" if writes else "BEGIN")
+
+
+def _set_up_sqlite(connection: Any, _record: Any) -> None:
+    cursor = connection.cursor()
+    cursor.execute("PRAGMA busy_timeout = 30000")
+    # Write-ahead logging with full synchronisation survives a kill and a power cut.
+    cursor.execute("PRAGMA journal_mode = WAL")
+    cursor.execute("PRAGMA synchronous = FULL")
+    cursor.close()

@@ -1,0 +1,132 @@
+"""One run, as a worker makes it: in this process, in another one, or on another machine.
+
+An order holds all that a worker needs, and the record that comes back all that came of it. A worker
+knows neither the store nor the strategy. What it leaves in the work folder is whole or not there,
+so that a run is kept even when nobody is left to be told.
+"""
+
+from __future__ import annotations
+
+import math
+import shutil
+import threading
+import time
+import traceback
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from grainfit.campaign.store.records import RunRecord
+from grainfit.campaign.work_folder import Keep, close_run_folder, open_run_folder, run_folder
+from grainfit.errors import GrainfitError, RunFailedError
+from grainfit.evaluation import Response
+from grainfit.solvers.base import Solver, Workspace
+from grainfit.solvers.process.faults import machine_error
+
+_TAIL_CHARACTERS = 2000
+
+
+@dataclass(frozen=True)
+class RunOrder:
+    """All that a worker needs to make one run.
+
+    Parameters
+    ----------
+    record : RunRecord
+        The run, with status ``running``.
+    solver : Solver
+        Makes it.
+    parameters : mapping of str to float
+        Values of the free parameters.
+    seed : int
+        Insertion seed.
+    folder : Path
+        The work folder.
+    timeout : float, optional
+        Longest wall time, s.
+    keep : {"all", "results"}
+        What stays of the run's folder.
+    """
+
+    record: RunRecord
+    solver: Solver
+    parameters: Mapping[str, float]
+    seed: int
+    folder: Path
+    timeout: float | None = None
+    keep: Keep = "all"
+
+
+def execute(order: RunOrder, cancelled: threading.Event | None = None) -> RunRecord:
+    """Make one run; never raises an exception of the run's own.
+
+    Parameters
+    ----------
+    order : RunOrder
+        What to make.
+    cancelled : threading.Event, optional
+        Set when the user stops the calibration. Where workers are other processes there is none:
+        they notice that the folder of their run has been removed.
+
+    Returns
+    -------
+    RunRecord
+        Finished, or failed with the reason.
+    """
+    started = time.monotonic()
+    cancelled = cancelled or threading.Event()
+    partial = None
+    try:
+        if cancelled.is_set():
+            raise RunFailedError("stopped by the user", kind="cancelled")
+        if order.solver.uses_folder:
+            partial = open_run_folder(order.folder, order.record.identity)
+        workspace = Workspace(partial or order.folder, order.timeout, cancelled)
+        responses = order.solver.run(order.parameters, order.seed, workspace)
+        _refuse_non_finite(responses)
+        outcome = replace(order.record, status="finished", responses=responses)
+    except Exception as error:
+        outcome = _failed(order.record, error)
+    outcome = replace(outcome, seconds=time.monotonic() - started, ended=time.time())
+    return outcome if partial is None else _put_away(order, partial, outcome)
+
+
+def _put_away(order: RunOrder, partial: Path, outcome: RunRecord) -> RunRecord:
+    """Keep the folder of a run; without room for its record, the run still has its responses."""
+    if outcome.kind == "cancelled":
+        shutil.rmtree(partial, ignore_errors=True)
+        return outcome
+    try:
+        close_run_folder(partial, run_folder(order.folder, outcome.identity), outcome, order.keep)
+    except OSError as error:
+        if outcome.status == "failed":
+            return outcome
+        if not partial.exists():
+            # Whoever removed it did not want the run, and what was measured may be of a part.
+            reason = "the folder of the run was removed while it ran"
+            return replace(outcome, status="failed", responses={}, reason=reason, kind="machine")
+        return replace(outcome, log_tail=f"the run's folder could not be kept: {error}")
+    return outcome
+
+
+def _failed(record: RunRecord, error: Exception) -> RunRecord:
+    if isinstance(error, RunFailedError):
+        return failed_record(record, error.reason, error.kind, error.log_tail)
+    if isinstance(error, GrainfitError):
+        return failed_record(record, str(error), "simulation")
+    tail = "".join(traceback.format_exception(error))[-_TAIL_CHARACTERS:]
+    if isinstance(error, (MemoryError, OSError)):
+        return failed_record(record, machine_error(error) or str(error), "machine", tail)
+    return failed_record(record, f"unexpected {type(error).__name__}: {error}", "evaluation", tail)
+
+
+def failed_record(record: RunRecord, reason: str, kind: str, log_tail: str = "") -> RunRecord:
+    """Return the record of a run that gave no responses, with a reason of one line."""
+    one_line = " ".join(reason.split())
+    return replace(record, status="failed", reason=one_line, kind=kind, log_tail=log_tail)
+
+
+def _refuse_non_finite(responses: Mapping[str, Response]) -> None:
+    for name, response in responses.items():
+        if not (math.isfinite(response.value) and math.isfinite(response.standard_error)):
+            raise RunFailedError(f"response {name} is {response.value}", kind="evaluation")

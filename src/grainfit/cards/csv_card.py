@@ -1,0 +1,80 @@
+"""The card as a table, for spreadsheets."""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections.abc import Iterator
+
+from grainfit.formatting import plain
+from grainfit.materials.card import MaterialCard
+
+COLUMNS = (
+    "kind",
+    "name",
+    "symbol",
+    "unit",
+    "value",
+    "low_95",
+    "high_95",
+    "origin",
+    "target",
+    "tolerance",
+    "deviation_percent",
+    "met",
+    "verdict",
+)
+_FORMULA_SIGNS = ("=", "+", "-", "@")
+Cell = str | float | bool | None
+
+
+def render_csv(card: MaterialCard) -> str:
+    """Return a line for each parameter and each response; every one says how it ended."""
+    file = io.StringIO()
+    writer = csv.writer(file, lineterminator="\n")
+    writer.writerow(COLUMNS)
+    writer.writerows([_as_text(cells.get(name)) for name in COLUMNS] for cells in _lines(card))
+    return file.getvalue()
+
+
+def _lines(card: MaterialCard) -> Iterator[dict[str, Cell]]:
+    for parameter in card.parameters:
+        low, high = parameter.interval or (None, None)
+        yield {
+            "kind": "parameter",
+            "name": parameter.name,
+            "symbol": parameter.symbol,
+            "unit": parameter.unit,
+            "value": parameter.value,
+            "low_95": low,
+            "high_95": high,
+            "origin": parameter.origin,
+            "verdict": card.verdict,
+        }
+    for response in card.responses:
+        yield {
+            "kind": "response",
+            "name": response.name,
+            "unit": response.unit,
+            "value": response.expected,
+            "low_95": response.interval[0],
+            "high_95": response.interval[1],
+            "origin": "verified" if response.verified else "predicted",
+            "target": response.target,
+            "tolerance": response.tolerance,
+            "deviation_percent": response.deviation_percent,
+            "met": response.met,
+            "verdict": card.verdict,
+        }
+
+
+def _as_text(cell: Cell) -> str:
+    if cell is None:
+        return ""
+    if isinstance(cell, bool):
+        return "yes" if cell else "no"
+    if isinstance(cell, float):
+        return repr(cell)
+    text = plain(cell)
+    # A spreadsheet would calculate it; behind an apostrophe it is text.
+    return f"'{text}" if text.lstrip().startswith(_FORMULA_SIGNS) else text

@@ -1,0 +1,168 @@
+"""The material card: what is known of a calibrated material and where it comes from."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from datetime import UTC, datetime
+
+from grainfit.bulk_tests.heap import HeapTest
+from grainfit.errors import StoreError
+from grainfit.materials.card import CardParameter, CardResponse, MaterialCard, Origin, Program
+from grainfit.materials.parameters import MATERIAL_PARAMETERS
+from grainfit.materials.sizes import ParticleSizes
+from grainfit.materials.time_step import RayleighTimeStep
+from grainfit.result import ResponseResult
+from grainfit.work_folder.saved_calibration import CalibrationReading, read_answer
+
+
+def make_card(
+    reading: CalibrationReading, intervals: Mapping[str, tuple[float, float]]
+) -> MaterialCard:
+    """Make the card of a calibration.
+
+    Parameters
+    ----------
+    reading : CalibrationReading
+        What the work folder tells.
+    intervals : mapping of str to pair of float
+        95 % credible intervals of free parameters, as far as there are any.
+
+    Raises
+    ------
+    InputError
+        There is no answer yet.
+    StoreError
+        The result is damaged.
+    """
+    answer = read_answer(reading)
+    # A start that came to no end leaves the result of the one before.
+    status = reading.state if answer.status == "calibrated" else answer.status
+    conditions = _heap_conditions(reading)
+    origin: Origin = "calibrated" if status == "calibrated" else "not calibrated"
+    parameters = tuple(_parameters(reading, answer.parameters, origin, intervals))
+    sizes = _sizes(reading, conditions)
+    rayleigh = _rayleigh_time_step(parameters, sizes)
+    fraction = min(
+        (found.time_step_fraction for found in conditions), default=HeapTest.time_step_fraction
+    )
+    return MaterialCard(
+        name=reading.name,
+        status=status,
+        parameters=parameters,
+        responses=tuple(_response(name, found) for name, found in answer.responses.items()),
+        sizes=sizes,
+        gravity=conditions[0].gravity if conditions else HeapTest.gravity,
+        rayleigh_time_step=rayleigh,
+        recommended_time_step=None if rayleigh is None else fraction * rayleigh,
+        time_step_fraction=fraction,
+        programs=tuple(_programs(reading)),
+        runs=sum(len(evaluation.runs) for evaluation in reading.known),
+        failed_runs=sum(len(evaluation.failures) for evaluation in reading.known),
+        date=_date(reading),
+        calibration_file=reading.source,
+        identity=reading.identity,
+        version=reading.version,
+        notices=answer.notices,
+    )
+
+
+def _parameters(
+    reading: CalibrationReading,
+    found: Mapping[str, float],
+    origin: Origin,
+    intervals: Mapping[str, tuple[float, float]],
+) -> Iterator[CardParameter]:
+    rayleigh = reading.problem.rayleigh
+    given = {**(rayleigh.fixed if rayleigh else {}), **reading.fixed}
+    values = {**given, **found}
+    first = [name for name in MATERIAL_PARAMETERS if name in values]
+    for name in dict.fromkeys([*first, *values]):
+        known = MATERIAL_PARAMETERS.get(name)
+        interval = intervals.get(name)
+        yield CardParameter(
+            name,
+            known.symbol if known else "",
+            known.unit if known else reading.units.get(name, ""),
+            known.description if known else "",
+            float(values[name]),
+            origin if name in found else "given",
+            None if interval is None else (float(interval[0]), float(interval[1])),
+        )
+
+
+def _response(name: str, found: ResponseResult) -> CardResponse:
+    expected, half = found.expected
+    return CardResponse(
+        name,
+        found.unit,
+        found.target,
+        found.tolerance,
+        expected,
+        (expected - half, expected + half),
+        found.deviation_percent,
+        found.is_verified,
+        found.verdict == "met",
+        found.verdict == "in doubt",
+    )
+
+
+@dataclass(frozen=True)
+class _Conditions:
+    """What a heap test says of how the material was used."""
+
+    sizes: ParticleSizes
+    gravity: float
+    time_step_fraction: float
+
+
+def _heap_conditions(reading: CalibrationReading) -> list[_Conditions]:
+    """Conditions of the heap tests among the runs, in their order, each once."""
+    tests = (record.definition.get("test") for record in reading.runs.values())
+    try:
+        found = [
+            _Conditions(
+                ParticleSizes(tuple(test["diameters"]), tuple(test["mass_fractions"])),
+                float(test["setup"]["gravity"]),
+                float(test["time_step_fraction"]),
+            )
+            for test in tests
+            if isinstance(test, Mapping) and test.get("type") == HeapTest.type
+        ]
+    except (KeyError, TypeError, ValueError) as error:
+        raise StoreError(
+            f"a run of the heap test in {str(reading.folder)!r} is defined in another way than "
+            f"this version of grainfit does: {error}."
+        ) from error
+    return list(dict.fromkeys(found))
+
+
+def _sizes(reading: CalibrationReading, conditions: list[_Conditions]) -> ParticleSizes | None:
+    if conditions:
+        return conditions[0].sizes
+    rayleigh = reading.problem.rayleigh
+    return None if rayleigh is None else ParticleSizes((2 * rayleigh.radius,))
+
+
+def _programs(reading: CalibrationReading) -> list[Program]:
+    definitions = [record.definition for record in reading.runs.values()]
+    found = [Program(str(d.get("solver", "")), str(d.get("version", ""))) for d in definitions]
+    return list(dict.fromkeys(found))
+
+
+def _date(reading: CalibrationReading) -> str:
+    seconds = max((record.ended for record in reading.runs.values()), default=0.0)
+    try:
+        return datetime.fromtimestamp(seconds or reading.started, UTC).isoformat(timespec="seconds")
+    except (ValueError, OverflowError, OSError):
+        return ""
+
+
+def _rayleigh_time_step(
+    parameters: Iterable[CardParameter], sizes: ParticleSizes | None
+) -> float | None:
+    if sizes is None:
+        return None
+    values = {parameter.name: parameter.value for parameter in parameters}
+    time_step = RayleighTimeStep(sizes.smallest_radius, values)
+    return None if time_step.faults({}) else time_step({})

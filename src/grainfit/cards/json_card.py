@@ -1,0 +1,75 @@
+"""The card as JSON, for programs; docs/export.md has its keys."""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+from grainfit.materials.card import CardParameter, CardResponse, MaterialCard
+
+#: Raised when a key gets another meaning or goes; keys may be added.
+FORMAT_VERSION = 1
+
+
+def render_json(card: MaterialCard) -> str:
+    """Return the card as a JSON object."""
+    sizes = card.sizes
+    data = {
+        "format": "grainfit material card",
+        "format_version": FORMAT_VERSION,
+        "name": card.name,
+        "calibrated": card.calibrated,
+        "status": card.status,
+        "verdict": card.verdict,
+        "parameters": [_parameter(parameter) for parameter in card.parameters],
+        "responses": [_response(response) for response in card.responses],
+        "time_step": {
+            "rayleigh": card.rayleigh_time_step,
+            "recommended": card.recommended_time_step,
+            "fraction": card.time_step_fraction,
+        },
+        "particle_sizes": None
+        if sizes is None
+        else {"diameters": sizes.diameters, "mass_fractions": sizes.mass_fractions},
+        "gravity": card.gravity,
+        "provenance": {
+            "calibration_file": card.calibration_file,
+            "identity": card.identity,
+            "programs": [{"name": p.name, "version": p.version} for p in card.programs],
+            "runs": card.runs,
+            "failed_runs": card.failed_runs,
+            "date": card.date,
+            "grainfit_version": card.version,
+        },
+        "notices": card.notices,
+    }
+    text = json.dumps(data, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+    # Half a character, as in a file name that is not valid Unicode, becomes JSON's \udcff.
+    return text.encode("utf-8", "backslashreplace").decode()
+
+
+def _parameter(parameter: CardParameter) -> dict[str, Any]:
+    return {
+        "name": parameter.name,
+        "symbol": parameter.symbol,
+        "unit": parameter.unit,
+        "description": parameter.description,
+        "value": parameter.value,
+        "interval_95": parameter.interval,
+        "origin": parameter.origin,
+    }
+
+
+def _response(response: CardResponse) -> dict[str, Any]:
+    return {
+        "name": response.name,
+        "unit": response.unit,
+        "target": response.target,
+        "tolerance": response.tolerance,
+        "expected": response.expected,
+        "interval_95": response.interval,
+        "deviation_percent": response.deviation_percent,
+        "verified": response.verified,
+        "met": response.met,
+        "in_doubt": response.in_doubt,
+    }

@@ -1,0 +1,363 @@
+"""The command line: parse, call, print.
+
+What a command needs is imported when it is called: help and status are there at once.
+"""
+
+from __future__ import annotations
+
+import os
+import shlex
+import signal
+import sys
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, NoReturn
+
+import typer
+from rich.console import Console
+
+from grainfit.cli import console as show
+from grainfit.cli.export import export
+from grainfit.cli.runs import runs_app
+from grainfit.errors import Fault, GrainfitError, InputError, RunFailedError
+
+if TYPE_CHECKING:
+    from grainfit.calibration_file.build import Assembly
+
+EXIT_CODES = {"calibrated": 0, "out_of_tolerance": 3, "unreachable": 3, "interrupted": 130}
+_BAD_INPUT = 1
+_INTERRUPTED = 130
+_USAGE_ERROR = 2
+
+app = typer.Typer(
+    name="grainfit",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+    rich_markup_mode="rich",
+    context_settings={"help_option_names": ["-h", "--help"]},
+    help="""Calibrate the material parameters of DEM models of bulk solids.
+
+    You give laboratory measurements and an interval for every unknown
+    parameter; grainfit runs the simulated tests, finds the parameters that
+    reproduce the measurements, and verifies them.
+
+    [bold]First steps:[/bold]  grainfit new my_material.toml  →  edit it  →
+    grainfit check my_material.toml  →  grainfit run my_material.toml
+    """,
+)
+app.add_typer(runs_app, name="runs")
+_out = Console()
+_err = Console(stderr=True)
+
+CalibrationPath = Annotated[
+    Path, typer.Argument(metavar="FILE", help="Calibration file (TOML).", show_default=False)
+]
+Workdir = Annotated[
+    Path | None,
+    typer.Option(
+        "--workdir",
+        metavar="DIR",
+        help="Where runs and results are kept. Default: the file's name with .grainfit, here.",
+    ),
+]
+
+
+@app.command()
+def run(
+    file: CalibrationPath,
+    workdir: Workdir = None,
+    strategy: Annotated[
+        str | None,
+        typer.Option(help="How runs are chosen: sequential or staged. [default: from the file]"),
+    ] = None,
+    max_runs: Annotated[
+        int | None, typer.Option(metavar="N", help="Largest number of DEM runs, all included.")
+    ] = None,
+    seed: Annotated[
+        int | None, typer.Option(metavar="N", help="Decides the design and all insertion seeds.")
+    ] = None,
+    workers: Annotated[
+        int | None,
+        typer.Option(metavar="N", help="Runs at a time. [default: cores / ranks per run]"),
+    ] = None,
+    runs_from: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="DIR-or-URL",
+            help="Work folder or store whose runs are used as far as they fit. Repeat as needed.",
+        ),
+    ] = None,
+    store: Annotated[
+        str | None,
+        typer.Option(
+            metavar="URL",
+            envvar="GRAINFIT_STORE",
+            help="Store that several machines share: no run is made twice.",
+        ),
+    ] = None,
+    keep: Annotated[
+        str | None,
+        typer.Option(
+            metavar="all|results",
+            help="What stays of a finished run: all its files, or record, logs and pictures. "
+            "[default: from the file, or all]",
+        ),
+    ] = None,
+    retry_failed: Annotated[
+        bool,
+        typer.Option(
+            "--retry-failed",
+            help="Make all failed runs of the work folder again. Without it: those that failed by "
+            "the machine or by time.",
+        ),
+    ] = False,
+    local: Annotated[
+        bool, typer.Option("--local", help="Make the runs here, not on the file's cluster.")
+    ] = False,
+    no_report: Annotated[
+        bool, typer.Option("--no-report", help="Do not write report.html at the end.")
+    ] = False,
+) -> None:
+    """Calibrate: simulate, fit, verify, and write result.json and report.html.
+
+    Stop it at any time with Ctrl-C and start the same command again: no finished run is repeated.
+
+    Exit code: 0 calibrated, 1 bad input or a missing solver, 3 not every target is met or in reach,
+    130 interrupted.
+    """
+    from grainfit.calibration.calibrate import calibrate
+    from grainfit.campaign.cluster.executor import cluster_executor, missing_scheduler
+    from grainfit.campaign.work_folder import default_workdir
+
+    assembly = replace(_assemble(file), local=local)
+    options = assembly.options(
+        strategy=strategy, max_runs=max_runs, seed=seed, workers=workers, keep=keep
+    )
+    folder = workdir or default_workdir(file)
+    with ExitStack() as stack:
+        if not no_report:
+            stack.enter_context(_report_of_failure(folder))
+        if assembly.cluster is not None:
+            options["executor"] = stack.enter_context(cluster_executor(assembly.cluster, folder))
+        elif assembly.file.cluster is not None and not local:
+            _err.print(f"Cluster: {missing_scheduler(assembly.file.cluster)}")
+        progress = stack.enter_context(show.LiveProgress(_err))
+        result = calibrate(
+            assembly.problem,
+            assembly.solvers,
+            workdir=folder,
+            name=assembly.name,
+            timeouts=assembly.timeouts,
+            runs_from=runs_from or (),
+            store=store,
+            retry_failed=retry_failed,
+            provenance=assembly.provenance,
+            on_progress=progress.update,
+            **options,
+        )
+    show.print_result(_out, result, folder)
+    if not no_report:
+        _report_if_possible(folder)
+    raise typer.Exit(EXIT_CODES[result.status])
+
+
+@app.command()
+def check(file: CalibrationPath) -> None:
+    """Validate a calibration file and show the plan. Nothing is simulated."""
+    from grainfit.calibration_file.plan import describe_plan
+
+    assembly = _assemble(file)
+    plan = describe_plan(assembly)
+    show.print_plan(_out, plan)
+    if plan.problems:
+        raise typer.Exit(_BAD_INPUT)
+
+
+@app.command()
+def new(
+    file: Annotated[Path, typer.Argument(metavar="FILE")] = Path("calibration.toml"),
+) -> None:
+    """Write a commented calibration file to start from."""
+    from grainfit.calibration_file.starter import starter_file
+
+    try:
+        with file.open("x", encoding="utf-8") as target:
+            target.write(starter_file())
+    except FileExistsError:
+        raise InputError(
+            Fault("", f"{str(file)!r} exists already.", "Choose another name.")
+        ) from None
+    except OSError as error:
+        raise InputError(Fault("", f"{str(file)!r} cannot be written: {error.strerror}.")) from None
+    _out.print(f"Wrote {file}. Edit it, then: grainfit check {file}", highlight=False, markup=False)
+
+
+@app.command()
+def status(
+    workdir: Annotated[Path, typer.Argument(metavar="DIR", help="Work folder of a calibration.")],
+) -> None:
+    """Show how far a calibration is and what came of it. Disturbs nothing."""
+    from grainfit.work_folder.status import read_status
+
+    show.print_status(_out, read_status(workdir))
+
+
+@app.command()
+def report(
+    workdir: Annotated[Path, typer.Argument(metavar="DIR", help="Work folder of a calibration.")],
+    output: Annotated[
+        Path | None,
+        typer.Option(
+            "--output",
+            "-o",
+            metavar="FILE",
+            help="Where to write it, if not to report.html in DIR.",
+        ),
+    ] = None,
+    open_it: Annotated[
+        bool, typer.Option("--open", help="Show it in the web browser afterwards.")
+    ] = False,
+) -> None:
+    """Write a page that shows all that a calibration tells.
+
+    One HTML file that needs neither network nor grainfit to be read: is it
+    calibrated, what are the values, how sure are they, what do the responses
+    depend on, what does the heap look like, and every run.
+
+    'grainfit run' writes it at its end; this does so at any time, also half-way,
+    and disturbs nothing.
+    """
+    path = _write_report(workdir, output)
+    _out.print(f"Report: {path}", highlight=False, markup=False, soft_wrap=True)
+    if open_it:
+        import webbrowser
+
+        webbrowser.open(path.absolute().as_uri())
+
+
+@app.command()
+def simulate(
+    file: CalibrationPath,
+    settings: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--set",
+            metavar="NAME=VALUE",
+            help="A parameter's value, units allowed: particle.density=2300. Repeat as needed.",
+        ),
+    ] = None,
+    seed: Annotated[
+        int, typer.Option(metavar="N", min=1, max=900_000_000, help="Insertion seed.")
+    ] = 1,
+    workdir: Workdir = None,
+) -> None:
+    """Make one DEM run of every test and show its responses and its folder.
+
+    Free parameters that are not set take the middle of their interval.
+    """
+    from grainfit.campaign.simulate_once import simulate_once
+    from grainfit.campaign.work_folder import default_workdir
+
+    assembly = _assemble(file)
+    folder = workdir or default_workdir(file)
+    values = assembly.values(settings or [])
+    with _err.status("simulating"):
+        evaluation, folders = simulate_once(
+            assembly.solvers, values, seed, folder, assembly.timeouts
+        )
+    show.print_run(_out, evaluation, folders)
+    if evaluation.failures:
+        raise typer.Exit(_BAD_INPUT)
+
+
+@app.command()
+def measure(
+    path: Annotated[
+        Path, typer.Argument(metavar="DIR-or-DUMP", help="A run folder, or a dump of particles.")
+    ],
+) -> None:
+    """Measure the responses on the particles that a run left behind, again."""
+    from grainfit.work_folder.remeasure import measure_path
+
+    show.print_measurement(_out, measure_path(path))
+
+
+app.command()(export)
+
+
+def _write_report(workdir: Path, output: Path | None = None) -> Path:
+    """Write the report; what is done meanwhile is shown, for it takes some seconds."""
+    with _err.status("report") as status:
+        from grainfit.report.page import write_report
+
+        return write_report(
+            workdir, output, on_progress=lambda words: status.update(f"report: {words}")
+        )
+
+
+@contextmanager
+def _report_of_failure(workdir: Path) -> Iterator[None]:
+    """Write a report also of a calibration that cannot go on because its runs fail."""
+    try:
+        yield
+    except RunFailedError:
+        _report_if_possible(workdir)
+        raise
+
+
+def _report_if_possible(workdir: Path) -> None:
+    """Write the report of a calibration that has ended; without one, the result is what it was."""
+    try:
+        path = _write_report(workdir)
+    except KeyboardInterrupt:
+        reason = "stopped"
+    except Exception as error:
+        # The result is written and printed: whatever goes wrong here must not look like its end.
+        reason = " ".join(str(error).split()) or type(error).__name__
+    else:
+        _out.print(f"Report: {path}", highlight=False, markup=False, soft_wrap=True)
+        return
+    folder = shlex.quote(str(workdir))
+    words = f"No report was written ({reason}). 'grainfit report {folder}' tries again."
+    show.print_warning(_err, words)
+
+
+def _assemble(file: Path) -> Assembly:
+    from grainfit.calibration_file.build import assemble
+    from grainfit.calibration_file.load import load_calibration_file
+
+    return assemble(load_calibration_file(file))
+
+
+def _stop(_signal: int, _frame: Any) -> NoReturn:
+    raise KeyboardInterrupt
+
+
+def main() -> None:
+    """Run the command line; every error that grainfit knows ends in one clear message."""
+    signal.signal(signal.SIGTERM, _stop)
+    code = _exit_code()
+    if code == _INTERRUPTED:
+        # A function of the user's that still runs in a thread would hold up the end of Python.
+        sys.stdout.flush()
+        sys.stderr.flush()
+        os._exit(code)
+    sys.exit(code)
+
+
+def _exit_code() -> int:
+    try:
+        app()
+    except SystemExit as stop:
+        code = stop.code if isinstance(stop.code, int) else 0
+        return _BAD_INPUT if code == _USAGE_ERROR else code
+    except KeyboardInterrupt:
+        _err.print("Interrupted. Finished runs are kept; start again to go on.")
+        return _INTERRUPTED
+    except GrainfitError as error:
+        show.print_error(_err, error)
+        return _BAD_INPUT
+    return 0

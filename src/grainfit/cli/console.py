@@ -1,0 +1,287 @@
+"""What the command line shows: progress while it runs, tables at the end, errors in one line."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Mapping
+from math import isfinite
+from pathlib import Path
+from types import TracebackType
+from typing import TYPE_CHECKING
+
+from rich import box
+from rich.console import Console
+from rich.live import Live
+from rich.table import Table
+from rich.text import Text
+
+from grainfit.errors import GrainfitError, InputError, RunFailedError
+from grainfit.formatting import duration, plain, probability
+
+if TYPE_CHECKING:
+    from grainfit.calibration.progress import Progress
+    from grainfit.calibration_file.plan import Plan
+    from grainfit.evaluation import Evaluation, Response
+    from grainfit.result import ResponseResult, Result
+    from grainfit.work_folder.status import WorkdirStatus
+
+_STATUS_WORDS = {
+    "calibrated": ("green", "calibrated: every target is met within its tolerance"),
+    "out_of_tolerance": ("yellow", "finished without meeting every target"),
+    "unreachable": ("red", "out of reach within the given intervals"),
+    "interrupted": ("yellow", "interrupted: start the same command again to go on"),
+}
+_VERDICT_COLOURS = {"met": "green", "in doubt": "yellow", "missed": "red", "not verified": "yellow"}
+#: Without a terminal, a line of progress after this many seconds.
+_LINE_SECONDS = 15.0
+
+
+class LiveProgress:
+    """One live line of progress in a terminal, plain lines in a log file."""
+
+    def __init__(self, console: Console) -> None:
+        self._console = console
+        self._live = Live(console=console, refresh_per_second=4, transient=True)
+        self._last_line = ("", float("-inf"))
+        self._notices = 0
+        self._says_what_it_learns_from = True
+        self._started = time.monotonic()
+
+    def __enter__(self) -> LiveProgress:
+        if self._console.is_terminal:
+            self._live.start()
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self._live.stop()
+
+    def update(self, progress: Progress) -> None:
+        """Show where the calibration stands now."""
+        if self._says_what_it_learns_from and progress.learnt_from:
+            self._console.print(_text(_learnt_from(progress.learnt_from)), soft_wrap=True)
+            self._says_what_it_learns_from = False
+        for notice in progress.notices[self._notices :]:
+            self._console.print(_text(notice, "yellow"))
+        self._notices = len(progress.notices)
+        line = self._describe(progress)
+        if self._console.is_terminal:
+            self._live.update(Text(line))
+            return
+        stage, shown = self._last_line
+        now = time.monotonic()
+        if stage != progress.stage or now - shown > _LINE_SECONDS:
+            self._console.print(line, highlight=False, markup=False, soft_wrap=True)
+            self._last_line = (progress.stage, now)
+
+    def _describe(self, progress: Progress) -> str:
+        parts = [
+            f"{progress.stage}: {progress.done} done",
+            f"{progress.running} running",
+            f"{progress.failed} failed",
+            f"about {progress.left} to come",
+        ]
+        if progress.best_deviation is not None:
+            parts.append(f"best run within {progress.best_deviation:.1%}")
+        parts.append(f"{duration(time.monotonic() - self._started)} elapsed")
+        if progress.seconds_left is not None:
+            parts.append(f"about {duration(progress.seconds_left)} left")
+        return ", ".join(parts)
+
+
+def _learnt_from(origins: Mapping[str, int]) -> str:
+    places = (f"{origin or 'this work folder'} ({n})" for origin, n in origins.items())
+    return f"Learns from {sum(origins.values())} runs that were made before: {', '.join(places)}."
+
+
+def _table(*columns: str) -> Table:
+    """A table without boxes: it fits into 80 columns, and its text can be copied."""
+    return Table(*columns, box=box.SIMPLE, show_edge=False, pad_edge=False, expand=False)
+
+
+def _text(text: str, style: str = "") -> Text:
+    """Return text as it is: no markup, and no signs that a terminal would obey.
+
+    It may come from somebody else's file, from a program's output, or from the name of a file.
+    """
+    return Text("\n".join(plain(line) for line in text.split("\n")), style=style)
+
+
+def _number(value: float | None, unit: str = "") -> str:
+    if value is None or not isfinite(value):
+        return "-"
+    return f"{value:.4g} {unit}".rstrip()
+
+
+def print_result(console: Console, result: Result, folder: Path) -> None:
+    """Print the outcome: parameters, responses against targets, time step, cost."""
+    colour, words = _STATUS_WORDS[result.status]
+    title = f"{result.name}: {words}" if result.name else words
+    console.print(_text(title, f"bold {colour}"))
+    for notice in result.notices:
+        console.print(_text(f"  {notice}", "yellow"))
+    for name, quality in result.metamodels.items():
+        for warning in quality.warnings:
+            console.print(_text(f"  metamodel of {name}: {warning}", "yellow"))
+    if result.parameters:
+        console.print(_parameter_table(result))
+        console.print(_response_table(result))
+        if result.agreement is not None:
+            console.print(
+                f"By all runs together, every expected response is within its tolerance with a "
+                f"probability of {probability(result.agreement)}.",
+                highlight=False,
+            )
+        console.print(_time_step_line(result), highlight=False)
+    runs = result.runs
+    learnt = f", learnt from {runs.learnt_from} made before" if runs.learnt_from else ""
+    console.print(
+        f"DEM runs: {runs.total} = {runs.design} design + {runs.optimisation} optimisation + "
+        f"{runs.verification} verification; {runs.failed} failed, {runs.reused} reused{learnt}. "
+        f"Wall time {duration(result.wall_seconds)}, workers busy {result.utilisation:.0%}.",
+        highlight=False,
+    )
+    console.print(
+        f"Result: {folder / 'result.json'}", highlight=False, markup=False, soft_wrap=True
+    )
+
+
+def _parameter_table(result: Result) -> Table:
+    table = _table("parameter", "value")
+    table.columns[1].justify = "right"
+    for name, value in result.parameters.items():
+        table.add_row(_text(name), _text(_number(value, result.units.get(name, ""))))
+    return table
+
+
+def _response_table(result: Result) -> Table:
+    table = _table("response", "target", "expected", "deviation", "")
+    for column in table.columns[1:4]:
+        column.justify = "right"
+    for name, response in result.responses.items():
+        table.add_row(*_response_cells(name, response))
+    table.caption = "± tolerance of the target, 95 % confidence of the expected response"
+    return table
+
+
+def _response_cells(name: str, response: ResponseResult) -> tuple[Text, ...]:
+    expected, half_width = response.expected
+    kind = "" if response.is_verified else "predicted "
+    return (
+        _text(name),
+        _text(f"{response.target:.5g} ± {response.tolerance:.3g} {response.unit}".rstrip()),
+        _text(f"{kind}{expected:.5g} ± {half_width:.2g}"),
+        _text(f"{response.deviation_percent:+.2f} %"),
+        _text(response.verdict, _VERDICT_COLOURS[response.verdict]),
+    )
+
+
+def _time_step_line(result: Result) -> str:
+    if result.rayleigh_time_step is None or result.rayleigh_time_step_before is None:
+        return "No Rayleigh time step: the material's density, stiffness or size is not known."
+    change = result.rayleigh_time_step / result.rayleigh_time_step_before
+    return (
+        f"Rayleigh time step: {result.rayleigh_time_step:.4g} s, {change:.2f} times that of the "
+        f"middle of the intervals ({result.rayleigh_time_step_before:.4g} s)."
+    )
+
+
+def print_plan(console: Console, plan: Plan) -> None:
+    """Print what a calibration file asks for."""
+    console.print(_text(plan.name, "bold"))
+    free = _table("free parameter", "from", "to", "scale")
+    for parameter in plan.parameters:
+        free.add_row(
+            _text(parameter.name),
+            _text(_number(parameter.minimum, parameter.unit)),
+            _text(_number(parameter.maximum, parameter.unit)),
+            parameter.scale,
+        )
+    console.print(free)
+    targets = _table("response", "target", "tolerance")
+    for target in plan.targets:
+        targets.add_row(
+            _text(target.name),
+            _text(_number(target.value, target.unit)),
+            _text(f"± {_number(target.accepted_deviation, target.unit)}"),
+        )
+    console.print(targets)
+    for line in plan.lines:
+        console.print(_text(line))
+    console.print(_execution_heading(plan))
+    for line in plan.executes:
+        console.print(_text(f"  {line}"), soft_wrap=True)
+    for problem in plan.problems:
+        console.print(_text(problem, "red"))
+
+
+def _execution_heading(plan: Plan) -> str:
+    if not plan.executes:
+        return "A run will execute: nothing."
+    return "A run will execute, with your rights and without a shell:"
+
+
+def print_status(console: Console, status: WorkdirStatus) -> None:
+    """Print how far a work folder is."""
+    console.print(_text(f"{status.name or 'no calibration'}: {status.state}", "bold"))
+    if status.failure:
+        console.print(_text(f"stopped by: {status.failure}", "red"), soft_wrap=True)
+    for stage, asked in status.asked.items():
+        ended = status.finished.get(stage, 0)
+        console.print(_text(f"{stage}: {ended} of {asked} runs asked for have ended"))
+    console.print(
+        f"{status.running} running, {len(status.failed)} failed, {status.kept} finished runs kept",
+        highlight=False,
+    )
+    for failure in status.failed:
+        console.print(_text(f"failed: {failure.reason} ({failure.folder})", "red"))
+    for name, value in status.result.parameters.items() if status.result else ():
+        console.print(_text(f"{name} = {value:.5g}"))
+    if status.result_fault:
+        print_warning(console, status.result_fault)
+
+
+def print_run(console: Console, evaluation: Evaluation, folders: Mapping[str, Path]) -> None:
+    """Print the responses of a single run."""
+    table = _table("response", "value", "standard error of this run")
+    for name, response in evaluation.responses.items():
+        table.add_row(_text(name), _number(response.value), _number(response.standard_error))
+    if evaluation.responses:
+        console.print(table)
+    for test, reason in evaluation.failures.items():
+        console.print(_text(f"{test} failed: {reason}", "red"))
+    words = "known already" if evaluation.reused else f"{duration(evaluation.seconds)}"
+    console.print(f"Wall time: {words}", highlight=False)
+    for folder in folders.values():
+        console.print(f"Run folder: {folder}", highlight=False, markup=False, soft_wrap=True)
+
+
+def print_measurement(console: Console, responses: Mapping[str, Response]) -> None:
+    """Print measured responses."""
+    table = _table("response", "value", "standard error")
+    for name, response in responses.items():
+        table.add_row(_text(name), _number(response.value), _number(response.standard_error))
+    console.print(table)
+
+
+def print_warning(console: Console, words: str) -> None:
+    """Print in one line what did not go as it should."""
+    console.print(_text(words, "yellow"), soft_wrap=True)
+
+
+def print_error(console: Console, error: GrainfitError) -> None:
+    """Print what is wrong, every fault in a line of its own."""
+    if isinstance(error, InputError):
+        for fault in error.faults:
+            where = f"{error.source}: " if error.source else ""
+            console.print(_text(f"{where}{fault}", "red"), soft_wrap=True)
+        return
+    console.print(_text(str(error), "red"), soft_wrap=True)
+    if isinstance(error, RunFailedError) and error.log_tail:
+        console.print("Last lines of its log:")
+        for line in error.log_tail.splitlines():
+            console.print(_text(f"  | {line}"), soft_wrap=True)

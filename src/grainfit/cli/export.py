@@ -1,0 +1,67 @@
+"""The command that writes a material card."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.console import Console
+from rich.text import Text
+
+
+def export(
+    folder: Annotated[
+        Path,
+        typer.Argument(metavar="DIR", help="Work folder of a calibration.", show_default=False),
+    ],
+    to: Annotated[
+        str,
+        typer.Option(
+            "--to",
+            metavar="FORMAT",
+            help="liggghts, lammps or yade: to include in a deck; json or csv: for other programs.",
+            show_default=False,
+        ),
+    ],
+    output: Annotated[
+        Path | None,
+        typer.Option(
+            "--output", "-o", metavar="FILE", help="Where to write it. Default: standard output."
+        ),
+    ] = None,
+) -> None:
+    """Write a material card: calibrated and given values, how sure they are, and their origin."""
+    from grainfit.cards import material_card, require_format
+    from grainfit.formatting import plain
+
+    render = require_format(to)
+    card = material_card(folder)
+    text = render(card)
+    console = Console(stderr=True)
+    if output is None:
+        # As bytes: the card is UTF-8 whatever the terminal is.
+        typer.echo(text.encode(), nl=False)
+    else:
+        write_card(output, text)
+        console.print(Text(f"Wrote {plain(str(output))}"), soft_wrap=True)
+    if not card.calibrated:
+        console.print(Text(plain(card.verdict), style="bold red"), soft_wrap=True)
+
+
+def write_card(path: Path, text: str) -> None:
+    """Write a card to a file, in place of one that is there; all of it or nothing.
+
+    Raises
+    ------
+    InputError
+        The file cannot be written.
+    """
+    from grainfit.errors import Fault, InputError
+    from grainfit.files import write_atomically
+
+    try:
+        write_atomically(path, text)
+    except OSError as error:
+        reason = error.strerror or error
+        raise InputError(Fault("", f"{str(path)!r} cannot be written: {reason}.")) from error

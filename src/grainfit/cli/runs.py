@@ -1,0 +1,177 @@
+"""The commands that look at runs, take them in and hand them out."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+if TYPE_CHECKING:
+    from grainfit.campaign.store.records import RunRecord
+    from grainfit.work_folder.run_table import RunRow, RunTable
+
+_DISK_SECONDS = 0.2
+
+runs_app = typer.Typer(
+    no_args_is_help=True,
+    rich_markup_mode="rich",
+    context_settings={"help_option_names": ["-h", "--help"]},
+    help="List, show, export, import and prune runs.",
+)
+
+Source = Annotated[
+    str,
+    typer.Argument(
+        metavar="DIR-or-URL", help="Work folder, or address of a shared store.", show_default=False
+    ),
+]
+Status = Annotated[
+    str | None,
+    typer.Option(metavar="STATUS", help="Only those finished, failed or running."),
+]
+Test = Annotated[str | None, typer.Option(metavar="NAME", help="Only those of a test.")]
+Where = Annotated[
+    list[str] | None,
+    typer.Option(
+        metavar="CONDITION",
+        help="Only those with such a parameter, response, seed or duration: "
+        "'particle.density > 2 g/cm^3', 'seconds < 60'. Repeat as needed; all must hold.",
+    ),
+]
+Sort = Annotated[
+    str,
+    typer.Option(metavar="COLUMN", help="Order by a column; -COLUMN has the largest first."),
+]
+
+
+@runs_app.command("list")
+def list_runs(
+    source: Source,
+    status: Status = None,
+    test: Test = None,
+    where: Where = None,
+    limit: Annotated[int, typer.Option(metavar="N", min=1, help="Most lines to show.")] = 30,
+    sort: Sort = "-ended",
+) -> None:
+    """Show a line for each run: the latest first, unless another order is given."""
+    from grainfit.cli import runs_console as show
+    from grainfit.work_folder.prune import disk_use
+
+    table, rows = _selected(source, status, test, where, sort)
+    used = None if "://" in source else disk_use(Path(source), _DISK_SECONDS)
+    disk = f"Run folders take {show.size(used)}." if used else ""
+    show.print_runs(show.runs_console(), table, rows, limit, disk)
+
+
+@runs_app.command("show")
+def show_run(
+    source: Source,
+    identity: Annotated[
+        str, typer.Argument(metavar="IDENTITY", help="As the list shows it, or in full.")
+    ],
+) -> None:
+    """Show everything of a run: what it was made of, what came of it, its log and its folder."""
+    from grainfit.campaign.work_folder import run_folder
+    from grainfit.cli import runs_console as show
+
+    record = _find(source, identity)
+    folder = None if "://" in source else run_folder(Path(source), record.identity)
+    is_there = folder is not None and folder.is_dir()
+    show.print_record(show.runs_console(), record, folder if is_there else None)
+
+
+@runs_app.command("export")
+def export(
+    source: Source,
+    file: Annotated[
+        Path, typer.Argument(metavar="FILE", help="FILE.csv or FILE.parquet.", show_default=False)
+    ],
+    status: Status = None,
+    test: Test = None,
+    where: Where = None,
+    sort: Sort = "ended",
+) -> None:
+    """Write a line for each run to a CSV or Parquet file, in SI units, angles in degrees."""
+    from grainfit.cli.runs_console import runs_console
+    from grainfit.work_folder.run_export import export_runs, writer_for
+
+    writer_for(file)
+    table, rows = _selected(source, status, test, where, sort)
+    export_runs(file, table.columns, rows)
+    words = "1 run" if len(rows) == 1 else f"{len(rows)} runs"
+    runs_console().print(f"Wrote {words} to {file}", highlight=False, markup=False)
+
+
+@runs_app.command("import")
+def import_table(
+    file: Annotated[
+        Path, typer.Argument(metavar="FILE", help="Calibration file (TOML).", show_default=False)
+    ],
+    table: Annotated[
+        Path,
+        typer.Argument(
+            metavar="TABLE.csv",
+            help="A column for each free parameter and each target, perhaps with its unit in "
+            "square brackets; perhaps seed and RESPONSE.standard_error.",
+            show_default=False,
+        ),
+    ],
+    test: Annotated[
+        str | None, typer.Option(metavar="NAME", help="Which test, when the file has several.")
+    ] = None,
+    workdir: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="DIR",
+            help="Where they go. Default: the file's name with .grainfit, here.",
+        ),
+    ] = None,
+) -> None:
+    """Take in runs that were made elsewhere: the next calibration of the file learns from them."""
+    from grainfit.calibration_file.build import assemble
+    from grainfit.calibration_file.load import load_calibration_file
+    from grainfit.campaign.work_folder import default_workdir
+    from grainfit.cli import runs_console as show
+    from grainfit.work_folder.run_import import import_runs
+
+    folder = workdir or default_workdir(file)
+    imported = import_runs(assemble(load_calibration_file(file)), table, folder, test)
+    show.print_imported(show.runs_console(), imported, folder)
+
+
+@runs_app.command("prune")
+def prune(
+    folder: Annotated[Path, typer.Argument(metavar="DIR", help="Work folder of a calibration.")],
+    failed: Annotated[bool, typer.Option("--failed", help="Also in failed runs.")] = False,
+) -> None:
+    """Free disk space: of every finished run, only record, logs and pictures stay.
+
+    What is known of the runs stays known, and none is made again.
+    """
+    from grainfit.cli import runs_console as show
+    from grainfit.work_folder.prune import prune_runs
+
+    pruned = prune_runs(folder, failed)
+    show.print_pruned(show.runs_console(), pruned)
+    if pruned.faults:
+        raise typer.Exit(1)
+
+
+def _selected(
+    source: str, status: str | None, test: str | None, where: list[str] | None, sort: str
+) -> tuple[RunTable, list[RunRow]]:
+    from grainfit.campaign.reuse import open_source
+    from grainfit.work_folder.run_table import RunTable
+
+    with open_source(source, "") as store:
+        table = RunTable(store.runs())
+    return table, table.sort(table.select(status, test, where or ()), sort)
+
+
+def _find(source: str, identity: str) -> RunRecord:
+    from grainfit.campaign.reuse import open_source
+    from grainfit.work_folder.run_table import find_run
+
+    with open_source(source, "") as store:
+        return find_run(store, identity)

@@ -1,0 +1,1 @@
+"""Contact models: parameters, closed forms, and coefficients for each solver."""

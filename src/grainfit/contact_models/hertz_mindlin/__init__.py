@@ -1,0 +1,1 @@
+"""Hertz-Mindlin contacts."""

@@ -1,0 +1,134 @@
+"""Numbers and units as people read them."""
+
+from __future__ import annotations
+
+import re
+from math import floor, inf, isfinite, log10
+
+_SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+#: Numbers between these are written without a power of ten.
+_FIXED = 1e-3, 1e5
+#: Of a value whose uncertainty is next to nothing.
+_MOST_DIGITS = 6
+_UNITS = {"kg/m^3": "kg/m³", "deg": "°", "m^3": "m³", "m^2": "m²", "m/s^2": "m/s²"}
+
+
+def unit_for_people(unit: str) -> str:
+    """Return a unit as it is printed."""
+    return _UNITS.get(unit, plain(unit))
+
+
+def with_unit(shown: str, unit: str) -> str:
+    """Return a number, as it is shown, with a unit for people.
+
+    Examples
+    --------
+    >>> with_unit("22", "°"), with_unit("1500", "kg/m³"), with_unit("0.5", "")
+    ('22°', '1500 kg/m³', '0.5')
+    """
+    return f"{shown}{unit}" if unit in ("", "°") else f"{shown} {unit}"
+
+
+def probability(value: float) -> str:
+    """Return a probability in percent: no metamodel makes anything certain."""
+    if value > 0.995:
+        return "more than 99\u00a0%"
+    return "less than 1\u00a0%" if value < 0.005 else f"{100 * value:.0f}\u00a0%"
+
+
+def number(value: float | None, digits: int = 4) -> str:
+    """Return a number with so many significant digits, for people.
+
+    Examples
+    --------
+    >>> number(23456.0, 3), number(3.6e-7)
+    ('23500', '3.6·10⁻⁷')
+    """
+    if value is None or not isfinite(value):
+        return "–"
+    text = f"{value:.{digits}g}"
+    if "e" in text and _FIXED[0] <= abs(value) < _FIXED[1]:
+        text = f"{float(text):.0f}"
+    return _with_power(text)
+
+
+def rounded(value: float | None, uncertainty: float | None) -> str:
+    """Return a value with the digits that mean something: down to two of its uncertainty.
+
+    Examples
+    --------
+    >>> rounded(2309.4312, 31.0), rounded(0.52, 0.045)
+    ('2309', '0.520')
+    """
+    if value is None or not isfinite(value):
+        return "–"
+    if uncertainty is None or not 0 < uncertainty < inf:
+        return number(value)
+    magnitude = floor(log10(abs(value))) if value else floor(log10(uncertainty))
+    decimals = min(1 - floor(log10(uncertainty)), _MOST_DIGITS - 1 - magnitude)
+    if not value or _FIXED[0] <= abs(value) < _FIXED[1]:
+        # Adding zero: there is no minus zero for people.
+        return _with_power(f"{round(value, decimals) + 0.0:.{max(decimals, 0)}f}")
+    return _with_power(f"{value:.{max(magnitude + decimals, 0)}e}")
+
+
+def _with_power(text: str) -> str:
+    """Return a number as Python prints it with a true minus and power of ten."""
+    mantissa, _, power = text.replace("-", "−").partition("e")
+    if not power:
+        return mantissa
+    digits = power.lstrip("+").replace("−", "-")
+    return f"{mantissa}·10{str(int(digits)).translate(_SUPERSCRIPTS)}"
+
+
+def plain(text: str) -> str:
+    r"""Return a text as one line that does nothing to a terminal: what is not printed is escaped.
+
+    Examples
+    --------
+    >>> plain("red: \x1b[31m")
+    'red: \\x1b[31m'
+    """
+    shown = text.replace("\t", "    ")
+    if shown.isprintable():
+        return shown
+    return "".join(
+        character if character.isprintable() else character.encode("unicode_escape").decode()
+        for character in shown
+    )
+
+
+def plain_lines(text: str) -> list[str]:
+    """Return the lines of a text, each as `plain` makes it."""
+    return [plain(line) for line in text.splitlines()]
+
+
+def duration(seconds: float) -> str:
+    """Return a duration in hours, minutes and seconds.
+
+    Examples
+    --------
+    >>> duration(3720)
+    '1 h 02 min'
+    """
+    minutes, rest = divmod(round(seconds), 60)
+    hours, minutes = divmod(minutes, 60)
+    if hours:
+        return f"{hours} h {minutes:02d} min"
+    return f"{minutes} min {rest:02d} s" if minutes else f"{rest} s"
+
+
+def counted(count: int, noun: str) -> str:
+    """Return how many there are of something.
+
+    Examples
+    --------
+    >>> counted(1, "run"), counted(3, "run")
+    ('1 run', '3 runs')
+    """
+    return f"{count} {noun}" if count == 1 else f"{count} {noun}s"
+
+
+def variable_name(name: str) -> str:
+    """Name of a parameter as a solver's variable: ``particle.density``, ``particle_density``."""
+    return re.sub(r"\W", "_", name, flags=re.ASCII)

@@ -1,0 +1,1 @@
+"""Materials: parameters, particle sizes, Rayleigh time step, material card."""

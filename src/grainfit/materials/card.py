@@ -1,0 +1,161 @@
+"""The material card: values of a calibrated material, how sure they are, and their origin"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+from grainfit.materials.sizes import ParticleSizes
+
+Origin = Literal["calibrated", "not calibrated", "given"]
+_STATUS_WORDS = {
+    "calibrated": "calibrated: every target is met within its tolerance",
+    "out_of_tolerance": "NOT CALIBRATED: finished without meeting every target",
+    "unreachable": "NOT CALIBRATED: out of reach within the given intervals",
+    "interrupted": "NOT CALIBRATED: interrupted before it was decided",
+}
+_NOT_ENDED = "NOT CALIBRATED: it was started again and has not come to its end"
+
+
+@dataclass(frozen=True)
+class CardParameter:
+    """A parameter of the material.
+
+    Parameters
+    ----------
+    name, symbol, unit, description : str
+        As in the calibration file; symbol and description are empty for one of the user's own.
+    value : float
+        SI.
+    origin : {"calibrated", "not calibrated", "given"}
+        Whether it was free, and if so whether the calibration met its targets.
+    interval : pair of float, optional
+        95 % credible interval.
+    """
+
+    name: str
+    symbol: str
+    unit: str
+    description: str
+    value: float
+    origin: Origin
+    interval: tuple[float, float] | None = None
+
+
+@dataclass(frozen=True)
+class CardResponse:
+    """What the material gives in a bulk test, against what was measured.
+
+    Parameters
+    ----------
+    name, unit : str
+        Of the target.
+    target, tolerance : float
+        Measured value and largest accepted deviation.
+    expected : float
+        Mean of the verification runs; without any, what the metamodel predicts.
+    interval : pair of float
+        95 % interval of the expected value.
+    deviation_percent : float
+        Of the expected value from the target.
+    verified : bool
+        Whether it is that of verification runs.
+    met : bool
+        Whether it is verified that the target is met within its tolerance.
+    in_doubt : bool
+        Whether the verification runs meet it unsurely, and all runs together do not.
+    """
+
+    name: str
+    unit: str
+    target: float
+    tolerance: float
+    expected: float
+    interval: tuple[float, float]
+    deviation_percent: float
+    verified: bool
+    met: bool
+    in_doubt: bool
+
+
+@dataclass(frozen=True)
+class Program:
+    """What made the runs: ``lammps``, ``liggghts``, or the kind of the user's own model."""
+
+    name: str
+    version: str
+
+
+@dataclass(frozen=True)
+class MaterialCard:
+    """A material, how well it is known, and how it was found.
+
+    Parameters
+    ----------
+    name : str
+        What was calibrated.
+    status : str
+        ``calibrated``, or how it ended otherwise.
+    parameters : tuple of CardParameter
+        The free ones and those that were given, those of `grainfit.materials.parameters` first.
+    responses : tuple of CardResponse
+        In the order of the targets.
+    sizes : ParticleSizes, optional
+        Of the particles, as far as they are known.
+    gravity : float
+        In the tests, m/s^2.
+    rayleigh_time_step, recommended_time_step : float, optional
+        s.
+    time_step_fraction : float
+        Recommended time step over the Rayleigh time step: that of the tests.
+    programs : tuple of Program
+        What it was calibrated with.
+    runs, failed_runs : int
+        DEM runs that it rests on, and how many of them gave no responses.
+    date : str
+        When the last of them ended, ISO 8601 in UTC; empty when that is not known.
+    calibration_file, identity, version : str
+        Name of the calibration file (empty when it was started from Python), identity of the
+        calibration, and version of grainfit.
+    notices : tuple of str
+        What the user should know.
+    """
+
+    name: str
+    status: str
+    parameters: tuple[CardParameter, ...]
+    responses: tuple[CardResponse, ...]
+    sizes: ParticleSizes | None
+    gravity: float
+    rayleigh_time_step: float | None
+    recommended_time_step: float | None
+    time_step_fraction: float
+    programs: tuple[Program, ...]
+    runs: int
+    failed_runs: int
+    date: str
+    calibration_file: str
+    identity: str
+    version: str
+    notices: tuple[str, ...]
+
+    @property
+    def calibrated(self) -> bool:
+        """Whether every target is met, and that is verified."""
+        return self.status == "calibrated"
+
+    @property
+    def verdict(self) -> str:
+        """How the calibration ended, in words, with the targets that are not met."""
+        words = _STATUS_WORDS.get(self.status, _NOT_ENDED)
+        missed = [
+            f"{response.name}, which is in doubt" if response.in_doubt else response.name
+            for response in self.responses
+            if not response.met
+        ]
+        return f"{words} (not met: {', '.join(missed)})" if missed else words
+
+    @property
+    def values(self) -> dict[str, float]:
+        """Values of all parameters by name, SI."""
+        return {parameter.name: parameter.value for parameter in self.parameters}

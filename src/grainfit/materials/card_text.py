@@ -1,0 +1,105 @@
+"""What a card says for people, as comments that no name in them can end."""
+
+from __future__ import annotations
+
+import textwrap
+from collections.abc import Iterator
+
+from grainfit.formatting import plain
+from grainfit.materials.card import CardParameter, CardResponse, MaterialCard
+
+_WIDTH = 96
+#: A name longer than this is no name, and decks have limits on their lines.
+_LONGEST = 300
+
+
+def header(card: MaterialCard) -> str:
+    """Return the lines that a card begins with: what it is, how sure, and where it comes from."""
+    lines = [f"Material: {card.name}" if card.name else "Material"]
+    verdict = card.verdict[:1].upper() + card.verdict[1:]
+    verdict = verdict if card.calibrated else f"*** {verdict} ***"
+    lines += [verdict, "", *_responses(card), *_time_step(card), "", *_provenance(card)]
+    if card.notices:
+        lines += ["", "Notices:", *(f"  {notice}" for notice in card.notices)]
+    return "\n".join(comment(line) for text in lines for line in _wrapped(text))
+
+
+def about(parameter: CardParameter) -> str:
+    """Return unit, meaning and origin of a parameter, for a comment behind its value."""
+    meaning = parameter.description or parameter.name
+    words = f"{meaning}, {parameter.unit}: {_origin(parameter)}"
+    return comment(words if parameter.unit else f"{meaning}: {_origin(parameter)}")
+
+
+def comment(text: str) -> str:
+    r"""Return a text as a comment of one line, in LAMMPS, LIGGGHTS and Python alike.
+
+    Examples
+    --------
+    >>> comment('sand\nprint "gravel" &')
+    "# sand\\nprint 'gravel' & #"
+    """
+    # LAMMPS looks for triple quotes and for & at the end of a line before it drops comments: both
+    # would draw the lines that follow into the comment.
+    shown = _short(plain(text)).replace('"', "'").rstrip()
+    return f"# {shown} #" if shown.endswith("&") else f"# {shown}".rstrip()
+
+
+def _short(text: str) -> str:
+    return text if len(text) <= _LONGEST else f"{text[:_LONGEST]}..."
+
+
+def _wrapped(text: str) -> list[str]:
+    inset = " " * (len(text) - len(text.lstrip()) + 2)
+    return textwrap.wrap(_short(plain(text)), _WIDTH, subsequent_indent=inset) or [""]
+
+
+def _origin(parameter: CardParameter) -> str:
+    if parameter.interval is None:
+        return parameter.origin
+    low, high = parameter.interval
+    return f"{parameter.origin}, 95 % interval {low:.5g} to {high:.5g}"
+
+
+def _responses(card: MaterialCard) -> Iterator[str]:
+    yield "Responses: target with tolerance, expected response with 95 % interval, deviation"
+    for response in card.responses:
+        yield f"  {_response(response)}"
+
+
+def _response(found: CardResponse) -> str:
+    low, high = found.interval
+    target = f"{found.target:.5g} +/- {found.tolerance:.3g} {found.unit}".rstrip()
+    return (
+        f"{found.name}: {target}, {found.expected:.5g} ({low:.5g} to {high:.5g}), "
+        f"{found.deviation_percent:+.2f} %, {_verdict(found)}"
+    )
+
+
+def _verdict(found: CardResponse) -> str:
+    if found.met:
+        return "met"
+    if not found.verified:
+        return "NOT VERIFIED"
+    return "IN DOUBT" if found.in_doubt else "NOT MET"
+
+
+def _time_step(card: MaterialCard) -> Iterator[str]:
+    if card.rayleigh_time_step is None or card.recommended_time_step is None:
+        yield "Time step: unknown; density, stiffness or size of the particles is not known."
+        return
+    yield (
+        f"Time step: {card.recommended_time_step:.4g} s recommended, "
+        f"{100 * card.time_step_fraction:.3g} % of the Rayleigh time step "
+        f"({card.rayleigh_time_step:.4g} s)"
+    )
+
+
+def _provenance(card: MaterialCard) -> Iterator[str]:
+    programs = " and ".join(f"{p.name} {p.version}".strip() for p in card.programs)
+    yield f"Calibrated with: {programs or 'nothing that is known'}"
+    ended = f"; the last one ended {card.date}" if card.date else ""
+    yield f"DEM runs: {card.runs}, {card.failed_runs} of them failed{ended}"
+    yield f"Calibration file: {card.calibration_file or 'none, started from Python'}"
+    yield f"Identity of the calibration: {card.identity}"
+    yield f"grainfit {card.version}".rstrip()

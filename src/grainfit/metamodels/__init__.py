@@ -1,0 +1,1 @@
+"""Kriging metamodels of responses, designs, and searches of the unit cube."""

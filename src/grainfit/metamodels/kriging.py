@@ -1,0 +1,654 @@
+"""Kriging: one metamodel of one response over the free parameters, fitted to few noisy runs.
+
+The response is a linear trend, plus a Gaussian process with an anisotropic Matérn 5/2
+covariance, plus the scatter from run to run. What the data cannot settle is not guessed: the
+common variance is integrated out (Student's t), and ranges and share of noise are averaged over
+their posterior distribution (restricted likelihood times weak priors) instead of being fixed at
+its maximum, which makes the intervals of few noisy runs far too narrow.
+
+Likelihood and predictor are written out here, and compared with gpmp in the tests: its NumPy back
+end differentiates the likelihood numerically and factorises again with every prediction.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy import stats
+from threadpoolctl import threadpool_limits
+
+from grainfit.errors import Fault, InputError
+from grainfit.metamodels.hyperparameters import RANGE_MEDIAN, HyperparameterPosterior
+from grainfit.metamodels.predictor import (
+    Component,
+    Contrasts,
+    FloatArray,
+    Hyperparameters,
+    Trend,
+)
+
+_MINIMUM_RUNS = 3
+_LARGEST_BLOCK = 4096
+# Beyond, squares of the response or of its rounding have no floating-point number.
+_MAGNITUDES = (1e-100, 1e100)
+#: With less, a metamodel predicts a run hardly better than the mean of all runs.
+POOR_Q2 = 0.5
+#: Half the width of a 95 % interval in standard deviations.
+NORMAL_QUANTILE = float(stats.norm.ppf(0.975))
+
+
+@dataclass(frozen=True)
+class Prediction:
+    """What the metamodel says at some points.
+
+    ``mean`` plus or minus 1.96 times a standard deviation is a 95 % interval: the variances
+    account for the uncertainty of the metamodel's own variance, ranges and noise.
+
+    Attributes
+    ----------
+    mean : ndarray, shape (m,)
+        Expected response.
+    variance_of_mean : ndarray, shape (m,)
+        Uncertainty of the expected response.
+    variance_of_new_run : ndarray, shape (m,)
+        Uncertainty of the response of one more run there: the same plus the scatter of runs.
+    """
+
+    mean: FloatArray
+    variance_of_mean: FloatArray
+    variance_of_new_run: FloatArray
+
+    @property
+    def standard_error(self) -> FloatArray:
+        """Square root of the variance of the mean, shape (m,)."""
+        return np.asarray(np.sqrt(self.variance_of_mean))
+
+    @property
+    def new_run_standard_deviation(self) -> FloatArray:
+        """Square root of the variance of a new run, shape (m,)."""
+        return np.asarray(np.sqrt(self.variance_of_new_run))
+
+
+@dataclass(frozen=True)
+class LeaveOneOut:
+    """How well each run is predicted from the others, at the same hyperparameters.
+
+    Attributes
+    ----------
+    predicted : ndarray, shape (n,)
+        Response predicted from the other runs.
+    standard_deviation : ndarray, shape (n,)
+        Standard deviation of that prediction, for a run.
+    q2 : float
+        Share of the variance of the runs that is predicted; NaN if the runs are all equal.
+    coverage : float
+        Share of the runs inside their 95 % interval.
+    """
+
+    predicted: FloatArray
+    standard_deviation: FloatArray
+    q2: float
+    coverage: float
+
+
+def _checked(name: str, array: ArrayLike, shape: tuple[int | None, ...]) -> FloatArray:
+    """The array as finite floats of that shape (``None``: any length)."""
+    try:
+        checked = np.asarray(array, dtype=float)
+    except (TypeError, ValueError):
+        raise InputError(Fault(name, "is not an array of numbers.")) from None
+    fits = len(checked.shape) == len(shape) and all(
+        want is None or want == got for want, got in zip(shape, checked.shape, strict=True)
+    )
+    if not fits:
+        wanted = " x ".join("any" if length is None else str(length) for length in shape)
+        raise InputError(Fault(name, f"has the shape {checked.shape}, needed is {wanted}."))
+    if not np.isfinite(checked).all():
+        where = tuple(int(i) for i in np.argwhere(~np.isfinite(checked))[0])
+        raise InputError(
+            Fault(name, f"has the value {checked[where]} at {where}.", "Leave failed runs out.")
+        )
+    return checked
+
+
+def _checked_values(values: ArrayLike, n: int) -> FloatArray:
+    checked = _checked("values", values, (n,))
+    largest = float(np.abs(checked).max(initial=0.0))
+    if largest and not _MAGNITUDES[0] <= largest <= _MAGNITUDES[1]:
+        raise InputError(
+            Fault(
+                "values",
+                f"are as large as {largest:g}.",
+                f"Give responses that are {_MAGNITUDES[0]:g} to {_MAGNITUDES[1]:g} large, or 0.",
+            )
+        )
+    return checked
+
+
+def _checked_noise(noise_variance: ArrayLike | None, n: int) -> FloatArray:
+    if noise_variance is None:
+        return np.zeros(n)
+    checked = _checked("noise_variance", noise_variance, (n,))
+    if (checked < 0).any():
+        raise InputError(Fault("noise_variance", f"has the negative value {checked.min():g}."))
+    return checked
+
+
+def _checked_points(points: ArrayLike, d: int | None) -> FloatArray:
+    checked = _checked("points", points, (None, d))
+    if checked.size and (checked.min() < -1.0 or checked.max() > 2.0):
+        raise InputError(
+            Fault(
+                "points",
+                f"reach from {checked.min():g} to {checked.max():g}.",
+                "Give points of the unit cube (0 to 1 over each interval).",
+            )
+        )
+    return checked
+
+
+class Kriging:
+    """Kriging metamodel of one response over the unit cube of the free parameters.
+
+    Made by `fit`. It never changes: `condition` returns another one.
+
+    References
+    ----------
+    Stein (1999), *Interpolation of Spatial Data*: Matérn covariance, restricted likelihood.
+    Rue, Martino & Chopin (2009), J. R. Stat. Soc. B 71, 319-392: averaging over hyperparameters
+    on a small design around the maximum of their posterior distribution.
+    Dubrule (1983), Math. Geol. 15, 687-699: leave-one-out without fitting again.
+
+    Examples
+    --------
+    >>> x = np.linspace(0, 1, 12)[:, None]
+    >>> metamodel = Kriging.fit(x, np.sin(3 * x[:, 0]))
+    >>> bool(abs(metamodel.predict([[0.33]]).mean[0] - math.sin(0.99)) < 1e-3)
+    True
+    """
+
+    def __init__(
+        self,
+        components: list[Component],
+        *,
+        offset: float,
+        scale: float,
+        degrees_of_freedom: int,
+        judged_by: Kriging | None = None,
+    ) -> None:
+        self._components = components
+        self._weights = np.array([c.hyperparameters.weight for c in components])
+        self._offset = offset
+        self._scale = scale
+        self._degrees_of_freedom = degrees_of_freedom
+        # Runs under way have no value, so the metamodel is judged by the runs before them.
+        self._judged_by = judged_by
+
+    @classmethod
+    def fit(
+        cls,
+        points: ArrayLike,
+        values: ArrayLike,
+        noise_variance: ArrayLike | None = None,
+        *,
+        linear_trend: bool = True,
+    ) -> Kriging:
+        """Fit a metamodel to runs.
+
+        Parameters
+        ----------
+        points : array_like, shape (n, d)
+            Points of the runs in the unit cube; repeated points are welcome.
+        values : array_like, shape (n,)
+            Their responses.
+        noise_variance : array_like, shape (n,), optional
+            Known part of each response's variance (for example its measurement's squared
+            standard error). The scatter from run to run is estimated and comes on top.
+        linear_trend : bool
+            Linear trend; otherwise, or with too few runs for it, a constant one.
+
+        Returns
+        -------
+        Kriging
+
+        Raises
+        ------
+        InputError
+            If there are fewer than 3 runs, a value is not finite or of no physical magnitude, the
+            shapes do not agree or the points are far outside the unit cube.
+        """
+        points = _checked_points(points, None)
+        n, d = points.shape
+        values = _checked_values(values, n)
+        if n < _MINIMUM_RUNS or d < 1:
+            raise InputError(
+                Fault(
+                    "points",
+                    f"{n} runs of {d} free parameters cannot be fitted.",
+                    f"Give at least {_MINIMUM_RUNS} runs of at least one parameter.",
+                )
+            )
+        known_noise = _checked_noise(noise_variance, n)
+        trend = Trend.choose(points, linear_trend)
+        contrasts = Contrasts.of(trend.matrix(points))
+        offset = float(values.mean())
+        left_over = contrasts.complement.T @ (values - offset)
+        scale = math.sqrt(float(left_over @ left_over) / contrasts.degrees_of_freedom)
+        # Below this, what the trend leaves is rounding of the values.
+        rounding = 1e-10 * float(np.ptp(values)) + 1e-13 * float(np.abs(values).max())
+        exact = scale <= rounding
+        if exact:
+            scale = rounding or 1e-12
+        standardised = (values - offset) / scale
+        known_noise = known_noise / scale**2
+        if exact:
+            # Nothing can be estimated; the tiny scale keeps all variances above zero.
+            median = np.full(d, RANGE_MEDIAN * math.sqrt(d))
+            sets = [Hyperparameters(median, 0.5, 0.5, 1.0)]
+        else:
+            # The matrices are small: threads only wait for one another, and for the DEM runs.
+            with threadpool_limits(limits=1, user_api="blas"):
+                sets = HyperparameterPosterior(
+                    points, standardised, contrasts, known_noise
+                ).hyperparameters()
+        return cls(
+            [Component(s, trend, points, standardised, known_noise, contrasts) for s in sets],
+            offset=offset,
+            scale=scale,
+            degrees_of_freedom=contrasts.degrees_of_freedom,
+        )
+
+    @property
+    def d(self) -> int:
+        """Number of free parameters."""
+        return int(self._components[0].points.shape[1])
+
+    @property
+    def n(self) -> int:
+        """Number of runs that have a value."""
+        if self._judged_by is not None:
+            return self._judged_by.n
+        return len(self._components[0].points)
+
+    @property
+    def components(self) -> int:
+        """Number of sets of hyperparameters that predictions are averaged over."""
+        return len(self._components)
+
+    @property
+    def ranges(self) -> FloatArray:
+        """Range of each parameter in the unit cube, shape (d,); short means strong curvature.
+
+        Geometric mean over the posterior distribution; the scale of the Matérn 5/2 correlation
+        with ``t = sqrt(10) distance / range``.
+        """
+        logarithms = np.array([np.log(c.hyperparameters.ranges) for c in self._components])
+        return np.asarray(np.exp(self._weights @ logarithms))
+
+    @property
+    def noise_standard_deviation(self) -> float:
+        """Estimated scatter of the response from run to run, in the response's unit."""
+        variances = np.array([c.hyperparameters.noise_variance for c in self._components])
+        return float(self._scale * math.sqrt(self._weights @ variances))
+
+    @property
+    def variance_of_scatter(self) -> float:
+        """What the scatter from run to run adds to the variance of a new run.
+
+        As uncertain as it is: more than the square of `noise_standard_deviation`.
+        """
+        noise = np.array([c.hyperparameters.noise_variance for c in self._components])
+        known = float(self._components[0].known_noise.mean())
+        return self._scale**2 * (self._inflation * float(self._weights @ noise) + known)
+
+    @cached_property
+    def _inflation(self) -> float:
+        """Makes 1.96 standard deviations a 95 % interval although the variance is estimated."""
+        quantile = float(stats.t.ppf(0.975, self._degrees_of_freedom))
+        return (quantile / NORMAL_QUANTILE) ** 2
+
+    def _combine(self, means: FloatArray, variances: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Mean and variance of the weighted mixture of the components."""
+        mean = self._weights @ means
+        within = self._inflation * (self._weights @ variances)
+        return mean, within + self._weights @ (means - mean) ** 2
+
+    def predict(self, points: ArrayLike) -> Prediction:
+        """Predict the response at points; nothing is fitted again.
+
+        Parameters
+        ----------
+        points : array_like, shape (m, d)
+            Points in the unit cube.
+
+        Returns
+        -------
+        Prediction
+
+        Raises
+        ------
+        InputError
+            If the points have another shape or are not finite.
+        """
+        points = _checked("points", points, (None, self.d))
+        blocks = [
+            self._predict_block(points[start : start + _LARGEST_BLOCK])
+            for start in range(0, max(len(points), 1), _LARGEST_BLOCK)
+        ]
+        mean, variance = (np.concatenate(parts) for parts in zip(*blocks, strict=True))
+        variance = self._scale**2 * variance
+        return Prediction(
+            self._offset + self._scale * mean, variance, variance + self.variance_of_scatter
+        )
+
+    def _predict_block(self, points: FloatArray) -> tuple[FloatArray, FloatArray]:
+        parts = [component.predict(points) for component in self._components]
+        means, variances = (np.array(part) for part in zip(*parts, strict=True))
+        return self._combine(means, variances)
+
+    def gradients(self, points: ArrayLike) -> FloatArray:
+        """Gradients of the predicted mean.
+
+        Parameters
+        ----------
+        points : array_like, shape (m, d)
+            Points in the unit cube.
+
+        Returns
+        -------
+        ndarray, shape (m, d)
+            Change of the mean per unit of each coordinate.
+
+        Raises
+        ------
+        InputError
+            If the points have another shape or are not finite.
+        """
+        points = _checked("points", points, (None, self.d))
+        gradients = np.array([component.gradients(points) for component in self._components])
+        return np.asarray(self._scale * np.tensordot(self._weights, gradients, axes=1))
+
+    def covariance_with(
+        self, points: ArrayLike
+    ) -> Callable[[FloatArray], tuple[FloatArray, FloatArray]]:
+        """Prepare covariances of the expected response between these points and any others.
+
+        Parameters
+        ----------
+        points : array_like, shape (m, d)
+            Points in the unit cube.
+
+        Returns
+        -------
+        callable
+            Of other points, shape (n, d): the covariances, shape (m, n), and the variances of the
+            mean at the others, shape (n,). They account for the uncertainty of the
+            hyperparameters, as the variances of `predict` do.
+
+        Raises
+        ------
+        InputError
+            If the points have another shape or are not finite.
+        """
+        points = _checked("points", points, (None, self.d))
+        here = [component.project(points) for component in self._components]
+        means = np.array([c.predict_at(p)[0] for c, p in zip(self._components, here, strict=True)])
+        off = means - self._weights @ means
+
+        def covariances(others: FloatArray) -> tuple[FloatArray, FloatArray]:
+            there = [component.project(others) for component in self._components]
+            parts = [c.predict_at(p) for c, p in zip(self._components, there, strict=True)]
+            other_means, variances = (np.array(part) for part in zip(*parts, strict=True))
+            mean, variance = self._combine(other_means, variances)
+            joint = sum(
+                self._inflation * weight * c.joint(p, q)
+                for weight, c, p, q in zip(
+                    self._weights, self._components, here, there, strict=True
+                )
+            )
+            shared = (self._weights[:, None] * off).T @ (other_means - mean)
+            return self._scale**2 * (joint + shared), self._scale**2 * variance
+
+        return covariances
+
+    def without_each_run(self, point: ArrayLike) -> tuple[FloatArray, FloatArray]:
+        """Expected response at a point, and its variance, with each run left out in turn.
+
+        Hyperparameters and their weights stay those of all runs.
+
+        Parameters
+        ----------
+        point : array_like, shape (d,)
+            Point in the unit cube.
+
+        Returns
+        -------
+        means, variances : ndarray, shape (n,)
+
+        Raises
+        ------
+        InputError
+            If the point has another shape or is not finite.
+        """
+        at = _checked("point", point, (self.d,))[None]
+        parts = [c.without_each_run(c.project(at)) for c in self._components]
+        means, variances = (np.array(part) for part in zip(*parts, strict=True))
+        mean, variance = self._combine(means, variances)
+        return self._offset + self._scale * mean, self._scale**2 * variance
+
+    def leave_one_out(self) -> LeaveOneOut:
+        """Prediction of each run from the others, without fitting again.
+
+        Hyperparameters and their weights stay those of all runs. Runs under way do not count.
+
+        Returns
+        -------
+        LeaveOneOut
+        """
+        return self._judged_by.leave_one_out() if self._judged_by else self._leave_one_out
+
+    @cached_property
+    def _leave_one_out(self) -> LeaveOneOut:
+        parts = [component.leave_one_out() for component in self._components]
+        means, variances = (np.array(part) for part in zip(*parts, strict=True))
+        mean, variance = self._combine(means, variances)
+        values = self._components[0].values
+        deviation = np.sqrt(variance)
+        spread = float(((values - values.mean()) ** 2).sum())
+        constant = float(np.ptp(values)) == 0.0
+        return LeaveOneOut(
+            predicted=self._offset + self._scale * mean,
+            standard_deviation=self._scale * deviation,
+            q2=math.nan if constant else 1.0 - float(((values - mean) ** 2).sum()) / spread,
+            coverage=float(np.mean(np.abs(values - mean) <= NORMAL_QUANTILE * deviation)),
+        )
+
+    def condition(self, points: ArrayLike, values: ArrayLike | None) -> Kriging:
+        """Add runs at the same hyperparameters.
+
+        Parameters
+        ----------
+        points : array_like, shape (m, d)
+            Points of the added runs.
+        values : array_like, shape (m,), or None
+            Their responses; None for runs that are under way: the mean stays what it is and the
+            variance shrinks to what it will be.
+
+        Returns
+        -------
+        Kriging
+
+        Raises
+        ------
+        InputError
+            As `fit`.
+        """
+        points = _checked_points(points, self.d)
+        added = None
+        if values is not None:
+            added = (_checked_values(values, len(points)) - self._offset) / self._scale
+        known_noise = np.full(len(points), float(self._components[0].known_noise.mean()))
+        return Kriging(
+            [c.condition(points, added, known_noise) for c in self._components],
+            offset=self._offset,
+            scale=self._scale,
+            degrees_of_freedom=self._degrees_of_freedom,
+            judged_by=(self._judged_by or self) if values is None else None,
+        )
+
+    def reduced(self, components: int) -> Kriging:
+        """Keep only the most probable sets of hyperparameters, for predictions that cost less.
+
+        Parameters
+        ----------
+        components : int
+            How many to keep; their weights are raised to sum to one.
+
+        Returns
+        -------
+        Kriging
+
+        Raises
+        ------
+        InputError
+            If none is to be kept.
+        """
+        if components < 1:
+            raise InputError(
+                Fault("components", f"is {components}.", "Keep at least 1 set of hyperparameters.")
+            )
+        if components >= self.components:
+            return self
+        kept = np.sort(np.argsort(-self._weights, kind="stable")[:components])
+        weights = self._weights[kept] / self._weights[kept].sum()
+        return Kriging(
+            [self._components[i].weighing(float(w)) for i, w in zip(kept, weights, strict=True)],
+            offset=self._offset,
+            scale=self._scale,
+            degrees_of_freedom=self._degrees_of_freedom,
+            judged_by=self._judged_by.reduced(components) if self._judged_by else None,
+        )
+
+    def to_plain(self, *, factors: bool = True) -> dict[str, Any]:
+        """Give all that another program needs to predict what `predict` does, as plain lists.
+
+        Parameters
+        ----------
+        factors : bool
+            Whether to give what is calculated from the runs once for all predictions: of the order
+            of n^2 numbers a component. Without it, the other program has to factorise itself.
+
+        Returns
+        -------
+        dict
+            ``offset``, ``scale``, ``inflation`` (numbers); ``points`` (n lists of d numbers),
+            ``values`` and ``known_noise`` of the runs (n), in units of the scale; and
+            ``components``, one dictionary for each set of hyperparameters: ``weight``,
+            ``signal_variance``, ``noise_variance`` (numbers); ``ranges`` (d); ``trend_columns``
+            (q - 1 indices of parameters, from 0). With factors also ``coefficients`` (n);
+            ``trend_coefficients`` (q); ``least_squares`` (q lists of n); ``trend_covariance`` (q
+            lists of q); ``triangle``, one flat list: n - q rows of an upper triangular matrix T of
+            n + q columns, one after the other, each from its diagonal on, so row i has n + q - i
+            numbers.
+
+        Notes
+        -----
+        At a point x of the unit cube, for every component:
+
+        - k, n numbers: ``k_i = signal_variance (1 + t + t^2 / 3) exp(-t)`` with
+          ``t = sqrt(10) |(x - points_i) / ranges|`` (Matérn 5/2; Euclidean
+          norm, divided parameter by parameter);
+        - f, q numbers: 1, then ``x_j - 0.5`` for every j of ``trend_columns``;
+        - ``mean = trend_coefficients . f + coefficients . k``;
+        - ``variance = signal_variance - 2 f . (least_squares k) + f . (trend_covariance f)
+          - |T v|^2``, v the n numbers of k and then the q of f; 0 if that is below.
+
+        Then, sums over the components with their weights w:
+
+        - ``m = sum w mean`` and ``s = inflation sum w variance + sum w (mean - m)^2``;
+        - the expected response is ``offset + scale m``, its variance ``scale^2 s``.
+
+        The factors are those of universal Kriging: of the k of all points among themselves, with
+        ``noise_variance`` and ``known_noise`` added on the diagonal, and of the f of all points.
+        """
+        return {
+            "offset": self._offset,
+            "scale": self._scale,
+            "inflation": self._inflation,
+            "points": self._components[0].points.tolist(),
+            "values": self._components[0].values.tolist(),
+            "known_noise": self._components[0].known_noise.tolist(),
+            "components": [component.to_plain(factors) for component in self._components],
+        }
+
+    def warnings(self, *, spread: bool = True) -> list[str]:
+        """Why the metamodel should not be trusted, in plain language; empty if it can be.
+
+        Parameters
+        ----------
+        spread : bool
+            Whether the runs are spread by a design. Those that a search has sent to one place
+            differ by little but their noise, so that Q2 tells nothing.
+
+        Returns
+        -------
+        list of str
+        """
+        quality = self.leave_one_out()
+        if math.isnan(quality.q2):
+            return [
+                f"All {self.n} runs gave the same value: the response does not depend on the free "
+                "parameters, or it is not measured."
+            ]
+        found = [
+            self._warning_of_few_runs(),
+            self._warning_of_q2() if spread else "",
+            self._warning_of_coverage(),
+        ]
+        return [text for text in found if text]
+
+    def _warning_of_few_runs(self) -> str:
+        needed = 2 * (self.d + 1)
+        if self.n >= needed:
+            return ""
+        return (
+            f"Only {self.n} runs for {self.d} free parameters: at least {needed} are needed to "
+            "tell a trend from chance."
+        )
+
+    def _warning_of_q2(self) -> str:
+        quality = self.leave_one_out()
+        if quality.q2 >= POOR_Q2:
+            return ""
+        values = (self._judged_by or self)._components[0].values
+        spread = self._scale * float(values.std())
+        noise = self.noise_standard_deviation
+        if noise**2 >= (1.0 - POOR_Q2) * spread**2:
+            return (
+                f"Q2 = {quality.q2:.2f}: the response varies by {spread:.3g} (standard deviation) "
+                f"over the runs and scatters by {noise:.3g} from run to run; within these "
+                "intervals it hardly depends on the free parameters, or too few runs show how. "
+                "Widen the intervals, make more runs, or choose another test."
+            )
+        return (
+            f"Q2 = {quality.q2:.2f}: a run left out is predicted hardly better than by the mean "
+            f"of the others, and the scatter from run to run ({noise:.3g}, of {spread:.3g} over "
+            "the runs) does not explain it. More runs are needed, or narrower intervals."
+        )
+
+    def _warning_of_coverage(self) -> str:
+        quality = self.leave_one_out()
+        inside = round(quality.coverage * self.n)
+        if float(stats.binom.cdf(inside, self.n, 0.95)) >= 0.01:
+            return ""
+        return (
+            f"Only {100 * quality.coverage:.0f} % of the runs lie inside their 95 % intervals when "
+            "they are left out: the metamodel is surer than it should be. Look for outliers among "
+            "the runs, or make more."
+        )

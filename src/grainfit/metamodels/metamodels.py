@@ -1,0 +1,235 @@
+"""The Kriging metamodels of all responses of a problem together."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.special import ndtr
+
+from grainfit.errors import RunFailedError
+from grainfit.evaluation import Evaluation
+from grainfit.metamodels.kriging import Kriging
+from grainfit.problem import Problem
+
+Array = NDArray[np.float64]
+
+_NO_NOISE = 1e-12
+
+
+class Metamodels:
+    """One metamodel per target, in the order of the targets.
+
+    Responses are given in two ways: as they are (`predict`, `gradients`), and as *deviations*
+    from the targets in units of their uncertainties, times the weights of the targets. The
+    uncertainty is the tolerance, which stands for that of the measurement, and in quadrature the
+    scatter of the mean of all runs, lest a target that cannot be met as closely as is asked for
+    outweighs all others. So the sum of squared deviations weighs every target by what it is worth.
+
+    Parameters
+    ----------
+    problem : Problem
+        Parameters and targets.
+    models : sequence of Kriging
+        One per target.
+    """
+
+    def __init__(self, problem: Problem, models: Sequence[Kriging]) -> None:
+        self.problem = problem
+        self.models = list(models)
+        self._targets = np.array([target.value for target in problem.targets])
+        self._tolerances = np.array([target.accepted_deviation for target in problem.targets])
+        weights = np.array([target.weight for target in problem.targets])
+        least = np.array([model.variance_of_scatter / model.n for model in self.models])
+        self._units = np.sqrt(self._tolerances**2 + least) / weights
+
+    @classmethod
+    def fit(cls, problem: Problem, evaluations: Sequence[Evaluation]) -> Metamodels:
+        """Fit the metamodels to what is known.
+
+        Parameters
+        ----------
+        problem : Problem
+            Parameters and targets.
+        evaluations : sequence of Evaluation
+            For each response, the evaluations that yielded it are used.
+
+        Raises
+        ------
+        RunFailedError
+            Too few runs yielded a response to fit a metamodel.
+        """
+        return cls(problem, [_fit(problem, evaluations, t.name) for t in problem.targets])
+
+    def predict(self, points: ArrayLike) -> tuple[Array, Array]:
+        """Expected responses and their variances at points of the unit cube.
+
+        Parameters
+        ----------
+        points : array_like, shape (m, d)
+            Points of the unit cube.
+
+        Returns
+        -------
+        means, variances : ndarray, shape (m, number of targets)
+            The variance is that of the expected response, not of a single run.
+        """
+        predictions = [model.predict(np.atleast_2d(points)) for model in self.models]
+        return (
+            np.column_stack([prediction.mean for prediction in predictions]),
+            np.column_stack([prediction.variance_of_mean for prediction in predictions]),
+        )
+
+    def gradients(self, points: ArrayLike) -> Array:
+        """Slopes of the expected responses, shape (m, number of targets, d), per unit interval."""
+        at = np.atleast_2d(points)
+        return np.stack([model.gradients(at) for model in self.models], axis=1)
+
+    @property
+    def noise(self) -> Array:
+        """Standard deviations of the responses from seed to seed, shape (number of targets,)."""
+        return np.array([model.noise_standard_deviation for model in self.models])
+
+    @property
+    def scatter(self) -> Array:
+        """Variance that the scatter adds to a run's deviations, above zero, shape (targets,)."""
+        variances = np.array([model.variance_of_scatter for model in self.models])
+        return np.asarray(np.maximum(variances / self._units**2, _NO_NOISE**2))
+
+    @property
+    def degrees_of_freedom(self) -> int:
+        """Runs that are left to estimate a noise from, of the response that fewest runs yielded."""
+        return min(model.n for model in self.models) - (self.problem.dimension + 1)
+
+    def deviations(self, points: ArrayLike) -> tuple[Array, Array]:
+        """Expected deviations and their variances, shape (m, number of targets) each."""
+        means, variances = self.predict(points)
+        off = (means - self._targets) / self._units
+        return off, variances / self._units**2
+
+    def slopes(self, points: ArrayLike) -> Array:
+        """Slopes of the expected deviations, shape (m, number of targets, d)."""
+        return np.asarray(self.gradients(points) / self._units[:, None])
+
+    def misfit(self, points: ArrayLike) -> Array:
+        """Expected sum of squared deviations at points, shape (m,).
+
+        A point that is only believed to be good counts less than one that is known to be.
+        """
+        means, variances = self.deviations(points)
+        return np.asarray((means**2 + variances).sum(axis=1))
+
+    def shortfall(self, points: ArrayLike, standard_errors: float) -> Array:
+        """Squared deviations beyond the tolerances and some standard errors, summed, shape (m,).
+
+        It is zero where all targets may be met.
+        """
+        means, variances = self.predict(points)
+        beyond = np.abs(means - self._targets) - self._tolerances
+        beyond = np.maximum(beyond - standard_errors * np.sqrt(variances), 0.0)
+        return np.asarray(((beyond / self._units) ** 2).sum(axis=1))
+
+    def covariance_with(self, points: Array) -> Callable[[Array], tuple[Array, Array]]:
+        """Prepare covariances of the deviations, see `Kriging.covariance_with`.
+
+        Returns
+        -------
+        callable
+            Of other points, shape (n, d): covariances, shape (number of targets, m, n), and
+            variances at the others, shape (number of targets, n).
+        """
+        prepared = [model.covariance_with(points) for model in self.models]
+        squares = self._units**2
+
+        def covariances(others: Array) -> tuple[Array, Array]:
+            parts = [covariance(others) for covariance in prepared]
+            return (
+                np.array([joint for joint, _ in parts]) / squares[:, None, None],
+                np.array([variance for _, variance in parts]) / squares[:, None],
+            )
+
+        return covariances
+
+    def agreement(self, points: ArrayLike, caution: float = 1.0) -> Array:
+        """Probability that every expected response is within its tolerance, shape (m,).
+
+        The metamodels are fitted one by one, so their errors count as independent. Standard
+        errors count ``caution`` times.
+        """
+        means, variances = self.predict(points)
+        return self._probability(means, caution**2 * variances)
+
+    def agreement_without_each_run(self, point: Array) -> Array:
+        """The same at one point with each run left out, shape (number of runs,).
+
+        Runs are left out of one response at a time.
+        """
+        means, variances = self.predict(point)
+        found = []
+        for index, model in enumerate(self.models):
+            without, variance = model.without_each_run(point)
+            many, spread = (np.repeat(known, len(without), axis=0) for known in (means, variances))
+            many[:, index], spread[:, index] = without, variance
+            found.append(self._probability(many, spread))
+        return np.concatenate(found)
+
+    def _probability(self, means: Array, variances: Array) -> Array:
+        off = means - self._targets
+        error = np.sqrt(np.maximum(variances, (_NO_NOISE * self._tolerances) ** 2))
+        inside = ndtr((self._tolerances - off) / error) - ndtr((-self._tolerances - off) / error)
+        return np.asarray(inside.prod(axis=1))
+
+    def runs_needed(self, point: Array, confidence: float) -> int:
+        """Estimate how many more runs at a point would settle that it agrees.
+
+        It is supposed that the search meets the targets and only the noise is left; beyond a
+        million, a million.
+        """
+        _, variances = self.predict(point)
+        counts = np.unique(np.geomspace(1, 1e6, 400).round())
+        scatter = self.scatter * self._units**2
+        left = variances / (1 + counts[:, None] * variances / scatter)
+        enough = self._probability(np.tile(self._targets, (len(counts), 1)), left) >= confidence
+        return int(counts[enough][0]) if enough.any() else int(counts[-1])
+
+    def with_runs_under_way(self, points: Array) -> Metamodels:
+        """What they will be when runs at points have come back: means as now, variances smaller."""
+        if not len(points):
+            return self
+        return Metamodels(self.problem, [model.condition(points, None) for model in self.models])
+
+
+def runs_that_yield(evaluations: Sequence[Evaluation], name: str) -> list[Evaluation]:
+    """Evaluations that have a response."""
+    return [e for e in evaluations if name in e.responses]
+
+
+def can_be_fitted(problem: Problem, evaluations: Sequence[Evaluation]) -> bool:
+    """Whether runs at enough different places yielded every response."""
+    return all(
+        _places(runs_that_yield(evaluations, target.name)) >= _fewest_places(problem)
+        for target in problem.targets
+    )
+
+
+def _fewest_places(problem: Problem) -> int:
+    return problem.dimension + 2
+
+
+def _places(evaluations: Sequence[Evaluation]) -> int:
+    return len({tuple(e.proposal.parameters.values()) for e in evaluations})
+
+
+def _fit(problem: Problem, evaluations: Sequence[Evaluation], name: str) -> Kriging:
+    known = runs_that_yield(evaluations, name)
+    needed, places = _fewest_places(problem), _places(known)
+    if places < needed:
+        reasons = sorted({reason for e in evaluations for reason in e.failures.values()})
+        because = f" Failures: {'; '.join(reasons[:3])}." if reasons else ""
+        raise RunFailedError(
+            f"only {len(known)} of {len(evaluations)} runs gave the response {name!r}, at "
+            f"{places} different places, and {needed} are needed for its metamodel.{because}"
+        )
+    points = np.array([problem.to_unit(e.proposal.parameters) for e in known])
+    return Kriging.fit(points, np.array([e.responses[name].value for e in known]))

@@ -1,0 +1,254 @@
+"""Kriging predictor at given hyperparameters: trend, correlation, posterior of the coefficients."""
+
+from __future__ import annotations
+
+import math
+from copy import copy
+from dataclasses import dataclass, replace
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import linalg
+from scipy.spatial.distance import cdist
+
+FloatArray = NDArray[np.float64]
+#: Scale of the distance in the Matérn 5/2 correlation, 2 sqrt(5/2).
+_MATERN_SCALE = math.sqrt(10.0)
+# A linear trend must leave as many degrees of freedom as it takes, and at least these, or a
+# constant one is taken: with fewer runs, least-squares slopes predict worse than none.
+_FREE_CONTRASTS = 3
+
+
+def matern(distance: FloatArray) -> FloatArray:
+    """Matérn 5/2 correlation of a scaled distance h: (1 + t + t²/3) exp(-t), t = sqrt(10) h.
+
+    References
+    ----------
+    Stein, Interpolation of Spatial Data (1999), equation 2.7.14 for a smoothness of 5/2.
+    """
+    scaled = _MATERN_SCALE * distance
+    return np.asarray((1.0 + scaled + scaled**2 / 3.0) * np.exp(-scaled))
+
+
+def matern_slope(distance: FloatArray) -> FloatArray:
+    """Negative derivative of the correlation, divided by the distance (finite at zero)."""
+    scaled = _MATERN_SCALE * distance
+    return np.asarray(10.0 / 3.0 * (1.0 + scaled) * np.exp(-scaled))
+
+
+@dataclass(frozen=True)
+class Trend:
+    """Constant, or constant and the columns of the points that can be told apart."""
+
+    columns: tuple[int, ...]
+
+    @classmethod
+    def choose(cls, points: FloatArray, linear: bool) -> Trend:
+        """Take a linear trend where the runs can tell its slopes, else a constant."""
+        n, d = points.shape
+        if not linear or n < d + 1 + max(d + 1, _FREE_CONTRASTS):
+            return cls(())
+        centred = points - points.mean(axis=0)
+        _, triangle, order = linalg.qr(centred, mode="economic", pivoting=True)
+        size = np.abs(np.diag(triangle))
+        columns = tuple(sorted(int(j) for j in order[size > 1e-6 * math.sqrt(n)]))
+        trend = cls(columns)
+        # A trend that hangs on a single run could not be judged by leaving that run out.
+        basis, _ = np.linalg.qr(trend.matrix(points))
+        return trend if float((basis**2).sum(axis=1).max()) < 1 - 1e-6 else cls(())
+
+    def matrix(self, points: FloatArray) -> FloatArray:
+        """Values of the trend functions at points, shape (points, functions)."""
+        return np.column_stack([np.ones(len(points)), points[:, list(self.columns)] - 0.5])
+
+    def slopes(self, coefficients: FloatArray, d: int) -> FloatArray:
+        """Slopes of the trend along all d axes."""
+        slopes = np.zeros(d)
+        slopes[list(self.columns)] = coefficients[1:]
+        return slopes
+
+
+@dataclass(frozen=True)
+class Contrasts:
+    """The part of the runs that the trend says nothing about, and the least-squares trend."""
+
+    complement: FloatArray
+    least_squares: FloatArray
+
+    @classmethod
+    def of(cls, trend_matrix: FloatArray) -> Contrasts:
+        """Split the space of the runs into that of the trend and its complement (by QR)."""
+        rank = trend_matrix.shape[1]
+        basis, triangle = np.linalg.qr(trend_matrix, mode="complete")
+        least_squares = linalg.solve_triangular(triangle[:rank], basis[:, :rank].T)
+        return cls(basis[:, rank:], least_squares)
+
+    @property
+    def degrees_of_freedom(self) -> int:
+        """Number of contrasts."""
+        return int(self.complement.shape[1])
+
+
+@dataclass(frozen=True)
+class Hyperparameters:
+    """One set, in units of the standardised response."""
+
+    ranges: FloatArray
+    signal_variance: float
+    noise_variance: float
+    weight: float
+
+
+class _Projection(NamedTuple):
+    """Some points as one predictor sees them, one column a point.
+
+    The points over the ranges; their trend; their covariance with the runs; its least-squares
+    trend; and what of it the contrasts explain.
+    """
+
+    scaled: FloatArray
+    trend: FloatArray
+    covariance: FloatArray
+    on_trend: FloatArray
+    explained: FloatArray
+
+
+class Component:
+    """The Kriging predictor of one set of hyperparameters, factorised once."""
+
+    def __init__(
+        self,
+        hyperparameters: Hyperparameters,
+        trend: Trend,
+        points: FloatArray,
+        values: FloatArray,
+        known_noise: FloatArray,
+        contrasts: Contrasts | None = None,
+    ) -> None:
+        self.hyperparameters = hyperparameters
+        self.trend = trend
+        self.points = points
+        self.values = values
+        self.known_noise = known_noise
+        contrasts = contrasts or Contrasts.of(trend.matrix(points))
+        covariance = self._covariance(points)
+        covariance[np.diag_indices_from(covariance)] += hyperparameters.noise_variance + known_noise
+        complement, least_squares = contrasts.complement, contrasts.least_squares
+        factor = linalg.cholesky(complement.T @ covariance @ complement, lower=True)
+        self._root = linalg.solve_triangular(factor, complement.T, lower=True)
+        self._coefficients = self._root.T @ (self._root @ values)
+        self._least_squares = least_squares
+        across = covariance @ least_squares.T
+        self._trend_coefficients = least_squares @ (values - covariance @ self._coefficients)
+        self._trend_covariance = least_squares @ across
+        self._root_of_trend = self._root @ across
+
+    def _covariance(self, points: FloatArray) -> FloatArray:
+        ranges = self.hyperparameters.ranges
+        distance = cdist(self.points / ranges, points / ranges)
+        return self.hyperparameters.signal_variance * matern(distance)
+
+    def project(self, points: FloatArray) -> _Projection:
+        """What predictions at points, and their covariances, are made of."""
+        trend = self.trend.matrix(points).T
+        covariance = self._covariance(points)
+        return _Projection(
+            points / self.hyperparameters.ranges,
+            trend,
+            covariance,
+            self._least_squares @ covariance,
+            self._root @ covariance - self._root_of_trend @ trend,
+        )
+
+    def predict(self, points: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Mean and variance of the mean."""
+        return self.predict_at(self.project(points))
+
+    def predict_at(self, at: _Projection) -> tuple[FloatArray, FloatArray]:
+        """The same at points that have been projected."""
+        mean = self._trend_coefficients @ at.trend + self._coefficients @ at.covariance
+        variance = (
+            self.hyperparameters.signal_variance
+            - 2.0 * np.einsum("ij,ij->j", at.trend, at.on_trend)
+            + np.einsum("ij,ij->j", at.trend, self._trend_covariance @ at.trend)
+            - np.einsum("ij,ij->j", at.explained, at.explained)
+        )
+        return mean, np.maximum(variance, 0.0)
+
+    def joint(self, first: _Projection, second: _Projection) -> FloatArray:
+        """Covariances of the mean between two sets of points, shape (first, second)."""
+        correlation = matern(cdist(first.scaled, second.scaled))
+        joint = self.hyperparameters.signal_variance * correlation
+        joint -= first.explained.T @ second.explained
+        joint += first.trend.T @ (self._trend_covariance @ second.trend - second.on_trend)
+        joint -= first.on_trend.T @ second.trend
+        return np.asarray(joint)
+
+    def gradients(self, points: FloatArray) -> FloatArray:
+        """Slopes of the mean, shape (m, d)."""
+        ranges = self.hyperparameters.ranges
+        scaled, runs = points / ranges, self.points / ranges
+        slope = matern_slope(cdist(scaled, runs))
+        pull = self.hyperparameters.signal_variance * slope * self._coefficients
+        away = scaled * pull.sum(axis=1)[:, None] - pull @ runs
+        slopes = self.trend.slopes(self._trend_coefficients, points.shape[1])
+        return np.asarray(slopes - away / ranges)
+
+    def without_each_run(self, at: _Projection) -> tuple[FloatArray, FloatArray]:
+        """Mean and variance of the mean at one point with each run left out, shape (n,) each.
+
+        A run left out is a run replaced by its own prediction (Dubrule 1983), so its weight in
+        the mean tells what it changes.
+        """
+        mean, variance = self.predict_at(at)
+        weights = self._root.T @ at.explained[:, 0] + self._least_squares.T @ at.trend[:, 0]
+        left_out, run_variance = self.leave_one_out()
+        return mean - weights * (self.values - left_out), variance + weights**2 * run_variance
+
+    def leave_one_out(self) -> tuple[FloatArray, FloatArray]:
+        """Virtual formulas (Dubrule 1983): mean, and variance of a run."""
+        precision = (self._root**2).sum(axis=0)
+        return self.values - self._coefficients / precision, 1.0 / precision
+
+    def condition(
+        self, points: FloatArray, values: FloatArray | None, known_noise: FloatArray
+    ) -> Component:
+        """Add runs; those without values are pending and get the predicted mean."""
+        added = self.predict(points)[0] if values is None else values
+        return Component(
+            self.hyperparameters,
+            self.trend,
+            np.vstack([self.points, points]),
+            np.append(self.values, added),
+            np.append(self.known_noise, known_noise),
+        )
+
+    def weighing(self, weight: float) -> Component:
+        """The same with another weight in the mixture."""
+        other = copy(self)
+        other.hyperparameters = replace(self.hyperparameters, weight=weight)
+        return other
+
+    def to_plain(self, factors: bool) -> dict[str, Any]:
+        """What `Kriging.to_plain` gives of a component."""
+        known = {
+            "weight": float(self.hyperparameters.weight),
+            "ranges": self.hyperparameters.ranges.tolist(),
+            "signal_variance": float(self.hyperparameters.signal_variance),
+            "noise_variance": float(self.hyperparameters.noise_variance),
+            "trend_columns": list(self.trend.columns),
+        }
+        return known | self._plain_factors() if factors else known
+
+    def _plain_factors(self) -> dict[str, Any]:
+        # A rotation from the left changes no length, and leaves half of the numbers zero.
+        both = np.hstack([self._root, -self._root_of_trend])
+        triangle: FloatArray = linalg.qr(both, mode="r", check_finite=False)[0][: len(both)]
+        return {
+            "coefficients": self._coefficients.tolist(),
+            "trend_coefficients": self._trend_coefficients.tolist(),
+            "least_squares": self._least_squares.tolist(),
+            "trend_covariance": self._trend_covariance.tolist(),
+            "triangle": triangle[np.triu_indices(len(triangle), m=triangle.shape[1])].tolist(),
+        }

@@ -1,0 +1,54 @@
+"""Rayleigh time steps of points of the unit cube, and what a slow answer costs"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from grainfit.problem import Problem
+
+Array = NDArray[np.float64]
+#: Time steps that differ by less than this share count as equal: the closer answer is taken.
+EQUAL_TIME_STEPS = 0.02
+
+
+def time_step_matters(problem: Problem) -> bool:
+    """Whether free parameters change the Rayleigh time step by more than counts as equal."""
+    if problem.rayleigh is None:
+        return False
+    smallest_step, largest_step = problem.rayleigh.limits(problem.intervals)
+    return largest_step * (1 - EQUAL_TIME_STEPS) > smallest_step
+
+
+def with_long_steps(problem: Problem, points: Array) -> Array:
+    """The points with every parameter that changes the time step where it makes it largest."""
+    moved = points.copy()
+    if problem.rayleigh is None:
+        return moved
+    middle = np.full((1, problem.dimension), 0.5)
+    for axis in range(problem.dimension):
+        low, high = middle.copy(), middle.copy()
+        low[0, axis], high[0, axis] = 0.0, 1.0
+        slow, fast = log_time_steps(problem, np.vstack([low, high]))
+        if slow != fast:
+            moved[:, axis] = float(fast > slow)
+    return moved
+
+
+def log_time_steps(problem: Problem, points: Array) -> Array:
+    """Logarithms of the Rayleigh time steps at points of the unit cube, shape (m,)."""
+    steps = (problem.rayleigh_time_step(problem.from_unit(point)) for point in points)
+    return np.array([math.log(step or 1.0) for step in steps])
+
+
+def handicaps(problem: Problem, points: Array) -> Array:
+    """Rayleigh criterion of points on a logarithmic scale, shape (m,); 0 is the fastest.
+
+    Where several parameter sets agree equally well, runs go to the faster ones.
+    """
+    if problem.rayleigh is None or not time_step_matters(problem):
+        return np.zeros(len(points))
+    low, high = (math.log(limit) for limit in problem.rayleigh.limits(problem.intervals))
+    return (high - log_time_steps(problem, points)) / (high - low)

@@ -1,0 +1,90 @@
+"""How parameters and responses are called on the page: symbol, unit, and what it is in words."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from html import escape
+
+from markupsafe import Markup
+
+from grainfit.formatting import plain, unit_for_people
+from grainfit.materials.parameters import MATERIAL_PARAMETERS
+
+_RESPONSES = {
+    "bulk_density": ("ρ_b", "bulk density: mass of the bed over its volume, voids included"),
+    "angle_of_repose": ("α", "angle of repose: inclination of the heap's flanks"),
+}
+
+
+@dataclass(frozen=True)
+class Label:
+    """What a quantity is called.
+
+    Parameters
+    ----------
+    name : str
+        As in the calibration file; any text.
+    symbol : str
+        As in ``"μ_r_pp"``, what is behind the first ``_`` being the index; or the name.
+    unit : str
+        For people, ``""`` when there is none.
+    description : str
+        What it is, in words; ``""`` when that is not known.
+    """
+
+    name: str
+    symbol: str
+    unit: str
+    description: str
+
+    @property
+    def html(self) -> Markup:
+        """Symbol for HTML, with the description to hover over."""
+        if not self.description:
+            return Markup("<span>{}</span>").format(plain(self.symbol))
+        return Markup('<abbr title="{}">{}</abbr>').format(self.description, self._marked())
+
+    @property
+    def plot(self) -> str:
+        """Symbol for a figure's text, where Plotly takes some tags."""
+        return str(self._marked())
+
+    @property
+    def axis(self) -> str:
+        """Symbol and unit for an axis."""
+        words = f" ({escape(self.unit)})" if self.unit else ""
+        return f"{self.plot}{words}"
+
+    @property
+    def words(self) -> str:
+        """What it is in a few words; its name where there are none."""
+        if self.symbol == self.name:
+            return plain(self.name)
+        return self.description.partition(":")[0]
+
+    def _marked(self) -> Markup:
+        if self.symbol == self.name:
+            return Markup.escape(plain(self.name))
+        symbol, _, index = self.symbol.partition("_")
+        return (
+            Markup("{}<sub>{}</sub>").format(symbol, index.replace("_", ","))
+            if index
+            else (Markup.escape(symbol))
+        )
+
+
+def parameter_label(name: str, unit: str = "") -> Label:
+    """Return the label of a parameter; one of the user's own is called by its name."""
+    known = MATERIAL_PARAMETERS.get(name)
+    if known is None:
+        return Label(name, name, unit_for_people(unit), "")
+    return Label(name, known.symbol, unit_for_people(known.unit), known.description)
+
+
+def response_label(name: str, unit: str = "") -> Label:
+    """Return the label of a response; with several tests it is called ``test.response``."""
+    test, _, last = name.rpartition(".")
+    symbol, description = _RESPONSES.get(last, (name, ""))
+    if test and symbol != name:
+        symbol = name
+    return Label(name, symbol, unit_for_people(unit), description)

@@ -1,0 +1,266 @@
+"""The answer in one box: calibrated or not, the numbers, how sure, what it took."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any, Literal
+
+from grainfit.formatting import counted, duration, number, plain, probability, rounded
+from grainfit.plots.labels import Label
+from grainfit.problem import Parameter, Target
+from grainfit.report.rendering import render
+from grainfit.report.section import ReportContext, Section
+from grainfit.result import ResponseResult, Result, RunCounts
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """What came of it: how good that is, one line, and what there is to add."""
+
+    grade: Literal["good", "warn", "bad"]
+    line: str
+    details: tuple[str, ...] = ()
+
+    @property
+    def mark(self) -> str:
+        """A sign that tells the grade without colour."""
+        return {"good": "✓", "warn": "!", "bad": "✗"}[self.grade]
+
+
+@dataclass(frozen=True)
+class ParameterRow:
+    """A parameter as it is shown; positions are percentages of its interval."""
+
+    label: Label
+    value: str
+    interval: str
+    why_no_interval: str
+    position: float | None
+    credible: tuple[float, float] | None
+    searched: str
+
+
+@dataclass(frozen=True)
+class ResponseRow:
+    """A response as it is shown."""
+
+    label: Label
+    measured: str
+    tolerance: str
+    expected: str
+    half_width: str
+    predicted: bool
+    deviation: str
+    verdict: str
+
+
+def answer(context: ReportContext) -> Section:
+    """Verdict, parameters with their intervals, responses against measurements, cost."""
+    result = context.reading.result
+    html = render(
+        "answer/page",
+        verdict=verdict(context),
+        provisional=not context.answer and context.posterior is not None,
+        parameters=[_parameter_row(context, parameter) for parameter in context.parameters],
+        responses=[_response_row(context, target) for target in context.targets],
+        fixed=[
+            (context.parameter_label(name), number(value, 6))
+            for name, value in context.reading.fixed.items()
+        ],
+        time_step=_time_step(result) if result else None,
+        cost=_cost(context),
+        notices=list(_notices(context)),
+    )
+    return Section("answer", "Answer", html)
+
+
+def verdict(context: ReportContext) -> Verdict:
+    """Say in words what came of the calibration, or how far it is."""
+    reading = context.reading
+    ended = f"Simulated so far: {counted(len(reading.evaluations), 'parameter set')}"
+    match reading.state:
+        case "running":
+            words = f"{ended}; under way: {counted(reading.running, 'run')}."
+            return Verdict("warn", "Running: no answer yet.", (words,))
+        case "failed":
+            why = plain(reading.failure)
+            details = [why[0].upper() + why[1:]] if why else []
+            if reading.evaluations:
+                details.append(f"{ended}.")
+            return Verdict("bad", "Stopped by an error.", tuple(details))
+        case "interrupted":
+            so_far = "The numbers are the best so far." if context.answer else "No answer yet."
+            words = f"{ended}. Start the same command again to go on."
+            return Verdict("warn", f"Interrupted. {so_far}", (words,))
+    if not context.answer:
+        words = plain(reading.result_fault) or (
+            "Its result.json is missing. Start the same command again: it is written anew."
+        )
+        ended = f"It has ended ({plain(reading.state)}), but there is no answer to be read."
+        return Verdict("warn", ended, (words,))
+    return _final_verdict(context)
+
+
+def _final_verdict(context: ReportContext) -> Verdict:
+    result = context.reading.result
+    assert result is not None, "an answer comes from a result"
+    sure = tuple(_sureness(result))
+    if context.reading.state == "calibrated":
+        return Verdict("good", "Calibrated: every measurement is met within its tolerance.", sure)
+    misses = tuple(map(str, result.out_of_reach))
+    if context.reading.state == "unreachable" and misses:
+        return Verdict("bad", "Out of reach within the given intervals.", misses)
+    missed = [
+        _miss(context.response_label(name).words, response)
+        for name, response in result.responses.items()
+        if response.verdict != "met"
+    ]
+    return Verdict("bad", f"Not calibrated: {'; '.join(missed)}.", sure)
+
+
+def _miss(words: str, response: ResponseResult) -> str:
+    if not response.is_verified:
+        return f"{words} could not be verified"
+    if response.verdict == "in doubt":
+        return f"{words} is met by the verification runs alone, but not by all runs together"
+    accepted = number(100 * response.tolerance / response.target, 3)
+    deviation = _percent(response.deviation_percent)
+    return f"{words} deviates by {deviation}, and ±{accepted} % are accepted"
+
+
+def _sureness(result: Result) -> Iterator[str]:
+    if result.agreement is not None:
+        yield (
+            "By all runs together, every expected response is within its tolerance with a "
+            f"probability of {probability(result.agreement)}."
+        )
+
+
+def _parameter_row(context: ReportContext, parameter: Parameter) -> ParameterRow:
+    posterior, name = context.posterior, parameter.name
+    value = context.answer.get(name)
+    if value is None and posterior is not None:
+        value = float(posterior.median(name))
+    interval = None
+    half_width = None
+    if posterior is not None:
+        low, high = (float(bound) for bound in posterior.interval(name))
+        interval = (low, high)
+        # On a logarithmic scale, the digits of one end mean nothing at the other.
+        half_width = (high - low) / 2 if parameter.scale == "linear" else None
+    return ParameterRow(
+        label=context.parameter_label(name),
+        value=_shown(value, half_width),
+        interval=" … ".join(_shown(bound, half_width) for bound in interval) if interval else "",
+        why_no_interval=context.why_no_posterior,
+        position=None if value is None else _position(parameter, value),
+        credible=(_position(parameter, interval[0]), _position(parameter, interval[1]))
+        if interval
+        else None,
+        searched=f"{number(parameter.minimum)} … {number(parameter.maximum)}",
+    )
+
+
+def _shown(value: float | None, half_width: float | None) -> str:
+    return number(value, 3) if half_width is None else rounded(value, half_width)
+
+
+def _position(parameter: Parameter, value: float) -> float:
+    """Where a value is in its interval, percent."""
+    return round(100 * min(max(parameter.to_unit(value), 0.0), 1.0), 2)
+
+
+def _response_row(context: ReportContext, target: Target) -> ResponseRow:
+    result = context.reading.result
+    response = result.responses.get(target.name) if result else None
+    label = context.response_label(target.name)
+    tolerance = target.accepted_deviation
+    measured = {"measured": number(target.value, 6), "tolerance": number(tolerance, 3)}
+    if response is None:
+        return ResponseRow(
+            label,
+            **measured,
+            expected="–",
+            half_width="",
+            predicted=False,
+            deviation="–",
+            verdict="",
+        )
+    expected, half_width = response.expected
+    return ResponseRow(
+        label,
+        **measured,
+        expected=rounded(expected, half_width),
+        half_width=number(half_width, 2),
+        predicted=not response.is_verified,
+        deviation=_percent(response.deviation_percent),
+        verdict=response.verdict,
+    )
+
+
+def _percent(value: float) -> str:
+    # Adding zero: there is no minus zero for people.
+    return f"{round(value, 2) + 0.0:+.2f} %".replace("-", "−")
+
+
+def _time_step(result: Result) -> dict[str, str] | None:
+    step, before = result.rayleigh_time_step, result.rayleigh_time_step_before
+    if step is None or not before:
+        return None
+    return {
+        "value": seconds(step),
+        "factor": number(step / before, 3),
+        "before": seconds(before),
+    }
+
+
+def seconds(value: float) -> str:
+    """Return a short time with a unit that suits it.
+
+    Examples
+    --------
+    >>> seconds(0.002153)
+    '2.153 ms'
+    """
+    for unit, size in (("s", 1.0), ("ms", 1e-3), ("µs", 1e-6)):
+        if value >= size:
+            return f"{number(value / size)} {unit}"
+    return f"{number(value / 1e-9)} ns"
+
+
+def _cost(context: ReportContext) -> dict[str, Any]:
+    reading = context.reading
+    result = reading.result
+    stages = Counter[str]()
+    for evaluation in reading.evaluations:
+        stages[evaluation.proposal.stage] += len(evaluation.runs)
+    counts = (
+        result.runs
+        if result
+        else RunCounts(
+            **stages,
+            failed=sum(len(evaluation.failures) for evaluation in reading.evaluations),
+            total=sum(stages.values()),
+            learnt_from=sum(len(evaluation.runs) for evaluation in reading.learnt),
+        )
+    )
+    return {
+        "counts": counts,
+        "wall": duration(result.wall_seconds) if result else None,
+        "simulated": duration(sum(record.seconds for record in reading.runs.values())),
+        "workers": reading.workers,
+    }
+
+
+def _notices(context: ReportContext) -> Iterator[str]:
+    result = context.reading.result
+    said = [*result.notices] if result else []
+    if result:
+        for name, quality in result.metamodels.items():
+            words = context.response_label(name).words
+            said += [f"Metamodel of {words}: {warning}" for warning in quality.warnings]
+    said += context.analysis.notes
+    told = verdict(context).details
+    yield from (plain(words) for words in dict.fromkeys(said) if words not in told)

@@ -1,0 +1,92 @@
+"""Every run in a table."""
+
+from __future__ import annotations
+
+import shlex
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from grainfit.evaluation import Evaluation
+from grainfit.formatting import number, plain, plain_lines
+from grainfit.report.rendering import render
+from grainfit.report.section import ReportContext, Section
+from grainfit.report.sections.convergence.section import deviation_in_tolerances
+
+#: Of a run's identity, as `grainfit runs show` takes it.
+_SHORT = 7
+
+
+@dataclass(frozen=True)
+class Cell:
+    """A number in the table: as it is shown, and as it is sorted by."""
+
+    shown: str
+    value: float | None
+
+
+@dataclass(frozen=True)
+class Failure:
+    """Why a run failed, and the last lines of its log."""
+
+    reason: str
+    log: Sequence[str]
+
+
+@dataclass(frozen=True)
+class RunRow:
+    """A parameter set that was simulated."""
+
+    number: int
+    stage: str
+    failures: Sequence[Failure]
+    cells: Sequence[Cell]
+    identities: Sequence[str]
+
+
+def runs(context: ReportContext) -> Section:
+    """Table of all parameter sets, with what came of them."""
+    evaluations = context.reading.evaluations
+    html = render(
+        "runs/page",
+        columns=[
+            *(context.parameter_label(parameter.name) for parameter in context.parameters),
+            *(context.response_label(target.name) for target in context.targets),
+        ],
+        rows=[_row(context, number, run) for number, run in enumerate(evaluations, 1)],
+        stages=sorted({evaluation.proposal.stage for evaluation in evaluations}),
+        failed=sum(1 for evaluation in evaluations if evaluation.failures),
+        folder=plain(shlex.quote(context.reading.folder.absolute().name)),
+        learnt=len(context.reading.learnt),
+    )
+    return Section("runs", "Every run", html)
+
+
+def _row(context: ReportContext, count: int, evaluation: Evaluation) -> RunRow:
+    proposal = evaluation.proposal
+    responses = evaluation.responses
+    values: list[float | None] = [
+        *(proposal.parameters[parameter.name] for parameter in context.parameters),
+        *(
+            responses[target.name].value if target.name in responses else None
+            for target in context.targets
+        ),
+        deviation_in_tolerances(context.targets, evaluation),
+        evaluation.seconds,
+    ]
+    cells = [Cell(number(value), value) for value in values[:-2]]
+    cells += [Cell(number(value, 3), value) for value in values[-2:]]
+    return RunRow(
+        number=count,
+        stage=proposal.stage,
+        failures=[_failure(context, evaluation, test) for test in evaluation.failures],
+        cells=[*cells, Cell(str(proposal.seed), proposal.seed)],
+        identities=[identity[:_SHORT] for identity in evaluation.runs.values()],
+    )
+
+
+def _failure(context: ReportContext, evaluation: Evaluation, test: str) -> Failure:
+    record = context.reading.runs.get(evaluation.runs[test])
+    reason = evaluation.failures[test]
+    if len(evaluation.runs) > 1:
+        reason = f"{test}: {reason}"
+    return Failure(plain(reason), plain_lines(record.log_tail) if record else [])

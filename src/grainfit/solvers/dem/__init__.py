@@ -1,0 +1,1 @@
+"""DEM programs that simulate built-in bulk tests."""

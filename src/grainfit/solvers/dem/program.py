@@ -1,0 +1,225 @@
+"""A DEM program that runs the deck of a built-in bulk test."""
+
+from __future__ import annotations
+
+import math
+import shlex
+import subprocess
+import tempfile
+from abc import abstractmethod
+from collections.abc import Iterator, Mapping
+from functools import cached_property, lru_cache
+from pathlib import Path
+from typing import Any, ClassVar
+
+from grainfit.bulk_tests.base import BulkTest
+from grainfit.errors import (
+    Fault,
+    InputError,
+    NotMeasurableError,
+    RunFailedError,
+    SolverNotFoundError,
+)
+from grainfit.evaluation import Response
+from grainfit.files import log_tail
+from grainfit.materials.parameters import MATERIAL_PARAMETERS
+from grainfit.solvers.base import Solver, Workspace
+from grainfit.solvers.process.process import LOG_NAME, recorded_faults, run_process
+
+_HELP_SECONDS = 60.0
+
+
+class DeckSolver(Solver):
+    """Common ground of the DEM programs.
+
+    Parameters
+    ----------
+    test : BulkTest
+        What is simulated.
+    material : mapping of str to float
+        Those of the 14 material parameters that are fixed, by dotted name.
+    ranks : int
+        MPI ranks of one run. Several runs at once use a machine better than several ranks.
+    executable : str, optional
+        The program, where it is not found by its usual name. It may be named in somebody else's
+        calibration file, so that `check` does not start it.
+
+    Raises
+    ------
+    InputError
+        A parameter is unknown or physically impossible, or the number of ranks is below one.
+    """
+
+    #: Log that the program itself writes into the run folder.
+    _own_log: ClassVar[str]
+
+    def __init__(
+        self,
+        test: BulkTest,
+        material: Mapping[str, float],
+        ranks: int = 1,
+        executable: str | None = None,
+    ) -> None:
+        if ranks < 1:
+            raise InputError(Fault("ranks", f"{ranks} must be at least 1."))
+        _require_possible(material)
+        self.test = test
+        self.material = dict(material)
+        self.ranks = ranks
+        self.executable = executable
+
+    @property
+    def response_names(self) -> tuple[str, ...]:
+        """Names of the test's responses."""
+        return tuple(self.test.response_units)
+
+    def definition(self, parameters: Mapping[str, float], seed: int) -> dict[str, Any]:
+        """Return solver, version, ranks, test, all 14 material parameters and the seed."""
+        return {**self._common, "material": self.all_parameters(parameters), "seed": seed}
+
+    @cached_property
+    def _common(self) -> dict[str, Any]:
+        """What the definitions of all runs share; thousands are compared when a store is read."""
+        return {
+            "solver": self.name,
+            "version": self.version(),
+            # Another number of ranks sums forces in another order: another sample of a heap.
+            "ranks": self.ranks,
+            "test": self.test.definition(),
+        }
+
+    def all_parameters(self, parameters: Mapping[str, float]) -> dict[str, float]:
+        """Return all 14 material parameters, given the values of the free ones.
+
+        Raises
+        ------
+        InputError
+            A name is not one of the 14, a value is physically impossible, or one is missing.
+        """
+        values = {**self.material, **parameters}
+        _require_possible(values)
+        missing = [name for name in MATERIAL_PARAMETERS if name not in values]
+        if missing:
+            raise InputError([Fault(name, "has no value.") for name in missing])
+        return {name: float(values[name]) for name in MATERIAL_PARAMETERS}
+
+    def run(
+        self, parameters: Mapping[str, float], seed: int, workspace: Workspace
+    ) -> dict[str, Response]:
+        """Write the deck, run the program, measure.
+
+        Raises
+        ------
+        RunFailedError
+            The program failed, the simulation went wrong, or a response cannot be measured.
+        """
+        material = self.all_parameters(parameters)
+        with recorded_faults(workspace):
+            deck = self.test.write_deck(workspace.folder, self.name, material, seed)
+            self._simulate(deck, workspace)
+            try:
+                return self.test.measure(workspace.folder)
+            except NotMeasurableError as error:
+                tail = log_tail(workspace.folder / self._own_log)
+                raise RunFailedError(str(error), tail, kind="evaluation") from error
+
+    def _simulate(self, deck: Path, workspace: Workspace) -> None:
+        """Run the program; in its own words where it fails, if it has any."""
+        own_log = workspace.folder / self._own_log
+        try:
+            run_process(self._command(deck), workspace)
+        except RunFailedError as error:
+            message = _error_line(workspace.folder / LOG_NAME) or _error_line(own_log)
+            reason = f"{self.name}: {message}"
+            if error.kind != "simulation" or not message:
+                reason = error.reason
+            # What a program has not written out when it is killed is in no log of ours.
+            tail = error.log_tail or log_tail(own_log)
+            raise RunFailedError(reason, tail, error.kind) from error
+
+    def check(self) -> None:
+        """Raise `SolverNotFoundError` unless the program is there.
+
+        The one of the usual name is asked whether it is what it should be; one that was named is
+        asked by the first run only, when its version is wanted.
+        """
+        self.executes()
+        if self.executable is None:
+            self.version()
+
+    def executes(self) -> tuple[str, ...]:
+        """Say which command runs the decks; raises when a program of it is not there."""
+        return (shlex.join(self._command(Path(f"in.{self.name}"))),)
+
+    @abstractmethod
+    def version(self) -> str:
+        """Ask the program for its version.
+
+        Raises
+        ------
+        SolverNotFoundError
+            It is not there, or is not the program that the decks need.
+        """
+
+    @abstractmethod
+    def _command(self, deck: Path) -> list[str]:
+        """Return the command that runs a deck in its own folder."""
+
+
+@lru_cache(maxsize=8)
+def program_help(program: str, install: str) -> str:
+    """Return what a DEM program says of itself with ``-h``.
+
+    Raises
+    ------
+    SolverNotFoundError
+        It does not run; ``install`` says how to get one that does.
+    """
+    try:
+        # LIGGGHTS writes a log wherever it is started, even to show its help.
+        with tempfile.TemporaryDirectory() as folder:
+            done = subprocess.run(
+                [program, "-h"],
+                cwd=folder,
+                stdin=subprocess.DEVNULL,
+                capture_output=True,
+                text=True,
+                timeout=_HELP_SECONDS,
+                check=False,
+            )
+    except (OSError, subprocess.TimeoutExpired) as error:
+        raise SolverNotFoundError(f"{program} does not run: {error}. {install}") from error
+    return done.stdout
+
+
+def _error_line(log: Path) -> str:
+    """Return the program's own error message, or an empty text."""
+    try:
+        lines = log.read_text(encoding="utf-8", errors="replace").splitlines()
+    except OSError:
+        return ""
+    return next((line.strip() for line in lines if line.startswith("ERROR")), "")
+
+
+def _require_possible(material: Mapping[str, float]) -> None:
+    faults = list(_impossible(material))
+    if faults:
+        raise InputError(faults)
+
+
+def _impossible(material: Mapping[str, float]) -> Iterator[Fault]:
+    for name, value in material.items():
+        if name not in MATERIAL_PARAMETERS:
+            yield Fault(
+                name,
+                "is not a material parameter.",
+                f"Use one of {', '.join(MATERIAL_PARAMETERS)}.",
+            )
+            continue
+        known = MATERIAL_PARAMETERS[name]
+        if not (math.isfinite(value) and known.lowest <= value <= known.highest):
+            yield Fault(
+                name,
+                f"{value:g} is outside {known.lowest:g} to {known.highest:g} {known.unit}".rstrip()
+                + ".",
+            )

@@ -1,0 +1,398 @@
+"""Any program as a solver: a folder with the user's own deck, and a command to start in it."""
+
+from __future__ import annotations
+
+import os
+import shlex
+import shutil
+import sys
+import sysconfig
+import time
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from fnmatch import fnmatchcase
+from functools import cached_property
+from json import JSONDecodeError, loads
+from pathlib import Path
+from typing import Any
+
+from grainfit.errors import Fault, GrainfitError, InputError, RunFailedError, SolverNotFoundError
+from grainfit.evaluation import Response
+from grainfit.files import log_tail
+from grainfit.formatting import variable_name
+from grainfit.solvers.base import Solver, Workspace
+from grainfit.solvers.own_model import measure_folder
+from grainfit.solvers.own_model.exchange import finite_parameters, read_responses
+from grainfit.solvers.own_model.model_folder import ModelFolder
+from grainfit.solvers.own_model.model_input import (
+    INCLUDE_NAME,
+    JSON_NAME,
+    Templates,
+    template_context,
+    write_parameters,
+)
+from grainfit.solvers.own_model.python_file import PythonFile
+from grainfit.solvers.process.process import LOG_NAME, recorded_faults, run_process
+
+RESPONSES_NAME = "responses.json"
+EVALUATION_LOG_NAME = "evaluation.log"
+_TEMPLATE_SUFFIX = ".j2"
+_NAMED_FILES = 8
+
+
+class Command(Solver):
+    """A user's own model: a folder, and the command that simulates in a copy of it.
+
+    For each run the folder's files are copied (see `ModelFolder`), the templates among them are
+    filled in, and all values are written to ``parameters.json`` (``{"particle.density": 2100.0,
+    ..., "seed": 7}``) and to ``parameters.inc`` (``variable particle_density equal 2100.0``, for
+    LAMMPS and LIGGGHTS to include). Then the command is started in the copy, without a shell, and
+    the responses are read from a JSON file that it wrote, or from a Python function that looks at
+    the folder, in a process of its own.
+
+    Templates and the command's arguments are Jinja2: ``{{ particle.density }}``, ``{{ seed }}``,
+    ``{{ parameters["any name"] }}``.
+
+    Parameters
+    ----------
+    folder : path
+        The model.
+    command : sequence of str
+        Program and arguments. A program without a slash is looked for on the PATH, beside the
+        running Python and in the folder; one with a slash in the folder.
+    parameters : mapping of str to float, optional
+        Values of what is not free; handed on with the free parameters.
+    templates : sequence of str
+        File name patterns. ``deck.in.j2`` becomes ``deck.in``; other names are kept.
+    responses : str
+        JSON file that the command writes: ``{"name": value}`` or
+        ``{"name": {"value": ..., "standard_error": ...}}``.
+    evaluate : str, optional
+        ``"evaluate.py:measure"``, used instead of ``responses``: a file, in the folder unless the
+        path is absolute, and a function in it, ``measure(folder: Path) -> dict`` of response
+        name to a number, a pair of value and standard error, or a `Response`.
+    response_names : sequence of str, optional
+        Responses that every run must yield.
+    name : str
+        Shown to the user.
+
+    Raises
+    ------
+    InputError
+        The command is empty, program or responses are outside the folder, or the evaluation names
+        no function in a file.
+    """
+
+    def __init__(
+        self,
+        folder: str | Path,
+        command: Sequence[str],
+        *,
+        parameters: Mapping[str, float] | None = None,
+        templates: Sequence[str] = (f"*{_TEMPLATE_SUFFIX}",),
+        responses: str = RESPONSES_NAME,
+        evaluate: str | None = None,
+        response_names: Sequence[str] | None = None,
+        name: str = "command",
+    ) -> None:
+        if isinstance(command, str) or not command or not all(command):
+            raise InputError(
+                Fault(
+                    "command",
+                    f"is {command!r}.",
+                    'Give program and arguments as a list: ["lmp", "-in", "in.deck"].',
+                )
+            )
+        if not Path(command[0]).is_absolute() and ".." in Path(command[0]).parts:
+            # It would be another file from the run's folder than from the model's.
+            raise InputError(
+                Fault(
+                    "command",
+                    f"{command[0]!r} is outside the model's folder.",
+                    "Put the program into the folder, or give its whole path.",
+                )
+            )
+        if Path(responses).is_absolute() or ".." in Path(responses).parts:
+            raise InputError(
+                Fault("responses", f"{responses!r} is outside the run's folder.", "Name a file.")
+            )
+        self.name = name
+        self._command = tuple(command)
+        self._fixed = finite_parameters(parameters or {})
+        self._templates = tuple(templates)
+        self._responses = responses
+        self._evaluate = evaluate
+        self._response_names = None if response_names is None else tuple(response_names)
+        self._model = ModelFolder(Path(folder).absolute(), self._is_written_anew)
+        self._evaluation()
+
+    @property
+    def response_names(self) -> tuple[str, ...] | None:
+        """Names of the responses, if they were given."""
+        return self._response_names
+
+    def check(self) -> None:
+        """Raise when no run could succeed; nothing of the user's is executed.
+
+        Raises
+        ------
+        InputError
+            The folder or a file is missing or cannot be copied, a template has a syntax error, or
+            the evaluation's file does not define the function.
+        SolverNotFoundError
+            The program is not found.
+        """
+        self._model.check()
+        filler = self._filler()
+        for number, argument in enumerate(self._command[1:], start=1):
+            filler.check_text(argument, f"command[{number}]")
+        for name in self._template_files():
+            filler.check(name)
+        self._require_matches()
+        if (evaluation := self._evaluation()) is not None:
+            evaluation.check()
+        self._require_program()
+
+    def executes(self) -> tuple[str, ...]:
+        """Say which command runs, and which function evaluates the run."""
+        where = f"in a copy of {self._model.path.resolve()}"
+        program = _on_path(self._command[0]) or self._command[0]
+        lines = [f"{shlex.join([program, *self._command[1:]])}   ({where})"]
+        if (evaluation := self._evaluation()) is not None:
+            path = evaluation.path.resolve()
+            lines.append(f"{path}:{evaluation.function}   ({where}, in a Python process)")
+        return tuple(lines)
+
+    def definition(self, parameters: Mapping[str, float], seed: int) -> dict[str, Any]:
+        """Return the contents of all files, the command, all parameters and the seed.
+
+        Raises
+        ------
+        InputError
+            A value is not finite, or nothing in the model mentions a free parameter.
+        """
+        values = self._values(parameters)
+        template_context(values, seed)
+        self._require_mentioned(parameters)
+        return {
+            "solver": self.name,
+            "command": list(self._command),
+            "templates": list(self._templates),
+            "responses": self._responses if self._evaluate is None else None,
+            **self._contents,
+            "parameters": values,
+            "seed": int(seed),
+        }
+
+    def run(
+        self, parameters: Mapping[str, float], seed: int, workspace: Workspace
+    ) -> dict[str, Response]:
+        """Copy the model, fill it in, run the command, and take its responses.
+
+        Raises
+        ------
+        RunFailedError
+            The command failed, or gave no usable responses.
+        InputError
+            A parameter is unknown, or a template names one that has no value.
+        """
+        if workspace.cancelled.is_set():
+            raise RunFailedError("stopped by the user", kind="cancelled")
+        values = self._values(parameters)
+        self._require_mentioned(parameters)
+        started = time.monotonic()
+        with recorded_faults(workspace):
+            command = self._prepare(values, int(seed), workspace.folder)
+            run_process(command, workspace)
+            evaluation = self._evaluation()
+            if evaluation is not None:
+                self._measure(evaluation, workspace, started)
+            return self._read_responses(workspace.folder, evaluation)
+
+    def _values(self, parameters: Mapping[str, float]) -> dict[str, float]:
+        return {**self._fixed, **finite_parameters(parameters)}
+
+    def _evaluation(self) -> PythonFile | None:
+        return PythonFile(self._evaluate, self._model.path) if self._evaluate else None
+
+    def _filler(self) -> Templates:
+        return Templates(self._model.read, str(self._model.path))
+
+    # --- what the model is -------------------------------------------------------------------
+
+    def _is_template(self, name: str) -> bool:
+        return any(fnmatchcase(name, pattern) for pattern in self._templates)
+
+    def _template_files(self) -> list[str]:
+        return [name for name in self._model.files() if self._is_template(name)]
+
+    def _is_written_anew(self, name: str) -> bool:
+        """Whether a file of the user's (from trying the model by hand) is replaced in each run."""
+        if name in (JSON_NAME, INCLUDE_NAME, LOG_NAME, EVALUATION_LOG_NAME):
+            return True
+        if name == self._responses_name:
+            return True
+        template = name + _TEMPLATE_SUFFIX
+        return self._is_template(template) and (self._model.path / template).is_file()
+
+    @property
+    def _responses_name(self) -> str:
+        return self._responses if self._evaluate is None else RESPONSES_NAME
+
+    @cached_property
+    def _contents(self) -> dict[str, Any]:
+        """Contents of the model when it was first asked for."""
+        return self._contents_now()
+
+    def _contents_now(self) -> dict[str, Any]:
+        evaluation = self._evaluation()
+        return {
+            "files": self._model.hashes(),
+            "evaluate": None if evaluation is None else evaluation.identity(),
+        }
+
+    @cached_property
+    def _text(self) -> bytes:
+        """All in which a parameter can be mentioned."""
+        contents = [self._model.read(name) for name in self._model.files()]
+        return b"\n".join([*(os.fsencode(argument) for argument in self._command), *contents])
+
+    # --- checks ------------------------------------------------------------------------------
+
+    def _require_matches(self) -> None:
+        default = f"*{_TEMPLATE_SUFFIX}"
+        faults = [
+            Fault("templates", f"no file matches {pattern!r}.", "Name a file of the folder.")
+            for pattern in self._templates
+            if pattern != default
+            and not any(fnmatchcase(name, pattern) for name in self._model.files())
+        ]
+        if faults:
+            raise InputError(faults, str(self._model.path))
+
+    def _require_mentioned(self, parameters: Mapping[str, float]) -> None:
+        """A parameter that the model never reads would be calibrated to noise."""
+        if JSON_NAME.encode() in self._text:
+            return
+        faults = [
+            Fault(
+                name,
+                "is mentioned nowhere in the model, which therefore cannot depend on it.",
+                f"Use {{{{ {name} }}}} in a template or in the command, or include "
+                f"{INCLUDE_NAME} and use the variable {variable_name(name)}, or read {JSON_NAME}.",
+            )
+            for name in parameters
+            # The last part may be all that a template says: {% set p = particle %}{{ p.density }}.
+            if name.rpartition(".")[2].encode() not in self._text
+            and variable_name(name).encode() not in self._text
+        ]
+        if faults:
+            raise InputError(faults, str(self._model.path))
+
+    def _require_program(self) -> None:
+        program = self._command[0]
+        if _on_path(program):
+            return
+        path = self._model.path / program
+        template = Path(f"{path}{_TEMPLATE_SUFFIX}")
+        found = next((file for file in (path, template) if file.is_file()), None)
+        if found is None:
+            raise SolverNotFoundError(
+                f"the program {program!r} is neither on the PATH nor in {self._model.path}. "
+                "Install it, or give its path."
+            )
+        if not os.access(found, os.X_OK):
+            raise InputError(
+                Fault(found.name, "cannot be executed.", f"Allow it: chmod +x '{found}'"),
+                str(self._model.path),
+            )
+
+    # --- a run -------------------------------------------------------------------------------
+
+    def _prepare(self, values: Mapping[str, float], seed: int, folder: Path) -> list[str]:
+        """Make the run's folder ready; return the command."""
+        context = template_context(values, seed)
+        filler = self._filler()
+        if self._contents_now() != self._contents:
+            raise RunFailedError(
+                f"the files in {self._model.path} were changed while the calibration is running; "
+                "start it again",
+                kind="machine",
+            )
+        self._model.copy(folder)
+        for name in self._template_files():
+            text = filler.fill(name, context)
+            (folder / name).unlink()
+            target = folder / name.removesuffix(_TEMPLATE_SUFFIX)
+            target.write_text(text, encoding="utf-8")
+            shutil.copymode(self._model.path / name, target)
+        write_parameters(folder, values, seed)
+        arguments = [
+            filler.fill_text(argument, f"command[{number}]", context)
+            for number, argument in enumerate(self._command[1:], start=1)
+        ]
+        return [_on_path(self._command[0]) or str(folder / self._command[0]), *arguments]
+
+    def _measure(self, evaluation: PythonFile, workspace: Workspace, started: float) -> None:
+        """Evaluate the folder in a process of its own, in what is left of the time."""
+        file = evaluation.path
+        if file.is_relative_to(self._model.path):
+            file = workspace.folder / file.relative_to(self._model.path)
+        program = [sys.executable, "-P", measure_folder.__file__]
+        # What the simulation may have left must not pass for the evaluation's result.
+        (workspace.folder / RESPONSES_NAME).unlink(missing_ok=True)
+        left = None
+        if workspace.timeout is not None:
+            left = max(0.0, workspace.timeout - (time.monotonic() - started))
+        try:
+            run_process(
+                [*program, str(file), evaluation.function, RESPONSES_NAME],
+                replace(workspace, timeout=left),
+                log_name=EVALUATION_LOG_NAME,
+            )
+        except RunFailedError as error:
+            if error.kind in ("cancelled", "machine"):
+                raise
+            if error.kind == "timeout":
+                reason = (
+                    f"simulation and evaluation took longer than the time-out of "
+                    f"{workspace.timeout:g} s"
+                )
+                raise RunFailedError(reason, error.log_tail, "timeout") from error
+            what = error.log_tail.rstrip().rpartition("\n")[2] or error.reason
+            raise RunFailedError(
+                f"{file.name}:{evaluation.function} failed: {what}", error.log_tail, "evaluation"
+            ) from error
+
+    def _read_responses(self, folder: Path, evaluation: PythonFile | None) -> dict[str, Response]:
+        name = self._responses_name
+        origin = name if evaluation is None else f"{evaluation.path.name}:{evaluation.function}"
+        tail = log_tail(folder / LOG_NAME)
+        try:
+            text = (folder / name).read_text(encoding="utf-8")
+            return read_responses(loads(text), self._response_names, origin)
+        except FileNotFoundError:
+            reason = f"the command ended without writing {name}; it left {self._left(folder)}"
+        except OSError as error:
+            reason = f"{name} cannot be read: {error.strerror}"
+        except JSONDecodeError as error:
+            reason = f"{name} is not valid JSON (cut short?): {error}"
+        except (ValueError, RecursionError) as error:
+            reason = f"{name} is not valid JSON: {error}"
+        except GrainfitError as error:
+            reason = str(error)
+        raise RunFailedError(reason, tail, "evaluation")
+
+    def _left(self, folder: Path) -> str:
+        known = {name.removesuffix(_TEMPLATE_SUFFIX) for name in self._model.files()}
+        known |= {JSON_NAME, INCLUDE_NAME}
+        left = sorted(path.name for path in folder.iterdir() if path.name not in known)
+        more = ", ..." if len(left) > _NAMED_FILES else ""
+        return ", ".join(left[:_NAMED_FILES]) + more
+
+
+def _on_path(program: str) -> str | None:
+    """Find a program on the PATH, or beside the running Python, where pip puts programs."""
+    if "/" in program:
+        return shutil.which(program) if Path(program).is_absolute() else None
+    return shutil.which(program) or shutil.which(program, path=sysconfig.get_path("scripts"))

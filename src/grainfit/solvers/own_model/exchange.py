@@ -1,0 +1,121 @@
+"""What a user's own model is given and what it gives back, checked at the border."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
+from numbers import Real
+from typing import Any
+
+from grainfit.errors import Fault, InputError, RunFailedError
+from grainfit.evaluation import Response
+
+_RESPONSE_FORMS = (
+    "A response is a number, a pair of value and standard error, or "
+    '{"value": ..., "standard_error": ...}.'
+)
+
+
+def finite_parameters(parameters: Mapping[str, float]) -> dict[str, float]:
+    """Return the parameters as plain floats.
+
+    Raises
+    ------
+    InputError
+        A value is not a finite number; all of them are named.
+    """
+    faults = [
+        Fault(str(name), f"is {value!r}, not a finite number.", "Give a finite number.")
+        for name, value in parameters.items()
+        if not _is_finite(value)
+    ]
+    if faults:
+        raise InputError(faults)
+    return {name: float(value) for name, value in parameters.items()}
+
+
+def read_responses(
+    found: Any, expected: Sequence[str] | None = None, origin: str = "the model"
+) -> dict[str, Response]:
+    """Check and convert the responses that a user's own model gave.
+
+    Parameters
+    ----------
+    found : object
+        Should be a mapping of response name to a number, a pair of value and standard error, a
+        mapping with ``value`` and perhaps ``standard_error``, or a `Response`.
+    expected : sequence of str, optional
+        Responses that must be there; others are kept where they can be read. None: all must.
+    origin : str
+        Where the responses come from, for the message.
+
+    Raises
+    ------
+    RunFailedError
+        Of kind ``"evaluation"``: what is wrong, and what was found.
+    """
+    if not isinstance(found, Mapping):
+        raise _unusable(f"{origin} gave {_short(found)}, not responses by name")
+    if not found:
+        raise _unusable(f"{origin} gave no responses")
+    missing = [name for name in expected or () if name not in found]
+    if missing:
+        there = ", ".join(map(str, found))
+        raise _unusable(f"{origin} gave no response {', '.join(missing)}; there are: {there}")
+    names = list(found) if expected is None else list(expected)
+    responses = {_response_name(n, origin): _response(n, found[n], origin) for n in names}
+    return responses | _others(found, responses)
+
+
+def _others(found: Mapping[Any, Any], expected: Mapping[str, Response]) -> dict[str, Response]:
+    """Keep what else the model gave, if it is a response: it may be a target one day."""
+    others = {}
+    for name in found:
+        if isinstance(name, str) and name and name not in expected:
+            with suppress(RunFailedError):
+                others[name] = _response(name, found[name], "the model")
+    return others
+
+
+def _response_name(name: Any, origin: str) -> str:
+    if not isinstance(name, str) or not name:
+        raise _unusable(f"{origin} gave a response named {_short(name)}; a name is a text")
+    return name
+
+
+def _response(name: str, found: Any, origin: str) -> Response:
+    value, standard_error = _value_and_error(name, found, origin)
+    for number, words in ((value, ""), (standard_error, "standard error of ")):
+        if not _is_finite(number):
+            raise _unusable(f"{words}response {name} from {origin} is {_short(number)}")
+    if standard_error < 0:
+        raise _unusable(f"standard error of response {name} from {origin} is {standard_error}")
+    return Response(float(value), float(standard_error))
+
+
+def _value_and_error(name: str, found: Any, origin: str) -> tuple[Any, Any]:
+    if isinstance(found, Response):
+        return found.value, found.standard_error
+    if isinstance(found, Mapping) and "value" in found:
+        return found["value"], found.get("standard_error", 0.0)
+    if isinstance(found, (tuple, list)) and len(found) == 2:
+        return found[0], found[1]
+    if isinstance(found, Real):
+        return found, 0.0
+    raise _unusable(f"response {name} from {origin} is {_short(found)}. {_RESPONSE_FORMS}")
+
+
+def _is_finite(value: Any) -> bool:
+    # A comparison that slipped in instead of a number is a mistake, not 0 or 1.
+    return isinstance(value, Real) and not isinstance(value, bool) and math.isfinite(value)
+
+
+def _short(found: Any) -> str:
+    # NumPy's numbers show their type, which helps nobody here.
+    text = str(found) if isinstance(found, Real) else " ".join(repr(found).split())
+    return text if len(text) <= 60 else f"{text[:57]}..."
+
+
+def _unusable(reason: str) -> RunFailedError:
+    return RunFailedError(reason, kind="evaluation")

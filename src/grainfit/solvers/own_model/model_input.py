@@ -1,0 +1,167 @@
+"""How parameter values and a seed reach a user's own model: templates and files to include."""
+
+from __future__ import annotations
+
+import json
+import traceback
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any, TypeVar
+
+import jinja2
+import jinja2.nodes
+from jinja2.sandbox import SandboxedEnvironment
+
+from grainfit.errors import Fault, InputError
+from grainfit.formatting import variable_name
+
+#: For programs that read JSON: values by dotted name, and ``seed``.
+JSON_NAME = "parameters.json"
+#: For LAMMPS and LIGGGHTS to ``include``: one ``variable NAME equal VALUE`` a line.
+INCLUDE_NAME = "parameters.inc"
+
+_Result = TypeVar("_Result")
+_SEED = "seed"
+_ALL = "parameters"
+
+
+def write_parameters(folder: Path, values: Mapping[str, float], seed: int) -> None:
+    """Write the values and the seed as files for a model to read."""
+    (folder / JSON_NAME).write_text(
+        json.dumps({**values, _SEED: seed}, indent=1) + "\n", encoding="utf-8"
+    )
+    lines = [f"variable {variable_name(name)} equal {value!r}" for name, value in values.items()]
+    lines.append(f"variable {_SEED} equal {seed}")
+    (folder / INCLUDE_NAME).write_text("\n".join(lines) + "\n", encoding="utf-8")
+
+
+def template_context(values: Mapping[str, float], seed: int) -> dict[str, Any]:
+    """Return what templates can say: ``particle.density``, ``seed``, ``parameters["x"]``.
+
+    Raises
+    ------
+    InputError
+        Two names cannot be told apart by a template or a solver, or one is reserved.
+    """
+    _require_distinct(values)
+    root = SimpleNamespace()
+    for name, value in values.items():
+        *sections, key = name.split(".")
+        table = root
+        for section in sections:
+            table = vars(table).setdefault(section, SimpleNamespace())
+        vars(table)[key] = value
+    return {**vars(root), _ALL: dict(values), _SEED: seed}
+
+
+def _require_distinct(values: Mapping[str, float]) -> None:
+    faults = []
+    seen: dict[str, str] = {}
+    for name in values:
+        root = name.split(".")[0]
+        if root in (_SEED, _ALL):
+            faults.append(Fault(name, f"{root!r} is reserved.", "Give it another name."))
+        other = seen.setdefault(variable_name(name), name)
+        if other != name:
+            faults.append(
+                Fault(name, f"is the same solver variable as {other}.", "Rename one of them.")
+            )
+        if any(longer.startswith(f"{name}.") for longer in values):
+            faults.append(Fault(name, "is the beginning of another name too.", "Rename it."))
+    if faults:
+        raise InputError(faults)
+
+
+class Templates:
+    """Jinja2 templates of a model: an undefined name is an error, never an empty text.
+
+    Parameters
+    ----------
+    read : callable
+        Returns the contents of a file of the model by name.
+    source : str
+        The model's folder, for messages.
+    """
+
+    def __init__(self, read: Callable[[str], bytes], source: str) -> None:
+        self._source = source
+        self._read = read
+
+        def load(name: str) -> str | None:
+            try:
+                return read(name).decode("utf-8")
+            except InputError:
+                return None
+
+        # A template may come from somebody else: it is to format values and reach nothing else.
+        self._environment = SandboxedEnvironment(
+            undefined=jinja2.StrictUndefined,
+            keep_trailing_newline=True,
+            loader=jinja2.FunctionLoader(load),
+        )
+
+    def check(self, name: str) -> None:
+        """Raise `InputError` with the line unless a file is a valid template; nothing is filled in.
+
+        Raises
+        ------
+        InputError
+            The file is no text, or has a syntax error.
+        """
+        self._guarded(name, lambda: self._parse(self._read(name).decode("utf-8"), name))
+
+    def check_text(self, text: str, where: str) -> None:
+        """Raise `InputError` unless a text is a valid template."""
+        self._guarded(where, lambda: self._parse(text, where))
+
+    def _parse(self, text: str, name: str) -> None:
+        """Parse only: Jinja2 calculates constants as it compiles; 9**(9**9) takes for ever."""
+        tree = self._environment.parse(text, name)
+        known: Mapping[str, Any]
+        for kind, known in (
+            (jinja2.nodes.Filter, self._environment.filters),
+            (jinja2.nodes.Test, self._environment.tests),
+        ):
+            for node in tree.find_all(kind):
+                if node.name not in known:
+                    word = kind.__name__.lower()
+                    raise jinja2.TemplateAssertionError(
+                        f"No {word} named {node.name!r}.", node.lineno, name
+                    )
+
+    def fill(self, name: str, context: Mapping[str, Any]) -> str:
+        """Fill in a file of the model.
+
+        Raises
+        ------
+        InputError
+            The template is faulty, or names a parameter that has no value.
+        """
+        return self._guarded(name, lambda: self._environment.get_template(name).render(context))
+
+    def fill_text(self, text: str, where: str, context: Mapping[str, Any]) -> str:
+        """Fill in a text; see `fill`."""
+        return self._guarded(where, lambda: self._environment.from_string(text).render(context))
+
+    def _guarded(self, name: str, act: Callable[[], _Result]) -> _Result:
+        try:
+            return act()
+        except jinja2.TemplateSyntaxError as error:
+            where = error.name or name
+            fault = Fault(f"{where}, line {error.lineno}", f"is not a valid template: {error}.")
+        except jinja2.TemplateNotFound as error:
+            fault = Fault(name, f"there is no template {error.name!r} in the folder.")
+        except UnicodeDecodeError:
+            fault = Fault(name, "is not a text in UTF-8.", "Only texts can be templates.")
+        # An expression in a template can go wrong in every way that Python can.
+        except Exception as error:
+            fault = Fault(f"{name}{_line(error)}", f"cannot be filled in: {error}.")
+        raise InputError(fault, self._source)
+
+
+def _line(error: Exception) -> str:
+    """Line of the template in which an error happened, as far as Jinja2 tells."""
+    frames = traceback.extract_tb(error.__traceback__)
+    lines = [frame.lineno for frame in frames if frame.filename == "<template>"]
+    return f", line {lines[-1]}" if lines else ""

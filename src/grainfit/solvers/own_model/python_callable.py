@@ -1,0 +1,290 @@
+"""A Python function as a solver."""
+
+from __future__ import annotations
+
+import dis
+import functools
+import hashlib
+import inspect
+import json
+import sys
+import traceback
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from pathlib import Path
+from types import CodeType
+from typing import Any
+
+import numpy as np
+
+from grainfit.errors import Fault, GrainfitError, InputError, RunFailedError
+from grainfit.evaluation import Response
+from grainfit.solvers.base import Solver, Workspace
+from grainfit.solvers.own_model.exchange import finite_parameters, read_responses
+from grainfit.solvers.own_model.python_file import PythonFile
+from grainfit.solvers.process.faults import machine_error
+
+Function = Callable[[dict[str, float], int], Mapping[str, Any]]
+
+_TRACEBACK_LINES = 20
+
+
+class PythonCallable(Solver):
+    """A Python function that simulates: called in this process, perhaps from several threads.
+
+    Such a function can be neither ended from outside nor timed out: cancelling takes effect before
+    its next call. Simulations that take long or may crash belong in a `Command`.
+
+    Parameters
+    ----------
+    function : callable
+        ``function(parameters: dict[str, float], seed: int) -> dict``: responses by name, each a
+        number, a pair of value and standard error, or a `Response`.
+    response_names : sequence of str, optional
+        Responses that every run must yield; others are then left out.
+    name : str
+        Shown to the user.
+    identity : str, optional
+        What the function computes, in a word of the user's (``"funnel model 3"``): runs of equal
+        identity, parameters and seed are the same run and are not repeated. By default it is the
+        function's module, qualified name and a hash of its source code; where there is no source
+        (an interactive session), of its byte code; where there is neither, the name alone. With it
+        goes the plain data that the function holds: enclosing variables, default arguments,
+        arguments of a `functools.partial`, and attributes of the object that it is or is a method
+        of, as far as they are numbers, strings, None, NumPy arrays, or lists, tuples, dicts and
+        sets of these. So a list that the function itself appends to makes it another function;
+        variables that it declares ``nonlocal`` and assigns to are left out. Globals, other
+        functions and other objects are not seen: give an identity when they change.
+
+    Raises
+    ------
+    InputError
+        The function cannot be called.
+    """
+
+    uses_folder = False
+
+    def __init__(
+        self,
+        function: Function,
+        response_names: Sequence[str] | None = None,
+        name: str = "python",
+        identity: str | None = None,
+    ) -> None:
+        if not callable(function):
+            raise InputError(
+                Fault(
+                    "simulate",
+                    f"{function!r} cannot be called.",
+                    "Give a function of the parameters by name and a seed.",
+                )
+            )
+        self.name = name
+        self._function = function
+        self._response_names = None if response_names is None else tuple(response_names)
+        self._identity = identity
+
+    @classmethod
+    def from_file(
+        cls,
+        reference: str,
+        response_names: Sequence[str] | None = None,
+        name: str = "python",
+        folder: Path | None = None,
+    ) -> PythonCallable:
+        """Take a function from a file, ``"path/to/file.py:function"``.
+
+        The file is executed when the first run starts, not before. The whole file decides the
+        identity of runs.
+
+        Raises
+        ------
+        InputError
+            The reference has another form.
+        """
+        return cls(PythonFile(reference, folder), response_names, name)
+
+    @property
+    def response_names(self) -> tuple[str, ...] | None:
+        """Names of the responses, if they were given."""
+        return self._response_names
+
+    def check(self) -> None:
+        """Raise `InputError` when a file is to define the function and does not."""
+        if isinstance(self._function, PythonFile):
+            self._function.check()
+
+    def executes(self) -> tuple[str, ...]:
+        """Say which function of which file is called."""
+        if not isinstance(self._function, PythonFile):
+            return ()
+        path = self._function.path.resolve()
+        return (f"{path}:{self._function.function}   (within grainfit itself)",)
+
+    def definition(self, parameters: Mapping[str, float], seed: int) -> dict[str, Any]:
+        """Return the function's identity, the parameters and the seed."""
+        return {
+            "solver": self.name,
+            "function": self._function_identity,
+            "parameters": finite_parameters(parameters),
+            "seed": int(seed),
+        }
+
+    @functools.cached_property
+    def _function_identity(self) -> Any:
+        if self._identity is not None:
+            return self._identity
+        if isinstance(self._function, PythonFile):
+            return self._function.identity()
+        return _identity(self._function)
+
+    def run(
+        self, parameters: Mapping[str, float], seed: int, workspace: Workspace
+    ) -> dict[str, Response]:
+        """Call the function once.
+
+        Raises
+        ------
+        RunFailedError
+            The function raised an exception, or did not return finite responses.
+        """
+        values = finite_parameters(parameters)
+        if workspace.cancelled.is_set():
+            raise RunFailedError("stopped by the user", kind="cancelled")
+        try:
+            found = self._function(values, int(seed))
+        except RunFailedError:
+            raise
+        # A function that ends the process it is in would end the whole calibration.
+        except (Exception, SystemExit) as error:
+            tail = "\n".join("".join(traceback.format_exc()).splitlines()[-_TRACEBACK_LINES:])
+            if reason := machine_error(error):
+                raise RunFailedError(reason, tail, "machine") from error
+            raise RunFailedError(_one_line(error), tail, "evaluation") from error
+        return read_responses(found, self._response_names, "the function")
+
+
+def _one_line(error: BaseException) -> str:
+    text = " ".join(str(error).split())
+    # Errors that grainfit raises on purpose speak for themselves.
+    return text if isinstance(error, GrainfitError) else f"{type(error).__name__}: {text}"
+
+
+def _identity(function: Any) -> dict[str, Any]:
+    """Name and code of a function, a method, a partial, or an object that can be called."""
+    if isinstance(function, functools.partial):
+        return {
+            **_identity(function.func),
+            "given": _data_hash([function.args, function.keywords]),
+        }
+    described = function if hasattr(function, "__qualname__") else type(function)
+    identity = {
+        "function": f"{described.__module__}.{described.__qualname__}",
+        "source": _source_hash(function),
+    }
+    held = [data for layer in _layers(function) if (data := _held_data(layer))]
+    return {**identity, "data": _data_hash(held)} if held else identity
+
+
+def _layers(function: Any) -> Iterator[Any]:
+    """The function, what its decorators wrapped, and the object that it belongs to."""
+    if not inspect.isroutine(function) and not isinstance(function, type):
+        yield function
+        function = type(function).__call__
+    while function is not None:
+        yield function
+        function = getattr(function, "__wrapped__", None)
+
+
+def _held_data(layer: Any) -> dict[str, Any]:
+    """Values that a function holds, or attributes of an object, by name."""
+    if not inspect.isroutine(layer):
+        return dict(getattr(layer, "__dict__", {}))
+    code = getattr(layer, "__code__", None)
+    names = code.co_freevars if code is not None else ()
+    cells = dict(zip(names, getattr(layer, "__closure__", None) or (), strict=False))
+    changing = _assigned(code) if code is not None else set()
+    owner = getattr(layer, "__self__", None) if inspect.ismethod(layer) else None
+    held = {
+        "closure": {
+            name: _cell_contents(cell) for name, cell in cells.items() if name not in changing
+        },
+        "defaults": getattr(layer, "__defaults__", None),
+        "keyword defaults": getattr(layer, "__kwdefaults__", None),
+        "object": None if isinstance(owner, type) else dict(getattr(owner, "__dict__", {})),
+    }
+    return {name: values for name, values in held.items() if values}
+
+
+def _assigned(code: CodeType) -> set[str]:
+    """Enclosing variables that the code assigns to: they are what it did, not what it is."""
+    found = {
+        str(step.argval)
+        for step in dis.get_instructions(code)
+        if step.opname in ("STORE_DEREF", "DELETE_DEREF") and step.argval in code.co_freevars
+    }
+    inner = [constant for constant in code.co_consts if isinstance(constant, CodeType)]
+    return found.union(*(_assigned(part) & set(code.co_freevars) for part in inner))
+
+
+def _cell_contents(cell: Any) -> Any:
+    try:
+        return cell.cell_contents
+    except ValueError:
+        # A variable that has no value yet.
+        return None
+
+
+def _data_hash(value: Any) -> str:
+    return hashlib.sha256(json.dumps(_plain(value)).encode()).hexdigest()
+
+
+def _plain(value: Any, outer: tuple[int, ...] = ()) -> Any:
+    """Data as JSON that is the same in every process; of anything else the type's name."""
+    if value is None:
+        return None
+    if isinstance(value, (np.ndarray, np.generic)):
+        return _plain_array(np.asarray(value), outer)
+    for kind in (bool, int, float, complex, str, bytes):
+        if isinstance(value, kind):
+            return [kind.__name__, kind.__repr__(value)]
+    if not isinstance(value, (list, tuple, Mapping, set, frozenset)) or id(value) in outer:
+        return f"{type(value).__module__}.{type(value).__qualname__}"
+    outer = (*outer, id(value))
+    if isinstance(value, (list, tuple)):
+        return ["sequence", [_plain(item, outer) for item in value]]
+    items = value.items() if isinstance(value, Mapping) else value
+    return ["unordered", sorted((_plain(item, outer) for item in items), key=json.dumps)]
+
+
+def _plain_array(array: np.ndarray[Any, Any], outer: tuple[int, ...]) -> Any:
+    # The bytes of an array of objects are addresses.
+    if array.dtype.hasobject:
+        content = _plain(array.tolist(), outer) if array.ndim else _plain(array.item(), outer)
+    else:
+        content = hashlib.sha256(array.tobytes()).hexdigest()
+    return ["array", str(array.dtype), list(array.shape), content]
+
+
+def _source_hash(function: Any) -> str | None:
+    routine = inspect.unwrap(function)
+    if not inspect.isroutine(routine):
+        routine = type(routine).__call__
+    try:
+        return hashlib.sha256(inspect.getsource(routine).encode()).hexdigest()
+    except (OSError, TypeError):
+        code = getattr(routine, "__code__", None)
+    return None if code is None else hashlib.sha256(repr(_instructions(code)).encode()).hexdigest()
+
+
+def _instructions(code: CodeType) -> tuple[Any, ...]:
+    """Byte code and constants, without file names and line numbers."""
+    # Byte code means another thing in another version of Python.
+    version = sys.version_info[:2]
+    return (version, code.co_code.hex(), code.co_names, [_constant(c) for c in code.co_consts])
+
+
+def _constant(constant: Any) -> Any:
+    if isinstance(constant, CodeType):
+        return _instructions(constant)
+    # The order of a set differs from process to process.
+    return sorted(map(repr, constant)) if isinstance(constant, frozenset) else repr(constant)

@@ -1,0 +1,1 @@
+"""Processes of solvers: start, end, and the faults they die of."""

@@ -1,0 +1,241 @@
+"""Run a solver as an external process that can be timed out, cancelled, and found after a crash."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import time
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from typing import NamedTuple
+
+from grainfit.errors import RunFailedError, SolverNotFoundError
+from grainfit.files import end_of_file, last_lines, log_tail, text_of
+from grainfit.solvers.base import Workspace
+from grainfit.solvers.process.faults import Cause, cause_of_exit, machine_error, machine_fault
+from grainfit.solvers.process.run_folder import REMOVED, RunFolder
+
+LOG_NAME = "solver.log"
+#: Variable in the environment of solvers, by which they are known after a crash.
+_MARK = "GRAINFIT_RUN"
+_POLL_SECONDS = 0.02
+_GRACE_SECONDS = 2.0
+#: How often the folder is looked for.
+_WATCH_SECONDS = 0.5
+_ENVIRONMENT = {
+    "OMP_NUM_THREADS": "1",
+    # Within a job of a cluster, mpiexec of MPICH, Intel MPI and Open MPI would have the scheduler
+    # start the ranks, with as many as there are tasks in the job; a run stays on its machine.
+    "HYDRA_LAUNCHER": "fork",
+    "HYDRA_RMK": "user",
+    "I_MPI_HYDRA_BOOTSTRAP": "fork",
+    "I_MPI_HYDRA_RMK": "user",
+    "OMPI_MCA_plm": "isolated",
+    "OMPI_MCA_ras": "^slurm",
+    "PRTE_MCA_plm": "isolated",
+    "PRTE_MCA_ras": "^slurm",
+}
+
+
+def run_process(
+    command: Sequence[str],
+    workspace: Workspace,
+    environment: Mapping[str, str] | None = None,
+    log_name: str = LOG_NAME,
+) -> float:
+    """Run a command in the workspace's folder to its end; return the wall time, s.
+
+    Standard output and error go to a log in the folder, ``solver.log`` unless another name is
+    given. No shell is involved. The process leads its own group, so that a time-out or Ctrl-C ends
+    all of its MPI ranks too. The same happens soon after the folder was removed or renamed.
+
+    Raises
+    ------
+    RunFailedError
+        The program cannot be started, ends with a non-zero code, is killed by a signal, takes
+        longer than the workspace allows, loses its folder, or is cancelled.
+    OSError
+        The folder cannot be written; see `recorded_faults`.
+    """
+    started = time.monotonic()
+    # Read back through the open file, which outlives its removal.
+    with RunFolder(workspace.folder) as folder, (workspace.folder / log_name).open("w+b") as log:
+        try:
+            process = subprocess.Popen(
+                list(command),
+                cwd=workspace.folder,
+                stdin=subprocess.DEVNULL,
+                stdout=log,
+                stderr=subprocess.STDOUT,
+                env={**os.environ, **_ENVIRONMENT, _MARK: "", **(environment or {})},
+                start_new_session=True,
+            )
+        # ValueError: an argument that no program can be given, such as one with a zero byte.
+        except (OSError, ValueError) as error:
+            reason = getattr(error, "strerror", None) or error
+            raise RunFailedError(
+                f"cannot start {command[0]!r}: {reason}", kind="machine"
+            ) from error
+        try:
+            stopped = _wait(process, workspace, started, folder)
+        finally:
+            _end(process)
+        text = end_of_file(log.fileno())
+        if stopped is None and process.returncode != 0:
+            # Without its folder a program ends for all kinds of reasons, of which this is the one.
+            gone = Cause(REMOVED, "machine") if folder.is_gone() else None
+            stopped = gone or cause_of_exit(command[0], process.returncode, text)
+    if stopped is not None:
+        raise RunFailedError(stopped.reason, last_lines(text), stopped.kind)
+    return time.monotonic() - started
+
+
+@contextmanager
+def recorded_faults(workspace: Workspace) -> Iterator[None]:
+    """Turn what fails within into a `RunFailedError` that says what it comes from.
+
+    A full disk shows as a file cut short, a folder that is gone as a missing one, and a solver
+    that got no licence may end with exit code 0 all the same: the responses that cannot be measured
+    then are the machine's fault.
+    """
+    path = workspace.folder
+    try:
+        with RunFolder(path) as folder:
+            try:
+                yield
+            except RunFailedError as error:
+                reason = "" if error.kind == "cancelled" else folder.fault()
+                if not reason and error.kind == "evaluation":
+                    reason = machine_fault(text_of(path / LOG_NAME))
+                if not reason or reason == error.reason:
+                    raise
+                raise RunFailedError(reason, error.log_tail, "machine") from error
+            except SolverNotFoundError as error:
+                raise RunFailedError(str(error), kind="machine") from error
+            except (OSError, MemoryError) as error:
+                reason = folder.fault() or machine_error(error)
+                if not reason and isinstance(error, OSError):
+                    reason = f"its folder cannot be used: {error}"
+                tail = log_tail(path / LOG_NAME)
+                raise RunFailedError(reason, tail, "machine") from error
+    except OSError as error:
+        raise RunFailedError(f"its folder cannot be used: {error}", kind="machine") from error
+
+
+def _wait(
+    process: subprocess.Popen[bytes], workspace: Workspace, started: float, folder: RunFolder
+) -> Cause | None:
+    """Wait for the end of a process; return why it must be ended before, if it must."""
+    delay = _POLL_SECONDS / 10
+    watched = started
+    while process.poll() is None:
+        now = time.monotonic()
+        if workspace.cancelled.is_set():
+            return Cause("stopped by the user", "cancelled")
+        if workspace.timeout is not None and now - started > workspace.timeout:
+            reason = f"took longer than its time-out of {workspace.timeout:g} s and was ended"
+            return Cause(reason, "timeout")
+        if now - watched > _WATCH_SECONDS:
+            if folder.is_gone():
+                return Cause(REMOVED, "machine")
+            watched = now
+        time.sleep(delay)
+        delay = min(delay * 2, _POLL_SECONDS)
+    return None
+
+
+def _end(process: subprocess.Popen[bytes]) -> None:
+    end_process_group(process.pid)
+    # A process that waits for a disk that does not answer cannot even be killed.
+    with suppress(subprocess.TimeoutExpired):
+        process.wait(_GRACE_SECONDS)
+
+
+def end_process_group(leader: int) -> None:
+    """End a process group and all that it started: ask first, then kill.
+
+    MPI launchers give their ranks groups or sessions of their own, so that the group is not all.
+    Nothing happens when it is gone already.
+    """
+    family = _descendants(leader)
+    for number, grace in ((signal.SIGTERM, _GRACE_SECONDS), (signal.SIGKILL, 0.0)):
+        try:
+            os.killpg(leader, number)
+        except (ProcessLookupError, PermissionError):
+            break
+        deadline = time.monotonic() + grace
+        while time.monotonic() < deadline and _is_alive(leader):
+            time.sleep(_POLL_SECONDS)
+        family |= _descendants(leader)
+    # A number may have been given to another process since.
+    left = [pid for pid, known in _processes(family).items() if known.born == family[pid]]
+    for pid in left:
+        with suppress(ProcessLookupError, PermissionError):
+            os.kill(pid, signal.SIGKILL)
+    deadline = time.monotonic() + _GRACE_SECONDS
+    while time.monotonic() < deadline and any(map(_is_alive, left)):
+        time.sleep(_POLL_SECONDS)
+
+
+class _Process(NamedTuple):
+    parent: int
+    #: In clock ticks since the machine was started.
+    born: int
+
+
+def _processes(pids: Iterable[int]) -> dict[int, _Process]:
+    found = {}
+    for pid in pids:
+        try:
+            status = Path(f"/proc/{pid}/stat").read_text(encoding="utf-8", errors="replace")
+        except OSError:
+            continue
+        words = status.rpartition(")")[2].split()
+        found[pid] = _Process(int(words[1]), int(words[19]))
+    return found
+
+
+def _descendants(pid: int) -> dict[int, int]:
+    """Return children, their children and so on, each with the time of its birth."""
+    everybody = _processes(int(path.name) for path in Path("/proc").glob("[0-9]*"))
+    found: dict[int, int] = {}
+    parents = {pid}
+    while parents:
+        children = {child for child, known in everybody.items() if known.parent in parents}
+        parents = children - found.keys()
+        found |= {child: everybody[child].born for child in parents}
+    return found
+
+
+def _is_alive(pid: int) -> bool:
+    try:
+        status = Path(f"/proc/{pid}/stat").read_text(encoding="utf-8", errors="replace")
+    except OSError:
+        return False
+    return status.rpartition(")")[2].split()[0] != "Z"
+
+
+def end_orphan(folder: Path) -> bool:
+    """End the solvers that a killed calibration left running in this folder, if there are any.
+
+    They carry a mark in their environment: whoever else works in the folder, such as a person who
+    looks at it, is left alone.
+    """
+    here = folder.resolve()
+    leaders = set()
+    for process in Path("/proc").glob("[0-9]*"):
+        try:
+            if (process / "cwd").readlink() == here and _is_marked(process):
+                leaders.add(os.getpgid(int(process.name)))
+        except OSError:
+            continue
+    for leader in leaders:
+        end_process_group(leader)
+    return bool(leaders)
+
+
+def _is_marked(process: Path) -> bool:
+    variables = (process / "environ").read_bytes().split(b"\0")
+    return any(variable.startswith(f"{_MARK}=".encode()) for variable in variables)

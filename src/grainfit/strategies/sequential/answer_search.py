@@ -1,0 +1,189 @@
+"""Which parameter set is the answer: the closest one, or the one that computes fastest."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from grainfit.metamodels.metamodels import Metamodels
+from grainfit.metamodels.time_steps import (
+    EQUAL_TIME_STEPS,
+    log_time_steps,
+    time_step_matters,
+    with_long_steps,
+)
+from grainfit.metamodels.unit_cube import (
+    gauss_newton,
+    points_about,
+    shrinking_search,
+    smallest,
+    spread_points,
+)
+from grainfit.problem import Problem
+from grainfit.strategies.sequential.feasibility import Experience
+
+Array = NDArray[np.float64]
+
+#: In squared tolerances, and beyond any misfit worth talking of.
+_FORBIDDEN = 1e6
+_STARTS = 64
+_DESCENTS = 12
+_CLOUD = 48
+_CLOUD_WIDTH = 0.12
+
+
+class AnswerSearch:
+    """The answers that metamodels propose.
+
+    Parameters
+    ----------
+    metamodels : Metamodels
+        Of all responses.
+    experience : Experience
+        An answer must be a place where runs succeed.
+    runs : ndarray, shape (n, d)
+        Points that have been simulated.
+    seeds : sequence of int
+        Decide the searches, each of which draws anew from them: what is found does not depend on
+        what was sought before.
+    """
+
+    def __init__(
+        self,
+        metamodels: Metamodels,
+        experience: Experience,
+        runs: Array,
+        seeds: Sequence[int],
+    ) -> None:
+        self.metamodels = metamodels
+        self._experience = experience
+        self._seeds = tuple(seeds)
+        random = self._random()
+        dimension = metamodels.problem.dimension
+        everywhere = np.vstack([spread_points(_STARTS, dimension, random), runs])
+        starts, _ = smallest(self._misfit, np.clip(everywhere, 0.0, 1.0), _DESCENTS)
+        found = np.vstack([gauss_newton(metamodels, starts), starts])
+        #: Local minima of the expected misfit, best first, shape (m, d).
+        self.closest, _ = shrinking_search(self._misfit, found, random, width=0.05)
+        #: The best starts of the searches, shape (m, d).
+        self.starts = starts
+
+    @property
+    def problem(self) -> Problem:
+        """Whose answers they are."""
+        return self.metamodels.problem
+
+    def _random(self) -> np.random.Generator:
+        return np.random.default_rng(self._seeds)
+
+    def _misfit(self, points: Array) -> Array:
+        likely = self._experience.success_probability(points) > 0.5
+        return np.asarray(self.metamodels.misfit(points) + np.where(likely, 0.0, _FORBIDDEN))
+
+    def most_hopeful(self, standard_errors: float) -> Array:
+        """Point at which the targets are missed least, if at all, shape (d,).
+
+        It counts in favour of a point that little is known of it.
+
+        Parameters
+        ----------
+        standard_errors : float
+            By how many of them a target must be missed beyond its tolerance to count.
+        """
+
+        def shortfall(points: Array) -> Array:
+            return self.metamodels.shortfall(points, standard_errors)
+
+        starts = np.vstack([self.agreeing, self.closest, self.starts])
+        return np.asarray(shrinking_search(shortfall, starts, self._random())[0][0])
+
+    @cached_property
+    def agreeing(self) -> Array:
+        """Points all over the cube, moved to where they meet the targets, shape (m, d).
+
+        Half of them have the largest time step before they are moved.
+        """
+        points = spread_points(_STARTS, self.problem.dimension, self._random())
+        return gauss_newton(
+            self.metamodels, np.vstack([points, with_long_steps(self.problem, points)])
+        )
+
+    @cached_property
+    def candidates(self) -> Array:
+        """Points among which the answer will be, shape (m, d): about the best, and elsewhere."""
+        cloud = points_about(self.closest[:1], _CLOUD, _CLOUD_WIDTH, self._random())
+        return np.vstack([self.closest, cloud, self.starts])
+
+    def fastest(self, confidence: float) -> Array:
+        """Point with the largest time step that agrees with the measurements, shape (d,).
+
+        Of the points that agree with the demanded probability, the closest one among those whose
+        Rayleigh time step is the largest but for `EQUAL_TIME_STEPS`. The closest point of all
+        where none agrees or nothing free changes the time step.
+
+        Parameters
+        ----------
+        confidence : float
+            Demanded probability that all expected responses are within their tolerances.
+        """
+        closest = self.closest[0]
+        if self._agreement(closest[None])[0] < confidence or not time_step_matters(self.problem):
+            return np.asarray(closest)
+
+        def lack(points: Array) -> Array:
+            return _FORBIDDEN * np.maximum(confidence - self._agreement(points), 0.0)
+
+        def slowness(points: Array) -> Array:
+            return lack(points) - log_time_steps(self.problem, points)
+
+        random = self._random()
+        starts = np.vstack([self.candidates, self.agreeing])
+        fastest, _ = shrinking_search(slowness, starts, random, rounds=6, width=0.2)
+        enough = log_time_steps(self.problem, fastest[:1])[0] + math.log1p(-EQUAL_TIME_STEPS)
+
+        def remoteness(points: Array) -> Array:
+            missing = np.maximum(enough - log_time_steps(self.problem, points), 0.0)
+            return np.asarray(self._misfit(points) + lack(points) + _FORBIDDEN * missing)
+
+        found, _ = shrinking_search(remoteness, np.vstack([fastest, starts]), random, rounds=6)
+        return np.asarray(found[0])
+
+    def time_step_to_gain(self, answer: Array) -> tuple[Array, float]:
+        """Where a larger time step could still be had, and how much is expected of it.
+
+        Parameters
+        ----------
+        answer : ndarray, shape (d,)
+            The answer so far.
+
+        Returns
+        -------
+        point : ndarray, shape (d,)
+            Where the gain of the logarithm of the time step, times the probability that the point
+            agrees with the measurements, is largest.
+        gain : float
+            That product.
+
+        References
+        ----------
+        Schonlau, Welch & Jones (1998): expected improvement times probability of feasibility.
+        """
+        if not time_step_matters(self.problem):
+            return answer, 0.0
+        now = log_time_steps(self.problem, answer[None])[0]
+
+        def no_gain(points: Array) -> Array:
+            gain = np.maximum(log_time_steps(self.problem, points) - now, 0.0)
+            return np.asarray(-gain * self._agreement(points))
+
+        starts = np.vstack([self.candidates, self.agreeing, answer])
+        points, values = shrinking_search(no_gain, starts, self._random(), width=0.2)
+        return points[0], -float(values[0])
+
+    def _agreement(self, points: Array) -> Array:
+        likely = self._experience.success_probability(points) > 0.5
+        return np.asarray(self.metamodels.agreement(points) * likely)

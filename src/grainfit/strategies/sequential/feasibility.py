@@ -1,0 +1,64 @@
+"""Where runs can be expected to succeed, from where they have failed."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.distance import cdist
+
+from grainfit.evaluation import Evaluation
+from grainfit.problem import Problem
+
+Array = NDArray[np.float64]
+
+#: How far, per axis, a run tells about its neighbourhood.
+_REACH = 0.15
+#: How near a success must be to prove a place, as a share of that.
+_PROVEN = 0.25
+#: What is believed of a place before any run: as if one run had succeeded there.
+_PRIOR = 1.0
+
+
+class Experience:
+    """Probability that a run at a point succeeds: the share of successes among its neighbours.
+
+    A kernel estimate with a friendly prior: one failure halves the probability at its place, each
+    further one lowers it more. Runs that failed by a fault of the machine say nothing.
+
+    Parameters
+    ----------
+    problem : Problem
+        Whose unit cube is meant.
+    evaluations : sequence of Evaluation
+        What is known.
+    """
+
+    def __init__(self, problem: Problem, evaluations: Sequence[Evaluation]) -> None:
+        telling = [e for e in evaluations if not e.failed_by_machine]
+        self._failed = np.array([bool(e.failures) for e in telling], dtype=float)
+        self._points = np.array([problem.to_unit(e.proposal.parameters) for e in telling])
+
+    def success_probability(self, points: Array) -> Array:
+        """Probability that a run at each of some points succeeds, shape (m,)."""
+        if not self._failed.any():
+            return np.ones(len(points))
+        reach = self._reach
+        nearness = np.exp(-0.5 * (cdist(points, self._points) / reach) ** 2)
+        return np.asarray(1.0 - nearness @ self._failed / (_PRIOR + nearness.sum(axis=1)))
+
+    def is_proven(self, point: Array) -> bool:
+        """Whether a run has succeeded near a point, nearer than any has failed.
+
+        Where nothing has ever failed, everything is.
+        """
+        if not self._failed.any():
+            return True
+        distances = cdist(point[None], self._points)[0]
+        nearest = int(np.argmin(distances))
+        return bool(distances[nearest] <= _PROVEN * self._reach and not self._failed[nearest])
+
+    @property
+    def _reach(self) -> float:
+        return float(_REACH * np.sqrt(self._points.shape[1]))

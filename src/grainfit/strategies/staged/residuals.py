@@ -1,0 +1,77 @@
+"""Residuals of the least-squares fit, at responses and at metamodels."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from grainfit.metamodels.metamodels import Metamodels
+from grainfit.problem import Problem
+
+Vector = NDArray[np.float64]
+
+
+def residuals(problem: Problem, parameters: Mapping[str, float], responses: Vector) -> Vector:
+    """Residuals of the least-squares fit.
+
+    Parameters
+    ----------
+    problem : Problem
+        Targets and weights.
+    parameters : mapping of str to float
+        Values of the free parameters, which decide the Rayleigh criterion.
+    responses : ndarray, shape (number of targets,)
+        Responses in the order of the targets.
+
+    Returns
+    -------
+    ndarray, shape (number of targets + 1,)
+        Weighted relative deviations (equation 1), then the weighted Rayleigh criterion
+        (equation 2).
+
+    References
+    ----------
+    Rackl, Görnig, Hanley & Günthner (ECCOMAS 2016), equations 1 and 2.
+    """
+    deviations = [
+        target.weight * target.relative_deviation(float(response))
+        for target, response in zip(problem.targets, responses, strict=True)
+    ]
+    criterion = problem.rayleigh_weight * problem.rayleigh_criterion(parameters)
+    return np.array([*deviations, criterion])
+
+
+def expected_misfit(
+    problem: Problem, parameters: Mapping[str, float], means: Vector, variances: Vector
+) -> float:
+    """Expected sum of squared residuals when the responses are known with a variance.
+
+    A parameter set that is only believed to be good counts less than one that is known to be.
+    """
+    values = np.array([target.value for target in problem.targets])
+    weights = np.array([target.weight for target in problem.targets])
+    spread = float(np.sum(variances * (weights / values) ** 2))
+    return float(np.sum(residuals(problem, parameters, means) ** 2)) + spread
+
+
+def residuals_at(metamodels: Metamodels, point: Vector) -> Vector:
+    """Residuals of the expected responses at a point of the unit cube, see `residuals`."""
+    means, _ = metamodels.predict(point)
+    return residuals(metamodels.problem, metamodels.problem.from_unit(point), means[0])
+
+
+def expected_misfit_at(metamodels: Metamodels, point: Vector) -> float:
+    """Expected sum of squared residuals at a point of the unit cube."""
+    means, variances = metamodels.predict(point)
+    parameters = metamodels.problem.from_unit(point)
+    return expected_misfit(metamodels.problem, parameters, means[0], variances[0])
+
+
+def within_tolerance(problem: Problem, responses: Vector) -> bool:
+    """Whether every response deviates from its target by its tolerance at most."""
+    return all(
+        target.is_met_by(float(response))
+        for target, response in zip(problem.targets, responses, strict=True)
+    )

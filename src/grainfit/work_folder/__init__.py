@@ -1,0 +1,1 @@
+"""Work folders: what a calibration keeps, read and changed from outside."""

@@ -1,0 +1,112 @@
+"""Frees the disk of what solvers read and wrote in runs that have ended."""
+
+from __future__ import annotations
+
+import os
+import time
+from dataclasses import dataclass
+from pathlib import Path
+
+from grainfit.campaign.store.store import STORE_NAME, not_a_work_folder
+from grainfit.campaign.work_folder import PARTIAL_SUFFIX, hold, prune_run_folder, read_record
+from grainfit.errors import Fault, InputError
+
+_RUNS = "runs"
+
+
+@dataclass(frozen=True)
+class Pruned:
+    """What pruning a work folder did.
+
+    Parameters
+    ----------
+    folders, freed : int
+        Number of run folders in which something was removed, and bytes that it took.
+    faults : tuple of str
+        Folders in which not all could be removed, and why.
+    """
+
+    folders: int
+    freed: int
+    faults: tuple[str, ...] = ()
+
+
+def prune_runs(folder: Path, failed: bool = False) -> Pruned:
+    """Keep record, logs and pictures of the finished runs of a work folder, and remove the rest.
+
+    Nothing is known of the runs any less. Folders of runs that have not ended, and all that is not
+    a run's, are left alone; links are not followed.
+
+    Parameters
+    ----------
+    folder : Path
+        The work folder.
+    failed : bool
+        Whether those of failed runs are pruned too.
+
+    Raises
+    ------
+    InputError
+        It is not a work folder, or the folder of its runs is a link.
+    StoreError
+        It is in use.
+    """
+    if not (folder / STORE_NAME).is_file():
+        raise InputError(not_a_work_folder(folder))
+    if (folder / _RUNS).is_symlink():
+        raise InputError(
+            Fault(
+                "",
+                f"{str(folder / _RUNS)!r} is a link, and links are not followed.",
+                "Nothing was removed.",
+            )
+        )
+    wanted = ("finished", "failed") if failed else ("finished",)
+    folders, freed, faults = 0, 0, []
+    with hold(folder):
+        for path in sorted((folder / _RUNS).iterdir()):
+            if not _is_run_folder(path, wanted):
+                continue
+            try:
+                found = prune_run_folder(path)
+            except OSError as error:
+                faults.append(f"{path}: {error.strerror}")
+                continue
+            folders += found > 0
+            freed += found
+    return Pruned(folders, freed, tuple(faults))
+
+
+def _is_run_folder(path: Path, statuses: tuple[str, ...]) -> bool:
+    if path.is_symlink() or not path.is_dir() or path.suffix == PARTIAL_SUFFIX:
+        return False
+    record = read_record(path)
+    return record is not None and record.status in statuses
+
+
+def disk_use(folder: Path, seconds: float) -> int | None:
+    """Return the bytes that the run folders of a work folder take; links are not followed.
+
+    Parameters
+    ----------
+    folder : Path
+        The work folder.
+    seconds : float
+        After this time it is given up, and None returned.
+    """
+    end = time.monotonic() + seconds
+    total = 0
+    waiting = [str(folder / _RUNS)]
+    while waiting:
+        if time.monotonic() > end:
+            return None
+        try:
+            with os.scandir(waiting.pop()) as entries:
+                for entry in entries:
+                    if entry.is_dir(follow_symlinks=False):
+                        waiting.append(entry.path)
+                    else:
+                        total += entry.stat(follow_symlinks=False).st_size
+        except OSError:
+            continue
+    return total

@@ -1,0 +1,276 @@
+"""Takes runs that were made elsewhere into a work folder, as runs of a calibration file's test."""
+
+from __future__ import annotations
+
+import time
+from collections import defaultdict
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field, replace
+from itertools import count
+from pathlib import Path
+
+from grainfit.calibration_file.build import Assembly
+from grainfit.calibration_file.content import TestSpecification
+from grainfit.campaign.reuse import runs_of
+from grainfit.campaign.store.records import RunRecord, run_identity
+from grainfit.campaign.store.store import RunStore
+from grainfit.campaign.work_folder import hold, recover
+from grainfit.errors import Fault, InputError, SolverNotFoundError
+from grainfit.solvers.base import Solver
+from grainfit.work_folder.import_table import TableRow, read_import_table
+
+#: Runs whose seed is not known get the ones from here on: no calibration asks for seeds above
+#: 900,000,000.
+FIRST_SEED = 1_000_000_001
+_NAMED_LINES = 5
+
+
+@dataclass(frozen=True)
+class Imported:
+    """What came of an import.
+
+    Parameters
+    ----------
+    test : str
+        Test that they are runs of.
+    new, known, replaced : int
+        Runs that are there now and were not, that were there already, and that an earlier import of
+        this table had given other responses.
+    usable : int
+        Parameter sets, of all runs in the work folder, that a calibration of the file can learn
+        from.
+    notices : tuple of str
+        What the user should know.
+    """
+
+    test: str
+    new: int
+    known: int
+    replaced: int
+    usable: int
+    notices: tuple[str, ...] = ()
+
+
+def import_runs(assembly: Assembly, table: Path, folder: Path, test: str | None = None) -> Imported:
+    """Take the runs of a CSV table into a work folder.
+
+    Rows without a seed are runs of seeds of their own, so that those with equal parameters count as
+    repeats. The same table imported again changes nothing; where it was corrected, its runs are.
+
+    Parameters
+    ----------
+    assembly : Assembly
+        The calibration file.
+    table : Path
+        CSV file: a column for each free parameter and each target of the test, perhaps with a unit
+        in brackets; perhaps ``seed`` and ``<response>.standard_error``.
+    folder : Path
+        The work folder; is made when it is not there.
+    test : str, optional
+        Name of the test; needed when the file has several.
+
+    Raises
+    ------
+    InputError
+        With every fault of the table.
+    SolverNotFoundError
+        The test's solver is not installed: its version is part of what a run is.
+    StoreError
+        The work folder cannot be used.
+    """
+    specification = _specification(assembly, test)
+    rows, ignored = read_import_table(table, assembly, specification)
+    solver = assembly.solvers[specification.name]
+    try:
+        solver.version()
+    except SolverNotFoundError as error:
+        raise SolverNotFoundError(
+            f"{error} It is needed to import runs too: the version of the solver is part of what a "
+            "run is, and only runs of the version in use are used."
+        ) from error
+    origin = f"imported from {table.absolute()}"
+    with hold(folder):
+        store = RunStore.in_folder(folder)
+        try:
+            recover(folder, store)
+            importing = _Importing(specification.name, solver, origin, store)
+            importing.take(rows)
+            store.save_many(importing.records)
+            usable = len(runs_of(assembly.problem, assembly.solvers, store.runs("finished")))
+            notices = [
+                *_ignored(ignored),
+                *_outside(assembly, rows),
+                *importing.notices(),
+                *_not_by_earlier_ones(store),
+            ]
+        finally:
+            store.close()
+    numbers = importing.numbers
+    return Imported(
+        specification.name,
+        numbers["new"],
+        numbers["known"],
+        numbers["replaced"],
+        usable,
+        tuple(notices),
+    )
+
+
+def _specification(assembly: Assembly, test: str | None) -> TestSpecification:
+    tests = {specification.name: specification for specification in assembly.file.tests}
+    if test is None and len(tests) == 1:
+        return next(iter(tests.values()))
+    if test in tests:
+        return tests[test]
+    message = "must be given: the file has several tests." if test is None else f"is {test!r}."
+    raise InputError(Fault("--test", message, f"There are: {', '.join(tests)}."))
+
+
+@dataclass
+class _Importing:
+    """Finds the place of every row among the runs that are there."""
+
+    test: str
+    solver: Solver
+    origin: str
+    store: RunStore
+    now: float = field(default_factory=time.time)
+    records: list[RunRecord] = field(default_factory=list)
+    numbers: dict[str, int] = field(default_factory=lambda: defaultdict(int))
+    _taken: set[str] = field(default_factory=set)
+    _others: list[tuple[int, str]] = field(default_factory=list)
+    _left_over: int = 0
+
+    def take(self, rows: list[TableRow]) -> None:
+        """Note what is to be saved of each row."""
+        there = {record.identity: record for record in self.store.runs("finished")}
+        unnumbered: dict[tuple[float, ...], list[TableRow]] = defaultdict(list)
+        # Seeds that are given come first: no other run may take their place.
+        for row in rows:
+            if row.seed is None:
+                unnumbered[tuple(row.parameters.values())].append(row)
+            else:
+                self._take_one(row, self._place(row, row.seed), there)
+        for repeats in unnumbered.values():
+            self._take_repeats(repeats, there)
+        self._left_over = sum(
+            self._is_mine(record) and record.test == self.test
+            for identity, record in there.items()
+            if identity not in self._taken
+        )
+
+    def _take_one(self, row: TableRow, place: RunRecord, there: Mapping[str, RunRecord]) -> None:
+        known = there.get(place.identity)
+        if known is None or self._is_mine(known) or _is_alike(known, row):
+            self._fill(place, known)
+        else:
+            self._taken.add(place.identity)
+            self._others.append((row.line, known.origin or "made here"))
+
+    def _take_repeats(self, rows: list[TableRow], there: Mapping[str, RunRecord]) -> None:
+        """Give runs with the same parameters and no seed a seed each."""
+        places = self._places_for(rows, there)
+        others = []
+        for row in rows:
+            same = (
+                place
+                for place in places
+                if place.identity in there and _is_alike(there[place.identity], row)
+            )
+            if (place := next(same, None)) is None:
+                others.append(row)
+            else:
+                places.remove(place)
+                self._fill(replace(place, responses=row.responses), there[place.identity])
+        # What an earlier import of this table left over, it has other responses for now.
+        mine = [p for p in places if p.identity in there and self._is_mine(there[p.identity])]
+        empty = [place for place in places if place.identity not in there]
+        for row, place in zip(others, mine + empty, strict=False):
+            self._fill(replace(place, responses=row.responses), there.get(place.identity))
+
+    def _places_for(self, rows: list[TableRow], there: Mapping[str, RunRecord]) -> list[RunRecord]:
+        """Return the runs at the parameters of these rows: those there, and enough that are not."""
+        places: list[RunRecord] = []
+        empty = 0
+        seeds = count(FIRST_SEED)
+        while empty < len(rows):
+            place = self._place(rows[0], next(seeds))
+            if place.identity not in self._taken:
+                places.append(place)
+                empty += place.identity not in there
+        return places
+
+    def _is_mine(self, record: RunRecord) -> bool:
+        return record.origin == self.origin
+
+    def _place(self, row: TableRow, seed: int) -> RunRecord:
+        """Return the run that a row is with a seed."""
+        definition = self.solver.definition(row.parameters, seed)
+        return RunRecord(
+            run_identity(definition),
+            self.test,
+            "finished",
+            definition,
+            row.responses,
+            ended=self.now,
+            origin=self.origin,
+        )
+
+    def _fill(self, record: RunRecord, known: RunRecord | None) -> None:
+        self._taken.add(record.identity)
+        if known is not None and _is_alike(known, record):
+            self.numbers["known"] += 1
+            return
+        self.numbers["new" if known is None else "replaced"] += 1
+        self.records.append(record)
+
+    def notices(self) -> Iterator[str]:
+        """Say what was not taken, and what stays of earlier imports."""
+        for line, origin in self._others[:_NAMED_LINES]:
+            yield (
+                f"line {line}: this run is there already with other responses ({origin}); "
+                "it stays as it is."
+            )
+        if len(self._others) > _NAMED_LINES:
+            yield f"The same of {len(self._others) - _NAMED_LINES} more lines."
+        if self._left_over:
+            yield (
+                f"{_runs(self._left_over)} of an earlier import of this table are not in it any "
+                "more; they stay."
+            )
+
+
+def _is_alike(record: RunRecord, other: RunRecord | TableRow) -> bool:
+    return dict(record.responses) == dict(other.responses)
+
+
+def _ignored(columns: list[str]) -> Iterator[str]:
+    if columns:
+        yield f"Columns that are not used: {', '.join(columns)}."
+
+
+def _outside(assembly: Assembly, rows: list[TableRow]) -> Iterator[str]:
+    """Say which rows no calibration of the file as it is now can use."""
+    for parameter in assembly.problem.parameters:
+        lines = [
+            str(row.line) for row in rows if not parameter.contains(row.parameters[parameter.name])
+        ]
+        if lines:
+            some = ", ".join(lines[:_NAMED_LINES]) + (", ..." if len(lines) > _NAMED_LINES else "")
+            ends = f"{parameter.minimum:g} to {parameter.maximum:g} {parameter.unit}".rstrip()
+            yield (
+                f"Outside of the interval of {parameter.name} ({ends}), and not used while it is "
+                f"so: line {some}."
+            )
+
+
+def _not_by_earlier_ones(store: RunStore) -> Iterator[str]:
+    if store.latest_calibration() is not None:
+        yield (
+            "A calibration that was started in this folder before goes on without these runs. "
+            "Another one, such as one with another --seed, learns from them."
+        )
+
+
+def _runs(number: int) -> str:
+    return "1 run" if number == 1 else f"{number} runs"

@@ -1,0 +1,303 @@
+"""What a work folder tells of its calibration, read from outside while it may be running."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any, get_args
+
+from grainfit.calibration.provenance import Provenance
+from grainfit.campaign.campaign import evaluation_of
+from grainfit.campaign.store.records import CalibrationRecord, RequestRecord, RunRecord
+from grainfit.campaign.store.store import STORE_NAME, RunStore, not_a_work_folder
+from grainfit.campaign.work_folder import RESULT_NAME, is_held, read_record, run_folder
+from grainfit.errors import Fault, GrainfitError, InputError, StoreError
+from grainfit.evaluation import Evaluation, Proposal
+from grainfit.materials.parameters import MATERIAL_PARAMETERS
+from grainfit.materials.time_step import RayleighTimeStep
+from grainfit.problem import Parameter, Problem, Target
+from grainfit.result import Result, Status, damaged_result
+from grainfit.work_folder.status import read_result, state_of
+
+
+@dataclass(frozen=True)
+class CalibrationReading:
+    """What a work folder tells of the calibration that was started last.
+
+    Parameters
+    ----------
+    folder : Path
+        The work folder.
+    name, identity : str
+        What it is called, and what it is.
+    state : str
+        ``running``, or how it ended; ``interrupted`` also when its process died.
+    problem : Problem
+        What is calibrated; the intervals hold all that was asked for, also where they were moved.
+    strategy, seed : str, int
+        How runs were chosen.
+    evaluations : tuple of Evaluation
+        Every parameter set of which all runs have ended, in the order in which it was asked for.
+    learnt : tuple of Evaluation
+        What was known before from other calibrations, and was learnt from.
+    running : int
+        Runs under way.
+    runs : mapping of str to RunRecord
+        Runs of the evaluations, by identity.
+    result : Result, optional
+        What result.json holds; None while it runs.
+    result_fault : str
+        Why it cannot be used, if so.
+    fixed : mapping of str to float
+        Parameters that are not free, SI, as far as they are known.
+    units : mapping of str to str
+        SI units of free and fixed parameters.
+    source, source_text : str
+        Name of the calibration file and what stood in it; empty when started from Python.
+    version : str
+        Version of grainfit that started it.
+    workers : int
+        Runs at a time.
+    started : float
+        When it was started last, seconds since the epoch.
+    max_runs : int, optional
+        Largest number of DEM runs, where there was a limit.
+    failure : str
+        What stopped it, if it failed.
+    """
+
+    folder: Path
+    name: str
+    identity: str
+    state: str
+    problem: Problem
+    strategy: str
+    seed: int
+    evaluations: tuple[Evaluation, ...]
+    learnt: tuple[Evaluation, ...]
+    running: int
+    runs: Mapping[str, RunRecord]
+    result: Result | None
+    result_fault: str
+    fixed: Mapping[str, float]
+    units: Mapping[str, str]
+    source: str
+    source_text: str
+    version: str
+    workers: int
+    started: float
+    max_runs: int | None = None
+    failure: str = ""
+
+    @property
+    def why_nothing_agrees(self) -> str:
+        """Why no parameter set is in line with the measurements; "" where some may be."""
+        if self.state == "unreachable":
+            return "No parameter set within the intervals agrees with the measurements."
+        return ""
+
+    @property
+    def known(self) -> tuple[Evaluation, ...]:
+        """The evaluations, and behind them those that were learnt from and not asked for too."""
+        asked = set(map(_run_of, self.evaluations))
+        return (*self.evaluations, *(e for e in self.learnt if _run_of(e) not in asked))
+
+
+def _run_of(evaluation: Evaluation) -> tuple[float, ...]:
+    return (*evaluation.proposal.parameters.values(), evaluation.proposal.seed)
+
+
+def read_calibration(folder: Path) -> CalibrationReading:
+    """Read a work folder; nothing in it is changed, and nobody at work disturbed.
+
+    Raises
+    ------
+    StoreError
+        The folder is not a work folder, its store cannot be read, or nothing was ever calibrated
+        in it.
+    """
+    if not (folder / STORE_NAME).is_file():
+        raise StoreError(str(not_a_work_folder(folder)))
+    store = RunStore.read_only(folder)
+    try:
+        calibration = store.latest_calibration()
+        if calibration is None:
+            raise StoreError(
+                f"nothing has been calibrated in {str(folder)!r} yet. Start 'grainfit run' first."
+            )
+        requests = store.requests(calibration.identity)
+        learnt = _learnt(folder, calibration)
+        asked = {run for request in [*requests, *learnt] for run in request.runs.values()}
+        records = store.find_many(asked)
+    finally:
+        store.close()
+    state = state_of(calibration, is_held(folder))
+    if state == "failed":
+        # Failures that stopped it are forgotten, for the next start to make them again.
+        kept = (read_record(run_folder(folder, run)) for run in asked - records.keys())
+        records |= {record.identity: record for record in kept if record is not None}
+    with _naming(folder):
+        return _reading(folder, calibration, state, requests, learnt, records)
+
+
+@contextmanager
+def _naming(folder: Path) -> Iterator[None]:
+    """Say of a calibration that cannot be read where it is."""
+    try:
+        yield
+    except (GrainfitError, KeyError, TypeError, ValueError, AttributeError) as error:
+        raise StoreError(
+            f"the calibration that {str(folder / STORE_NAME)!r} tells of cannot be read: {error}. "
+            "It was written by another version of grainfit, or edited."
+        ) from error
+
+
+def _learnt(folder: Path, calibration: CalibrationRecord) -> list[RequestRecord]:
+    with _naming(folder):
+        known = calibration.about.get("learnt", [])
+        return [RequestRecord.from_row({"position": 0, **row}) for row in known]
+
+
+def _reading(
+    folder: Path,
+    calibration: CalibrationRecord,
+    state: str,
+    requests: Sequence[RequestRecord],
+    learnt: Sequence[RequestRecord],
+    records: Mapping[str, RunRecord],
+) -> CalibrationReading:
+    ended = [request for request in requests if _has_ended(request, records)]
+    evaluations = tuple(_evaluation(request, records) for request in ended)
+    used = {run for request in ended for run in request.runs.values()}
+    running = state == "running"
+    definition, about = calibration.definition, calibration.about
+    problem = _problem(definition, about, evaluations)
+    provenance = Provenance.from_json(about.get("provenance", {}))
+    result, fault = (None, "") if running else read_result(folder, calibration)
+    if result is not None and (why := _why_unusable(result, problem, state)):
+        result, fault = None, damaged_result(folder / RESULT_NAME, why)
+    free = {parameter.name: parameter.unit for parameter in problem.parameters}
+    fixed = {**_material(records.values(), free), **provenance.fixed}
+    known = {name: known.unit for name, known in MATERIAL_PARAMETERS.items()}
+    return CalibrationReading(
+        folder=folder,
+        name=calibration.name,
+        identity=calibration.identity,
+        state=state,
+        problem=problem,
+        strategy=str(definition["strategy"]),
+        seed=int(definition["seed"]),
+        evaluations=evaluations,
+        learnt=tuple(_evaluation(run, records) for run in learnt if _has_ended(run, records)),
+        running=sum(r.status == "running" for r in records.values()) if running else 0,
+        runs={identity: record for identity, record in records.items() if identity in used},
+        result=result,
+        result_fault=fault,
+        fixed=fixed,
+        units={n: u for n, u in {**known, **provenance.units, **free}.items() if n in fixed | free},
+        source=provenance.file,
+        source_text=provenance.text,
+        version=str(about.get("version", "")),
+        workers=int(about.get("workers", 1)),
+        started=calibration.started,
+        max_runs=about.get("max_runs"),
+        failure=str(about.get("failure", "")),
+    )
+
+
+def _why_unusable(result: Result, problem: Problem, state: str) -> str:
+    """Return why a result does not tell how this calibration ended; "" when it does."""
+    if state in get_args(Status) and state not in ("interrupted", result.status):
+        # What the last start found could not be written.
+        return f"it says {result.status!r} of a calibration that has ended as {state!r}"
+    if not (result.parameters or result.responses):
+        return ""
+    targets = {target.name: target.value for target in problem.targets}
+    fits = (
+        result.parameters.keys() == {parameter.name for parameter in problem.parameters}
+        and {name: found.target for name, found in result.responses.items()} == targets
+        and all(p.scale != "log" or result.parameters[p.name] > 0 for p in problem.parameters)
+    )
+    return "" if fits else "its parameters or targets are not those of the calibration"
+
+
+def _problem(
+    definition: Mapping[str, Any], about: Mapping[str, Any], evaluations: Iterable[Evaluation]
+) -> Problem:
+    # Older versions kept it beside the definition.
+    rayleigh = definition.get("rayleigh") or about.get("rayleigh")
+    return Problem(
+        [_widened(Parameter(**data), evaluations) for data in definition["parameters"]],
+        [Target(**data) for data in definition["targets"]],
+        RayleighTimeStep(rayleigh["radius"], rayleigh["fixed"]) if rayleigh else None,
+        float(definition.get("rayleigh_weight") or about.get("rayleigh_weight", 0.0)),
+    )
+
+
+def _widened(parameter: Parameter, evaluations: Iterable[Evaluation]) -> Parameter:
+    """Hold all values that were asked for: a strategy may move a bound that is in the way."""
+    values = [evaluation.proposal.parameters[parameter.name] for evaluation in evaluations]
+    low, high = parameter.minimum, parameter.maximum
+    return replace(parameter, minimum=min([low, *values]), maximum=max([high, *values]))
+
+
+def _material(runs: Iterable[RunRecord], free: Iterable[str]) -> dict[str, float]:
+    """Fixed material parameters, as the definition of a built-in test has them."""
+    for record in runs:
+        material = record.definition.get("material")
+        if isinstance(material, dict):
+            return {name: float(v) for name, v in material.items() if name not in free}
+    return {}
+
+
+def _has_ended(request: RequestRecord, records: Mapping[str, RunRecord]) -> bool:
+    return all(run in records and records[run].status != "running" for run in request.runs.values())
+
+
+def _evaluation(request: RequestRecord, records: Mapping[str, RunRecord]) -> Evaluation:
+    proposal = Proposal(request.parameters, request.seed, request.stage)
+    return evaluation_of(proposal, {test: records[run] for test, run in request.runs.items()})
+
+
+def read_answer(reading: CalibrationReading) -> Result:
+    """Return the result of a calibration that has an answer.
+
+    Raises
+    ------
+    InputError
+        There is none yet.
+    StoreError
+        The result is damaged.
+    """
+    if reading.result_fault:
+        raise StoreError(reading.result_fault)
+    if reading.result is None or not reading.result.parameters:
+        raise InputError(_no_answer(reading))
+    return reading.result
+
+
+def _no_answer(reading: CalibrationReading) -> Fault:
+    folder = str(reading.folder)
+    message, remedy = {
+        "running": (
+            f"the calibration in {folder!r} is running.",
+            f"Wait for its end: grainfit status {folder}",
+        ),
+        "interrupted": (
+            f"the calibration in {folder!r} was interrupted before.",
+            "Start it again: it goes on where it was.",
+        ),
+        "failed": (
+            f"the calibration in {folder!r} failed.",
+            f"Mend what made it fail and start it again: grainfit status {folder}",
+        ),
+    }.get(
+        reading.state,
+        (
+            f"{str(reading.folder / RESULT_NAME)!r} is missing.",
+            "Start the calibration again: it is written anew, and no finished run is repeated.",
+        ),
+    )
+    return Fault("", f"there is no answer yet; {message}", remedy)

@@ -1,0 +1,145 @@
+"""How far the calibration in a work folder is, read from outside while it may be running."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from grainfit.campaign.store.records import CalibrationRecord, RequestRecord, RunRecord
+from grainfit.campaign.store.store import STORE_NAME, RunStore, not_a_work_folder
+from grainfit.campaign.work_folder import RESULT_NAME, is_held
+from grainfit.errors import StoreError
+from grainfit.result import Result
+
+
+@dataclass(frozen=True)
+class FailedRun:
+    """A run that gave no responses."""
+
+    folder: str
+    reason: str
+    log_tail: str
+
+
+@dataclass(frozen=True)
+class WorkdirStatus:
+    """State of a work folder.
+
+    Parameters
+    ----------
+    name : str
+        Name of the calibration that was started last; empty when there is none.
+    state : str
+        ``running``, or how it ended; ``interrupted`` also when its process died.
+    finished, asked : mapping of str to int
+        Number of DEM runs by stage.
+    running : int
+        Runs under way.
+    failed : tuple of FailedRun
+        Runs of this calibration that failed.
+    kept : int
+        Finished runs in the store, those of other calibrations included.
+    result : Result, optional
+        What result.json holds, when there is one.
+    result_fault : str
+        Why it cannot be used, if so.
+    failure : str
+        What stopped the calibration, if it failed.
+    """
+
+    name: str
+    state: str
+    finished: Mapping[str, int]
+    asked: Mapping[str, int]
+    running: int
+    failed: tuple[FailedRun, ...]
+    kept: int
+    result: Result | None
+    result_fault: str = ""
+    failure: str = ""
+
+
+def read_status(folder: Path) -> WorkdirStatus:
+    """Read the state of a work folder; nothing in it is changed, and nobody at work disturbed.
+
+    Raises
+    ------
+    StoreError
+        The folder is not a work folder, or its store cannot be read.
+    """
+    if not (folder / STORE_NAME).exists():
+        raise StoreError(str(not_a_work_folder(folder)))
+    store = RunStore.read_only(folder)
+    try:
+        states = store.states()
+        failed = {record.identity: record for record in store.runs("failed")}
+        calibration = store.latest_calibration()
+        requests = store.requests(calibration.identity) if calibration else []
+    finally:
+        store.close()
+    state = state_of(calibration, is_held(folder))
+    running = state == "running"
+    result, fault = (None, "") if running else read_result(folder, calibration)
+    return WorkdirStatus(
+        name=calibration.name if calibration else "",
+        state=state,
+        finished=_by_stage(requests, states, ("finished", "failed")),
+        asked=_by_stage(requests, None, ()),
+        running=sum(state == "running" for state in states.values()) if running else 0,
+        failed=tuple(_failures(folder, requests, failed)),
+        kept=sum(state == "finished" for state in states.values()),
+        result=result,
+        result_fault=fault,
+        failure=str(calibration.about.get("failure", "")) if calibration and not running else "",
+    )
+
+
+def state_of(calibration: CalibrationRecord | None, held: bool) -> str:
+    """Return whether a calibration is running, or how it ended."""
+    if calibration is None:
+        return "running" if held else "not started"
+    # Another command may be at work in the folder of a calibration that has ended.
+    if held and calibration.status == "running":
+        return "running"
+    return "interrupted" if calibration.status == "running" else calibration.status
+
+
+def _by_stage(
+    requests: list[RequestRecord],
+    known: Mapping[str, str] | None,
+    states: tuple[str, ...],
+) -> Mapping[str, int]:
+    return Counter(
+        request.stage
+        for request in requests
+        for identity in request.runs.values()
+        if known is None or known.get(identity) in states
+    )
+
+
+def _failures(
+    folder: Path, requests: list[RequestRecord], failed: Mapping[str, RunRecord]
+) -> list[FailedRun]:
+    wanted = {identity for request in requests for identity in request.runs.values()}
+    return [
+        FailedRun(str(folder / "runs" / record.identity), record.reason, record.log_tail)
+        for record in failed.values()
+        if record.identity in wanted
+    ]
+
+
+def read_result(folder: Path, calibration: CalibrationRecord | None) -> tuple[Result | None, str]:
+    """Read the result of a calibration, or why there is none that can be used.
+
+    That of an earlier calibration in the folder is not this one's, and no fault.
+    """
+    path = folder / RESULT_NAME
+    if calibration is None or not path.exists():
+        return None, ""
+    try:
+        result = Result.from_json(path)
+    except StoreError as error:
+        return None, str(error)
+    return (result if result.identity == calibration.identity else None), ""

@@ -1,0 +1,578 @@
+"""A whole calibration through the Python interface."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import textwrap
+import time
+from collections.abc import Callable, Mapping
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import grainfit as gf
+from grainfit.result import RunSummary
+from grainfit.solvers.own_model.python_callable import PythonCallable
+
+
+def drum(parameters: dict[str, float], seed: int) -> dict[str, float]:
+    """Dynamic angles of a drum at two speeds, with the scatter of real runs."""
+    random = np.random.default_rng(seed)
+    friction, cohesion = parameters["rolling_friction"], parameters["cohesion"] / 7e4
+    return {
+        "angle_10rpm": 25 + 25 * friction + 4 * cohesion + 0.5 * random.standard_normal(),
+        "angle_30rpm": 35 + 14 * friction + 9 * cohesion + 0.5 * random.standard_normal(),
+    }
+
+
+def problem(first: float = 36.0) -> gf.Problem:
+    return gf.Problem(
+        parameters=[
+            gf.Parameter("rolling_friction", 0.05, 0.7),
+            gf.Parameter("cohesion", 0, 7e4),
+        ],
+        targets=[
+            gf.Target("angle_10rpm", first, uncertainty=0.5),
+            gf.Target("angle_30rpm", 44.0, uncertainty=0.5),
+        ],
+    )
+
+
+def test_the_python_interface_calibrates_and_writes_its_result(tmp_path: Path) -> None:
+    result = gf.calibrate(
+        problem(), simulate=drum, strategy="staged", max_runs=60, workers=2, seed=1
+    )
+    assert result.status == "calibrated"
+    assert result.runs.design == 26
+    assert result.runs.total <= 60
+    assert result.runs.total == (
+        result.runs.design + result.runs.optimisation + result.runs.verification
+    )
+    for name, target in (("angle_10rpm", 36.0), ("angle_30rpm", 44.0)):
+        response = result.responses[name]
+        assert response.verified_mean == pytest.approx(target, abs=0.5)
+        assert response.deviation_percent == pytest.approx(
+            100 * (response.verified_mean - target) / target
+        )
+    result.to_json(tmp_path / "result.json")
+    data = json.loads((tmp_path / "result.json").read_text())
+    assert data["status"] == "calibrated"
+    assert data["parameters"] == dict(result.parameters)
+    assert set(data["responses"]["angle_10rpm"]) >= {
+        "target",
+        "predicted",
+        "std_error",
+        "verified_mean",
+        "verified_std_error",
+        "deviation_percent",
+    }
+    assert set(data["runs"]) == {
+        "design",
+        "optimisation",
+        "verification",
+        "failed",
+        "reused",
+        "total",
+        "learnt_from",
+    }
+    assert data["rayleigh_time_step"] is None
+    assert data["wall_seconds"] > 0
+
+
+def test_the_same_seed_and_one_worker_give_the_same_calibration_bit_for_bit() -> None:
+    first, second = (gf.calibrate(problem(), drum, seed=3) for _ in range(2))
+    assert first.parameters == second.parameters
+    assert first.history == second.history
+    assert first.responses == second.responses
+
+
+def test_the_number_of_workers_changes_nothing_of_a_staged_calibration_but_the_time() -> None:
+    one, four = (
+        gf.calibrate(problem(), drum, strategy="staged", seed=3, workers=workers)
+        for workers in (1, 4)
+    )
+    assert one.parameters == four.parameters
+
+
+def test_started_again_nothing_is_repeated(tmp_path: Path) -> None:
+    calls = 0
+
+    def counted(parameters: dict[str, float], seed: int) -> dict[str, float]:
+        nonlocal calls
+        calls += 1
+        return drum(parameters, seed)
+
+    first = gf.calibrate(problem(), counted, workdir=tmp_path)
+    made = calls
+    second = gf.calibrate(problem(), counted, workdir=tmp_path)
+    assert calls == made == first.runs.total
+    assert second.runs.reused == second.runs.total == first.runs.total
+    assert second.parameters == first.parameters
+
+
+def test_several_workers_started_again_repeat_nothing_either(tmp_path: Path) -> None:
+    # Runs that were under way when it was decided come back after the answer: they must not
+    # change it when it is all done again.
+    def slow(parameters: dict[str, float], seed: int) -> dict[str, float]:
+        time.sleep(0.01 + 0.02 * (seed % 3))
+        return drum(parameters, seed)
+
+    first, second = (
+        gf.calibrate(problem(), slow, workdir=tmp_path, workers=3, seed=2) for _ in range(2)
+    )
+    assert second.runs.reused == second.runs.total == first.runs.total
+    assert second.parameters == first.parameters
+    assert 0 < first.utilisation <= 1
+    assert second.utilisation == 0
+
+
+@pytest.mark.parametrize("interrupted_at", [3, 7, 9, 13])
+def test_interrupted_and_started_again_it_asks_what_it_would_have_asked(
+    tmp_path: Path, interrupted_at: int
+) -> None:
+    undisturbed = gf.calibrate(problem(), drum, seed=3)
+    calls = 0
+
+    def with_ctrl_c(parameters: dict[str, float], seed: int) -> dict[str, float]:
+        nonlocal calls
+        calls += 1
+        if calls == interrupted_at:
+            raise KeyboardInterrupt
+        return drum(parameters, seed)
+
+    stopped = gf.calibrate(problem(), with_ctrl_c, workdir=tmp_path, seed=3)
+    assert stopped.status == "interrupted"
+    result = gf.calibrate(problem(), with_ctrl_c, workdir=tmp_path, seed=3)
+    asked = [(run.stage, run.parameters, run.seed) for run in result.history]
+    assert asked == [(run.stage, run.parameters, run.seed) for run in undisturbed.history]
+    assert result.runs.reused == interrupted_at - 1
+
+
+def test_interrupted_while_it_recalls_what_it_knows_it_forgets_nothing(tmp_path: Path) -> None:
+    undisturbed = gf.calibrate(problem(), drum, seed=3)
+
+    def stop_at(done: int) -> Callable[[gf.Progress], None]:
+        def on_progress(progress: gf.Progress) -> None:
+            if progress.done == done:
+                raise KeyboardInterrupt
+
+        return on_progress
+
+    for done in (9, 0):
+        stopped = gf.calibrate(problem(), drum, workdir=tmp_path, seed=3, on_progress=stop_at(done))
+        assert stopped.status == "interrupted"
+    result = gf.calibrate(problem(), drum, workdir=tmp_path, seed=3)
+    assert result.runs.reused >= 9
+    assert result.parameters == undisturbed.parameters
+
+
+def test_with_a_larger_budget_it_goes_on_from_where_the_smaller_one_ended(tmp_path: Path) -> None:
+    small = gf.calibrate(problem(), drum, workdir=tmp_path, max_runs=12, seed=4)
+    assert small.runs.total <= 12
+    large = gf.calibrate(problem(), drum, workdir=tmp_path, max_runs=60, seed=4)
+    assert large.runs.reused == small.runs.total
+    assert large.history[: small.runs.total] == small.history
+    assert large.agreement >= small.agreement
+
+
+def test_two_verifications_in_a_row_are_both_remembered(tmp_path: Path) -> None:
+    def wavy(parameters: dict[str, float], seed: int) -> dict[str, float]:
+        return {
+            "angle": 10 * parameters["x"] + 3 * np.sin(25 * parameters["x"]) + 1e-6 * (seed % 7)
+        }
+
+    wanted = gf.Problem([gf.Parameter("x", 0, 1)], [gf.Target("angle", 6.0, tolerance=0.05)])
+    history: tuple[RunSummary, ...] = ()
+    # The search has used its budget when each of the later starts verifies another answer.
+    for max_runs in (11, 16, 21, 40):
+        result = gf.calibrate(
+            wanted, wavy, workdir=tmp_path, max_runs=max_runs, verification_runs=5
+        )
+        assert result.history[: len(history)] == history
+        history = result.history
+    assert [run.stage for run in history].count("verification") == 15
+    assert result.status == "calibrated"
+
+
+def test_another_model_in_the_same_folder_does_not_take_up_the_old_history(tmp_path: Path) -> None:
+    def other(parameters: dict[str, float], seed: int) -> dict[str, float]:
+        responses = drum(parameters, seed)
+        return {name: value - 3.0 for name, value in responses.items()}
+
+    first = gf.calibrate(problem(), drum, workdir=tmp_path)
+    second = gf.calibrate(problem(), other, workdir=tmp_path)
+    assert second.runs.reused == 0
+    assert second.parameters["rolling_friction"] > first.parameters["rolling_friction"]
+
+
+def test_another_target_needs_few_runs_where_others_were_made(tmp_path: Path) -> None:
+    first = gf.calibrate(problem(), drum, workdir=tmp_path)
+    other = gf.calibrate(problem(first=35.0), drum, workdir=tmp_path)
+    assert other.status == "calibrated"
+    assert other.runs.learnt_from == first.runs.total
+    assert other.runs.design == 0
+    assert other.runs.total - other.runs.verification <= first.runs.total / 3
+
+
+def test_a_target_out_of_reach_is_said_and_verified() -> None:
+    result = gf.calibrate(problem(first=60.0), drum)
+    assert result.status == "unreachable"
+    assert result.out_of_reach[0].target == "angle_10rpm"
+    assert any("angle_10rpm = 60 is out of reach" in notice for notice in result.notices)
+    assert result.responses["angle_10rpm"].verified_mean is not None
+
+
+def test_an_answer_that_verification_refutes_is_not_called_calibrated() -> None:
+    # The responses jump for verification seeds, as if the design had misled us.
+    def biased(parameters: dict[str, float], seed: int) -> dict[str, float]:
+        responses = drum(parameters, seed)
+        if parameters["rolling_friction"] > 0.36:
+            responses["angle_10rpm"] += 6.0
+            responses["angle_30rpm"] -= 6.0
+        else:
+            responses["angle_10rpm"] -= 6.0
+            responses["angle_30rpm"] += 6.0
+        return responses
+
+    assert gf.calibrate(problem(), biased).status in ("out_of_tolerance", "unreachable")
+
+
+def scattered(parameters: dict[str, float], seed: int) -> dict[str, float]:
+    """At most 30 is expected."""
+    scatter = 0.8 * np.random.default_rng(seed).standard_normal()
+    return {"angle": 20 + 10 * parameters["friction"] + scatter}
+
+
+def just_out_of_reach(value: float, tolerance: float) -> gf.Problem:
+    return gf.Problem(
+        [gf.Parameter("friction", 0, 1)], [gf.Target("angle", value, tolerance=tolerance)]
+    )
+
+
+def test_an_answer_that_is_verified_by_luck_is_not_called_calibrated() -> None:
+    result = gf.calibrate(
+        just_out_of_reach(30.8, 0.5), scattered, max_runs=12, verification_runs=2, seed=7
+    )
+    angle = result.responses["angle"]
+    assert angle.verified_mean == pytest.approx(30.8, abs=0.5)
+    assert result.status == "out_of_tolerance"
+    assert angle.verdict == "in doubt"
+    assert "angle is in doubt: the verification runs alone" in " ".join(result.notices)
+
+
+def test_an_answer_in_doubt_is_verified_further_and_then_sought_anew(tmp_path: Path) -> None:
+    def calibrate(stop_at: int | None = None, workdir: Path | None = None) -> gf.Result:
+        def on_progress(progress: gf.Progress) -> None:
+            if progress.done == stop_at:
+                raise KeyboardInterrupt
+
+        return gf.calibrate(
+            just_out_of_reach(30.6, 0.4),
+            scattered,
+            max_runs=40,
+            verification_runs=3,
+            seed=8,
+            workdir=workdir,
+            on_progress=on_progress,
+        )
+
+    result = calibrate()
+    stages = [run.stage for run in result.history]
+    first = stages.index("verification")
+    assert stages[first : first + 12] == ["verification"] * 12
+    assert "optimisation" in stages[first + 12 :]
+    assert result.responses["angle"].verdict == "in doubt"
+    for stop_at in (first + 2, first + 8, first + 13):
+        stopped = calibrate(stop_at, tmp_path)
+        assert stopped.status == "interrupted"
+        # From part of a verification, nothing is concluded yet.
+        assert not any("in doubt" in notice for notice in stopped.notices)
+    again = calibrate(workdir=tmp_path)
+    assert again.history == result.history
+    assert again.status == result.status
+
+
+def test_runs_that_all_fail_stop_the_calibration_with_the_reason() -> None:
+    def broken(parameters: dict[str, float], seed: int) -> dict[str, float]:
+        raise ValueError("no licence")
+
+    with pytest.raises(gf.RunFailedError, match=r"first 3 runs all failed.*no licence"):
+        gf.calibrate(problem(), broken)
+
+
+def test_single_failures_are_counted_and_left_out() -> None:
+    def sometimes(parameters: dict[str, float], seed: int) -> dict[str, float]:
+        if parameters["cohesion"] > 6e4:
+            raise RuntimeError("exploded")
+        return drum(parameters, seed)
+
+    result = gf.calibrate(problem(), sometimes)
+    assert result.runs.failed > 0
+    assert result.status == "calibrated"
+
+
+@pytest.mark.parametrize(
+    ("options", "word"),
+    [
+        ({"strategy": "guess"}, "strategy"),
+        ({"max_runs": 0}, "max_runs"),
+        ({"max_runs": 7}, "max_runs"),
+        ({"workers": 0}, "workers"),
+        ({"seed": -1}, "seed"),
+        ({"verification_runs": 1}, "verification_runs"),
+        ({"design_runs": 2}, "design_runs"),
+    ],
+)
+def test_arguments_that_cannot_be_used_are_named(options: dict[str, object], word: str) -> None:
+    with pytest.raises(gf.InputError, match=word):
+        gf.calibrate(problem(), drum, **options)  # type: ignore[arg-type]
+
+
+def test_something_that_cannot_simulate_is_refused() -> None:
+    with pytest.raises(gf.InputError, match="simulate"):
+        gf.calibrate(problem(), 42)  # type: ignore[arg-type]
+
+
+def test_ctrl_c_ends_with_an_interrupted_result_and_a_restart_goes_on(tmp_path: Path) -> None:
+    made = 0
+
+    def interrupting(parameters: dict[str, float], seed: int) -> dict[str, float]:
+        nonlocal made
+        made += 1
+        if made == 10:
+            os.kill(os.getpid(), signal.SIGINT)
+            time.sleep(0.2)
+        return drum(parameters, seed)
+
+    result = gf.calibrate(problem(), interrupting, workdir=tmp_path)
+    assert result.status == "interrupted"
+    assert json.loads((tmp_path / "result.json").read_text())["status"] == "interrupted"
+    again = gf.calibrate(problem(), interrupting, workdir=tmp_path)
+    assert again.status == "calibrated"
+    assert made <= again.runs.total + 1
+
+
+def test_a_relative_work_folder_is_the_same_place_throughout(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+
+    def wandering(parameters: dict[str, float], seed: int) -> dict[str, float]:
+        os.chdir(Path(__file__).parent)
+        return drum(parameters, seed)
+
+    gf.calibrate(problem(), wandering, workdir="here")
+    assert (tmp_path / "here" / "result.json").is_file()
+
+
+def test_what_failed_all_runs_can_be_mended_and_started_again(tmp_path: Path) -> None:
+    broken = True
+
+    def model(parameters: dict[str, float], seed: int) -> dict[str, float]:
+        if broken:
+            raise ImportError("no module named drum")
+        return drum(parameters, seed)
+
+    with pytest.raises(gf.RunFailedError, match="no module named drum"):
+        gf.calibrate(problem(), model, workdir=tmp_path)
+    broken = False
+    assert gf.calibrate(problem(), model, workdir=tmp_path).status == "calibrated"
+
+
+def test_a_target_that_is_added_later_is_found_in_the_runs_that_are_known(tmp_path: Path) -> None:
+    both = problem()
+    one = gf.Problem(both.parameters, both.targets[:1])
+    solver = PythonCallable(drum, ["angle_10rpm"])
+    first = gf.calibrate(one, solver, workdir=tmp_path)
+    solver = PythonCallable(drum, ["angle_10rpm", "angle_30rpm"])
+    result = gf.calibrate(both, solver, workdir=tmp_path)
+    assert result.status == "calibrated"
+    assert result.runs.learnt_from == first.runs.total
+
+
+def test_a_target_that_no_run_yields_stops_early_and_says_what_there_is() -> None:
+    misspelt = gf.Problem(problem().parameters, [gf.Target("angel_10rpm", 36.0)])
+    calls = []
+
+    def counted(parameters: dict[str, float], seed: int) -> dict[str, float]:
+        calls.append(seed)
+        return drum(parameters, seed)
+
+    with pytest.raises(gf.RunFailedError, match=r"give angel_10rpm.*angle_10rpm, angle_30rpm"):
+        gf.calibrate(misspelt, counted)
+    assert len(calls) <= 4
+
+
+@pytest.mark.parametrize("seed", [4, 5, 6])
+def test_the_budget_holds_with_verification_and_second_thoughts(seed: int) -> None:
+    def rough(parameters: dict[str, float], seed: int) -> dict[str, float]:
+        random = np.random.default_rng(seed)
+        return {"y": 10 + 8 * parameters["x"] ** 2 + 1.5 * random.standard_normal()}
+
+    tight = gf.Problem([gf.Parameter("x", 0, 1)], [gf.Target("y", 12.0, tolerance=0.1)])
+    result = gf.calibrate(tight, rough, seed=seed, max_runs=40)
+    assert result.runs.total <= 40
+    response = result.responses["y"]
+    assert response.verified_mean is not None, "what is reported has been verified"
+    at_answer = [
+        run
+        for run in result.history
+        if run.stage == "verification" and run.parameters == result.parameters
+    ]
+    values = [run.responses["y"] for run in at_answer]
+    assert response.verified_mean in (
+        pytest.approx(np.mean(values)),
+        pytest.approx(np.mean(values[-5:])),
+    )
+
+
+def test_a_target_far_beyond_a_log_interval_is_out_of_reach_without_a_guess() -> None:
+    far = gf.Problem([gf.Parameter("x", 1e-3, 1e3, "log")], [gf.Target("y", 1000.0)])
+    result = gf.calibrate(far, lambda p, seed: {"y": 6 + np.log10(p["x"]) + 1e-3 * (seed % 7)})
+    assert result.status == "unreachable"
+    assert result.out_of_reach[0].suggestion is None
+
+
+def test_verification_runs_that_fail_are_told_and_confirm_nothing() -> None:
+    def drum_that_breaks_late(parameters: dict[str, float], seed: int) -> dict[str, float]:
+        seen.append(seed)
+        if len(seen) > 29:
+            raise RuntimeError("worn out")
+        return drum(parameters, seed)
+
+    seen: list[int] = []
+    result = gf.calibrate(problem(), drum_that_breaks_late, strategy="staged")
+    assert result.status == "out_of_tolerance"
+    assert any("worn out" in notice for notice in result.notices)
+    assert not any(response.within_tolerance for response in result.responses.values())
+
+
+def test_tests_that_never_both_succeed_end_with_the_reason() -> None:
+    def either(parameters: dict[str, float], seed: int) -> dict[str, float]:
+        responses = drum(parameters, seed)
+        del responses["angle_10rpm" if seed % 2 else "angle_30rpm"]
+        return responses
+
+    with pytest.raises(gf.RunFailedError, match="no parameter set gave all responses"):
+        gf.calibrate(problem(), either, strategy="staged")
+
+
+def test_an_unexpected_error_in_one_run_costs_that_run_alone() -> None:
+    class Fragile(PythonCallable):
+        def run(
+            self, parameters: Mapping[str, float], seed: int, workspace: gf.Workspace
+        ) -> dict[str, gf.Response]:
+            if parameters["cohesion"] > 6e4:
+                raise ZeroDivisionError("division by zero")
+            return super().run(parameters, seed, workspace)
+
+    result = gf.calibrate(problem(), Fragile(drum))
+    assert result.status == "calibrated"
+    assert result.runs.failed > 0
+
+
+@pytest.mark.parametrize("strategy", ["sequential", "staged"])
+@pytest.mark.parametrize(("highest", "is_cut_off"), [(0.51, True), (0.9, False)])
+def test_an_interval_that_cuts_off_what_agrees_is_named(
+    strategy: str, highest: float, is_cut_off: bool
+) -> None:
+    narrow = gf.Problem(
+        [gf.Parameter("friction", 0.1, highest), gf.Parameter("restitution", 0.1, 0.9)],
+        [gf.Target("angle", 30.0, tolerance=1.0)],
+    )
+
+    def angle(parameters: dict[str, float], seed: int) -> dict[str, float]:
+        scatter = 0.1 * np.random.default_rng(seed).standard_normal()
+        return {"angle": 10 + 40 * parameters["friction"] + scatter}
+
+    result = gf.calibrate(narrow, angle, strategy=strategy)
+    notices = [notice for notice in result.notices if "its bound max = 0.51" in notice]
+    assert bool(notices) == is_cut_off
+    assert all(notice.startswith("friction ") for notice in notices)
+    # That nothing depends on it is no reason for a wider interval.
+    assert not any("restitution agrees up to" in notice for notice in result.notices)
+
+
+def test_a_rayleigh_weight_works_at_the_bounds_of_a_wide_interval() -> None:
+    rayleigh = gf.RayleighTimeStep(
+        0.005, {"particle.density": 2100.0, "particle.poissons_ratio": 0.2}
+    )
+    wide = gf.Problem(
+        [gf.Parameter("particle.youngs_modulus", 1e3, 1e13)],
+        [gf.Target("y", 5.0)],
+        rayleigh,
+        rayleigh_weight=0.1,
+    )
+    result = gf.calibrate(
+        wide, lambda p, seed: {"y": 4 + p["particle.youngs_modulus"] / 1e13}, strategy="staged"
+    )
+    assert result.status in ("calibrated", "out_of_tolerance", "unreachable")
+
+
+def test_a_result_that_cannot_be_written_is_returned_all_the_same(tmp_path: Path) -> None:
+    (tmp_path / "result.json").mkdir()
+    result = gf.calibrate(problem(), drum, workdir=tmp_path)
+    assert result.status == "calibrated"
+    assert any("cannot be written" in notice for notice in result.notices)
+
+
+def test_constant_responses_are_valid_json(tmp_path: Path) -> None:
+    gf.calibrate(problem(), lambda p, seed: {"angle_10rpm": 36, "angle_30rpm": 44}).to_json(
+        tmp_path / "result.json"
+    )
+    text = (tmp_path / "result.json").read_text()
+    assert "NaN" not in text
+    assert json.loads(text)["status"] == "calibrated"
+
+
+SCRIPT = textwrap.dedent(
+    """
+    import sys, time
+    import numpy as np
+    import grainfit as gf
+
+    def drum(parameters, seed):
+        time.sleep(0.02)
+        with open(sys.argv[2], "a") as log:
+            log.write("x")
+        random = np.random.default_rng(seed)
+        friction = parameters["friction"]
+        return {"angle": 25 + 25 * friction + 0.5 * random.standard_normal()}
+
+    problem = gf.Problem(
+        [gf.Parameter("friction", 0.05, 0.7)], [gf.Target("angle", 36.0, uncertainty=0.5)]
+    )
+    result = gf.calibrate(problem, drum, workdir=sys.argv[1], workers=2, design_runs=20)
+    print(result.status, result.runs.total, result.parameters["friction"])
+    """
+)
+
+
+def run_script(script: Path, folder: Path, kill_after: int | None = None) -> str:
+    process = subprocess.Popen(
+        [sys.executable, str(script), str(folder), str(folder.with_suffix(".log"))],
+        stdout=subprocess.PIPE,
+        text=True,
+    )
+    log = folder.with_suffix(".log")
+    if kill_after is not None:
+        while not log.exists() or len(log.read_text()) < kill_after:
+            assert process.poll() is None, "ended before it could be killed"
+            time.sleep(0.005)
+        process.kill()
+    return process.communicate()[0]
+
+
+def test_kill_dash_nine_costs_at_most_the_runs_under_way(tmp_path: Path) -> None:
+    script = tmp_path / "script.py"
+    script.write_text(SCRIPT)
+    undisturbed = run_script(script, tmp_path / "calm")
+    for moment in (4, 11):
+        run_script(script, tmp_path / "disturbed", kill_after=moment)
+    assert run_script(script, tmp_path / "disturbed") == undisturbed
+    calm = len((tmp_path / "calm.log").read_text())
+    disturbed = len((tmp_path / "disturbed.log").read_text())
+    assert disturbed <= calm + 2 * 2, "each of the two kills may cost the two runs under way"

@@ -1,0 +1,156 @@
+"""Runs of a problem are recognised among others, by what defines them."""
+
+from __future__ import annotations
+
+import random
+from pathlib import Path
+
+import pytest
+
+import grainfit as gf
+from grainfit.bulk_tests.heap import HeapTest
+from grainfit.calibration_file.build import assemble
+from grainfit.calibration_file.load import load_calibration_file
+from grainfit.campaign.reuse import most_telling, runs_of
+from grainfit.campaign.store.records import RunRecord, run_identity
+from grainfit.evaluation import Evaluation, Proposal, Response
+from grainfit.materials.sizes import ParticleSizes
+from grainfit.solvers.base import Solver
+from grainfit.solvers.dem.lammps.program import Lammps
+from grainfit.solvers.own_model.python_callable import PythonCallable
+from grainfit.solvers.parameters_for import ParametersFor
+
+EXAMPLE = Path(__file__).parents[2] / "examples" / "glass_beads" / "calibration.toml"
+
+
+def run(solver: Solver, values: dict[str, float], seed: int, **changes: object) -> RunRecord:
+    definition = solver.definition(values, seed)
+    given = {"status": "finished", "responses": {"angle": Response(22.0)}} | changes
+    return RunRecord(run_identity(definition), "drum", definition=definition, **given)  # type: ignore[arg-type]
+
+
+def drum(low: float = 0.1, high: float = 0.9) -> tuple[gf.Problem, Solver]:
+    # Equal intervals must not be mistaken for each other.
+    problem = gf.Problem(
+        [gf.Parameter("sliding", low, high), gf.Parameter("rolling", low, high)],
+        [gf.Target("angle", 22.0)],
+    )
+    return problem, PythonCallable(lambda p, s: {"angle": p["sliding"]}, identity="drum")
+
+
+def test_runs_of_the_heap_test_are_recognised_and_those_of_other_materials_are_not() -> None:
+    assembly = assemble(load_calibration_file(EXAMPLE))
+    [(test, solver)] = assembly.solvers.items()
+    assert isinstance(solver, Lammps)
+    values = assembly.problem.from_unit([0.3, 0.8])
+    same = run(solver, values, 7)
+    stiffer = Lammps(solver.test, solver.material | {"particle.youngs_modulus": 1e7})
+    bigger = Lammps(HeapTest(ParticleSizes((0.012,))), solver.material)
+    others = [run(other, values, 7) for other in (stiffer, bigger)]
+    [found] = runs_of(assembly.problem, {test: solver}, [*others, same])
+    assert found.proposal == Proposal(values, 7, "design")
+    assert found.runs == {test: same.identity}
+
+
+def test_parameters_of_equal_intervals_are_told_apart() -> None:
+    problem, solver = drum()
+    values = {"sliding": 0.31, "rolling": 0.77}
+    [found] = runs_of(problem, {"drum": solver}, [run(solver, values, 3)])
+    assert found.proposal.parameters == values
+
+
+def test_only_runs_within_the_intervals_that_tell_something_count() -> None:
+    problem, solver = drum()
+    inside = {"sliding": 0.3, "rolling": 0.4}
+    records = [
+        run(solver, inside, 1),
+        run(solver, {"sliding": 0.05, "rolling": 0.4}, 2),
+        run(solver, inside, 3, status="failed", responses={}, kind="simulation", reason="exploded"),
+        run(solver, inside, 4, status="failed", responses={}, kind="machine"),
+        run(solver, inside, 5, status="running", responses={}),
+    ]
+    found = runs_of(problem, {"drum": solver}, records)
+    assert [evaluation.proposal.seed for evaluation in found] == [1, 3]
+    assert found[1].failures == {"drum": "exploded"}
+
+
+def test_with_several_tests_a_point_counts_when_all_of_them_were_run_with_its_seed() -> None:
+    problem, one = drum()
+    two = PythonCallable(lambda p, s: {"angle": p["rolling"]}, identity="heap")
+    values = {"sliding": 0.3, "rolling": 0.4}
+    records = [run(one, values, 1), run(two, values, 1), run(one, values, 2)]
+    [found] = runs_of(problem, {"drum": one, "heap": two}, records)
+    assert set(found.responses) == {"drum.angle", "heap.angle"}
+
+
+def test_a_test_that_takes_fewer_parameters_is_joined_with_those_that_take_them_all() -> None:
+    problem, one = drum()
+    two = ParametersFor(
+        PythonCallable(lambda p, s: {"angle": p["rolling"]}, identity="heap"),
+        takes={"rolling"}.__contains__,
+    )
+    records = [
+        run(one, {"sliding": sliding, "rolling": rolling}, seed)
+        for sliding, rolling, seed in ((0.3, 0.4, 1), (0.5, 0.4, 1), (0.3, 0.6, 1), (0.3, 0.4, 2))
+    ]
+    found = runs_of(problem, {"heap": two, "drum": one}, [*records, run(two, {"rolling": 0.4}, 1)])
+    assert [evaluation.proposal.parameters for evaluation in found] == [
+        {"sliding": 0.3, "rolling": 0.4},
+        {"sliding": 0.5, "rolling": 0.4},
+    ]
+
+
+def test_the_order_of_the_store_does_not_count() -> None:
+    problem, solver = drum()
+    generator = random.Random(1)
+    records = [
+        run(solver, {"sliding": generator.uniform(0.1, 0.9), "rolling": 0.5}, seed)
+        for seed in range(20)
+    ]
+    assert runs_of(problem, {"drum": solver}, records) == runs_of(
+        problem, {"drum": solver}, records[::-1]
+    )
+
+
+def test_of_too_many_runs_the_nearest_are_taken_and_some_from_everywhere() -> None:
+    problem, _ = drum()
+    evaluations = [
+        Evaluation(Proposal({"sliding": 0.5, "rolling": 0.5}, seed, "design"), responses)
+        for seed in range(1000)
+        for responses in [{"angle": Response(20 + seed / 100)}]
+    ]
+    chosen = most_telling(problem, evaluations, most=100)
+    assert len({e.proposal.seed for e in chosen}) == 100
+    assert {e.proposal.seed for e in chosen} >= set(range(180, 221))
+    assert max(e.proposal.seed for e in chosen) > 950
+    assert most_telling(problem, evaluations[:100], most=100) == evaluations[:100]
+
+
+@pytest.mark.parametrize("strategy", ["sequential", "staged"])
+def test_a_calibration_with_runs_from_elsewhere_is_resumed_as_it_was(
+    tmp_path: Path, strategy: str
+) -> None:
+    def simulate(parameters: dict[str, float], seed: int) -> dict[str, float]:
+        noise = random.Random(seed).gauss(0, 0.1)
+        return {"angle": 10 + 20 * parameters["sliding"] + 8 * parameters["rolling"] + noise}
+
+    problem, _ = drum()
+    solver = PythonCallable(simulate, identity="drum")
+    gf.calibrate(problem, solver, workdir=tmp_path / "first", strategy=strategy)
+    other = gf.Problem(problem.parameters, [gf.Target("angle", 26.0)])
+    folder = tmp_path / "second"
+    sources = [tmp_path / "first"]
+    whole = gf.calibrate(other, solver, workdir=folder, runs_from=sources, strategy=strategy)
+    assert whole.runs.learnt_from > 0
+    again = gf.calibrate(other, solver, workdir=folder, strategy=strategy)
+    assert again.history == whole.history
+    assert again.parameters == whole.parameters
+    assert again.runs.learnt_from == whole.runs.learnt_from
+    assert again.runs.reused == again.runs.total
+
+
+def test_a_source_that_is_no_work_folder_is_an_error(tmp_path: Path) -> None:
+    problem, solver = drum()
+    with pytest.raises(gf.InputError, match=r"is not a work folder of grainfit"):
+        gf.calibrate(problem, solver, runs_from=[tmp_path])
+    assert not list(tmp_path.iterdir())

@@ -1,0 +1,285 @@
+"""Every card in the program that it is for: what was exported is what the program computes with."""
+
+from __future__ import annotations
+
+import json
+import math
+import shutil
+import subprocess
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from exported_beads import FIXED, SIZES
+
+import grainfit
+from grainfit.bulk_tests.heap import HeapTest
+from grainfit.cards import MaterialCard, render
+from grainfit.contact_models.hertz_mindlin.model import (
+    EffectiveModuli,
+    hertz_stiffness,
+    particle_moduli,
+    rolling_between_particles,
+    tangential_stiffness,
+)
+from grainfit.solvers.base import Workspace
+from grainfit.solvers.dem.lammps.program import Lammps
+from grainfit.solvers.dem.liggghts.program import Liggghts
+from grainfit.solvers.dem.program import DeckSolver
+from grainfit.solvers.process.process import run_process
+
+RADIUS = 0.005
+OVERLAP = 1e-4
+
+#: Two particles that touch, and one that touches the floor.
+LAMMPS = """
+units           si
+atom_style      sphere
+atom_modify     map array
+boundary        f f f
+newton          off
+comm_modify     vel yes
+region          box block -0.1 0.1 -0.1 0.1 -0.1 0.1 units box
+create_box      1 box
+include         card.inc
+create_atoms    1 single 0.0 0.0 0.05 units box
+create_atoms    1 single 0.0099 0.0 0.05 units box
+create_atoms    1 single 0.05 0.05 0.0049 units box
+set             group all diameter 0.01
+set             group all density ${particle_density}
+pair_style      granular
+pair_coeff      1 1 ${particle_particle_contact}
+fix             floor all wall/gran granular ${particle_wall_contact} zplane 0.0 NULL
+fix             motion all nve/sphere
+timestep        ${recommended_time_step}
+run             0
+"""
+
+LIGGGHTS = """
+units           si
+atom_style      granular
+atom_modify     map array
+boundary        f f f
+newton          off
+communicate     single vel yes
+region          box block -0.1 0.1 -0.1 0.1 -0.1 0.1 units box
+create_box      2 box
+neighbor        0.002 bin
+neigh_modify    delay 0
+include         card.inc
+pair_style      gran model ${contact_model}
+pair_coeff      * *
+create_atoms    1 single 0.0 0.0 0.05 units box
+create_atoms    1 single 0.0099 0.0 0.05 units box
+create_atoms    1 single 0.05 0.05 0.0049 units box
+set             group all diameter 0.01
+set             group all density ${particle_density}
+fix             floor all wall/gran model ${contact_model} primitive type 2 zplane 0.0
+fix             motion all nve/sphere
+timestep        ${recommended_time_step}
+run             0
+"""
+
+YADE = """
+import json, math, os, sys
+from yade import *
+
+sys.path.insert(0, os.getcwd())
+from material import *
+from material import PARAMETERS, RECOMMENDED_TIME_STEP
+
+radius, overlap = RADIUS, OVERLAP
+
+
+def beads(gap):
+    \"\"\"Two particles side by side, and one above a wall.\"\"\"
+    O.bodies.clear()
+    O.bodies.append(
+        [
+            utils.sphere((-(radius + gap / 2), 0, 0.05), radius, material=particle),
+            utils.sphere((radius + gap / 2, 0, 0.05), radius, material=particle),
+            utils.sphere((0.05, 0, radius + gap), radius, material=particle),
+            utils.wall(0, axis=2, material=wall),
+        ]
+    )
+
+
+O.engines = [
+    ForceResetter(),
+    InsertionSortCollider([Bo1_Sphere_Aabb(), Bo1_Wall_Aabb()]),
+    InteractionLoop(
+        [Ig2_Sphere_Sphere_ScGeom(), Ig2_Wall_Sphere_ScGeom()], [contact_physics], [contact_law]
+    ),
+    NewtonIntegrator(gravity=(0, 0, 0), damping=0),
+]
+O.dt = RECOMMENDED_TIME_STEP / 10
+beads(-overlap)
+O.step()
+
+
+def physics(one, other):
+    found = O.interactions[one, other].phys
+    return {
+        "kno": found.kno,
+        "kso": found.kso,
+        "friction": found.tangensOfFrictionAngle,
+        "krot": found.kr,
+        "moment_limit": found.maxBendPl,
+    }
+
+
+found = {
+    "parameters": PARAMETERS,
+    "time_step": RECOMMENDED_TIME_STEP,
+    "materials": {
+        m.label: [m.young, m.poisson, m.density, m.frictionAngle] for m in O.materials
+    },
+    "particles": physics(0, 1),
+    "wall": physics(2, 3),
+}
+beads(radius / 100)
+O.bodies[0].state.vel = (0.25, 0, 0)
+O.bodies[1].state.vel = (-0.25, 0, 0)
+O.bodies[2].state.vel = (0, 0, -0.5)
+O.run(2000, wait=True)
+found["rebound"] = (O.bodies[1].state.vel[0] - O.bodies[0].state.vel[0]) / 0.5
+found["wall_rebound"] = O.bodies[2].state.vel[2] / 0.5
+with open("found.json", "w") as file:
+    json.dump(found, file)
+""".replace("RADIUS, OVERLAP", f"{RADIUS}, {OVERLAP}")
+
+
+def deck(text: str, names: list[str]) -> str:
+    """A deck that prints variables, and what pushes the particles."""
+    forces = "variable pushed equal fx[2]\nvariable lifted equal fz[3]\n"
+    names = [*names, "recommended_time_step", "pushed", "lifted"]
+    return text + forces + "".join(f'print "VALUE {name} ${{{name}}}"\n' for name in names)
+
+
+def start(solver_type: type[DeckSolver], folder: Path) -> None:
+    solver = solver_type(HeapTest(SIZES), FIXED)
+    run_process(solver._command(Path("in.test")), Workspace(folder, 60.0))
+
+
+def printed(log: Path) -> dict[str, float]:
+    lines = [line.split() for line in log.read_text(errors="replace").splitlines()]
+    assert ["INJECTED"] not in lines
+    return {line[1]: float(line[2]) for line in lines if line[:1] == ["VALUE"]}
+
+
+def variables(card: MaterialCard) -> dict[str, float]:
+    return {name.replace(".", "_"): v for name, v in card.values.items() if name.isascii()}
+
+
+def hertz_force(moduli: EffectiveModuli, radius: float) -> float:
+    return hertz_stiffness(OVERLAP, moduli, radius) * OVERLAP
+
+
+def require_forces(card: MaterialCard, found: dict[str, float]) -> None:
+    between = hertz_force(particle_moduli(card.values, "particle"), RADIUS / 2)
+    on_wall = hertz_force(particle_moduli(card.values, "wall"), RADIUS)
+    assert found["pushed"] == pytest.approx(between, rel=1e-6)
+    assert found["lifted"] == pytest.approx(on_wall, rel=1e-6)
+
+
+def test_lammps_computes_with_the_values_of_its_card(
+    nasty_card: MaterialCard, tmp_path: Path
+) -> None:
+    (tmp_path / "card.inc").write_text(render(nasty_card, "lammps"))
+    expected = variables(nasty_card)
+    (tmp_path / "in.test").write_text(deck(LAMMPS, list(expected)))
+    start(Lammps, tmp_path)
+    found = printed(tmp_path / "solver.log")
+    assert found | expected == found
+    assert found["recommended_time_step"] == nasty_card.recommended_time_step
+    require_forces(nasty_card, found)
+
+
+def test_lammps_takes_the_contacts_of_every_pair_of_diameters(
+    card: MaterialCard, tmp_path: Path
+) -> None:
+    sizes = grainfit.ParticleSizes((0.008, 0.010), (0.3, 0.7))
+    (tmp_path / "card.inc").write_text(render(replace(card, sizes=sizes), "lammps"))
+    text = LAMMPS.replace("create_box      1", "create_box      2")
+    pairs = "".join(
+        f"pair_coeff {i} {j} ${{particle_particle_contact_{i}_{j}}}\n"
+        for i, j in ((1, 1), (1, 2), (2, 2))
+    )
+    text = text.replace("pair_coeff      1 1 ${particle_particle_contact}\n", pairs)
+    text = text.replace("${particle_wall_contact}", "${particle_wall_contact_2}")
+    text = text.replace("create_atoms    1", "create_atoms    2")
+    (tmp_path / "in.test").write_text(deck(text, []))
+    start(Lammps, tmp_path)
+    require_forces(card, printed(tmp_path / "solver.log"))
+
+
+@pytest.mark.skipif(shutil.which("liggghts") is None, reason="LIGGGHTS is not installed")
+def test_liggghts_computes_with_the_values_of_its_card(
+    nasty_card: MaterialCard, tmp_path: Path
+) -> None:
+    (tmp_path / "card.inc").write_text(render(nasty_card, "liggghts"))
+    expected = variables(nasty_card)
+    # What the contact model reads: values of the two types, and of the pairs of types.
+    read = {}
+    for fix, name in (("youngs_modulus", "youngs_modulus"), ("poissons_ratio", "poissons_ratio")):
+        for number, body in ((1, "particle"), (2, "wall")):
+            read[f"f_{fix}[{number}]"] = nasty_card.values[f"{body}.{name}"]
+    for fix, name in (
+        ("coefficientRestitution", "restitution"),
+        ("coefficientFriction", "sliding_friction"),
+        ("coefficientRollingFriction", "rolling_friction"),
+        ("coefficientRollingViscousDamping", "rolling_damping"),
+    ):
+        read[f"f_{fix}[1][1]"] = nasty_card.values[f"particle_particle.{name}"]
+        read[f"f_{fix}[1][2]"] = nasty_card.values[f"particle_wall.{name}"]
+        read[f"f_{fix}[2][1]"] = nasty_card.values[f"particle_wall.{name}"]
+    of_fixes = [f"of_fix_{number}" for number in range(len(read))]
+    text = LIGGGHTS + "".join(
+        f"variable {name} equal {fix}\n" for name, fix in zip(of_fixes, read, strict=True)
+    )
+    (tmp_path / "in.test").write_text(deck(text, [*expected, *of_fixes]))
+    start(Liggghts, tmp_path)
+    found = printed(tmp_path / "solver.log")
+    assert found | expected == found
+    assert found["recommended_time_step"] == nasty_card.recommended_time_step
+    for name, (fix, value) in zip(of_fixes, read.items(), strict=True):
+        assert found[name] == pytest.approx(value, rel=1e-9), fix
+    require_forces(nasty_card, found)
+
+
+@pytest.mark.skipif(shutil.which("yade") is None, reason="YADE is not installed")
+def test_yade_computes_with_the_values_of_its_card(
+    nasty_card: MaterialCard, tmp_path: Path
+) -> None:
+    (tmp_path / "material.py").write_text(render(nasty_card, "yade"), encoding="utf-8")
+    (tmp_path / "test.py").write_text(YADE)
+    command = ["yade", "-n", "-x", "test.py"]
+    done = subprocess.run(
+        command, cwd=tmp_path, capture_output=True, text=True, timeout=120, check=False
+    )
+    assert (tmp_path / "found.json").is_file(), done.stdout + done.stderr
+    assert "INJECTED" not in done.stdout.splitlines()
+    found = json.loads((tmp_path / "found.json").read_text())
+    values = nasty_card.values
+    assert found["parameters"] == values
+    assert found["time_step"] == nasty_card.recommended_time_step
+    for body in ("particle", "wall"):
+        assert found["materials"][body] == [
+            values[f"{body}.youngs_modulus"],
+            values[f"{body}.poissons_ratio"],
+            values[f"{body}.density"],
+            math.atan(values[f"particle_{body}.sliding_friction"]),
+        ]
+    moduli = particle_moduli(values, "particle")
+    spring = rolling_between_particles(values, RADIUS, RADIUS, nasty_card.gravity)
+    rolling_friction = values["particle_particle.rolling_friction"]
+    assert found["particles"] == {
+        "kno": pytest.approx(4 / 3 * moduli.young * math.sqrt(RADIUS / 2)),
+        "kso": pytest.approx(tangential_stiffness(moduli) * math.sqrt(RADIUS / 2)),
+        "friction": pytest.approx(values["particle_particle.sliding_friction"]),
+        "krot": pytest.approx(spring.stiffness * (RADIUS / 2) ** 2),
+        "moment_limit": pytest.approx(rolling_friction * RADIUS / 2),
+    }
+    assert found["wall"]["friction"] == pytest.approx(values["particle_wall.sliding_friction"])
+    assert found["rebound"] == pytest.approx(values["particle_particle.restitution"], rel=0.02)
+    assert found["wall_rebound"] == pytest.approx(values["particle_wall.restitution"], rel=0.02)

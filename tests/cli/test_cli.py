@@ -1,0 +1,247 @@
+"""The command line as a person uses it: exit codes, messages, files."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from grainfit.campaign.store.store import RunStore
+from grainfit.campaign.work_folder import hold
+
+MODEL = """
+import random
+import time
+
+def drum(parameters, seed):
+    time.sleep(PAUSE)
+    if parameters["friction"] > BREAKS:
+        raise ValueError("the drum broke")
+    noise = random.Random(seed).gauss(0, 0.3)
+    return {"angle": 20 + 40 * parameters["friction"] + noise}
+"""
+
+FILE = """
+name = "../sand 'n' [gravel]"
+
+[parameters]
+friction = {{ min = 0.1, max = {high} }}
+
+[[test]]
+type = "python"
+function = "model.py:drum"
+targets.angle = {{ value = 36, uncertainty = 0.4 }}
+"""
+
+
+def calibration(folder: Path, high: float = 0.9, pause: float = 0.0, breaks: float = 9.0) -> Path:
+    folder.mkdir(exist_ok=True)
+    text = MODEL.replace("PAUSE", str(pause)).replace("BREAKS", str(breaks))
+    (folder / "model.py").write_text(text)
+    file = folder / "my sand.toml"
+    file.write_text(FILE.format(high=high))
+    return file
+
+
+def command(*arguments: str | Path) -> list[str]:
+    return [sys.executable, "-m", "grainfit", *map(str, arguments)]
+
+
+def grainfit(
+    *arguments: str | Path, folder: Path, code: int = 0
+) -> subprocess.CompletedProcess[str]:
+    done = subprocess.run(
+        command(*arguments), cwd=folder, capture_output=True, text=True, timeout=120, check=False
+    )
+    assert "\nTraceback" not in f"\n{done.stdout}\n{done.stderr}"
+    assert done.returncode == code, done.stdout + done.stderr
+    return done
+
+
+def test_run_calibrates_and_leaves_its_result_where_it_says(tmp_path: Path) -> None:
+    file = calibration(tmp_path)
+    done = grainfit("run", file, "--seed", "4", folder=tmp_path)
+    assert "calibrated" in done.stdout
+    assert "sand 'n' [gravel]" in done.stdout
+    assert "design" in done.stderr, "progress is shown without a terminal too"
+    result = json.loads((tmp_path / "my sand.grainfit" / "result.json").read_text())
+    assert result["status"] == "calibrated"
+    assert result["parameters"]["friction"] == pytest.approx(0.4, abs=0.02)
+    assert done.stdout.splitlines()[-1] == "Report: my sand.grainfit/report.html"
+    assert "Calibrated" in (tmp_path / "my sand.grainfit" / "report.html").read_text()
+    again = grainfit("run", file, "--seed", "4", "--no-report", folder=tmp_path)
+    assert f"{result['runs']['total']} reused" in again.stdout
+    shown = grainfit("status", "my sand.grainfit", folder=tmp_path)
+    assert "calibrated" in shown.stdout
+    assert "friction" in shown.stdout
+
+
+def test_a_report_that_cannot_be_written_costs_no_result(tmp_path: Path) -> None:
+    file = calibration(tmp_path)
+    (tmp_path / "work" / "report.html").mkdir(parents=True)
+    done = grainfit("run", file, "--workdir", "work", folder=tmp_path)
+    assert "No report was written" in done.stderr
+    assert "work/report.html" in done.stderr
+    assert json.loads((tmp_path / "work" / "result.json").read_text())["status"] == "calibrated"
+    elsewhere = grainfit("report", "work", "--output", "sand.html", folder=tmp_path)
+    assert elsewhere.stdout == "Report: sand.html\n"
+    assert "Calibrated" in (tmp_path / "sand.html").read_text()
+
+
+def test_out_of_reach_exits_with_three_and_names_the_bound(tmp_path: Path) -> None:
+    done = grainfit("run", calibration(tmp_path, high=0.3), "--no-report", folder=tmp_path, code=3)
+    assert "friction.max = 0.3" in done.stdout
+    assert "out of reach" in done.stdout
+
+
+def test_runs_that_all_fail_exit_with_one_and_the_reason(tmp_path: Path) -> None:
+    done = grainfit("run", calibration(tmp_path, breaks=0.0), folder=tmp_path, code=1)
+    assert "the drum broke" in done.stderr
+    assert done.stdout == "Report: my sand.grainfit/report.html\n"
+    page = (tmp_path / "my sand.grainfit" / "report.html").read_text()
+    assert "Stopped by an error." in page
+    assert "the drum broke" in page
+    assert "the drum broke" in grainfit("status", "my sand.grainfit", folder=tmp_path).stdout
+
+
+def test_budget_and_strategy_can_be_given_on_the_command_line(tmp_path: Path) -> None:
+    file = calibration(tmp_path)
+    options = ("--max-runs", "12", "--workdir", "here", "--no-report")
+    grainfit("run", file, *options, folder=tmp_path)
+    result = json.loads((tmp_path / "here" / "result.json").read_text())
+    assert result["runs"]["total"] <= 12
+    done = grainfit("run", file, "--strategy", "magic", folder=tmp_path, code=1)
+    assert "magic" in done.stderr
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_ctrl_c_exits_with_130_and_the_next_start_goes_on(
+    tmp_path: Path, number: signal.Signals
+) -> None:
+    file = calibration(tmp_path, pause=0.15)
+    process = subprocess.Popen(
+        command("run", file, "--workers", "1"),
+        cwd=tmp_path,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    store = tmp_path / "my sand.grainfit" / "runs.sqlite"
+    deadline = time.monotonic() + 60
+    while not store.exists() and time.monotonic() < deadline:
+        time.sleep(0.05)
+    time.sleep(0.5)
+    process.send_signal(number)
+    out, error = process.communicate(timeout=60)
+    assert process.returncode == 130
+    assert "Traceback" not in out + error
+    assert "interrupted" in out
+    assert out.splitlines()[-1] == "Report: my sand.grainfit/report.html"
+    shown = grainfit("status", "my sand.grainfit", folder=tmp_path)
+    assert "interrupted" in shown.stdout
+    done = grainfit("run", file, "--workers", "1", "--no-report", folder=tmp_path)
+    assert ", 0 reused" not in done.stdout
+
+
+def test_a_work_folder_in_use_is_refused_and_shown_as_running(tmp_path: Path) -> None:
+    file = calibration(tmp_path)
+    grainfit("simulate", file, folder=tmp_path)
+    with hold(tmp_path / "my sand.grainfit"):
+        busy = grainfit("run", file, folder=tmp_path, code=1)
+        shown = grainfit("status", "my sand.grainfit", folder=tmp_path)
+    assert f"in use by process {os.getpid()}" in busy.stderr
+    assert "running" in shown.stdout
+
+
+def test_new_writes_a_file_that_check_understands(tmp_path: Path) -> None:
+    grainfit("new", "beads.toml", folder=tmp_path)
+    # Whether its solver is installed is another matter than whether the file is right.
+    done = subprocess.run(
+        command("check", "beads.toml"), cwd=tmp_path, capture_output=True, text=True, check=False
+    )
+    assert "free parameter" in done.stdout
+    refused = grainfit("new", "beads.toml", folder=tmp_path, code=1)
+    assert "exists already" in refused.stderr
+
+
+def test_simulate_makes_one_run_at_the_values_that_are_set(tmp_path: Path) -> None:
+    file = calibration(tmp_path)
+    done = grainfit("simulate", file, "--set", "friction=0.5", "--seed", "3", folder=tmp_path)
+    assert "angle" in done.stdout
+    failed = grainfit(
+        "simulate",
+        calibration(tmp_path, breaks=0.2),
+        "--set",
+        "friction=0.5",
+        folder=tmp_path,
+        code=1,
+    )
+    assert "the drum broke" in failed.stdout
+
+
+@pytest.mark.parametrize(
+    ("arguments", "word"),
+    [
+        (["run", "missing.toml"], "missing.toml"),
+        (["run", "my sand.toml", "--max-runs", "many"], "max-runs"),
+        (["run", "my sand.toml", "--max-runs", "3"], "max_runs"),
+        (["run", "my sand.toml", "--workdir", "model.py"], "model.py"),
+        (["frobnicate"], "frobnicate"),
+        (["status", "nowhere"], "nowhere"),
+        (["report", "nowhere"], "nowhere"),
+        (["measure", "nowhere"], "nowhere"),
+        (["measure", "model.py"], "model.py"),
+        (["measure", "."], "run folder"),
+        (["simulate", "my sand.toml", "--set", "fiction=0.5"], "friction"),
+        (["simulate", "my sand.toml", "--set", "friction"], "friction"),
+        (["new", "no/such/folder/x.toml"], "cannot be written"),
+    ],
+)
+def test_what_cannot_be_done_is_said_in_one_message(
+    tmp_path: Path, arguments: list[str], word: str
+) -> None:
+    calibration(tmp_path)
+    done = grainfit(*arguments, folder=tmp_path, code=1)
+    assert word in done.stderr
+
+
+def test_help_and_status_do_not_wait_for_libraries_that_they_do_not_need(tmp_path: Path) -> None:
+    (tmp_path / "work").mkdir()
+    RunStore.in_folder(tmp_path / "work").close()
+    program = (
+        "import sys\n"
+        "from grainfit.cli.app import app\n"
+        "app(sys.argv[1:], standalone_mode=False)\n"
+        "print(*sorted({name.partition('.')[0] for name in sys.modules}))"
+    )
+    slow = {"jinja2", "numpy", "pint", "PIL", "plotly", "scipy"}
+    for arguments in (["--help"], ["new", "x.toml"], ["status", "work"]):
+        done = subprocess.run(
+            [sys.executable, "-c", program, *arguments],
+            cwd=tmp_path,
+            capture_output=True,
+            text=True,
+            check=True,
+        )
+        modules = set(done.stdout.splitlines()[-1].split())
+        assert "grainfit" in modules
+        assert not slow & modules
+        assert ("sqlalchemy" in modules) == ("status" in arguments)
+
+
+def test_everything_public_is_there_when_it_is_first_used() -> None:
+    program = (
+        "import grainfit, grainfit.calibration.calibrate, inspect\n"
+        "missing = set(grainfit.__all__) - set(dir(grainfit))\n"
+        "assert not missing, missing\n"
+        "assert inspect.isfunction(grainfit.calibrate)\n"
+        "from grainfit import *\n"
+        "assert calibrate is grainfit.calibration.calibrate.calibrate\n"
+        "assert StoreError is grainfit.errors.StoreError\n"
+        "assert not hasattr(grainfit, 'calibrat')\n"
+    )
+    subprocess.run([sys.executable, "-c", program], check=True)

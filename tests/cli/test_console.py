@@ -1,0 +1,42 @@
+"""What is printed about a result."""
+
+import io
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from rich.console import Console
+
+import grainfit as gf
+from grainfit.cli.console import print_result
+from grainfit.result import Result
+
+
+@pytest.fixture(scope="module")
+def calibrated() -> Result:
+    problem = gf.Problem(
+        [gf.Parameter("friction", 0.1, 0.9)], [gf.Target("angle", 22.0, tolerance=0.5)]
+    )
+    return gf.calibrate(problem, lambda at, seed: {"angle": 15 + 10 * at["friction"]}, seed=1)
+
+
+def printed(result: Result, **changes: object) -> str:
+    """The line of the response, some of whose facts are changed."""
+    changed = replace(result.responses["angle"], **changes)
+    console = Console(file=io.StringIO(), width=100)
+    print_result(console, replace(result, responses={"angle": changed}), Path("sand.grainfit"))
+    assert isinstance(console.file, io.StringIO)
+    return next(line for line in console.file.getvalue().splitlines() if line.startswith("angle "))
+
+
+def test_a_response_is_met_or_missed_by_its_verification_only(calibrated: Result) -> None:
+    unverified = {"verified_mean": None, "verified_std_error": None, "verified_interval": None}
+    assert printed(calibrated).rstrip().endswith("%   met")
+    missed = {"verified_mean": 22.6, "within_tolerance": False}
+    assert printed(calibrated, **missed).rstrip().endswith("%   missed")
+    lucky = {"verified_mean": 22.4, "verified_interval": 0.6, "within_tolerance": False}
+    assert printed(calibrated, **lucky).rstrip().endswith("%   in doubt")
+    for close in (True, False):
+        shown = printed(calibrated, within_tolerance=close, **unverified).rstrip()
+        assert "predicted 22 " in shown
+        assert shown.endswith("not verified")

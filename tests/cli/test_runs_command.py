@@ -1,0 +1,618 @@
+"""Runs of others are used, and runs are listed, shown, exported, imported and pruned."""
+
+import csv
+import io
+import json
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import pyarrow.parquet
+import pytest
+from rich.console import Console
+from typer.testing import CliRunner, Result
+
+from grainfit.calibration.calibrate import calibrate
+from grainfit.calibration_file.build import Assembly, assemble
+from grainfit.calibration_file.load import load_calibration_file
+from grainfit.campaign.reuse import runs_of
+from grainfit.campaign.store.records import RunRecord
+from grainfit.campaign.store.store import RunStore
+from grainfit.campaign.work_folder import RECORD_NAME, hold
+from grainfit.cli.app import app
+from grainfit.cli.runs_console import print_runs, size
+from grainfit.errors import GrainfitError, InputError, SolverNotFoundError, StoreError
+from grainfit.evaluation import Response
+from grainfit.problem import Parameter, Problem, Target
+from grainfit.solvers.own_model.command import Command
+from grainfit.solvers.own_model.python_callable import PythonCallable
+from grainfit.work_folder.prune import disk_use, prune_runs
+from grainfit.work_folder.run_import import FIRST_SEED, Imported, import_runs
+from grainfit.work_folder.run_table import RunTable
+
+EXAMPLES = Path(__file__).parents[2] / "examples"
+
+MODEL = """
+import random
+
+def drum(parameters, seed):
+    noise = random.Random(seed).gauss(0, 0.3)
+    return {"angle": 20 + 40 * parameters["friction"] + noise}
+"""
+
+FILE = """
+name = "sand"
+
+[parameters]
+friction = { min = 0.1, max = 0.9 }
+blades = 4
+
+[[test]]
+type = "python"
+function = "model.py:drum"
+targets.angle = { value = 36, uncertainty = 0.4, unit = "deg" }
+"""
+
+#: What a terminal would obey and Rich would style.
+NASTY = "it \x1b[31mbroke\x1b[0m [bold]here[/bold] [/]"
+
+
+@pytest.fixture
+def sand(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A calibration file, in the current folder."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.delenv("GRAINFIT_STORE", raising=False)
+    (tmp_path / "model.py").write_text(MODEL)
+    file = tmp_path / "sand.toml"
+    file.write_text(FILE)
+    return file
+
+
+def assembly_of(file: Path) -> Assembly:
+    return assemble(load_calibration_file(file))
+
+
+def grainfit(*arguments: str | Path, **env: str) -> Result:
+    done = CliRunner().invoke(app, [*map(str, arguments)], env=env)
+    if isinstance(done.exception, GrainfitError):
+        raise done.exception
+    assert done.exception is None or isinstance(done.exception, SystemExit), done.exception
+    return done
+
+
+def record(number: int, **changes: object) -> RunRecord:
+    made = RunRecord(
+        f"{number:032x}"[::-1],
+        "drum",
+        "finished",
+        {
+            "solver": "lammps",
+            "version": "22 Jul 2025",
+            "material": {"particle.density": 1500.0 + 100 * number, "wall.density": 7700.0},
+            "test": {"type": "heap"},
+            "seed": number,
+        },
+        {"angle_of_repose": Response(20.0 + number, 0.1)},
+        seconds=float(number),
+        ended=1.7e9 + number,
+    )
+    return replace(made, **changes)  # type: ignore[arg-type]
+
+
+def failed(number: int, reason: str = NASTY) -> RunRecord:
+    changes = {"status": "failed", "reason": reason, "kind": "simulation", "responses": {}}
+    return record(number, **changes, log_tail=f"step 1\nERROR: {NASTY}\n")
+
+
+def work(folder: Path, *records: RunRecord) -> Path:
+    folder.mkdir(exist_ok=True)
+    store = RunStore.in_folder(folder)
+    store.save_many(records)
+    store.close()
+    return folder
+
+
+def stored(folder: Path) -> list[RunRecord]:
+    store = RunStore.read_only(folder)
+    try:
+        return store.runs()
+    finally:
+        store.close()
+
+
+# --- grainfit run ---------------------------------------------------------------------------------
+
+
+def test_a_calibration_says_which_runs_of_others_it_learns_from(sand: Path) -> None:
+    first = grainfit("run", sand, "--no-report", "--seed", "2")
+    assert "Learns from" not in first.stderr
+    assert "learnt from" not in first.stdout
+    made = json.loads(Path("sand.grainfit/result.json").read_text())["runs"]["total"]
+    sand.write_text(FILE.replace("value = 36", "value = 38"))
+    second = grainfit(
+        "run", sand, "--no-report", "--workdir", "new", "--runs-from", "sand.grainfit"
+    )
+    place = Path("sand.grainfit/runs.sqlite").absolute()
+    line = f"Learns from {made} runs that were made before: {place} ({made})."
+    assert second.stderr.count(line) == 1, second.stderr
+    assert f"learnt from {made} made before" in " ".join(second.stdout.split())
+
+
+def test_the_shared_store_can_be_named_by_the_environment(sand: Path, tmp_path: Path) -> None:
+    address = f"sqlite:///{tmp_path / 'shared.sqlite'}"
+    grainfit("run", sand, "--no-report", "--workdir", "one", GRAINFIT_STORE=address)
+    first = {r.identity for r in stored(Path("one"))}
+    grainfit("run", sand, "--no-report", "--workdir", "two", GRAINFIT_STORE=address)
+    place = address.removeprefix("sqlite:///")
+    assert {r.identity for r in stored(Path("two")) if r.origin == place} == first
+    grainfit("runs", "export", address, "all.csv")
+    made = {r.identity for folder in ("one", "two") for r in stored(Path(folder))}
+    with Path("all.csv").open(newline="") as file:
+        assert {line["identity"] for line in csv.DictReader(file)} == made
+
+
+def test_failed_runs_are_made_again_when_that_is_asked_for_only(tmp_path: Path) -> None:
+    problem = Problem([Parameter("x", 0.0, 1.0)], [Target("y", 5.0, tolerance=1.0)])
+    limit = {"x": 0.8}
+    tried: list[float] = []
+
+    def simulate(parameters: dict[str, float], seed: int) -> dict[str, float]:
+        tried.append(parameters["x"])
+        if parameters["x"] > limit["x"]:
+            raise ValueError("not there")
+        return {"y": 10 * parameters["x"] + 0.01 * (seed % 7)}
+
+    def start(retry_failed: bool = False) -> int:
+        tried.clear()
+        store = f"sqlite:///{tmp_path / 'shared.sqlite'}"
+        options = {"workdir": tmp_path / "work", "store": store, "max_runs": 9}
+        # What the function looks at is mended outside of it: it stays the same function.
+        model = PythonCallable(simulate, identity="model")
+        return calibrate(problem, model, **options, retry_failed=retry_failed).runs.failed
+
+    assert start() > 0
+    failures = [x for x in tried if x > 0.8]
+    assert start() == len(failures)
+    assert tried == [], "the same run would only fail again"
+    limit["x"] = 2.0
+    assert start(retry_failed=True) == 0
+    assert set(failures) <= set(tried)
+
+
+def test_what_stays_of_runs_is_said_in_the_file_or_on_the_command_line(sand: Path) -> None:
+    assert "keep" not in assembly_of(sand).options()
+    sand.write_text(FILE + '\n[strategy]\nkeep = "results"\n')
+    assert assembly_of(sand).options()["keep"] == "results"
+    assert assembly_of(sand).options(keep="all")["keep"] == "all"
+    sand.write_text(FILE + '\n[strategy]\nkeep = "nothing"\n')
+    with pytest.raises(InputError, match=r"strategy.keep: is 'nothing'"):
+        load_calibration_file(sand)
+    sand.write_text(FILE)
+    with pytest.raises(InputError, match=r"keep: is 'nothing'. Use \"all\" or \"results\""):
+        grainfit("run", sand, "--keep", "nothing")
+
+
+# --- list and show --------------------------------------------------------------------------------
+
+
+def test_the_list_shows_the_latest_runs_and_how_many_more_there_are(tmp_path: Path) -> None:
+    folder = work(tmp_path / "work", *(record(n) for n in range(1, 300)), failed(300))
+    lines = grainfit("runs", "list", folder).stdout.splitlines()
+    rows = [line for line in lines if line.split() and line.split()[0][:3].isalnum()]
+    assert "300 runs, 1 failed, 270 more than shown: --limit 300 shows all." in lines[-1]
+    first = next(line for line in rows if "failed:" in line)
+    assert first.startswith(failed(300).identity[:7])
+    assert rows.index(first) + 1 == len(rows) - 30
+    assert "wall.density" not in "".join(lines), "what is the same in all runs says nothing"
+    shortest = grainfit("runs", "list", folder, "--sort", "seconds", "--limit", "1").stdout
+    assert record(1).identity[:7] in shortest
+    densest = grainfit("runs", "list", folder, "--sort", "-particle.density", "--limit", "1")
+    assert failed(300).identity[:7] in densest.stdout
+
+
+@pytest.mark.parametrize(
+    ("conditions", "numbers"),
+    [
+        (["particle.density > 2 g/cm^3"], [6, 7, 8, 9]),
+        (["particle.density >= 2000", "seconds<7"], [5, 6]),
+        (["angle_of_repose = 0.4363323129985824 rad"], [5]),
+        (["angle_of_repose.standard_error < 0.2", "seed != 3", "seconds <= 4 s"], [1, 2, 4]),
+        (["particle.density < 0"], []),
+    ],
+)
+def test_conditions_select_runs_in_any_unit(conditions: list[str], numbers: list[int]) -> None:
+    table = RunTable([*(record(n) for n in range(1, 10)), failed(10)])
+    where = [*conditions, "angle_of_repose > 0"]
+    assert [row.record for row in table.select(where=where)] == [record(n) for n in numbers]
+
+
+def test_all_faults_of_the_conditions_are_named_at_once() -> None:
+    table = RunTable([record(1), failed(2)])
+    where = [
+        "__import__('os').abort()",
+        "particle.densty > 3",
+        "particle.density > 3 m",
+        "seconds > nan",
+        "angle_of_repose > 1; 2",
+        "reason = x",
+    ]
+    with pytest.raises(InputError) as caught:
+        table.select(status="bad", test="heap", where=where)
+    text = str(caught.value)
+    assert len(caught.value.faults) == len(where) + 2
+    assert "\"__import__('os').abort()\" is not a condition" in text
+    assert "Did you mean 'particle.density'?" in text
+    assert "'3 m' has the unit m, which cannot be converted to kg/m^3" in text
+    assert "--status: is 'bad'." in text
+    assert "--test: is 'heap'. There are: drum." in text
+
+
+def test_a_unit_is_not_guessed_for_responses_of_own_models() -> None:
+    own = record(1, definition={"solver": "command", "parameters": {"x": 1.0}, "seed": 1})
+    with pytest.raises(InputError, match="compared as it is"):
+        RunTable([own]).select(where=["angle_of_repose > 1 rad"])
+    assert RunTable([own]).select(where=["angle_of_repose > 1"])
+
+
+def shown(table: RunTable, width: int) -> list[str]:
+    console = Console(file=io.StringIO(), width=width)
+    print_runs(console, table, table.rows, 30)
+    return console.file.getvalue().splitlines()  # type: ignore[attr-defined]
+
+
+def test_the_list_fits_into_a_terminal_without_cutting_a_number() -> None:
+    long = {f"particle_particle.rolling_friction_{n}": 1.0 for n in range(12)}
+
+    def wide(number: int) -> RunRecord:
+        values = {name: value + number for name, value in long.items()}
+        definition = {"solver": "x", "parameters": values, "seed": 899999990 + number}
+        return record(number, definition=definition)
+
+    *lines, note, total = shown(RunTable([*(wide(n) for n in range(1, 4)), failed(4, "no")]), 80)
+    assert max(map(len, lines)) <= 80
+    assert "…" not in "".join(lines)
+    assert "899999991" in "".join(lines)
+    assert "angle_of_" in "".join(lines), "a response stays in sight"
+    assert note.startswith("No room for particle_particle.rolling_friction")
+    assert total == "4 runs, 1 failed."
+
+
+def test_text_from_runs_is_shown_as_text(tmp_path: Path) -> None:
+    definition = {"solver": NASTY, "parameters": {NASTY: 1.0}, "seed": 1}
+    folder = work(tmp_path / NASTY.replace("/", ""), failed(1), record(2, definition=definition))
+    outputs = [
+        grainfit("runs", "list", folder).stdout,
+        grainfit("runs", "show", folder, failed(1).identity).stdout,
+        grainfit("runs", "show", folder, record(2).identity).stdout,
+        grainfit("status", folder).stdout,
+    ]
+    assert all("\x1b" not in text for text in outputs)
+    assert r"failed: it \x1b[31mbroke\x1b[0m [bold]here[/bold] [/]" in outputs[0]
+    assert r"  | ERROR: it \x1b[31mbroke\x1b[0m [bold]here[/bold] [/]" in outputs[1]
+    assert f"{NASTY} = 1.0".replace("\x1b", r"\x1b") in outputs[2]
+
+
+def test_show_tells_everything_of_a_run_by_the_beginning_of_its_identity(tmp_path: Path) -> None:
+    folder = work(tmp_path / "work", record(1), replace(failed(2), identity="1f" + "0" * 30))
+    (folder / "runs" / record(1).identity).mkdir(parents=True)
+    text = grainfit("runs", "show", folder, "10").stdout
+    for part in ("particle.density = 1600.0", "angle_of_repose = 21.0", "22 Jul 2025", "1.0"):
+        assert part in text
+    assert f"folder = {folder / 'runs' / record(1).identity}" in text
+    assert '"type": "heap"' in text
+    assert "2023-11-14T22:13:21+00:00" in text
+    with pytest.raises(InputError, match="'1' is the beginning of 2 runs"):
+        grainfit("runs", "show", folder, "1")
+    with pytest.raises(InputError, match="there is no run 'abc'"):
+        grainfit("runs", "show", folder, "abc")
+    with pytest.raises(InputError, match="not a work folder"):
+        grainfit("runs", "show", tmp_path, "abc")
+
+
+# --- export ---------------------------------------------------------------------------------------
+
+
+def test_csv_and_parquet_hold_the_same_runs_in_full_precision(tmp_path: Path) -> None:
+    precise = record(3, responses={"angle_of_repose": Response(1 / 3, 1e-17)})
+    folder = work(tmp_path / "work", record(1), failed(2, 'a "reason",\nof two lines'), precise)
+    assert "Wrote 3 runs" in grainfit("runs", "export", folder, tmp_path / "runs.csv").stdout
+    grainfit("runs", "export", folder, tmp_path / "runs.parquet")
+    with (tmp_path / "runs.csv").open(newline="") as file:
+        lines = list(csv.DictReader(file))
+    rows = pyarrow.parquet.read_table(tmp_path / "runs.parquet").to_pylist()
+    assert list(rows[0]) == list(lines[0])
+    assert [float(line["angle_of_repose"] or "nan") for line in lines][2] == 1 / 3
+    assert rows[2]["angle_of_repose.standard_error"] == 1e-17
+    assert rows[1]["angle_of_repose"] is None
+    assert lines[1]["angle_of_repose"] == ""
+    assert lines[1]["reason"] == rows[1]["reason"] == 'a "reason",\nof two lines'
+    assert lines[0]["ended"] == rows[0]["ended"].isoformat() == "2023-11-14T22:13:21+00:00"
+    assert {line["particle.density"] for line in lines} == {"1600.0", "1700.0", "1800.0"}
+    assert [row["seed"] for row in rows] == [1, 2, 3]
+    grainfit("runs", "export", folder, tmp_path / "few.csv", "--status", "failed")
+    assert len((tmp_path / "few.csv").read_text().splitlines()) == 1 + 2, "one run, of two lines"
+
+
+def test_an_export_is_whole_or_not_there(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    folder = work(tmp_path / "work", record(1))
+    (tmp_path / "busy.csv").mkdir()
+    with pytest.raises(InputError, match=r"busy.csv. cannot be written"):
+        grainfit("runs", "export", folder, tmp_path / "busy.csv")
+    with pytest.raises(InputError, match=r"End it in .csv or .parquet"):
+        grainfit("runs", "export", folder, tmp_path / "runs.xls")
+    monkeypatch.setitem(sys.modules, "pyarrow", None)
+    monkeypatch.setitem(sys.modules, "pyarrow.parquet", None)
+    with pytest.raises(InputError, match=r"pip install 'grainfit\[parquet\]'"):
+        grainfit("runs", "export", folder, tmp_path / "runs.parquet")
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["busy.csv", "work"]
+
+
+def test_a_parameter_and_a_response_of_the_same_name_keep_their_columns() -> None:
+    definition = {"parameters": {"x": 1.0, "status": 2.0}, "seed": 1}
+    clash = record(1, definition=definition, responses={"x": Response(3.0)})
+    [row] = RunTable([clash]).rows
+    assert row.cells["x"] == 1.0
+    assert row.cells["parameter.status"] == 2.0
+    assert row.cells["status"] == "finished"
+    assert row.cells["response.x"] == 3.0
+
+
+# --- import ---------------------------------------------------------------------------------------
+
+
+def imported(file: Path, table: str, folder: str = "work", test: str | None = None) -> Imported:
+    path = file.with_name("table.csv")
+    path.write_text(table)
+    return import_runs(assembly_of(file), path, Path(folder), test)
+
+
+def test_the_next_calibration_learns_from_imported_runs(sand: Path) -> None:
+    grainfit("run", sand, "--no-report", "--workdir", "theirs")
+    grainfit("runs", "export", "theirs", "theirs.csv", "--sort", "-seed")
+    done = grainfit("runs", "import", sand, "theirs.csv", "--workdir", "ours")
+    total = len(stored(Path("theirs")))
+    assert f"Imported {total} runs of the test python; 0 were there already." in done.stdout
+    assert f"learn from {total} parameter sets" in done.stdout
+    assert {r.identity for r in stored(Path("ours"))} == {
+        r.identity for r in stored(Path("theirs"))
+    }, "with its seed, a run is the same run wherever it was made"
+    sand.write_text(FILE.replace("value = 36", "value = 37"))
+    learnt = grainfit("run", sand, "--no-report", "--workdir", "ours")
+    source = f"imported from {Path('theirs.csv').absolute()} ({total})"
+    assert f"Learns from {total} runs that were made before: {source}." in learnt.stderr
+    again = grainfit("runs", "import", sand, "theirs.csv", "--workdir", "theirs")
+    assert f"Imported 0 runs of the test python; {total} were there already." in again.stdout
+    assert "A calibration that was started in this folder before goes on without" in again.stdout
+
+
+def test_importing_a_table_again_changes_only_what_was_corrected_in_it(sand: Path) -> None:
+    table = "angle,friction\n30,0.3\n31,0.3\n31,0.3\n34,0.4\n"
+    first = imported(sand, table)
+    assert (first.new, first.known, first.replaced, first.usable) == (4, 0, 0, 4)
+    runs = {r.identity: r for r in stored(Path("work"))}
+    seeds = sorted(r.definition["seed"] for r in runs.values())
+    assert seeds == [FIRST_SEED, FIRST_SEED, FIRST_SEED + 1, FIRST_SEED + 2]
+    assert {r.origin for r in runs.values()} == {f"imported from {sand.with_name('table.csv')}"}
+    assert (again := imported(sand, table)).new == again.replaced == 0
+    assert again.known == 4
+    corrected = imported(sand, table.replace("34", "36"))
+    assert (corrected.new, corrected.known, corrected.replaced) == (0, 3, 1)
+    assert {r.identity for r in stored(Path("work"))} == runs.keys()
+    shorter = imported(sand, "angle,friction\n30,0.3\n")
+    assert shorter.known == 1
+    assert "3 runs of an earlier import of this table are not in it any more" in str(shorter)
+
+
+def test_runs_of_two_tables_at_the_same_parameters_are_repeats(sand: Path) -> None:
+    imported(sand, "friction,angle\n0.3,30\n")
+    other = sand.with_name("other.csv")
+    other.write_text("friction,angle,seed\n0.3,31,\n0.3,30,\n0.3,35,7\n")
+    for new, known in ((2, 1), (0, 3)):
+        done = import_runs(assembly_of(sand), other, Path("work"))
+        assert (done.new, done.known) == (new, known)
+    values = sorted(r.responses["angle"].value for r in stored(Path("work")))
+    assert values == [30.0, 31.0, 35.0]
+    exported = f"friction,angle,seed\n0.4,41,\n0.4,40,{FIRST_SEED}\n"
+    assert imported(sand, exported, "anew").new == 2, "a given seed keeps its run"
+
+
+def test_a_run_that_was_made_here_is_not_replaced_by_a_table(sand: Path) -> None:
+    solver = assembly_of(sand).solvers["python"]
+    grainfit("simulate", sand, "--set", "friction=0.3", "--seed", "7", "--workdir", "work")
+    [made] = stored(Path("work"))
+    assert made.definition == solver.definition({"friction": 0.3}, 7)
+    done = imported(sand, "friction,angle,seed\n0.3,99,7\n0.3,98,8.0\n")
+    assert (done.new, done.known, done.replaced) == (1, 0, 0)
+    assert "line 2: this run is there already with other responses (made here)" in str(done)
+    assert made in stored(Path("work"))
+
+
+def test_every_fault_of_a_table_is_named_with_its_line(sand: Path) -> None:
+    with pytest.raises(InputError) as caught:
+        imported(
+            sand,
+            "frction,angle [kg],angle.standard_error,blades,seed,\n"
+            "0.3,30,0.1,4,1,\n"
+            "\n"
+            "0.3,x,-1,5,1.5,\n"
+            "0.3,,nan,4,-2,\n"
+            '0.3,"30,5",0,4,3,\n'
+            "0.3,30\n"
+            "0.3,1_000,0,4,1e3,\n",
+        )
+    text = str(caught.value)
+    for part in (
+        "line 1, column frction: is neither a parameter of the file nor a response",
+        'Did you mean "friction"?',
+        "line 1, column angle: '1 kg' has the unit kg, which cannot be converted to deg",
+        "line 1, column friction: is missing",
+        "line 4, angle: is 'x', not a number",
+        "line 4, angle.standard_error: is -1",
+        "line 4, blades: is 5, and 4 in the calibration file",
+        "line 4, seed: is '1.5'",
+        "line 5, angle: has no value",
+        "line 5, angle.standard_error: is nan",
+        "line 5, seed: is '-2'",
+        "line 6, angle: is '30,5', not a number. Use a decimal point.",
+        "line 7: has 2 cells, and the header 6",
+        "line 8, angle: is '1_000', not a number",
+        "line 8, seed: is '1e3'",
+    ):
+        assert part in text, part
+    assert len(caught.value.faults) == 15
+    assert not Path("work").exists(), "nothing of a faulty table is taken"
+    for table, part in (
+        ("friction;angle\n0.3;30\n", "Separate columns by commas."),
+        ("friction,angle\n", "holds no runs"),
+        ("friction,friction,angle\n0.3,0.3,30\n", "is there more than once"),
+        ("friction,angle,seed\n0.3,30,7\n0.3,31,7\n", "same parameters and seed as line 2"),
+        ("friction [J],angle\n0.3,30\n", "nothing says which unit your model takes"),
+        ("friction,angle,\n0.3,30,9\n", "column 3: has no name"),
+        ("", "is empty"),
+    ):
+        with pytest.raises(InputError, match=part):
+            imported(sand, table)
+    with pytest.raises(InputError, match="cannot be read"):
+        import_runs(assembly_of(sand), Path("nowhere.csv"), Path("work"))
+
+
+def test_what_is_outside_of_an_interval_is_taken_and_said(sand: Path) -> None:
+    done = imported(sand, "friction [-],angle [rad]\n0.95,1\n0.3,0.55\n")
+    assert (done.new, done.usable) == (2, 1)
+    assert done.notices == (
+        "Outside of the interval of friction (0.1 to 0.9), and not used while it is so: line 2.",
+    )
+    angles = sorted(r.responses["angle"].value for r in stored(Path("work")))
+    assert angles == pytest.approx([31.51267873, 57.29577951])
+
+
+def test_runs_of_a_heap_are_imported_in_the_units_of_the_table(tmp_path: Path) -> None:
+    file = EXAMPLES / "glass_beads" / "calibration.toml"
+    table = tmp_path / "table.csv"
+    header = "particle.density [g/cm^3],particle_particle.rolling_friction,"
+    table.write_text(
+        header + "bulk_density [t/m^3],angle_of_repose [°],particle.youngs_modulus [MPa],"
+        "bulk_density.standard_error [g/cm^3]\n"
+        "2.1,0.5,1.4,21.5,0.36,0.001\n2.2,0.6,1.45,23,0.36,\n"
+    )
+    assembly = assembly_of(file)
+    done = import_runs(assembly, table, tmp_path / "work")
+    assert (done.new, done.usable) == (2, 2)
+    first, _ = runs_of(assembly.problem, assembly.solvers, stored(tmp_path / "work"))
+    assert first.proposal.parameters == {
+        "particle.density": 2100.0,
+        "particle_particle.rolling_friction": 0.5,
+    }
+    assert first.responses["bulk_density"] == Response(1400.0, 1.0)
+    assert first.responses["angle_of_repose"] == Response(21.5)
+    table.write_text(header + "bulk_density,angle_of_repose\n2100,0.5,1400,21.5\n")
+    with pytest.raises(InputError, match=r"line 2, particle.density: is 2100000.0. It must be fr"):
+        import_runs(assembly, table, tmp_path / "work")
+
+
+def test_importing_runs_of_a_solver_that_is_missing_says_why_it_is_needed(tmp_path: Path) -> None:
+    text = (EXAMPLES / "glass_beads" / "calibration.toml").read_text()
+    program = tmp_path / "lmp"
+    program.write_text("#!/no/such/interpreter\n")
+    program.chmod(0o755)
+    line = 'solver = "lammps"'
+    assert text.count(line) == 1
+    file = tmp_path / "calibration.toml"
+    file.write_text(text.replace(line, f'{line}\nexecutable = "{program}"'))
+    table = "particle.density,particle_particle.rolling_friction,bulk_density,angle_of_repose\n"
+    with pytest.raises(SolverNotFoundError, match="It is needed to import runs too"):
+        imported(file, table + "2100,0.5,1400,21\n", str(tmp_path / "work"))
+
+
+@pytest.fixture
+def two_tests(sand: Path) -> Path:
+    """A file with a Python test, and a command whose program is not installed."""
+    model = sand.with_name("model")
+    model.mkdir()
+    (model / "deck.j2").write_text("{{ friction }} {{ seed }}")
+    sand.write_text(
+        FILE
+        + '[[test]]\ntype = "command"\nname = "shear"\nfolder = "model"\n'
+        + 'command = ["no_such_program", "deck"]\ntargets.force = { value = 3.0 }\n'
+    )
+    return sand
+
+
+def test_runs_of_several_tests_belong_together_when_all_are_imported(two_tests: Path) -> None:
+    with pytest.raises(InputError, match="--test: must be given: the file has several tests"):
+        imported(two_tests, "friction,force\n0.3,2\n")
+    with pytest.raises(InputError, match="There are: python, shear"):
+        imported(two_tests, "friction,force\n0.3,2\n", test="heap")
+    assert imported(two_tests, "friction,force\n0.3,2\n0.3,2.1\n", test="shear").usable == 0
+    both = imported(two_tests, "friction,angle\n0.3,30\n0.3,31\n0.4,33\n", test="python")
+    assert both.usable == 2
+    assembly = assembly_of(two_tests)
+    assert isinstance(assembly.solvers["shear"], Command)
+    found = runs_of(assembly.problem, assembly.solvers, stored(Path("work")))
+    assert [e.responses["shear.force"].value for e in found] == [2.0, 2.1]
+    assert [e.responses["python.angle"].value for e in found] == [30.0, 31.0]
+
+
+# --- prune ----------------------------------------------------------------------------------------
+
+
+def run_folder(folder: Path, kept: RunRecord) -> Path:
+    made = folder / "runs" / kept.identity
+    (made / "post").mkdir(parents=True)
+    for name in ("in.lammps", "post/heap.dump", "solver.log", "heap.png"):
+        (made / name).write_text("x" * 1000)
+    (made / RECORD_NAME).write_text(json.dumps(kept.to_json()))
+    return made
+
+
+def names(folder: Path) -> list[str]:
+    return sorted(str(path.relative_to(folder)) for path in folder.rglob("*"))
+
+
+def test_pruning_keeps_record_logs_and_pictures_and_touches_nothing_else(tmp_path: Path) -> None:
+    folder = work(tmp_path / "work", record(1), failed(2))
+    finished, broken = run_folder(folder, record(1)), run_folder(folder, failed(2))
+    outside = run_folder(tmp_path / "elsewhere", record(3))
+    (finished / "link").symlink_to(outside)
+    (folder / "runs" / record(3).identity).symlink_to(outside)
+    partial = folder / "runs" / f"{record(4).identity}.1.partial"
+    run_folder(folder, record(4, identity=partial.name))
+    mine = folder / "runs" / "my notes"
+    mine.mkdir()
+    (mine / "notes.txt").write_text("mine")
+    untouched = {path: names(path) for path in (broken, outside, partial, mine)}
+    with hold(folder), pytest.raises(StoreError, match="in use by process"):
+        prune_runs(folder)
+    assert "post" in names(finished)
+    said = grainfit("runs", "prune", folder).stdout
+    assert said == "Freed 2.1 kB in 1 run folder.\n", "a link is as long as where it leads"
+    assert names(finished) == ["heap.png", RECORD_NAME, "solver.log"]
+    assert {path: names(path) for path in untouched} == untouched
+    assert stored(folder) == [record(1), failed(2)]
+    assert prune_runs(folder, failed=True).folders == 1
+    assert names(broken) == ["heap.png", RECORD_NAME, "solver.log"]
+    assert prune_runs(folder, failed=True).freed == 0
+    assert names(outside) == untouched[outside]
+
+
+def test_pruning_refuses_what_is_no_work_folder_and_runs_elsewhere(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="is not a work folder"):
+        prune_runs(tmp_path)
+    folder = work(tmp_path / "work", record(1))
+    outside = run_folder(tmp_path / "elsewhere", record(1))
+    (folder / "runs").symlink_to(outside.parent)
+    with pytest.raises(InputError, match="is a link, and links are not followed"):
+        prune_runs(folder)
+    assert "in.lammps" in names(outside)
+
+
+def test_the_list_says_what_the_run_folders_take(tmp_path: Path) -> None:
+    folder = work(tmp_path / "work", record(1))
+    made = run_folder(folder, record(1))
+    (made / "link").symlink_to(tmp_path)
+    used = sum(
+        path.lstat().st_size for path in made.rglob("*") if not path.is_dir() or path.is_symlink()
+    )
+    assert disk_use(folder, 10.0) == used
+    assert f"Run folders take {size(used)}." in grainfit("runs", "list", folder).stdout
+    assert disk_use(folder, -1.0) is None, "it is given up when it takes too long"

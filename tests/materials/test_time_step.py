@@ -1,0 +1,75 @@
+"""Rayleigh time step against the literature's form and its own limits."""
+
+import math
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from grainfit.materials.time_step import RayleighTimeStep, rayleigh_time_step
+
+
+def test_value_of_the_papers_glass_beads() -> None:
+    # Equation 3 by hand: G = 3.6e5 / 2.44, sqrt(2100 / G) = 0.119303, factor 0.912482.
+    expected = math.pi * 0.005 * math.sqrt(2100 * 2.44 / 3.6e5) / (0.1631 * 0.22 + 0.8766)
+    assert rayleigh_time_step(0.005, 2100.0, 3.6e5, 0.22) == pytest.approx(expected, rel=1e-12)
+    assert rayleigh_time_step(0.005, 2100.0, 3.6e5, 0.22) == pytest.approx(2.0538e-3, rel=1e-4)
+
+
+def test_rayleigh_speed_is_that_of_elasticity() -> None:
+    # The wave runs along half the circumference at the speed c of Rayleigh waves, whose exact
+    # equation is x^3 - 8 x^2 + 8 x (3 - 2 k) - 16 (1 - k) = 0 with x = (c / c_s)^2 and
+    # k = (c_s / c_l)^2 = (1 - 2 nu) / (2 - 2 nu).
+    for ratio in (0.0, 0.2, 0.3, 0.45):
+        shear_speed = math.sqrt(1e7 / (2 * (1 + ratio)) / 2500.0)
+        speed = math.pi * 0.001 / rayleigh_time_step(0.001, 2500.0, 1e7, ratio)
+        x = (speed / shear_speed) ** 2
+        k = (1 - 2 * ratio) / (2 * (1 - ratio))
+        exact = x**3 - 8 * x**2 + 8 * x * (3 - 2 * k) - 16 * (1 - k)
+        slope = 3 * x**2 - 16 * x + 8 * (3 - 2 * k)
+        # The linear formula of the paper is within 1 % of the exact root.
+        assert abs(exact / slope) / (2 * x) < 0.01
+
+
+@given(
+    st.tuples(st.floats(500, 2000), st.floats(2001, 9000)),
+    st.tuples(st.floats(1e5, 1e7), st.floats(1.1e7, 1e10)),
+    st.tuples(st.floats(0.0, 0.2), st.floats(0.21, 0.49)),
+    st.tuples(*[st.floats(0, 1)] * 3),
+)
+def test_limits_enclose_every_material_in_the_box(
+    density: tuple[float, float],
+    modulus: tuple[float, float],
+    ratio: tuple[float, float],
+    inside: tuple[float, float, float],
+) -> None:
+    names = ("particle.density", "particle.youngs_modulus", "particle.poissons_ratio")
+    intervals = dict(zip(names, (density, modulus, ratio), strict=True))
+    values = {
+        name: low + share * (high - low)
+        for (name, (low, high)), share in zip(intervals.items(), inside, strict=True)
+    }
+    model = RayleighTimeStep(0.004, {})
+    smallest, largest = model.limits(intervals)
+    assert smallest * (1 - 1e-12) <= model(values) <= largest * (1 + 1e-12)
+    assert -1e-9 <= model.criterion(values, intervals) <= 1 + 1e-9
+
+
+def test_criterion_is_zero_at_the_fastest_and_one_at_the_slowest_material() -> None:
+    model = RayleighTimeStep(
+        0.005, {"particle.youngs_modulus": 3.6e5, "particle.poissons_ratio": 0.22}
+    )
+    intervals = {"particle.density": (1400.0, 2800.0)}
+    assert model.criterion({"particle.density": 2800.0}, intervals) == pytest.approx(0.0)
+    assert model.criterion({"particle.density": 1400.0}, intervals) == pytest.approx(1.0)
+
+
+def test_criterion_is_zero_when_nothing_free_changes_the_time_step() -> None:
+    fixed = {
+        "particle.density": 2100.0,
+        "particle.youngs_modulus": 3.6e5,
+        "particle.poissons_ratio": 0.22,
+    }
+    model = RayleighTimeStep(0.005, fixed)
+    intervals = {"particle_particle.rolling_friction": (0.2, 0.9)}
+    assert model.criterion({"particle_particle.rolling_friction": 0.5}, intervals) == 0.0

@@ -1,0 +1,63 @@
+"""Where runs can be expected to succeed."""
+
+import numpy as np
+import pytest
+
+from grainfit.evaluation import Evaluation, Proposal, Response
+from grainfit.problem import Parameter, Problem, Target
+from grainfit.strategies.sequential.feasibility import Experience
+
+PROBLEM = Problem(
+    [Parameter("x", 10.0, 20.0), Parameter("y", 1.0, 100.0, "log")], [Target("angle", 30.0)]
+)
+MIDDLE = np.array([[0.5, 0.5]])
+
+
+def run(x: float, y: float, outcome: str = "success") -> Evaluation:
+    """A run at a point of the unit square."""
+    proposal = Proposal(PROBLEM.from_unit([x, y]), 1, "design")
+    if outcome == "success":
+        return Evaluation(proposal, {"angle": Response(30.0)})
+    by_machine = outcome == "machine"
+    return Evaluation(proposal, {}, {"heap": "it failed"}, failed_by_machine=by_machine)
+
+
+def probability(evaluations: list[Evaluation], points: np.ndarray = MIDDLE) -> np.ndarray:
+    return Experience(PROBLEM, evaluations).success_probability(points)
+
+
+@pytest.mark.parametrize("evaluations", [[], [run(0.5, 0.5), run(0.1, 0.2)]])
+def test_without_failures_everything_succeeds(evaluations: list[Evaluation]) -> None:
+    points = np.random.default_rng(1).random((5, 2))
+    assert probability(evaluations, points).tolist() == [1.0] * 5
+
+
+def test_one_failure_halves_the_probability_at_its_place() -> None:
+    assert probability([run(0.5, 0.5, "failure")]) == pytest.approx(0.5)
+
+
+def test_each_further_failure_lowers_it_and_each_success_raises_it() -> None:
+    once = [run(0.5, 0.5, "failure")]
+    assert probability(once * 2) == pytest.approx(1 / 3)
+    assert probability(once * 3) == pytest.approx(1 / 4)
+    assert probability([*once, run(0.5, 0.5)]) == pytest.approx(2 / 3)
+
+
+def test_a_failure_tells_of_its_neighbourhood_only() -> None:
+    line = np.column_stack([np.linspace(0.0, 1.0, 11), np.zeros(11)])
+    found = probability([run(0.0, 0.0, "failure")], line)
+    assert (np.diff(found) > 0).all()
+    assert found[-1] > 0.99
+
+
+def test_a_log_scale_is_respected() -> None:
+    # 10 is the middle of 1 to 100 there.
+    found = Experience(PROBLEM, [run(0.5, 0.5, "failure")])
+    at = PROBLEM.to_unit({"x": 15.0, "y": 10.0})
+    assert found.success_probability(at[None]) == pytest.approx(0.5)
+
+
+def test_failures_by_the_machine_say_nothing() -> None:
+    assert probability([run(0.5, 0.5, "machine")] * 5) == [1.0]
+    failure = run(0.4, 0.5, "failure")
+    assert probability([failure, run(0.5, 0.5, "machine")]) == probability([failure])

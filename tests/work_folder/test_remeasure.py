@@ -1,0 +1,80 @@
+"""Measuring again what a run left behind: what cannot be measured is said in words."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from grainfit.bulk_tests.heap import HeapTest
+from grainfit.campaign.store.store import RunRecord
+from grainfit.errors import InputError, NotMeasurableError
+from grainfit.materials.sizes import ParticleSizes
+from grainfit.work_folder.remeasure import measure_path
+
+EMPTY_DUMP = """ITEM: TIMESTEP
+0
+ITEM: NUMBER OF ATOMS
+0
+ITEM: BOX BOUNDS ff ff ff
+0 1
+0 1
+0 1
+ITEM: ATOMS id type x y z radius mass
+"""
+
+
+def definition() -> dict[str, Any]:
+    return json.loads(json.dumps(HeapTest(ParticleSizes((0.010,))).definition()))  # type: ignore[no-any-return]
+
+
+def write_record(folder: Path, test: Any) -> None:
+    record = RunRecord("abc", "heap", "finished", {"test": test})
+    (folder / "run.json").write_text(json.dumps(record.to_json()))
+
+
+def test_a_whole_definition_is_understood(tmp_path: Path) -> None:
+    write_record(tmp_path, definition())
+    with pytest.raises(NotMeasurableError, match=r"settled\.dump"):
+        measure_path(tmp_path)
+
+
+@pytest.mark.parametrize("key", ["setup", "diameters", "mass_fractions", "views"])
+def test_an_incomplete_definition_is_said(tmp_path: Path, key: str) -> None:
+    test = definition()
+    del test[key]
+    write_record(tmp_path, test)
+    with pytest.raises(InputError, match=rf"run\.json' does not define a heap test: '{key}'"):
+        measure_path(tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("key", "value"),
+    [
+        ("setup", 3),
+        ("setup", None),
+        ("diameters", ["small"]),
+        ("diameters", 0.01),
+        ("mass_fractions", [0.5]),
+        ("views", "many"),
+    ],
+)
+def test_an_impossible_definition_is_said(tmp_path: Path, key: str, value: Any) -> None:
+    write_record(tmp_path, {**definition(), key: value})
+    with pytest.raises(InputError, match=r"run\.json' does not define a heap test"):
+        measure_path(tmp_path)
+
+
+def test_a_run_of_an_own_model_is_said(tmp_path: Path) -> None:
+    write_record(tmp_path, None)
+    with pytest.raises(InputError, match="your own model"):
+        measure_path(tmp_path)
+
+
+def test_a_dump_without_particles_is_said(tmp_path: Path) -> None:
+    dump = tmp_path / "heap.dump"
+    dump.write_text(EMPTY_DUMP)
+    with pytest.raises(NotMeasurableError, match=r"heap\.dump: .* no particles"):
+        measure_path(dump)

@@ -1,0 +1,138 @@
+"""What a work folder tells of its calibration, without the file that it was started from."""
+
+from __future__ import annotations
+
+import sqlite3
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import grainfit
+from grainfit.calibration.provenance import Provenance
+from grainfit.errors import StoreError
+from grainfit.solvers.own_model.command import Command
+from grainfit.work_folder.saved_calibration import read_calibration
+
+PROBLEM = grainfit.Problem(
+    [grainfit.Parameter("particle.density", 2000, 3000, unit="kg/m^3")],
+    [grainfit.Target("angle", 25.0, tolerance=0.5, unit="deg")],
+    grainfit.RayleighTimeStep(
+        np.float32(0.005), {"particle.youngs_modulus": 1e7, "particle.poissons_ratio": 0.25}
+    ),
+)
+
+
+def simulate(parameters: dict[str, float], seed: int) -> dict[str, float]:
+    scatter = np.random.default_rng(seed).normal(0, 0.1)
+    return {"angle": parameters["particle.density"] / 100 + scatter}
+
+
+def test_a_work_folder_tells_all_of_its_calibration(tmp_path: Path) -> None:
+    provenance = Provenance("beads.toml", "name = 'beads'", {"wall.density": 7700.0})
+    result = grainfit.calibrate(
+        PROBLEM, simulate, workdir=tmp_path, name="beads", workers=2, provenance=provenance
+    )
+    reading = read_calibration(tmp_path)
+    assert (reading.name, reading.state, reading.seed) == ("beads", "calibrated", 1)
+    assert reading.problem == PROBLEM
+    assert [e.proposal.seed for e in reading.evaluations] != []
+    assert {e.proposal.seed for e in reading.evaluations} == {run.seed for run in result.history}
+    assert reading.runs.keys() == {run for r in result.history for run in r.runs.values()}
+    assert reading.result == result
+    assert (reading.source, reading.source_text) == ("beads.toml", "name = 'beads'")
+    assert reading.fixed == {"wall.density": 7700.0}
+    assert reading.units == {"particle.density": "kg/m^3", "wall.density": "kg/m^3"}
+    assert reading.workers == 2
+
+
+def test_intervals_hold_what_was_asked_for_beyond_a_bound_that_was_moved(tmp_path: Path) -> None:
+    narrow = grainfit.Problem([grainfit.Parameter("particle.density", 2000, 2300)], PROBLEM.targets)
+    grainfit.calibrate(narrow, simulate, workdir=tmp_path, extend_intervals=True)
+    (parameter,) = read_calibration(tmp_path).problem.parameters
+    assert parameter.minimum == 2000
+    assert parameter.maximum > 2450
+
+
+def test_folders_without_a_calibration_are_named(tmp_path: Path) -> None:
+    with pytest.raises(StoreError, match="is not a work folder"):
+        read_calibration(tmp_path / "none")
+    grainfit.calibrate(PROBLEM, simulate, workdir=tmp_path)
+    with sqlite3.connect(tmp_path / "runs.sqlite") as connection:
+        connection.execute("UPDATE calibrations SET definition = '{}'")
+    with pytest.raises(StoreError, match="another version of grainfit, or edited"):
+        read_calibration(tmp_path)
+    with sqlite3.connect(tmp_path / "runs.sqlite") as connection:
+        connection.execute("DELETE FROM calibrations")
+    with pytest.raises(StoreError, match="nothing has been calibrated"):
+        read_calibration(tmp_path)
+
+
+def test_a_result_is_read_back_or_said_to_be_damaged_and_where(tmp_path: Path) -> None:
+    path = tmp_path / "result.json"
+    with pytest.raises(StoreError, match="cannot be read: No such file"):
+        grainfit.Result.from_json(path)
+    result = grainfit.calibrate(PROBLEM, simulate)
+    result.to_json(path)
+    assert grainfit.Result.from_json(path) == result
+    whole = path.read_text()
+    for old, new, why in (
+        ('"within_tolerance": true', '"within_tolerance": "yes"', "responses.angle.within_tol"),
+        ('"predicted": 2', '"predicted": 1e9992', "not a finite number"),
+        ('"wall_seconds": ', '"wall_seconds": NaN, "was": ', "NaN is not a finite number"),
+        (whole, whole[:-20], "delimiter|Expecting"),
+        (whole, "[" * 100_000, "recursion"),
+    ):
+        assert old in whole
+        path.write_text(whole.replace(old, new))
+        with pytest.raises(StoreError, match=f"is damaged: .*(?:{why}).*no finished run"):
+            grainfit.Result.from_json(path)
+
+
+def test_what_was_learnt_from_counts_in_all_that_is_said(tmp_path: Path) -> None:
+    first = grainfit.calibrate(PROBLEM, simulate, workdir=tmp_path)
+    other = replace(PROBLEM, targets=[replace(PROBLEM.targets[0], value=25.2)])
+    second = grainfit.calibrate(other, simulate, workdir=tmp_path)
+    reading = read_calibration(tmp_path)
+    assert len(reading.learnt) == second.runs.learnt_from == first.runs.total
+    assert len(reading.evaluations) == second.runs.total < first.runs.total
+    assert len(reading.known) == first.runs.total + second.runs.total
+    page = grainfit.write_report(tmp_path).read_text(encoding="utf-8")
+    assert (
+        f"Besides these, {first.runs.total} made for other calibrations were learnt from." in page
+    )
+    assert "a run of another calibration" in page
+    # The second has hardly another place than its answer, and alone would tell nothing.
+    assert "particle.density is determined to" in page
+
+
+def test_another_weight_of_the_time_step_is_another_calibration(tmp_path: Path) -> None:
+    first = grainfit.calibrate(PROBLEM, simulate, strategy="staged", workdir=tmp_path)
+    fast = replace(PROBLEM, rayleigh_weight=1.0)
+    second = grainfit.calibrate(fast, simulate, strategy="staged", workdir=tmp_path)
+    assert second.identity != first.identity
+    assert second.parameters != first.parameters
+    assert read_calibration(tmp_path).problem == fast
+
+
+def test_the_result_of_an_earlier_start_is_not_that_of_the_last(tmp_path: Path) -> None:
+    result = grainfit.calibrate(PROBLEM, simulate, workdir=tmp_path)
+    replace(result, status="interrupted").to_json(tmp_path / "result.json")
+    reading = read_calibration(tmp_path)
+    assert reading.result is None
+    assert "'interrupted' of a calibration that has ended as 'calibrated'" in reading.result_fault
+
+
+def test_failures_that_stopped_a_calibration_are_told_with_their_logs(tmp_path: Path) -> None:
+    model = tmp_path / "model"
+    model.mkdir()
+    (model / "drum.py").write_text("density = 0\nraise SystemExit('the licence has expired')")
+    solver = Command(model, [sys.executable, "drum.py"], response_names=("angle",))
+    with pytest.raises(grainfit.RunFailedError):
+        grainfit.calibrate(PROBLEM, {"drum": solver}, workdir=tmp_path / "work")
+    reading = read_calibration(tmp_path / "work")
+    assert (reading.state, len(reading.evaluations)) == ("failed", 3)
+    assert "first 3 runs all failed" in reading.failure
+    assert all("the licence has expired" in run.log_tail for run in reading.runs.values())

@@ -1,0 +1,136 @@
+"""Looking at a work folder from outside disturbs nothing."""
+
+from __future__ import annotations
+
+import fcntl
+import io
+import json
+import shutil
+import threading
+import time
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from rich.console import Console
+
+import grainfit
+from grainfit.campaign.store.records import RequestRecord, RunRecord
+from grainfit.campaign.store.store import RunStore
+from grainfit.campaign.work_folder import hold
+from grainfit.cli.console import print_status
+from grainfit.errors import StoreError
+from grainfit.work_folder.status import read_status
+
+
+def work(folder: Path) -> RunStore:
+    store = RunStore.in_folder(folder)
+    store.begin_calibration("c", "beads", {})
+    store.add_request("c", RequestRecord(1, "design", {"x": 0.5}, 7, {"heap": "abc"}))
+    store.save(RunRecord("abc", "heap", "finished", {}))
+    return store
+
+
+def files(folder: Path) -> dict[str, tuple[int, int]]:
+    # The index of the write-ahead log is memory that processes share, not a file.
+    kept = [path for path in folder.iterdir() if not path.name.endswith("-shm")]
+    return {path.name: (path.stat().st_mtime_ns, path.stat().st_size) for path in kept}
+
+
+def shown(folder: Path) -> str:
+    console = Console(file=io.StringIO(), width=200)
+    print_status(console, read_status(folder))
+    return console.file.getvalue()  # type: ignore[attr-defined]
+
+
+def test_status_of_a_finished_calibration_changes_no_file(tmp_path: Path) -> None:
+    work(tmp_path).close()
+    before = files(tmp_path)
+    assert read_status(tmp_path).kept == 1
+    assert files(tmp_path) == before
+    assert not list(tmp_path.glob("*-shm"))
+
+
+def test_status_of_a_calibration_at_work_sees_its_latest_run_and_changes_no_file(
+    tmp_path: Path,
+) -> None:
+    with hold(tmp_path):
+        store = work(tmp_path)
+        before = files(tmp_path)
+        status = read_status(tmp_path)
+        assert files(tmp_path) == before
+        store.save(RunRecord("next", "heap", "finished", {}))
+        assert (status.state, status.kept) == ("running", 1)
+        assert read_status(tmp_path).kept == 2
+
+
+def test_status_of_a_killed_calibration_sees_its_latest_run_and_changes_no_file(
+    tmp_path: Path,
+) -> None:
+    (tmp_path / "alive").mkdir()
+    store = work(tmp_path / "alive")
+    shutil.copytree(tmp_path / "alive", tmp_path / "killed")
+    store.close()
+    before = files(tmp_path / "killed")
+    status = read_status(tmp_path / "killed")
+    assert files(tmp_path / "killed") == before
+    assert (status.state, status.kept, dict(status.asked)) == ("interrupted", 1, {"design": 1})
+
+
+def test_status_before_the_store_is_written(tmp_path: Path) -> None:
+    (tmp_path / "runs.sqlite").touch()
+    with pytest.raises(StoreError, match="nothing was run yet"):
+        read_status(tmp_path)
+    assert (tmp_path / "runs.sqlite").stat().st_size == 0
+
+
+def test_a_look_at_the_lock_does_not_refuse_a_run(tmp_path: Path) -> None:
+    with hold(tmp_path):
+        pass
+    looking = (tmp_path / "lock").open()
+    fcntl.flock(looking, fcntl.LOCK_SH)
+    threading.Timer(0.3, looking.close).start()
+    with hold(tmp_path):
+        assert looking.closed
+
+
+def test_a_folder_in_use_is_refused_soon(tmp_path: Path) -> None:
+    with hold(tmp_path):
+        began = time.monotonic()
+        with pytest.raises(StoreError, match="in use by process"), hold(tmp_path):
+            pass
+        assert time.monotonic() - began < 5
+
+
+@pytest.mark.parametrize(
+    "result",
+    [
+        {"parameters": {"friction": "high", "density": None, "size": [1.0]}},
+        {"parameters": [1.0, 2.0]},
+        {"parameters": None},
+        {"parameters": {"friction": 10**400}},
+        ["a list"],
+        {},
+    ],
+)
+def test_a_result_of_another_form_does_no_harm(tmp_path: Path, result: object) -> None:
+    work(tmp_path).close()
+    if isinstance(result, dict):
+        result = {"identity": "c", **result}
+    (tmp_path / "result.json").write_text(json.dumps(result))
+    assert "1 finished runs kept" in shown(tmp_path)
+    assert "is damaged" in shown(tmp_path)
+
+
+@pytest.mark.parametrize(("identity", "appears"), [("c", True), ("of an earlier one", False)])
+def test_the_parameters_of_this_calibration_are_shown(
+    tmp_path: Path, identity: str, appears: bool
+) -> None:
+    work(tmp_path).close()
+    wanted = grainfit.Problem(
+        [grainfit.Parameter("friction", 0.1, 0.9)], [grainfit.Target("angle", 30.0)]
+    )
+    result = grainfit.calibrate(wanted, lambda p, _seed: {"angle": 60 * p["friction"]})
+    found = replace(result, identity=identity, parameters={"friction": 0.123456789})
+    found.to_json(tmp_path / "result.json")
+    assert ("friction = 0.12346" in shown(tmp_path)) is appears
