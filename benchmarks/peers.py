@@ -154,7 +154,7 @@ def gaussian_process(case: Case, budget: int, seed: int) -> list[Parameters]:
     posterior mean; several starts of the likelihood search; the luckiest run as the answer, which
     was about as good.
     """
-    from bayes_opt.acquisition import ExpectedImprovement
+    from bayes_opt.acquisition import KnowledgeGradient
     from bayes_opt.target_space import TargetSpace
     from sklearn.gaussian_process import GaussianProcessRegressor
     from sklearn.gaussian_process.kernels import ConstantKernel, Matern, WhiteKernel
@@ -173,7 +173,7 @@ def gaussian_process(case: Case, budget: int, seed: int) -> list[Parameters]:
         space = TargetSpace(None, bounds, allow_duplicate_points=True)
         for point, misfit in zip(runs.points, runs.misfits, strict=True):
             space.register(point, -misfit)
-        acquisition = ExpectedImprovement(xi=0.0)
+        acquisition = KnowledgeGradient(xi=0.0)
         while True:
             model.fit(space.params, space.target)
             runs.answer(runs.points[int(np.argmax(model.predict(np.array(runs.points))))])

@@ -19,7 +19,7 @@ from pathlib import Path
 
 from rich.progress import track
 
-from grainfit.calibration_file.build import Assembly, assemble
+from grainfit.calibration_file.build import CalibrationSetup, build_calibration
 from grainfit.calibration_file.load import load_calibration_file
 from grainfit.campaign.campaign import Campaign, CampaignOptions
 from grainfit.campaign.reuse import most_telling, runs_of
@@ -35,16 +35,16 @@ EXAMPLE = Path(__file__).parents[1] / "examples" / "glass_beads" / "calibration.
 GOAL = 1.0
 
 
-def fill(folder: Path, assembly: Assembly, count: int) -> list[Proposal]:
+def fill(folder: Path, setup: CalibrationSetup, count: int) -> list[Proposal]:
     """Write a work folder as a calibration of so many runs leaves it."""
-    [(test, solver)] = assembly.solvers.items()
-    cube = maximin_latin_hypercube(100, assembly.problem.dimension, 1)
+    [(test, solver)] = setup.solvers.items()
+    cube = maximin_latin_hypercube(100, setup.problem.dimension, 1)
     proposals = [
-        Proposal(assembly.problem.from_unit(cube[number % 100]), 1 + number, "design")
+        Proposal(setup.problem.from_unit(cube[number % 100]), 1 + number, "design")
         for number in range(count)
     ]
     with closing(RunStore.in_folder(folder)) as store:
-        store.begin_calibration("scale", assembly.name, {})
+        store.begin_calibration("scale", setup.name, {})
         records = []
         for position, proposal in enumerate(track(proposals, "writing"), start=1):
             definition = solver.definition(proposal.parameters, proposal.seed)
@@ -67,11 +67,11 @@ def fill(folder: Path, assembly: Assembly, count: int) -> list[Proposal]:
     return proposals
 
 
-def resume(folder: Path, assembly: Assembly) -> None:
+def resume(folder: Path, setup: CalibrationSetup) -> None:
     """Open the work folder, read the history, and answer all of it from the store."""
     with hold(folder), closing(RunStore.in_folder(folder)) as store:
         recover(folder, store)
-        campaign = Campaign(assembly.solvers, store, folder, CampaignOptions())
+        campaign = Campaign(setup.solvers, store, folder, CampaignOptions())
         requests = store.requests("scale")
         campaign.fetch([run for request in requests for run in request.runs.values()])
         for request in requests:
@@ -81,11 +81,11 @@ def resume(folder: Path, assembly: Assembly) -> None:
         campaign.close()
 
 
-def learn(folder: Path, assembly: Assembly) -> None:
+def warm_start(folder: Path, setup: CalibrationSetup) -> None:
     """Read all runs and recognise those of the problem."""
     with closing(RunStore.read_only(folder)) as store:
-        known = runs_of(assembly.problem, assembly.solvers, store.runs())
-    assert most_telling(assembly.problem, known)
+        known = runs_of(setup.problem, setup.solvers, store.runs())
+    assert most_telling(setup.problem, known)
 
 
 def command(folder: Path) -> None:
@@ -105,17 +105,17 @@ def main() -> None:
     parser.add_argument("--runs", type=int, default=10_000)
     parser.add_argument("--json", type=Path)
     options = parser.parse_args()
-    assembly = assemble(load_calibration_file(EXAMPLE))
-    for solver in assembly.solvers.values():
+    setup = build_calibration(load_calibration_file(EXAMPLE))
+    for solver in setup.solvers.values():
         solver.version()
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        fill(folder, assembly, options.runs)
+        fill(folder, setup, options.runs)
         figures = {
             "status": seconds(lambda: read_status(folder)),
             "grainfit status": seconds(lambda: command(folder)),
-            "going on": seconds(lambda: resume(folder, assembly)),
-            "learning": seconds(lambda: learn(folder, assembly)),
+            "going on": seconds(lambda: resume(folder, setup)),
+            "learning": seconds(lambda: warm_start(folder, setup)),
         }
     print(f"{options.runs:,} finished runs (goal: under {GOAL:g} s each)")
     for name, took in figures.items():

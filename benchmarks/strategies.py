@@ -112,7 +112,7 @@ def _own_stop(case: Case, seed: int) -> Record:
         "deviations": _all_rounded(case.deviations(answer.parameters)),
         "tolerances_off": _all_rounded(off),
         "covered": _covered(case, answer),
-        "agreement": _rounded(answer.agreement),
+        "probability_all_met": _rounded(answer.probability_all_met),
         "out_of_reach": [miss.target for miss in answer.out_of_reach],
     }
 
@@ -396,7 +396,7 @@ def _summary_of_own_stops(records: list[Record], responses: list[str]) -> Summar
     return {
         "runs": _median_and_p90([stop["runs"] for stop in stops]),
         "within_tolerance": float(np.mean([max(stop["tolerances_off"]) <= 1 for stop in stops])),
-        "stated_agreement": float(np.mean([stop["agreement"] for stop in stops])),
+        "stated_probability": float(np.mean([stop["probability_all_met"] for stop in stops])),
         "out_of_reach": sum(bool(stop["out_of_reach"]) for stop in stops),
         "coverage": _coverage([stop["covered"] for stop in stops], responses),
     }
@@ -596,7 +596,7 @@ def _print_own_stop(case: Summary) -> None:
     print(
         f"\n{OURS} by itself stops after {runs['median']:g} runs (90th percentile "
         f"{runs['p90']:g}), truly within tolerance: {stop['within_tolerance']:.0%}, stated: "
-        f"{stop['stated_agreement']:.0%} on average; called out of reach: {stop['out_of_reach']}."
+        f"{stop['stated_probability']:.0%} on average; called out of reach: {stop['out_of_reach']}."
     )
     print("\nCoverage of its stated 95 % intervals, %")
     places = {"at its own stop": stop["coverage"]} | {

@@ -17,6 +17,13 @@ _NORMAL_QUANTILE = 1.96
 Status = Literal["calibrated", "out_of_tolerance", "unreachable", "interrupted"]
 Verdict = Literal["met", "in doubt", "missed", "not verified"]
 Bound = Literal["min", "max"]
+#: Names of version 0.1.0 that are called otherwise now.
+_RENAMED = {
+    "agreement": "probability_all_met",
+    "std_error": "standard_error",
+    "verified_std_error": "verified_standard_error",
+    "learnt_from": "warm_start_runs",
+}
 
 
 @dataclass(frozen=True)
@@ -29,9 +36,9 @@ class ResponseResult:
         Measured value and largest accepted deviation.
     unit : str
         Unit of all numbers here.
-    predicted, std_error : float
+    predicted, standard_error : float
         Expected response by the metamodel, and its standard error.
-    verified_mean, verified_std_error : float, optional
+    verified_mean, verified_standard_error : float, optional
         Mean of the verification runs (fresh seeds at the answer) and its standard error.
     verified_interval : float, optional
         Half of the 95 % confidence interval of that mean.
@@ -45,9 +52,9 @@ class ResponseResult:
     tolerance: float
     unit: str
     predicted: float
-    std_error: float
+    standard_error: float
     verified_mean: float | None
-    verified_std_error: float | None
+    verified_standard_error: float | None
     verified_interval: float | None
     deviation_percent: float
     within_tolerance: bool
@@ -72,7 +79,7 @@ class ResponseResult:
         """Expected response and half of its 95 % interval; before verification, as predicted."""
         if self.verified_mean is not None and self.verified_interval is not None:
             return self.verified_mean, self.verified_interval
-        return self.predicted, _NORMAL_QUANTILE * self.std_error
+        return self.predicted, _NORMAL_QUANTILE * self.standard_error
 
 
 @dataclass(frozen=True)
@@ -81,7 +88,7 @@ class RunCounts:
 
     ``reused`` of the ``total`` were known before this start (from an interrupted start or another
     calibration) and were not simulated again; ``failed`` of them gave no responses. Besides these,
-    it could learn from ``learnt_from`` runs that were made before it for other calibrations.
+    it could learn from ``warm_start_runs`` runs that were made before it for other calibrations.
     """
 
     design: int = 0
@@ -90,7 +97,7 @@ class RunCounts:
     failed: int = 0
     reused: int = 0
     total: int = 0
-    learnt_from: int = 0
+    warm_start_runs: int = 0
 
 
 @dataclass(frozen=True)
@@ -130,7 +137,7 @@ class Result:
         Duration of this start, s.
     utilisation : float
         Share of the workers' time in which they simulated, in this start; 1 is all of it.
-    agreement : float, optional
+    probability_all_met : float, optional
         Probability, by the metamodels of all runs, those of the verification included, that all
         expected responses are within their tolerances.
     name, identity, strategy, seed, version : str, str, str, int, str
@@ -156,7 +163,7 @@ class Result:
     rayleigh_time_step_limits: tuple[float, float] | None
     wall_seconds: float
     utilisation: float
-    agreement: float | None
+    probability_all_met: float | None
     name: str
     identity: str
     strategy: str
@@ -212,13 +219,34 @@ def damaged_result(path: str | Path, why: str) -> str:
 def _read(text: bytes) -> Result:
     from pydantic import TypeAdapter, ValidationError
 
-    json.loads(text, parse_float=_finite, parse_int=_finite, parse_constant=_finite)
+    data = json.loads(text, parse_float=_finite, parse_int=_finite, parse_constant=_finite)
+    current = json.dumps(_in_current_names(json.loads(text))) if _is_old(data) else text
     try:
-        return TypeAdapter(Result).validate_json(text, strict=True)
+        return TypeAdapter(Result).validate_json(current, strict=True)
     except ValidationError as error:
         first = error.errors(include_url=False)[0]
         place = ".".join(map(str, first["loc"]))
         raise ValueError(f"{place or 'it'}: {first['msg']}") from error
+
+
+def _is_old(data: Any) -> bool:
+    return isinstance(data, dict) and "agreement" in data
+
+
+def _in_current_names(data: dict[str, Any]) -> dict[str, Any]:
+    renamed = _with_current_keys(data)
+    if isinstance(counts := data.get("runs"), dict):
+        renamed["runs"] = _with_current_keys(counts)
+    if isinstance(responses := data.get("responses"), dict):
+        renamed["responses"] = {
+            name: _with_current_keys(found) if isinstance(found, dict) else found
+            for name, found in responses.items()
+        }
+    return renamed
+
+
+def _with_current_keys(data: dict[str, Any]) -> dict[str, Any]:
+    return {_RENAMED.get(key, key): value for key, value in data.items()}
 
 
 def _finite(text: str) -> float:

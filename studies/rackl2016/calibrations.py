@@ -75,7 +75,7 @@ def calibrate_with_grainfit(
 
 
 def _record(result: Result, folder: Path) -> Record:
-    searched = [run for run in result.history if run.stage != "verification"]
+    current_problem = [run for run in result.history if run.stage != "verification"]
     return {
         "status": result.status,
         "parameters": dict(result.parameters),
@@ -86,10 +86,10 @@ def _record(result: Result, folder: Path) -> Record:
         "verification_seconds": verification_seconds(folder, result.identity),
         "failed_runs": result.runs.failed,
         "runs_made": result.runs.total,
-        "last_run": dict(searched[-1].responses),
+        "last_run": dict(current_problem[-1].responses),
         "rayleigh_time_step": result.rayleigh_time_step,
         "rayleigh_time_step_before": result.rayleigh_time_step_before,
-        "agreement": result.agreement,
+        "probability_all_met": result.probability_all_met,
         "notices": list(result.notices),
         "out_of_reach": [asdict(miss) for miss in result.out_of_reach],
         "version": result.version,

@@ -126,7 +126,7 @@ class Recovered:
         """What was stated of a response: value and half of its 95 % interval."""
         found = self.record["responses"][response]
         if not verified:
-            return found["predicted"], _NORMAL_95 * found["std_error"]
+            return found["predicted"], _NORMAL_95 * found["standard_error"]
         if found["verified_interval"] is None:
             return None
         return found["verified_mean"], found["verified_interval"]

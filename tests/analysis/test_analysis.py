@@ -90,8 +90,8 @@ def test_a_calibration_of_two_frictions_and_a_density_is_seen_through(whole: Ana
     )
     assert whole.pareto is not None
     assert whole.pareto.parameters[-1][DENSITY.name] == pytest.approx(3000.0)
-    assert whole.pareto.agreement[0] > 0.9
-    assert whole.pareto.agreement[-1] < 0.01
+    assert whole.pareto.probability_all_met[0] > 0.9
+    assert whole.pareto.probability_all_met[-1] < 0.01
 
 
 def test_the_same_runs_give_the_same_analysis(whole: Analysis) -> None:

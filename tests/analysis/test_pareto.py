@@ -51,8 +51,8 @@ def test_the_front_is_the_known_trade_off() -> None:
     np.testing.assert_allclose(
         front.responses[:, 0], np.minimum(35.0 + 10.0 * place, 38.0), atol=0.1
     )
-    assert front.agreement[0] == pytest.approx(1.0, abs=1e-3)
-    assert front.agreement[-1] < 1e-3
+    assert front.probability_all_met[0] == pytest.approx(1.0, abs=1e-3)
+    assert front.probability_all_met[-1] < 1e-3
 
 
 def test_where_the_time_step_costs_nothing_the_front_is_one_point() -> None:

@@ -64,9 +64,9 @@ def test_the_python_interface_calibrates_and_writes_its_result(tmp_path: Path) -
     assert set(data["responses"]["angle_10rpm"]) >= {
         "target",
         "predicted",
-        "std_error",
+        "standard_error",
         "verified_mean",
-        "verified_std_error",
+        "verified_standard_error",
         "deviation_percent",
     }
     assert set(data["runs"]) == {
@@ -76,7 +76,7 @@ def test_the_python_interface_calibrates_and_writes_its_result(tmp_path: Path) -
         "failed",
         "reused",
         "total",
-        "learnt_from",
+        "warm_start_runs",
     }
     assert data["rayleigh_time_step"] is None
     assert data["wall_seconds"] > 0
@@ -175,7 +175,7 @@ def test_with_a_larger_budget_it_goes_on_from_where_the_smaller_one_ended(tmp_pa
     large = gf.calibrate(problem(), drum, workdir=tmp_path, max_runs=60, seed=4)
     assert large.runs.reused == small.runs.total
     assert large.history[: small.runs.total] == small.history
-    assert large.agreement >= small.agreement
+    assert large.probability_all_met >= small.probability_all_met
 
 
 def test_two_verifications_in_a_row_are_both_remembered(tmp_path: Path) -> None:
@@ -212,7 +212,7 @@ def test_another_target_needs_few_runs_where_others_were_made(tmp_path: Path) ->
     first = gf.calibrate(problem(), drum, workdir=tmp_path)
     other = gf.calibrate(problem(first=35.0), drum, workdir=tmp_path)
     assert other.status == "calibrated"
-    assert other.runs.learnt_from == first.runs.total
+    assert other.runs.warm_start_runs == first.runs.total
     assert other.runs.design == 0
     assert other.runs.total - other.runs.verification <= first.runs.total / 3
 
@@ -390,7 +390,7 @@ def test_a_target_that_is_added_later_is_found_in_the_runs_that_are_known(tmp_pa
     solver = PythonCallable(drum, ["angle_10rpm", "angle_30rpm"])
     result = gf.calibrate(both, solver, workdir=tmp_path)
     assert result.status == "calibrated"
-    assert result.runs.learnt_from == first.runs.total
+    assert result.runs.warm_start_runs == first.runs.total
 
 
 def test_a_target_that_no_run_yields_stops_early_and_says_what_there_is() -> None:

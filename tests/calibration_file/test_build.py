@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from grainfit.calibration.calibrate import calibrate
-from grainfit.calibration_file.build import Assembly, assemble
+from grainfit.calibration_file.build import CalibrationSetup, build_calibration
 from grainfit.calibration_file.load import load_calibration_file
 from grainfit.errors import InputError
 from grainfit.materials.time_step import rayleigh_time_step
@@ -39,24 +39,24 @@ targets.angle = { value = 24.0, tolerance = 0.1 }
 """
 
 
-def assembled(folder: Path, text: str, **files: str) -> Assembly:
+def assembled(folder: Path, text: str, **files: str) -> CalibrationSetup:
     for name, content in files.items():
         stem, _, suffix = name.rpartition("_")
         (folder / f"{stem}.{suffix}").write_text(content, encoding="utf-8")
     path = folder / "calibration.toml"
     path.write_text(text, encoding="utf-8")
-    return assemble(load_calibration_file(path))
+    return build_calibration(load_calibration_file(path))
 
 
-def run(assembly: Assembly, test: str, folder: Path, **parameters: float) -> dict[str, float]:
+def run(setup: CalibrationSetup, test: str, folder: Path, **parameters: float) -> dict[str, float]:
     folder.mkdir()
-    responses = assembly.solvers[test].run(parameters, 7, Workspace(folder))
+    responses = setup.solvers[test].run(parameters, 7, Workspace(folder))
     return {name: response.value for name, response in responses.items()}
 
 
 def test_the_glass_beads() -> None:
-    assembly = assemble(load_calibration_file(EXAMPLES / "glass_beads" / "calibration.toml"))
-    problem = assembly.problem
+    setup = build_calibration(load_calibration_file(EXAMPLES / "glass_beads" / "calibration.toml"))
+    problem = setup.problem
     assert [p.name for p in problem.parameters] == [
         "particle.density",
         "particle_particle.rolling_friction",
@@ -64,34 +64,32 @@ def test_the_glass_beads() -> None:
     assert [t.name for t in problem.targets] == ["bulk_density", "angle_of_repose"]
     values = {"particle.density": 2100.0, "particle_particle.rolling_friction": 0.67}
     assert problem.rayleigh_time_step(values) == rayleigh_time_step(0.005, 2100.0, 3.6e5, 0.22)
-    [solver] = assembly.solvers.values()
+    [solver] = setup.solvers.values()
     assert solver.name == "lammps"
     material = solver.all_parameters(values)
-    assert material == {**assembly.file.fixed, **values}
+    assert material == {**setup.file.fixed, **values}
 
 
 def test_several_tests_give_their_names_to_their_responses(tmp_path: Path) -> None:
     second = GLASS_BEADS[GLASS_BEADS.index("[[test]]") :].replace(
         '"lammps"', '"liggghts"\nname = "small"\ncylinder_radius = "50 mm"\ntimeout = "1 min"'
     )
-    assembly = assembled(tmp_path, GLASS_BEADS + second)
-    assert [target.name for target in assembly.problem.targets] == [
+    setup = assembled(tmp_path, GLASS_BEADS + second)
+    assert [target.name for target in setup.problem.targets] == [
         "heap.bulk_density",
         "heap.angle_of_repose",
         "small.bulk_density",
         "small.angle_of_repose",
     ]
-    assert [solver.name for solver in assembly.solvers.values()] == ["lammps", "liggghts"]
-    assert assembly.solvers["small"].test.setup.cylinder_radius == 0.05
-    assert assembly.timeouts["small"] == 60.0
-    assert 600 < assembly.timeouts["heap"] < 3600, "a solver that hangs is ended all the same"
+    assert [solver.name for solver in setup.solvers.values()] == ["lammps", "liggghts"]
+    assert setup.solvers["small"].test.setup.cylinder_radius == 0.05
+    assert setup.timeouts["small"] == 60.0
+    assert 600 < setup.timeouts["heap"] < 3600, "a solver that hangs is ended all the same"
 
 
 def test_a_python_model_is_calibrated(tmp_path: Path) -> None:
-    assembly = assembled(tmp_path, OWN + "[strategy]\nseed = 3\nmax_runs = 40", model_py=MODEL)
-    result = calibrate(
-        assembly.problem, assembly.solvers, name=assembly.name, **assembly.options(workers=1)
-    )
+    setup = assembled(tmp_path, OWN + "[strategy]\nseed = 3\nmax_runs = 40", model_py=MODEL)
+    result = calibrate(setup.problem, setup.solvers, name=setup.name, **setup.options(workers=1))
     assert result.status == "calibrated"
     # 10 cohesion + gap = 24, in the model's own units
     assert result.parameters["cohesion"] == pytest.approx(2.0, abs=0.01)
@@ -99,11 +97,11 @@ def test_a_python_model_is_calibrated(tmp_path: Path) -> None:
 
 
 def test_own_models_get_fixed_parameters_and_what_is_set(tmp_path: Path) -> None:
-    assembly = assembled(tmp_path, OWN, model_py=MODEL)
-    assert run(assembly, "python", tmp_path / "a", cohesion=1.5)["angle"] == 19.0
-    values = assembly.values(["gap=5", "cohesion=2500 J/m^3"])
+    setup = assembled(tmp_path, OWN, model_py=MODEL)
+    assert run(setup, "python", tmp_path / "a", cohesion=1.5)["angle"] == 19.0
+    values = setup.values(["gap=5", "cohesion=2500 J/m^3"])
     assert values == {"cohesion": 2.5, "gap": 5.0}
-    assert run(assembly, "python", tmp_path / "b", **values)["angle"] == 30.0
+    assert run(setup, "python", tmp_path / "b", **values)["angle"] == 30.0
 
 
 def test_a_command_gets_all_parameters(tmp_path: Path) -> None:
@@ -119,25 +117,25 @@ def test_a_command_gets_all_parameters(tmp_path: Path) -> None:
         "json.dump({'angle': angle}, open('responses.json', 'w'))\n",
         encoding="utf-8",
     )
-    assembly = assembled(tmp_path, text)
-    assembly.solvers["command"].check()
-    assert run(assembly, "command", tmp_path / "run", cohesion=1.5) == {"angle": 2005.5}
+    setup = assembled(tmp_path, text)
+    setup.solvers["command"].check()
+    assert run(setup, "command", tmp_path / "run", cohesion=1.5) == {"angle": 2005.5}
 
 
 def test_a_table_is_looked_up_by_the_free_parameters(tmp_path: Path) -> None:
     text = OWN.replace(
         'type = "python"\nfunction = "model.py:simulate"', 'type = "table"\nfile = "runs.csv"'
     )
-    assembly = assembled(tmp_path, text, runs_csv="cohesion,angle\n1,14\n2,24\n")
-    assert run(assembly, "table", tmp_path / "run", cohesion=2.0) == {"angle": 24.0}
+    setup = assembled(tmp_path, text, runs_csv="cohesion,angle\n1,14\n2,24\n")
+    assert run(setup, "table", tmp_path / "run", cohesion=2.0) == {"angle": 24.0}
 
 
 def test_own_parameters_do_not_reach_the_heap(tmp_path: Path) -> None:
     own = OWN[OWN.index("[[test]]") :]
     text = GLASS_BEADS.replace("[wall]", "[parameters]\ncohesion = { min = 1, max = 3 }\n[wall]")
-    assembly = assembled(tmp_path, text + own, model_py=MODEL)
-    values = assembly.problem.from_unit([0.5] * 3)
-    solver = assembly.solvers["heap"]
+    setup = assembled(tmp_path, text + own, model_py=MODEL)
+    values = setup.problem.from_unit([0.5] * 3)
+    solver = setup.solvers["heap"]
     assert isinstance(solver, ParametersFor)
     assert set(solver._taken(values)) == {"particle.density", "particle_particle.rolling_friction"}
 
@@ -155,14 +153,14 @@ def test_faults_of_a_solver_say_of_which_test(tmp_path: Path) -> None:
 
 
 def test_what_is_set_must_be_possible() -> None:
-    assembly = assemble(load_calibration_file(EXAMPLES / "glass_beads" / "calibration.toml"))
-    values = assembly.values([])
+    setup = build_calibration(load_calibration_file(EXAMPLES / "glass_beads" / "calibration.toml"))
+    values = setup.values([])
     assert values["particle.density"] == pytest.approx(2100)
-    values = assembly.values(["particle.density=2.3 g/cm^3", "particle_wall.restitution = 0.5"])
+    values = setup.values(["particle.density=2.3 g/cm^3", "particle_wall.restitution = 0.5"])
     assert values["particle.density"] == 2300
     assert values["particle_wall.restitution"] == 0.5
     with pytest.raises(InputError) as caught:
-        assembly.values(
+        setup.values(
             ["particle.densty=1", "particle.density", "particle.density=-1", "wall.density=1 m", ""]
         )
     assert len(caught.value.faults) == 5
@@ -172,12 +170,12 @@ def test_what_is_set_must_be_possible() -> None:
 def test_what_the_command_line_says_wins_over_the_file(tmp_path: Path) -> None:
     text = GLASS_BEADS + '[strategy]\nname = "staged"\nseed = 4\nworkers = 3\n'
     text += "rayleigh_weight = 0.5\n"
-    assembly = assembled(tmp_path, text)
-    assert assembly.options() == {"strategy": "staged", "seed": 4, "workers": 3}
-    assert assembly.options(seed=0, max_runs=9) == {
+    setup = assembled(tmp_path, text)
+    assert setup.options() == {"strategy": "staged", "seed": 4, "workers": 3}
+    assert setup.options(seed=0, max_runs=9) == {
         "strategy": "staged",
         "seed": 0,
         "workers": 3,
         "max_runs": 9,
     }
-    assert assembly.problem.rayleigh_weight == 0.5
+    assert setup.problem.rayleigh_weight == 0.5

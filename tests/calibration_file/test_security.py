@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 from rich.console import Console
 
-from grainfit.calibration_file.build import assemble
+from grainfit.calibration_file.build import build_calibration
 from grainfit.calibration_file.load import load_calibration_file
 from grainfit.calibration_file.plan import describe_plan
 from grainfit.cli.console import print_error, print_plan, print_status
@@ -109,7 +109,7 @@ def check(path: Path) -> str:
     text = StringIO()
     console = Console(file=text, width=500)
     try:
-        print_plan(console, describe_plan(assemble(load_calibration_file(path))))
+        print_plan(console, describe_plan(build_calibration(load_calibration_file(path))))
     except GrainfitError as error:
         print_error(console, error)
     return text.getvalue()

@@ -9,7 +9,7 @@ import pytest
 
 import grainfit as gf
 from grainfit.bulk_tests.heap import HeapTest
-from grainfit.calibration_file.build import assemble
+from grainfit.calibration_file.build import build_calibration
 from grainfit.calibration_file.load import load_calibration_file
 from grainfit.campaign.reuse import most_telling, runs_of
 from grainfit.campaign.store.records import RunRecord, run_identity
@@ -39,15 +39,15 @@ def drum(low: float = 0.1, high: float = 0.9) -> tuple[gf.Problem, Solver]:
 
 
 def test_runs_of_the_heap_test_are_recognised_and_those_of_other_materials_are_not() -> None:
-    assembly = assemble(load_calibration_file(EXAMPLE))
-    [(test, solver)] = assembly.solvers.items()
+    setup = build_calibration(load_calibration_file(EXAMPLE))
+    [(test, solver)] = setup.solvers.items()
     assert isinstance(solver, Lammps)
-    values = assembly.problem.from_unit([0.3, 0.8])
+    values = setup.problem.from_unit([0.3, 0.8])
     same = run(solver, values, 7)
     stiffer = Lammps(solver.test, solver.material | {"particle.youngs_modulus": 1e7})
     bigger = Lammps(HeapTest(ParticleSizes((0.012,))), solver.material)
     others = [run(other, values, 7) for other in (stiffer, bigger)]
-    [found] = runs_of(assembly.problem, {test: solver}, [*others, same])
+    [found] = runs_of(setup.problem, {test: solver}, [*others, same])
     assert found.proposal == Proposal(values, 7, "design")
     assert found.runs == {test: same.identity}
 
@@ -141,11 +141,11 @@ def test_a_calibration_with_runs_from_elsewhere_is_resumed_as_it_was(
     folder = tmp_path / "second"
     sources = [tmp_path / "first"]
     whole = gf.calibrate(other, solver, workdir=folder, runs_from=sources, strategy=strategy)
-    assert whole.runs.learnt_from > 0
+    assert whole.runs.warm_start_runs > 0
     again = gf.calibrate(other, solver, workdir=folder, strategy=strategy)
     assert again.history == whole.history
     assert again.parameters == whole.parameters
-    assert again.runs.learnt_from == whole.runs.learnt_from
+    assert again.runs.warm_start_runs == whole.runs.warm_start_runs
     assert again.runs.reused == again.runs.total
 
 

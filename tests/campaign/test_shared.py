@@ -180,7 +180,7 @@ def test_a_second_calibration_learns_from_a_shared_store(address: str, tmp_path:
     )
     first = gf.calibrate(problem, drum, workdir=tmp_path / "first", store=address)
     second = gf.calibrate(problem, drum, workdir=tmp_path / "second", store=address)
-    assert (first.runs.learnt_from, second.runs.learnt_from) == (0, first.runs.total)
+    assert (first.runs.warm_start_runs, second.runs.warm_start_runs) == (0, first.runs.total)
     assert second.status == "calibrated"
     assert second.runs.design == 0
     assert second.runs.optimisation <= 1

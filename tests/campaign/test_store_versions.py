@@ -21,7 +21,7 @@ from grainfit.campaign.store.store import RunStore
 from grainfit.errors import StoreError
 from grainfit.result import Result
 from grainfit.solvers.own_model.command import Command
-from grainfit.work_folder.saved_calibration import read_calibration
+from grainfit.work_folder.saved_calibration import SavedCalibration
 from grainfit.work_folder.status import read_status
 
 VERSION_1 = Path(__file__).parent / "store_version_1"
@@ -55,7 +55,7 @@ def test_a_calibration_of_an_older_version_goes_on_where_it_was(old: Path) -> No
         asked = list(connection.execute("SELECT parameters, seed FROM requests ORDER BY position"))
     result = calibrate(old)
     assert [(json.dumps(run.parameters), run.seed) for run in result.history[:RUNS]] == asked
-    assert (result.runs.reused, result.runs.learnt_from) == (RUNS, 0)
+    assert (result.runs.reused, result.runs.warm_start_runs) == (RUNS, 0)
     assert result.status == "calibrated"
     assert read_status(old).kept == len(result.history)
 
@@ -79,7 +79,7 @@ def test_an_older_store_has_its_runs_and_the_order_of_its_calibrations(old: Path
 
 def test_an_interrupted_calibration_of_an_older_version_can_be_read(old: Path) -> None:
     RunStore.in_folder(old).close()
-    reading = read_calibration(old)
+    reading = SavedCalibration.open(old)
     assert (reading.name, reading.state, len(reading.evaluations)) == ("beads", "interrupted", RUNS)
     assert reading.problem.intervals == PROBLEM.intervals
     assert reading.source == ""

@@ -233,7 +233,7 @@ def test_an_answer_that_was_not_verified_is_not_called_met(drum_folder: Path) ->
         result["status"] = "interrupted"
         for response in result["responses"].values():
             response |= dict.fromkeys(
-                ("verified_mean", "verified_std_error", "verified_interval"), None
+                ("verified_mean", "verified_standard_error", "verified_interval"), None
             )
 
     edit_result(drum_folder, stop_before_verification)

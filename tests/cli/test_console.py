@@ -30,7 +30,7 @@ def printed(result: Result, **changes: object) -> str:
 
 
 def test_a_response_is_met_or_missed_by_its_verification_only(calibrated: Result) -> None:
-    unverified = {"verified_mean": None, "verified_std_error": None, "verified_interval": None}
+    unverified = {"verified_mean": None, "verified_standard_error": None, "verified_interval": None}
     assert printed(calibrated).rstrip().endswith("%   met")
     missed = {"verified_mean": 22.6, "within_tolerance": False}
     assert printed(calibrated, **missed).rstrip().endswith("%   missed")

@@ -13,7 +13,7 @@ from rich.console import Console
 from typer.testing import CliRunner, Result
 
 from grainfit.calibration.calibrate import calibrate
-from grainfit.calibration_file.build import Assembly, assemble
+from grainfit.calibration_file.build import CalibrationSetup, build_calibration
 from grainfit.calibration_file.load import load_calibration_file
 from grainfit.campaign.reuse import runs_of
 from grainfit.campaign.store.records import RunRecord
@@ -68,8 +68,8 @@ def sand(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return file
 
 
-def assembly_of(file: Path) -> Assembly:
-    return assemble(load_calibration_file(file))
+def assembly_of(file: Path) -> CalibrationSetup:
+    return build_calibration(load_calibration_file(file))
 
 
 def grainfit(*arguments: str | Path, **env: str) -> Result:
@@ -495,10 +495,10 @@ def test_runs_of_a_heap_are_imported_in_the_units_of_the_table(tmp_path: Path) -
         "bulk_density.standard_error [g/cm^3]\n"
         "2.1,0.5,1.4,21.5,0.36,0.001\n2.2,0.6,1.45,23,0.36,\n"
     )
-    assembly = assembly_of(file)
-    done = import_runs(assembly, table, tmp_path / "work")
+    setup = assembly_of(file)
+    done = import_runs(setup, table, tmp_path / "work")
     assert (done.new, done.usable) == (2, 2)
-    first, _ = runs_of(assembly.problem, assembly.solvers, stored(tmp_path / "work"))
+    first, _ = runs_of(setup.problem, setup.solvers, stored(tmp_path / "work"))
     assert first.proposal.parameters == {
         "particle.density": 2100.0,
         "particle_particle.rolling_friction": 0.5,
@@ -507,7 +507,7 @@ def test_runs_of_a_heap_are_imported_in_the_units_of_the_table(tmp_path: Path) -
     assert first.responses["angle_of_repose"] == Response(21.5)
     table.write_text(header + "bulk_density,angle_of_repose\n2100,0.5,1400,21.5\n")
     with pytest.raises(InputError, match=r"line 2, particle.density: is 2100000.0. It must be fr"):
-        import_runs(assembly, table, tmp_path / "work")
+        import_runs(setup, table, tmp_path / "work")
 
 
 def test_importing_runs_of_a_solver_that_is_missing_says_why_it_is_needed(tmp_path: Path) -> None:
@@ -546,9 +546,9 @@ def test_runs_of_several_tests_belong_together_when_all_are_imported(two_tests: 
     assert imported(two_tests, "friction,force\n0.3,2\n0.3,2.1\n", test="shear").usable == 0
     both = imported(two_tests, "friction,angle\n0.3,30\n0.3,31\n0.4,33\n", test="python")
     assert both.usable == 2
-    assembly = assembly_of(two_tests)
-    assert isinstance(assembly.solvers["shear"], Command)
-    found = runs_of(assembly.problem, assembly.solvers, stored(Path("work")))
+    setup = assembly_of(two_tests)
+    assert isinstance(setup.solvers["shear"], Command)
+    found = runs_of(setup.problem, setup.solvers, stored(Path("work")))
     assert [e.responses["shear.force"].value for e in found] == [2.0, 2.1]
     assert [e.responses["python.angle"].value for e in found] == [30.0, 31.0]
 

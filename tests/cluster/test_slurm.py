@@ -22,7 +22,7 @@ from grainfit.campaign.cluster import parsl_executor as parsl_jobs
 from grainfit.campaign.cluster.executor import cluster_executor
 from grainfit.campaign.cluster.options import ClusterOptions
 from grainfit.campaign.store.records import RunRecord
-from grainfit.campaign.worker import RunOrder, execute
+from grainfit.campaign.worker import RunTask, execute
 from grainfit.errors import ExecutorError
 from grainfit.materials.sizes import ParticleSizes
 from grainfit.result import Result
@@ -219,10 +219,10 @@ def test_runs_of_several_ranks_are_the_same_in_a_job(tmp_path: Path) -> None:
         solvers.append(Liggghts(SMALL, GLASS_BEADS, ranks=2))
     here, there = tmp_path / "here", tmp_path / "there"
 
-    def order(solver: Solver, folder: Path) -> RunOrder:
+    def order(solver: Solver, folder: Path) -> RunTask:
         (folder / "runs").mkdir(parents=True, exist_ok=True)
         record = RunRecord(solver.name, "heap", "running", solver.definition({}, 1))
-        return RunOrder(record, solver, {}, 1, folder)
+        return RunTask(record, solver, {}, 1, folder)
 
     with cluster_executor(replace(ONE_JOB, cores_per_run=2), there) as executor:
         futures = [executor.submit(execute, order(solver, there)) for solver in solvers]

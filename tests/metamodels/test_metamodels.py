@@ -55,12 +55,14 @@ def evaluation(x: float, **responses: float) -> Evaluation:
 def test_agreement_is_the_product_of_normal_probabilities(off: float, error: float) -> None:
     known = Metamodels(PROBLEM, [Known(10.0 + off, error), Known(21.0, 0.8)])
     wanted = inside(off, 0.5, error) * inside(1.0, 2.0, 0.8)
-    assert known.agreement([[0.2], [0.7]]) == pytest.approx([wanted] * 2, rel=1e-9, abs=1e-12)
+    assert known.probability_all_met([[0.2], [0.7]]) == pytest.approx(
+        [wanted] * 2, rel=1e-9, abs=1e-12
+    )
 
 
 def test_agreement_of_what_is_known_exactly_is_yes_or_no() -> None:
     exact = [Metamodels(PROBLEM, [Known(mean, 0.0), Known(20.0, 0.0)]) for mean in (10.4, 10.6)]
-    assert [m.agreement([[0.5]])[0] for m in exact] == pytest.approx([1.0, 0.0])
+    assert [m.probability_all_met([[0.5]])[0] for m in exact] == pytest.approx([1.0, 0.0])
 
 
 def test_deviations_are_in_tolerances_times_weights() -> None:
@@ -99,7 +101,7 @@ def test_agreement_without_each_run_is_that_of_metamodels_without_it() -> None:
     models = [Kriging.fit(points, v + 0.3 * random.standard_normal(9)) for v in values]
     known = Metamodels(PROBLEM, models)
     at = np.array([0.45])
-    found = known.agreement_without_each_run(at)
+    found = known.probability_all_met_without_each_run(at)
     assert found.shape == (18,)
     means, variances = known.predict(at)
     for index, model in enumerate(models):
@@ -122,9 +124,9 @@ def test_an_agreement_that_hangs_on_one_run_is_found_out() -> None:
     values = np.array([12.0, 12.1, 11.9, 9.0, 12.1, 11.9, 12.0])
     problem = Problem(PROBLEM.parameters, [Target("first", 10.0, tolerance=1.5)])
     known = Metamodels(problem, [Kriging.fit(x[:, None], values)])
-    found = known.agreement_without_each_run(np.array([0.5]))
+    found = known.probability_all_met_without_each_run(np.array([0.5]))
     assert found.argmin() == 3
-    assert found[3] < 0.5 * known.agreement([[0.5]])[0]
+    assert found[3] < 0.5 * known.probability_all_met([[0.5]])[0]
 
 
 def test_metamodels_are_fitted_to_the_runs_that_yielded_a_response() -> None:

@@ -18,7 +18,7 @@ from scipy.stats import qmc
 
 import grainfit as gf
 from grainfit.calibration.calibrate import Simulate
-from grainfit.calibration.loop import Conversation, ConversationOptions
+from grainfit.calibration.loop import CalibrationLoop, LoopOptions
 from grainfit.calibration.provenance import Provenance
 from grainfit.campaign.campaign import Campaign, CampaignOptions
 from grainfit.campaign.store.store import RunStore
@@ -328,10 +328,10 @@ class _Decided(BatchStrategy):
             parameters=self.problem.from_unit(self._answer),
             predicted={target.name: target.value for target in targets},
             standard_errors={target.name: 0.1 * target.accepted_deviation for target in targets},
-            agreement=0.99,
+            probability_all_met=0.99,
         )
 
-    def reconsider(self, affordable: int | None = None) -> bool:
+    def resume_after_verification(self, affordable: int | None = None) -> bool:
         return False
 
 
@@ -347,11 +347,11 @@ def many_runs(folder: Path, runs: int = 500) -> None:
         "optimisation": np.clip(model.truth + scatter, 0, 1),
     }
     solvers = {"simulate": PythonCallable(model)}
-    options = ConversationOptions("many runs", 1, None, verification)
+    options = LoopOptions("many runs", 1, None, verification)
     with hold(folder), closing(RunStore.in_folder(folder)) as store:
         strategy = _Decided(wanted, batches, model.truth)
         with closing(Campaign(solvers, store, folder, CampaignOptions())) as campaign:
-            result = Conversation(wanted, strategy, campaign, store, options).hold()
+            result = CalibrationLoop(wanted, strategy, campaign, store, options).hold()
         result.to_json(folder / RESULT_NAME)
 
 

@@ -30,7 +30,7 @@ from grainfit.problem import Parameter, Problem, Target
 from grainfit.report.section import ReportContext
 from grainfit.result import ResponseResult, Result, RunCounts
 from grainfit.strategies.answer import metamodel_quality
-from grainfit.work_folder.saved_calibration import CalibrationReading
+from grainfit.work_folder.saved_calibration import SavedCalibration
 
 NODE = shutil.which("node")
 NASTY = "<script>alert('x')</script> \"Größe\" & {{ 7*7 }}"
@@ -88,10 +88,10 @@ def evaluations(
     return found
 
 
-def reading(wanted: Problem, known: Sequence[Evaluation], *, answered: bool) -> CalibrationReading:
+def reading(wanted: Problem, known: Sequence[Evaluation], *, answered: bool) -> SavedCalibration:
     """What a work folder would tell of these runs."""
     answer = wanted.from_unit([0.4] * wanted.dimension)
-    return CalibrationReading(
+    return SavedCalibration(
         folder=Path("work"),
         name="glass beads",
         identity="0",
@@ -126,9 +126,9 @@ def result_of(wanted: Problem, answer: Mapping[str, float]) -> Result:
                 tolerance=target.accepted_deviation,
                 unit=target.unit,
                 predicted=target.value,
-                std_error=0.1,
+                standard_error=0.1,
                 verified_mean=None,
-                verified_std_error=None,
+                verified_standard_error=None,
                 verified_interval=None,
                 deviation_percent=0.0,
                 within_tolerance=True,
@@ -141,7 +141,7 @@ def result_of(wanted: Problem, answer: Mapping[str, float]) -> Result:
         rayleigh_time_step_limits=None,
         wall_seconds=0.0,
         utilisation=0.0,
-        agreement=None,
+        probability_all_met=None,
         name="",
         identity="0",
         strategy="sequential",

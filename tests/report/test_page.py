@@ -20,7 +20,7 @@ from grainfit.errors import StoreError
 from grainfit.report.page import render_page
 from grainfit.report.rendering import script_json
 from grainfit.report.section import ReportContext
-from grainfit.work_folder.saved_calibration import read_calibration
+from grainfit.work_folder.saved_calibration import SavedCalibration
 
 PROBLEM = grainfit.Problem(
     [grainfit.Parameter("friction", 0.1, 0.9)],
@@ -132,7 +132,7 @@ def result(work: Path) -> Iterator[Path]:
 )
 def test_a_result_that_was_edited_is_no_answer(result: Path, key: str, value: object) -> None:
     result.write_text(json.dumps({**json.loads(result.read_text()), key: value}))
-    reading = read_calibration(result.parent)
+    reading = SavedCalibration.open(result.parent)
     assert reading.result is None
     page = render_page(ReportContext(reading, Analysis()))
     assert "result.json&#39; is damaged: " in page
@@ -154,7 +154,7 @@ def test_the_report_can_be_written_while_it_is_running(work: Path, tmp_path: Pat
 
 def test_another_command_in_its_folder_does_not_make_it_running(work: Path) -> None:
     with hold(work):
-        reading = read_calibration(work)
+        reading = SavedCalibration.open(work)
     assert (reading.state, reading.running) == ("calibrated", 0)
     assert reading.result is not None
 

@@ -34,7 +34,7 @@ from grainfit.report.sections.reproduce.section import reproduce
 from grainfit.report.sections.runs.section import runs
 from grainfit.report.sections.verification.section import verification
 from grainfit.result import OutOfReach, Result, RunCounts
-from grainfit.work_folder.saved_calibration import CalibrationReading
+from grainfit.work_folder.saved_calibration import SavedCalibration
 
 DENSITY, FRICTION = "particle.density", "particle_particle.rolling_friction"
 PROBLEM = grainfit.Problem(
@@ -50,14 +50,14 @@ PROBLEM = grainfit.Problem(
 ANSWER = {DENSITY: 2309.4321, FRICTION: 0.52}
 MET = result_of(PROBLEM, ANSWER)
 ANGLE = replace(
-    MET.responses["angle_of_repose"], predicted=21.6, std_error=0.2, deviation_percent=-1.82
+    MET.responses["angle_of_repose"], predicted=21.6, standard_error=0.2, deviation_percent=-1.82
 )
 BULK_DENSITY = replace(
     MET.responses["bulk_density"],
     predicted=1503.0,
-    std_error=2.0,
+    standard_error=2.0,
     verified_mean=1501.84,
-    verified_std_error=0.6,
+    verified_standard_error=0.6,
     verified_interval=1.5,
     deviation_percent=0.12,
 )
@@ -65,11 +65,11 @@ RESULT = replace(
     MET,
     responses={"bulk_density": BULK_DENSITY, "angle_of_repose": ANGLE},
     runs=RunCounts(
-        design=5, optimisation=11, verification=24, failed=1, reused=2, total=40, learnt_from=3
+        design=5, optimisation=11, verification=24, failed=1, reused=2, total=40, warm_start_runs=3
     ),
     rayleigh_time_step=0.002153,
     rayleigh_time_step_before=0.002054,
-    agreement=0.96,
+    probability_all_met=0.96,
     wall_seconds=120.0,
     notices=("<i>look</i>",),
 )
@@ -127,7 +127,7 @@ def context(
         for done in evaluations
         for test, identity in done.runs.items()
     }
-    reading = CalibrationReading(
+    reading = SavedCalibration(
         folder=folder,
         name="beads",
         identity="f" * 32,
@@ -234,7 +234,7 @@ def not_met(angle: float, interval: float, **changes: Any) -> ReportContext:
     verified = replace(
         ANGLE,
         verified_mean=angle,
-        verified_std_error=interval / 3,
+        verified_standard_error=interval / 3,
         verified_interval=interval,
         within_tolerance=False,
         **changes,

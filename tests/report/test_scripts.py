@@ -117,7 +117,7 @@ def test_the_page_finds_the_probability_that_all_agree() -> None:
         data,
         "kriging.js",
     )
-    expected = metamodels.agreement(points)
+    expected = metamodels.probability_all_met(points)
     assert expected.max() > 0.5
     np.testing.assert_allclose(found, expected, atol=1e-9)
 

@@ -253,10 +253,10 @@ def test_a_trade_off_can_be_picked_point_by_point() -> None:
 
 
 @pytest.mark.parametrize(
-    ("agreement", "picked"), [((0.99, 0.8, 0.6, 0.1), "2"), ((0.1, 0.4, 0.3, 0.0), "1")]
+    ("probability_all_met", "picked"), [((0.99, 0.8, 0.6, 0.1), "2"), ((0.1, 0.4, 0.3, 0.0), "1")]
 )
 def test_the_first_pick_is_the_largest_time_step_that_probably_agrees(
-    agreement: tuple[float, ...], picked: str
+    probability_all_met: tuple[float, ...], picked: str
 ) -> None:
     made = usual()
     values = dict(made.answer)
@@ -264,7 +264,7 @@ def test_the_first_pick_is_the_largest_time_step_that_probably_agrees(
         np.array([1e-5, 2e-5, 3e-5, 4e-5]),
         np.array([0.1, 0.2, 0.3, 9.0]),
         [values] * 4,
-        np.array(agreement),
+        np.array(probability_all_met),
         np.ones((4, 2)),
     )
     analysis = replace(made.analysis, pareto=front)

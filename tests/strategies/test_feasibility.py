@@ -5,7 +5,7 @@ import pytest
 
 from grainfit.evaluation import Evaluation, Proposal, Response
 from grainfit.problem import Parameter, Problem, Target
-from grainfit.strategies.sequential.feasibility import Experience
+from grainfit.strategies.sequential.feasibility import FeasibilityModel
 
 PROBLEM = Problem(
     [Parameter("x", 10.0, 20.0), Parameter("y", 1.0, 100.0, "log")], [Target("angle", 30.0)]
@@ -23,7 +23,7 @@ def run(x: float, y: float, outcome: str = "success") -> Evaluation:
 
 
 def probability(evaluations: list[Evaluation], points: np.ndarray = MIDDLE) -> np.ndarray:
-    return Experience(PROBLEM, evaluations).success_probability(points)
+    return FeasibilityModel(PROBLEM, evaluations).success_probability(points)
 
 
 @pytest.mark.parametrize("evaluations", [[], [run(0.5, 0.5), run(0.1, 0.2)]])
@@ -52,7 +52,7 @@ def test_a_failure_tells_of_its_neighbourhood_only() -> None:
 
 def test_a_log_scale_is_respected() -> None:
     # 10 is the middle of 1 to 100 there.
-    found = Experience(PROBLEM, [run(0.5, 0.5, "failure")])
+    found = FeasibilityModel(PROBLEM, [run(0.5, 0.5, "failure")])
     at = PROBLEM.to_unit({"x": 15.0, "y": 10.0})
     assert found.success_probability(at[None]) == pytest.approx(0.5)
 

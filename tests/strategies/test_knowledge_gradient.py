@@ -9,7 +9,7 @@ from grainfit.metamodels.metamodels import Metamodels
 from grainfit.metamodels.unit_cube import points_about, spread_points
 from grainfit.problem import Parameter, Problem, Target
 from grainfit.strategies.sequential import knowledge_gradient as expected_improvement
-from grainfit.strategies.sequential.knowledge_gradient import ExpectedImprovement
+from grainfit.strategies.sequential.knowledge_gradient import KnowledgeGradient
 
 PROBLEM = Problem(
     [Parameter("x", 0.0, 1.0), Parameter("y", 0.0, 1.0)],
@@ -32,9 +32,9 @@ def metamodels(noise: float, runs: int = 10, seed: int = 1) -> Metamodels:
 
 def improvement(
     known: Metamodels, possible: np.ndarray, handicaps: np.ndarray | None = None
-) -> ExpectedImprovement:
+) -> KnowledgeGradient:
     nothing = np.zeros(len(possible))
-    return ExpectedImprovement(known, possible, nothing if handicaps is None else handicaps)
+    return KnowledgeGradient(known, possible, nothing if handicaps is None else handicaps)
 
 
 @pytest.fixture
@@ -124,19 +124,19 @@ def test_where_a_run_is_under_way_another_one_is_worth_less(possible: np.ndarray
     best = known.misfit(possible).argmin()
     point = possible[best][None]
     alone = improvement(known, possible)(point)[0]
-    beside = improvement(known.with_runs_under_way(point), possible)(point)[0]
-    third = improvement(known.with_runs_under_way(np.repeat(point, 2, axis=0)), possible)(point)[0]
+    beside = improvement(known.condition_on_pending(point), possible)(point)[0]
+    third = improvement(known.condition_on_pending(np.repeat(point, 2, axis=0)), possible)(point)[0]
     assert alone > beside > third > 0.0
 
 
 def test_runs_under_way_change_no_expected_response(trials: np.ndarray) -> None:
     known = metamodels(0.1)
-    later = known.with_runs_under_way(trials[:3])
+    later = known.condition_on_pending(trials[:3])
     means, variances = known.predict(trials)
     later_means, later_variances = later.predict(trials)
     assert np.allclose(means, later_means, rtol=1e-6)
     assert (later_variances <= variances * (1 + 1e-9)).all()
-    assert known.with_runs_under_way(np.empty((0, 2))) is known
+    assert known.condition_on_pending(np.empty((0, 2))) is known
 
 
 # Brute force ---------------------------------------------------------------------------------

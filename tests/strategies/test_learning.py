@@ -14,7 +14,7 @@ def test_runs_of_others_stand_in_for_the_design_and_most_of_the_search() -> None
         earlier = converse(Sequential(heap_problem(angle=19.0), 50 + seed), heap)
         runs["cold"] += len(converse(Sequential(heap_problem(), seed), heap))
         warm = Sequential(heap_problem(), seed)
-        warm.learn(earlier)
+        warm.warm_start(earlier)
         assert warm.design_runs == 0
         runs["warm"] += len(converse(warm, heap))
     assert 0 < runs["warm"] <= runs["cold"] / 3
@@ -26,6 +26,6 @@ def test_few_runs_of_others_make_the_design_smaller_by_their_number() -> None:
     strategy = Sequential(heap_problem(), 1)
     # Another seed at the same place is no other place.
     again = replace(evaluations[0], proposal=replace(evaluations[0].proposal, seed=1))
-    strategy.learn([*evaluations[:2], again])
+    strategy.warm_start([*evaluations[:2], again])
     assert strategy.design_runs == whole.design_runs - 2
     assert strategy.definition == whole.definition

@@ -76,20 +76,20 @@ def test_most_answers_are_close_in_the_expected_responses(noisy) -> None:
 def test_it_never_stops_before_it_agrees_with_the_demanded_probability(noisy) -> None:
     for _, answer in noisy:
         assert not answer.out_of_reach
-        assert answer.agreement >= 0.95
+        assert answer.probability_all_met >= 0.95
 
 
 def test_it_never_stops_by_virtue_of_a_single_run(noisy) -> None:
     for evaluations, answer in noisy:
         metamodels = Metamodels.fit(heap_problem(), evaluations)
         point = heap_problem().to_unit(answer.parameters)
-        assert metamodels.agreement_without_each_run(point).min() >= 0.9
+        assert metamodels.probability_all_met_without_each_run(point).min() >= 0.9
 
 
 def test_a_higher_confidence_is_kept() -> None:
     strategy = Sequential(heap_problem(), 1, options=SequentialOptions(confidence=0.99))
     converse(strategy, lambda p: heap(p, 0.5))
-    assert strategy.answer().agreement >= 0.99
+    assert strategy.answer().probability_all_met >= 0.99
 
 
 def test_without_noise_it_stops_soon_after_the_design() -> None:
@@ -156,7 +156,7 @@ def test_a_target_beyond_a_bound_is_recognised_within_eight_runs(seed: int) -> N
     assert miss.suggestion is not None
     assert 2326 < miss.suggestion < 2420
     assert "density.max" in strategy.notices[0]
-    assert not strategy.reconsider()
+    assert not strategy.resume_after_verification()
 
 
 def alarms(seeds: range, budget: int | None) -> list[int]:
@@ -192,7 +192,7 @@ def test_a_bound_that_is_in_the_way_is_moved_if_that_is_wanted() -> None:
     assert answer.parameters["density"] > 2205.0
     assert not answer.out_of_reach
     assert expected(answer.parameters)["bulk_density"] == pytest.approx(1500.0, abs=15.0)
-    assert strategy.searched.intervals["density"][1] > 2326.0
+    assert strategy.current_problem.intervals["density"][1] > 2326.0
     assert "density.max = 2205 was in the way and has been moved to" in strategy.notices[0]
 
 
@@ -209,7 +209,7 @@ def test_a_moved_bound_stays_within_physical_limits() -> None:
 
     strategy = Sequential(problem, 1, options=SequentialOptions(extend_intervals=True))
     evaluations = converse(strategy, simulate)
-    assert strategy.searched.intervals[name][1] == 1.0
+    assert strategy.current_problem.intervals[name][1] == 1.0
     assert max(e.proposal.parameters[name] for e in evaluations) <= 1.0
     assert strategy.answer().parameters[name] <= 1.0
     [miss] = strategy.answer().out_of_reach

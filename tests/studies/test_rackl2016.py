@@ -169,7 +169,7 @@ def calibration(method: str, density_off: float) -> dict[str, Any]:
             name: {
                 "target": value,
                 "predicted": value,
-                "std_error": 0.01 * value,
+                "standard_error": 0.01 * value,
                 "verified_mean": value,
                 "verified_interval": 0.01 * value,
             }

@@ -14,7 +14,7 @@ import grainfit
 from grainfit.calibration.provenance import Provenance
 from grainfit.errors import StoreError
 from grainfit.solvers.own_model.command import Command
-from grainfit.work_folder.saved_calibration import read_calibration
+from grainfit.work_folder.saved_calibration import SavedCalibration
 
 PROBLEM = grainfit.Problem(
     [grainfit.Parameter("particle.density", 2000, 3000, unit="kg/m^3")],
@@ -35,7 +35,7 @@ def test_a_work_folder_tells_all_of_its_calibration(tmp_path: Path) -> None:
     result = grainfit.calibrate(
         PROBLEM, simulate, workdir=tmp_path, name="beads", workers=2, provenance=provenance
     )
-    reading = read_calibration(tmp_path)
+    reading = SavedCalibration.open(tmp_path)
     assert (reading.name, reading.state, reading.seed) == ("beads", "calibrated", 1)
     assert reading.problem == PROBLEM
     assert [e.proposal.seed for e in reading.evaluations] != []
@@ -51,23 +51,23 @@ def test_a_work_folder_tells_all_of_its_calibration(tmp_path: Path) -> None:
 def test_intervals_hold_what_was_asked_for_beyond_a_bound_that_was_moved(tmp_path: Path) -> None:
     narrow = grainfit.Problem([grainfit.Parameter("particle.density", 2000, 2300)], PROBLEM.targets)
     grainfit.calibrate(narrow, simulate, workdir=tmp_path, extend_intervals=True)
-    (parameter,) = read_calibration(tmp_path).problem.parameters
+    (parameter,) = SavedCalibration.open(tmp_path).problem.parameters
     assert parameter.minimum == 2000
     assert parameter.maximum > 2450
 
 
 def test_folders_without_a_calibration_are_named(tmp_path: Path) -> None:
     with pytest.raises(StoreError, match="is not a work folder"):
-        read_calibration(tmp_path / "none")
+        SavedCalibration.open(tmp_path / "none")
     grainfit.calibrate(PROBLEM, simulate, workdir=tmp_path)
     with sqlite3.connect(tmp_path / "runs.sqlite") as connection:
         connection.execute("UPDATE calibrations SET definition = '{}'")
     with pytest.raises(StoreError, match="another version of grainfit, or edited"):
-        read_calibration(tmp_path)
+        SavedCalibration.open(tmp_path)
     with sqlite3.connect(tmp_path / "runs.sqlite") as connection:
         connection.execute("DELETE FROM calibrations")
     with pytest.raises(StoreError, match="nothing has been calibrated"):
-        read_calibration(tmp_path)
+        SavedCalibration.open(tmp_path)
 
 
 def test_a_result_is_read_back_or_said_to_be_damaged_and_where(tmp_path: Path) -> None:
@@ -95,8 +95,8 @@ def test_what_was_learnt_from_counts_in_all_that_is_said(tmp_path: Path) -> None
     first = grainfit.calibrate(PROBLEM, simulate, workdir=tmp_path)
     other = replace(PROBLEM, targets=[replace(PROBLEM.targets[0], value=25.2)])
     second = grainfit.calibrate(other, simulate, workdir=tmp_path)
-    reading = read_calibration(tmp_path)
-    assert len(reading.learnt) == second.runs.learnt_from == first.runs.total
+    reading = SavedCalibration.open(tmp_path)
+    assert len(reading.learnt) == second.runs.warm_start_runs == first.runs.total
     assert len(reading.evaluations) == second.runs.total < first.runs.total
     assert len(reading.known) == first.runs.total + second.runs.total
     page = grainfit.write_report(tmp_path).read_text(encoding="utf-8")
@@ -114,13 +114,13 @@ def test_another_weight_of_the_time_step_is_another_calibration(tmp_path: Path) 
     second = grainfit.calibrate(fast, simulate, strategy="staged", workdir=tmp_path)
     assert second.identity != first.identity
     assert second.parameters != first.parameters
-    assert read_calibration(tmp_path).problem == fast
+    assert SavedCalibration.open(tmp_path).problem == fast
 
 
 def test_the_result_of_an_earlier_start_is_not_that_of_the_last(tmp_path: Path) -> None:
     result = grainfit.calibrate(PROBLEM, simulate, workdir=tmp_path)
     replace(result, status="interrupted").to_json(tmp_path / "result.json")
-    reading = read_calibration(tmp_path)
+    reading = SavedCalibration.open(tmp_path)
     assert reading.result is None
     assert "'interrupted' of a calibration that has ended as 'calibrated'" in reading.result_fault
 
@@ -132,7 +132,7 @@ def test_failures_that_stopped_a_calibration_are_told_with_their_logs(tmp_path: 
     solver = Command(model, [sys.executable, "drum.py"], response_names=("angle",))
     with pytest.raises(grainfit.RunFailedError):
         grainfit.calibrate(PROBLEM, {"drum": solver}, workdir=tmp_path / "work")
-    reading = read_calibration(tmp_path / "work")
+    reading = SavedCalibration.open(tmp_path / "work")
     assert (reading.state, len(reading.evaluations)) == ("failed", 3)
     assert "first 3 runs all failed" in reading.failure
     assert all("the licence has expired" in run.log_tail for run in reading.runs.values())

@@ -45,7 +45,7 @@ class ParetoFront:
         counts 1.
     parameters : list of dict of str to float
         Where that is, SI.
-    agreement : ndarray, shape (k,)
+    probability_all_met : ndarray, shape (k,)
         Probability that every expected response is within its tolerance there.
     responses : ndarray, shape (k, number of targets)
         Expected responses there.
@@ -54,7 +54,7 @@ class ParetoFront:
     time_steps: Array
     misfits: Array
     parameters: list[dict[str, float]]
-    agreement: Array
+    probability_all_met: Array
     responses: Array
 
 
@@ -130,7 +130,7 @@ def _front(metamodels: Metamodels, points: Array) -> ParetoFront:
         time_steps=np.exp(steps[chosen[::-1]]),
         misfits=misfits[chosen[::-1]],
         parameters=[problem.from_unit(point) for point in points],
-        agreement=metamodels.agreement(points),
+        probability_all_met=metamodels.probability_all_met(points),
         responses=metamodels.predict(points)[0],
     )
 

@@ -58,7 +58,7 @@ def make_result(
     known : int
         Runs that were made before the calibration and that it learnt from.
     """
-    problem = strategy.searched
+    problem = strategy.current_problem
     rayleigh = problem.rayleigh
     middle = strategy.problem.from_unit([0.5] * problem.dimension)
     parameters = dict(answer.parameters) if answer else {}
@@ -79,7 +79,7 @@ def make_result(
         rayleigh_time_step_limits=rayleigh.limits(problem.intervals) if rayleigh else None,
         wall_seconds=about.wall_seconds,
         utilisation=about.utilisation,
-        agreement=answer.agreement if answer else None,
+        probability_all_met=answer.probability_all_met if answer else None,
         name=about.name,
         identity=about.identity,
         strategy=strategy.name,
@@ -122,9 +122,9 @@ def _response(
         tolerance=target.accepted_deviation,
         unit=target.unit,
         predicted=predicted,
-        std_error=answer.standard_errors[target.name],
+        standard_error=answer.standard_errors[target.name],
         verified_mean=verified.mean if verified else None,
-        verified_std_error=verified.standard_error if verified else None,
+        verified_standard_error=verified.standard_error if verified else None,
         verified_interval=verified.half_width if verified else None,
         deviation_percent=100 * target.relative_deviation(best),
         within_tolerance=close and not refuted,
@@ -142,7 +142,7 @@ def _counts(evaluations: Sequence[Evaluation], known: int) -> RunCounts:
         failed=sum(len(e.failures) for e in evaluations),
         reused=sum(e.reused for e in evaluations),
         total=sum(len(e.runs) for e in evaluations),
-        learnt_from=known,
+        warm_start_runs=known,
     )
 
 

@@ -11,7 +11,7 @@ from typing import Any, get_args
 
 from threadpoolctl import threadpool_limits
 
-from grainfit.calibration.loop import Conversation, ConversationOptions
+from grainfit.calibration.loop import CalibrationLoop, LoopOptions
 from grainfit.calibration.progress import Progress
 from grainfit.calibration.provenance import Provenance
 from grainfit.calibration.verification import usual_verification_runs
@@ -145,9 +145,7 @@ def calibrate(
     for solver in solvers.values():
         solver.check()
     verification_runs = verification_runs or usual_verification_runs(workers)
-    options = ConversationOptions(
-        name, workers, max_runs, verification_runs, on_progress, provenance
-    )
+    options = LoopOptions(name, workers, max_runs, verification_runs, on_progress, provenance)
     wanted = StrategyChoice(strategy, design_runs, prefer, extend_intervals)
     chosen = make_strategy(problem, wanted, len(solvers), seed, max_runs, verification_runs)
     with ExitStack() as stack:
@@ -173,7 +171,7 @@ def calibrate(
         making = CampaignOptions(workers, timeouts or {}, executor, keep)
         campaign = Campaign(solvers, runs, folder, making, shared)
         stack.callback(campaign.close)
-        result = Conversation(problem, chosen, campaign, runs, options).hold()
+        result = CalibrationLoop(problem, chosen, campaign, runs, options).run()
         return result if folder is None else _keep(result, folder / RESULT_NAME)
 
 

@@ -18,9 +18,9 @@ from grainfit.calibration.verification import (
     Contradiction,
     Verified,
     contradictions,
+    marginally_met,
     meets_targets,
     needs_more_runs,
-    unsettled,
     verified_responses,
 )
 from grainfit.campaign.campaign import Campaign
@@ -41,7 +41,7 @@ _HOPELESS_WHATEVER = 8
 
 
 @dataclass(frozen=True)
-class ConversationOptions:
+class LoopOptions:
     """What the user decides about a conversation, see `grainfit.calibrate`."""
 
     name: str
@@ -52,7 +52,7 @@ class ConversationOptions:
     provenance: Provenance | None = None
 
 
-class Conversation:
+class CalibrationLoop:
     """The strategy asks, the campaign answers, until the answer is verified."""
 
     def __init__(
@@ -61,7 +61,7 @@ class Conversation:
         strategy: Strategy,
         campaign: Campaign,
         store: RunStore,
-        options: ConversationOptions,
+        options: LoopOptions,
     ) -> None:
         self._problem = problem
         self._strategy = strategy
@@ -125,7 +125,7 @@ class Conversation:
             "provenance": asdict(self._options.provenance or Provenance()),
         }
 
-    def hold(self) -> Result:
+    def run(self) -> Result:
         """Hold the conversation to its end; Ctrl-C ends it early with what is known."""
         self._recorded.extend(self._store.requests(self._identity))
         known = self._runs_known_before()
@@ -134,7 +134,7 @@ class Conversation:
             self._identity, self._options.name, self._definition, runs, self._about(known)
         )
         if known:
-            self._strategy.learn(known)
+            self._strategy.warm_start(known)
             self._show()
         self._campaign.fetch([run for r in self._recorded for run in r.runs.values()])
         answer: Answer | None = None
@@ -171,14 +171,14 @@ class Conversation:
     def _converse(self) -> tuple[Answer, Status, list[Contradiction]]:
         self._run_strategy()
         answer = self._strategy.answer(self._recorded_answer())
-        while not self._verify(answer) and self._strategy.reconsider(self._left()):
+        while not self._verify(answer) and self._strategy.resume_after_verification(self._left()):
             self._run_strategy()
             earlier, answer = answer, self._strategy.answer(self._recorded_answer())
             if answer.parameters == earlier.parameters:
                 break
         # The runs of the verification tell how sure it is, too.
         known, verified = self._strategy.answer(answer.parameters), self._verified(answer)
-        answer = replace(answer, agreement=known.agreement)
+        answer = replace(answer, probability_all_met=known.probability_all_met)
         contradicted = contradictions(self._problem, verified, known)
         if meets_targets(self._problem, verified, contradicted):
             return answer, "calibrated", contradicted
@@ -219,7 +219,7 @@ class Conversation:
 
     def _run_strategy(self) -> None:
         recalled = self._recall_search()
-        self._strategy.remember(recalled)
+        self._strategy.replay(recalled)
         if self._recorded:
             # An earlier start came to an answer here, and what was decided stays decided.
             self._answer_proposals(lambda asked: asked == len(recalled))
@@ -267,7 +267,7 @@ class Conversation:
         self, answer: Answer, verified: Mapping[str, Verified]
     ) -> list[Contradiction]:
         # What all runs say takes a while to find out.
-        if not unsettled(self._problem, verified):
+        if not marginally_met(self._problem, verified):
             return []
         known = self._strategy.answer(answer.parameters)
         return contradictions(self._problem, verified, known)

@@ -24,7 +24,7 @@ class Progress:
         Largest relative deviation from a target in the best run so far.
     notices : tuple of str
         What the user should know by now.
-    learnt_from : mapping of str to int
+    warm_start_runs : mapping of str to int
         Number of runs that were made before it and that it learns from, by where they came from;
         the empty text stands for the work folder itself.
     """
@@ -37,4 +37,4 @@ class Progress:
     seconds_left: float | None
     best_deviation: float | None
     notices: tuple[str, ...]
-    learnt_from: Mapping[str, int] = field(default_factory=dict)
+    warm_start_runs: Mapping[str, int] = field(default_factory=dict)

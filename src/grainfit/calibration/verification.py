@@ -50,16 +50,16 @@ class Verified:
     standard_error: float
     half_width: float
 
-    def within(self, target: Target) -> bool:
+    def is_met(self, target: Target) -> bool:
         """Whether the mean meets the target within tolerance."""
         return abs(self.mean - target.value) <= target.accepted_deviation
 
-    def unsettled(self, target: Target) -> bool:
+    def is_marginally_met(self, target: Target) -> bool:
         """Whether the mean is inside, but could be outside as far as the runs can tell."""
         deviation = abs(self.mean - target.value)
         return deviation <= target.accepted_deviation < deviation + self.half_width
 
-    def undecided(self, target: Target) -> bool:
+    def is_marginally_missed(self, target: Target) -> bool:
         """Whether the mean is outside, but could be inside as far as the runs can tell."""
         deviation = abs(self.mean - target.value)
         return target.accepted_deviation < deviation <= target.accepted_deviation + self.half_width
@@ -125,17 +125,17 @@ def meets_targets(
 ) -> bool:
     """Whether every target is verified and met within tolerance, and none in doubt."""
     return not contradicted and all(
-        target.name in verified and verified[target.name].within(target)
+        target.name in verified and verified[target.name].is_met(target)
         for target in problem.targets
     )
 
 
-def unsettled(problem: Problem, verified: Mapping[str, Verified]) -> list[Target]:
+def marginally_met(problem: Problem, verified: Mapping[str, Verified]) -> list[Target]:
     """Targets that the verification runs meet, but not with their whole 95 % interval."""
     return [
         target
         for target in problem.targets
-        if target.name in verified and verified[target.name].unsettled(target)
+        if target.name in verified and verified[target.name].is_marginally_met(target)
     ]
 
 
@@ -163,7 +163,7 @@ def contradictions(
             known.predicted[target.name],
             known.standard_errors[target.name],
         )
-        for target in unsettled(problem, verified)
+        for target in marginally_met(problem, verified)
         if abs(known.predicted[target.name] - target.value) > target.accepted_deviation
     ]
 
@@ -181,8 +181,9 @@ def needs_more_runs(
     missed = [
         target
         for target in problem.targets
-        if target.name not in verified or not verified[target.name].within(target)
+        if target.name not in verified or not verified[target.name].is_met(target)
     ]
     return bool(missed or contradicted) and all(
-        target.name in verified and verified[target.name].undecided(target) for target in missed
+        target.name in verified and verified[target.name].is_marginally_missed(target)
+        for target in missed
     )

@@ -39,7 +39,7 @@ _RAYLEIGH = ("particle.density", "particle.youngs_modulus", "particle.poissons_r
 
 
 @dataclass(frozen=True)
-class Assembly:
+class CalibrationSetup:
     """A calibration that is ready to run.
 
     Parameters
@@ -186,7 +186,7 @@ class Assembly:
         return Quantity(units[0] if units and units[0] else None)
 
 
-def assemble(file: CalibrationFile) -> Assembly:
+def build_calibration(file: CalibrationFile) -> CalibrationSetup:
     """Make the problem and one solver for each test; nothing is executed.
 
     Parameters
@@ -208,7 +208,7 @@ def assemble(file: CalibrationFile) -> Assembly:
             faults += _faults_of_test(index, error)
     if faults:
         raise InputError(faults, str(file.path))
-    return Assembly(file, _problem(file), solvers)
+    return CalibrationSetup(file, _problem(file), solvers)
 
 
 def _problem(file: CalibrationFile) -> Problem:
@@ -233,11 +233,11 @@ def _rayleigh(file: CalibrationFile) -> RayleighTimeStep | None:
     return RayleighTimeStep(file.sizes.smallest_radius, fixed)
 
 
-def _default_timeouts(assembly: Assembly) -> dict[str, float]:
-    middle = assembly.problem.from_unit([0.5] * assembly.problem.dimension)
+def _default_timeouts(setup: CalibrationSetup) -> dict[str, float]:
+    middle = setup.problem.from_unit([0.5] * setup.problem.dimension)
     material = {name: v for name, v in middle.items() if name in MATERIAL_PARAMETERS}
     timeouts = {}
-    for name, solver in assembly.solvers.items():
+    for name, solver in setup.solvers.items():
         deck = solver.solver if isinstance(solver, ParametersFor) else solver
         if isinstance(deck, DeckSolver) and isinstance(deck.test, HeapTest):
             cost = estimate_cost(deck.test, deck.name, deck.all_parameters(material), deck.ranks)

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from grainfit.bulk_tests.heap import HeapTest
 from grainfit.bulk_tests.heap.bulk_test import estimate_cost
 from grainfit.calibration.verification import ROUNDS, usual_verification_runs
-from grainfit.calibration_file.build import Assembly
+from grainfit.calibration_file.build import CalibrationSetup
 from grainfit.campaign.cluster.executor import describe_cluster, executed_by
 from grainfit.errors import GrainfitError, InputError
 from grainfit.materials.parameters import MATERIAL_PARAMETERS
@@ -45,32 +45,32 @@ class Plan:
     problems: tuple[str, ...]
 
 
-def describe_plan(assembly: Assembly) -> Plan:
+def describe_plan(setup: CalibrationSetup) -> Plan:
     """Say what a calibration will do; starts no simulation and none of the user's code."""
     problems: list[str] = []
     lines: list[str] = []
     executes: list[str] = []
-    for test, solver in assembly.solvers.items():
+    for test, solver in setup.solvers.items():
         try:
             # Before the check: it is shown whatever else is wrong.
             executes += [f"test {test}: {line}" for line in solver.executes()]
             solver.check()
             lines.append(_ready_line(test, solver))
-            lines += _cost_lines(solver, assembly.problem)
+            lines += _cost_lines(solver, setup.problem)
         except GrainfitError as error:
             problems.append(f"Test {test}: {error}")
-    lines += _rayleigh_lines(assembly.problem)
-    cluster = assembly.cluster or assembly.file.cluster
+    lines += _rayleigh_lines(setup.problem)
+    cluster = setup.cluster or setup.file.cluster
     if cluster is not None:
         lines += describe_cluster(cluster)
         executes += [f"cluster: {line}" for line in executed_by(cluster)]
     try:
-        lines += _run_lines(assembly)
+        lines += _run_lines(setup)
     except InputError as error:
         problems += [str(fault) for fault in error.faults]
-    problem = assembly.problem
+    problem = setup.problem
     return Plan(
-        assembly.name,
+        setup.name,
         problem.parameters,
         problem.targets,
         tuple(lines),
@@ -109,13 +109,13 @@ def _cost_lines(solver: Solver, problem: Problem) -> Iterator[str]:
     )
 
 
-def _run_lines(assembly: Assembly) -> Iterator[str]:
-    dimension = assembly.problem.dimension
-    strategy = assembly.strategy
-    verification = strategy.verification_runs or usual_verification_runs(assembly.workers)
-    tests = len(assembly.solvers)
+def _run_lines(setup: CalibrationSetup) -> Iterator[str]:
+    dimension = setup.problem.dimension
+    strategy = setup.strategy
+    verification = strategy.verification_runs or usual_verification_runs(setup.workers)
+    tests = len(setup.solvers)
     chosen = make_strategy(
-        assembly.problem,
+        setup.problem,
         strategy.choice(),
         tests,
         seed=1,
@@ -128,10 +128,10 @@ def _run_lines(assembly: Assembly) -> Iterator[str]:
         f"DEM runs: {design * tests} for the design, usually {behind // 2 * tests} to "
         f"{2 * behind * tests} for the optimisation, and {verification * tests} for the "
         f"verification (up to {ROUNDS * verification * tests} where it is a close call); "
-        f"{assembly.workers} at a time. Strategy: {chosen.name}."
+        f"{setup.workers} at a time. Strategy: {chosen.name}."
     )
-    if dimension > len(assembly.problem.targets):
+    if dimension > len(setup.problem.targets):
         yield (
-            f"Note: {dimension} free parameters and {len(assembly.problem.targets)} targets: many "
+            f"Note: {dimension} free parameters and {len(setup.problem.targets)} targets: many "
             "parameter sets will fit equally well. Fix a parameter or measure another response."
         )

@@ -19,7 +19,7 @@ from grainfit.campaign.reserve import Reserve
 from grainfit.campaign.store.records import RunRecord, run_identity
 from grainfit.campaign.store.shared import SharedRuns
 from grainfit.campaign.store.store import RunStore
-from grainfit.campaign.worker import RunOrder, execute, failed_record
+from grainfit.campaign.worker import RunTask, execute, failed_record
 from grainfit.errors import ExecutorError, StoreError
 from grainfit.evaluation import Evaluation, Proposal, response_name
 from grainfit.solvers.base import Solver
@@ -109,11 +109,11 @@ class Campaign:
         self._cancelled = threading.Event()
         self._ended: queue.SimpleQueue[RunRecord | BaseException] = queue.SimpleQueue()
         self._pending: list[_Pending] = []
-        self._under_way: dict[str, RunOrder] = {}
+        self._under_way: dict[str, RunTask] = {}
         self._futures: dict[str, Future[RunRecord]] = {}
         self._tries: dict[str, int] = {}
-        self._postponed: list[tuple[float, RunOrder]] = []
-        self._elsewhere: dict[str, RunOrder] = {}
+        self._postponed: list[tuple[float, RunTask]] = []
+        self._elsewhere: dict[str, RunTask] = {}
         self._looked_elsewhere = 0.0
         self._fetched: dict[str, RunRecord] = {}
 
@@ -191,11 +191,11 @@ class Campaign:
             entry.waiting.setdefault(identity, []).append(test)
             if identity not in self._under_way and identity not in self._elsewhere:
                 record = RunRecord(identity, test, "running", definitions[test])
-                self._begin(self._order(record, solver, proposal))
+                self._begin(self._task(record, solver, proposal))
         self._pending.append(entry)
 
-    def _order(self, record: RunRecord, solver: Solver, proposal: Proposal) -> RunOrder:
-        return RunOrder(
+    def _task(self, record: RunRecord, solver: Solver, proposal: Proposal) -> RunTask:
+        return RunTask(
             record,
             solver,
             dict(proposal.parameters),
@@ -280,37 +280,37 @@ class Campaign:
 
     # A run's way through the executor ----------------------------------------------------------
 
-    def _begin(self, order: RunOrder) -> None:
-        if self._shared is not None and not self._shared.claim(order.record):
-            self._elsewhere[order.record.identity] = order
+    def _begin(self, task: RunTask) -> None:
+        if self._shared is not None and not self._shared.claim(task.record):
+            self._elsewhere[task.record.identity] = task
             return
-        self._make(order)
+        self._make(task)
 
-    def _make(self, order: RunOrder) -> None:
-        self._store.save(order.record)
-        self._under_way[order.record.identity] = order
-        self._submit(order)
+    def _make(self, task: RunTask) -> None:
+        self._store.save(task.record)
+        self._under_way[task.record.identity] = task
+        self._submit(task)
 
-    def _submit(self, order: RunOrder) -> None:
-        identity = order.record.identity
+    def _submit(self, task: RunTask) -> None:
+        identity = task.record.identity
         self._tries[identity] = self._tries.get(identity, 0) + 1
         executor = self._executor
         # Other processes cannot be sent an event; they look for the folder of their run.
         cancelled = [self._cancelled] if isinstance(executor, ThreadPoolExecutor) else []
         try:
-            future = executor.submit(execute, order, *cancelled)
+            future = executor.submit(execute, task, *cancelled)
         except (BrokenExecutor, RuntimeError) as error:
             raise ExecutorError(
                 f"the executor takes no more runs: {error or type(error).__name__}. Finished runs "
                 "are kept; start again to go on."
             ) from error
         self._futures[identity] = future
-        future.add_done_callback(lambda done: self._note_end(order, done))
+        future.add_done_callback(lambda done: self._note_end(task, done))
 
-    def _note_end(self, order: RunOrder, future: Future[RunRecord]) -> None:
+    def _note_end(self, task: RunTask, future: Future[RunRecord]) -> None:
         """Make the outcome safe before anybody hears of it; called in any thread."""
         try:
-            outcome = self._outcome(order, future)
+            outcome = self._outcome(task, future)
             if outcome is None:
                 return
             if not self._is_to_be_tried_again(outcome):
@@ -319,7 +319,7 @@ class Campaign:
         except BaseException as error:
             self._ended.put(error)
 
-    def _outcome(self, order: RunOrder, future: Future[RunRecord]) -> RunRecord | None:
+    def _outcome(self, task: RunTask, future: Future[RunRecord]) -> RunRecord | None:
         try:
             outcome = future.result()
         except CancelledError:
@@ -328,7 +328,7 @@ class Campaign:
             # There is nobody left who could make a run.
             raise
         except (PicklingError, AttributeError, TypeError) as error:
-            # A run raises none of these: it is the order that could not be sent.
+            # A run raises none of these: it is the task that could not be sent.
             raise ExecutorError(
                 f"a run cannot be sent to another process: {error}. Give a function that is "
                 "defined at the top of a module, or use threads."
@@ -336,7 +336,7 @@ class Campaign:
         except Exception as error:
             # A worker that dies, or whose job is ended, takes only the run along that it made.
             reason = f"the worker was lost: {type(error).__name__}: {error}"
-            outcome = replace(failed_record(order.record, reason, "machine"), ended=time.time())
+            outcome = replace(failed_record(task.record, reason, "machine"), ended=time.time())
         if outcome.status == "failed" and (self._cancelled.is_set() or outcome.kind == "cancelled"):
             return None
         return outcome
@@ -375,10 +375,10 @@ class Campaign:
 
     def _start_postponed(self) -> None:
         now = time.monotonic()
-        due = [order for moment, order in self._postponed if moment <= now]
-        self._postponed = [(moment, order) for moment, order in self._postponed if moment > now]
-        for order in due:
-            self._submit(order)
+        due = [task for moment, task in self._postponed if moment <= now]
+        self._postponed = [(moment, task) for moment, task in self._postponed if moment > now]
+        for task in due:
+            self._submit(task)
 
     def _look_elsewhere(self) -> None:
         """See what has become of runs that other processes make."""
@@ -387,15 +387,15 @@ class Campaign:
             return
         self._looked_elsewhere = now
         found = self._shared.find(self._elsewhere)
-        for identity, order in list(self._elsewhere.items()):
+        for identity, task in list(self._elsewhere.items()):
             record = found.get(identity)
-            if record is not None and _is_final(record, order.solver):
+            if record is not None and _is_final(record, task.solver):
                 del self._elsewhere[identity]
                 self._store.save(record)
                 self._settle(record)
-            elif self._shared.take_over(order.record):
+            elif self._shared.take_over(task.record):
                 del self._elsewhere[identity]
-                self._make(order)
+                self._make(task)
 
 
 def _is_final(record: RunRecord, solver: Solver) -> bool:

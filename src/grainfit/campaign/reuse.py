@@ -30,7 +30,7 @@ _Path = tuple[str | int, ...]
 MOST_RUNS = 150
 
 
-class Recogniser:
+class RunMatcher:
     """Finds values of the free parameters and the seed in definitions of a solver's runs.
 
     Where they stand follows from comparing two definitions that differ in nothing else.
@@ -63,7 +63,7 @@ class Recogniser:
         #: Whether the definition holds nothing that is computed from parameters or seed.
         self._is_plain = seen == varied and first.keys() == second.keys()
 
-    def recognise(self, record: RunRecord) -> tuple[dict[str, float], int] | None:
+    def match(self, record: RunRecord) -> tuple[dict[str, float], int] | None:
         """Return values and seed of a run; None when it is not a run of this solver and problem.
 
         The values are those of the parameters that the solver takes.
@@ -111,15 +111,15 @@ def runs_of(
         In an order that depends on the runs alone.
     """
     try:
-        recognisers = {test: Recogniser(solver, problem) for test, solver in solvers.items()}
+        matchers = {test: RunMatcher(solver, problem) for test, solver in solvers.items()}
     except GrainfitError:
         return []
     found: dict[str, list[_Point]] = defaultdict(list)
     for record in records:
         if record.status == "running" or record.may_succeed_next_time:
             continue
-        for test, recogniser in recognisers.items():
-            run = recogniser.recognise(record)
+        for test, matcher in matchers.items():
+            run = matcher.match(record)
             if run is not None and _is_inside(problem, run[0]):
                 found[test].append(_Point(*run, {test: record}))
     points = reduce(_together, (found[test] for test in solvers))
@@ -168,10 +168,10 @@ def _together(points: list[_Point], others: list[_Point]) -> list[_Point]:
 def is_run_of(problem: Problem, solvers: Mapping[str, Solver]) -> Callable[[RunRecord], bool]:
     """Return what tells whether a run is one of a problem, of any of its tests."""
     try:
-        recognisers = [Recogniser(solver, problem) for solver in solvers.values()]
+        matchers = [RunMatcher(solver, problem) for solver in solvers.values()]
     except GrainfitError:
         return lambda _record: False
-    return lambda record: any(r.recognise(record) is not None for r in recognisers)
+    return lambda record: any(r.match(record) is not None for r in matchers)
 
 
 def most_telling(

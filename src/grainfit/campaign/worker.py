@@ -1,6 +1,6 @@
 """One run, as a worker makes it: in this process, in another one, or on another machine.
 
-An order holds all that a worker needs, and the record that comes back all that came of it. A worker
+A task holds all that a worker needs, and the record that comes back all that came of it. A worker
 knows neither the store nor the strategy. What it leaves in the work folder is whole or not there,
 so that a run is kept even when nobody is left to be told.
 """
@@ -27,7 +27,7 @@ _TAIL_CHARACTERS = 2000
 
 
 @dataclass(frozen=True)
-class RunOrder:
+class RunTask:
     """All that a worker needs to make one run.
 
     Parameters
@@ -57,12 +57,12 @@ class RunOrder:
     keep: Keep = "all"
 
 
-def execute(order: RunOrder, cancelled: threading.Event | None = None) -> RunRecord:
+def execute(task: RunTask, cancelled: threading.Event | None = None) -> RunRecord:
     """Make one run; never raises an exception of the run's own.
 
     Parameters
     ----------
-    order : RunOrder
+    task : RunTask
         What to make.
     cancelled : threading.Event, optional
         Set when the user stops the calibration. Where workers are other processes there is none:
@@ -79,25 +79,25 @@ def execute(order: RunOrder, cancelled: threading.Event | None = None) -> RunRec
     try:
         if cancelled.is_set():
             raise RunFailedError("stopped by the user", kind="cancelled")
-        if order.solver.uses_folder:
-            partial = open_run_folder(order.folder, order.record.identity)
-        workspace = Workspace(partial or order.folder, order.timeout, cancelled)
-        responses = order.solver.run(order.parameters, order.seed, workspace)
+        if task.solver.uses_folder:
+            partial = open_run_folder(task.folder, task.record.identity)
+        workspace = Workspace(partial or task.folder, task.timeout, cancelled)
+        responses = task.solver.run(task.parameters, task.seed, workspace)
         _refuse_non_finite(responses)
-        outcome = replace(order.record, status="finished", responses=responses)
+        outcome = replace(task.record, status="finished", responses=responses)
     except Exception as error:
-        outcome = _failed(order.record, error)
+        outcome = _failed(task.record, error)
     outcome = replace(outcome, seconds=time.monotonic() - started, ended=time.time())
-    return outcome if partial is None else _put_away(order, partial, outcome)
+    return outcome if partial is None else _put_away(task, partial, outcome)
 
 
-def _put_away(order: RunOrder, partial: Path, outcome: RunRecord) -> RunRecord:
+def _put_away(task: RunTask, partial: Path, outcome: RunRecord) -> RunRecord:
     """Keep the folder of a run; without room for its record, the run still has its responses."""
     if outcome.kind == "cancelled":
         shutil.rmtree(partial, ignore_errors=True)
         return outcome
     try:
-        close_run_folder(partial, run_folder(order.folder, outcome.identity), outcome, order.keep)
+        close_run_folder(partial, run_folder(task.folder, outcome.identity), outcome, task.keep)
     except OSError as error:
         if outcome.status == "failed":
             return outcome

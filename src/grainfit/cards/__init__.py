@@ -14,7 +14,7 @@ from grainfit.materials.card import CardParameter, CardResponse, MaterialCard
 from grainfit.solvers.dem.lammps.card import render_lammps
 from grainfit.solvers.dem.liggghts.card import render_liggghts
 from grainfit.solvers.dem.yade.card import render_yade
-from grainfit.work_folder.saved_calibration import CalibrationReading, read_answer, read_calibration
+from grainfit.work_folder.saved_calibration import SavedCalibration, read_answer
 
 __all__ = [
     "FORMATS",
@@ -38,14 +38,14 @@ FORMATS = tuple(_RENDERERS)
 
 
 def material_card(
-    source: str | Path | CalibrationReading,
+    source: str | Path | SavedCalibration,
     posterior: Mapping[str, tuple[float, float]] | None = None,
 ) -> MaterialCard:
     """Return the card of the calibration that was started last in a work folder.
 
     Parameters
     ----------
-    source : path or CalibrationReading
+    source : path or SavedCalibration
         The work folder, or what was read of it.
     posterior : mapping of str to pair of float, optional
         95 % credible intervals of the free parameters. Without it they are worked out.
@@ -68,7 +68,7 @@ def material_card(
     >>> card.parameters[0].name, card.calibrated
     ('friction', True)
     """
-    reading = source if isinstance(source, CalibrationReading) else read_calibration(Path(source))
+    reading = source if isinstance(source, SavedCalibration) else SavedCalibration.open(source)
     if posterior is not None:
         return make_card(reading, posterior)
     intervals, notes = _credible_intervals(reading)
@@ -110,7 +110,7 @@ def require_format(to: str) -> Callable[[MaterialCard], str]:
 
 
 def _credible_intervals(
-    reading: CalibrationReading,
+    reading: SavedCalibration,
 ) -> tuple[dict[str, tuple[float, float]], tuple[str, ...]]:
     """Intervals by name of the free parameter, and what the reader should know of them."""
     from grainfit.analysis import analyse

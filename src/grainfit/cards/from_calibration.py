@@ -13,17 +13,17 @@ from grainfit.materials.parameters import MATERIAL_PARAMETERS
 from grainfit.materials.sizes import ParticleSizes
 from grainfit.materials.time_step import RayleighTimeStep
 from grainfit.result import ResponseResult
-from grainfit.work_folder.saved_calibration import CalibrationReading, read_answer
+from grainfit.work_folder.saved_calibration import SavedCalibration, read_answer
 
 
 def make_card(
-    reading: CalibrationReading, intervals: Mapping[str, tuple[float, float]]
+    reading: SavedCalibration, intervals: Mapping[str, tuple[float, float]]
 ) -> MaterialCard:
     """Make the card of a calibration.
 
     Parameters
     ----------
-    reading : CalibrationReading
+    reading : SavedCalibration
         What the work folder tells.
     intervals : mapping of str to pair of float
         95 % credible intervals of free parameters, as far as there are any.
@@ -68,7 +68,7 @@ def make_card(
 
 
 def _parameters(
-    reading: CalibrationReading,
+    reading: SavedCalibration,
     found: Mapping[str, float],
     origin: Origin,
     intervals: Mapping[str, tuple[float, float]],
@@ -116,7 +116,7 @@ class _Conditions:
     time_step_fraction: float
 
 
-def _heap_conditions(reading: CalibrationReading) -> list[_Conditions]:
+def _heap_conditions(reading: SavedCalibration) -> list[_Conditions]:
     """Conditions of the heap tests among the runs, in their order, each once."""
     tests = (record.definition.get("test") for record in reading.runs.values())
     try:
@@ -137,20 +137,20 @@ def _heap_conditions(reading: CalibrationReading) -> list[_Conditions]:
     return list(dict.fromkeys(found))
 
 
-def _sizes(reading: CalibrationReading, conditions: list[_Conditions]) -> ParticleSizes | None:
+def _sizes(reading: SavedCalibration, conditions: list[_Conditions]) -> ParticleSizes | None:
     if conditions:
         return conditions[0].sizes
     rayleigh = reading.problem.rayleigh
     return None if rayleigh is None else ParticleSizes((2 * rayleigh.radius,))
 
 
-def _programs(reading: CalibrationReading) -> list[Program]:
+def _programs(reading: SavedCalibration) -> list[Program]:
     definitions = [record.definition for record in reading.runs.values()]
     found = [Program(str(d.get("solver", "")), str(d.get("version", ""))) for d in definitions]
     return list(dict.fromkeys(found))
 
 
-def _date(reading: CalibrationReading) -> str:
+def _date(reading: SavedCalibration) -> str:
     seconds = max((record.ended for record in reading.runs.values()), default=0.0)
     try:
         return datetime.fromtimestamp(seconds or reading.started, UTC).isoformat(timespec="seconds")

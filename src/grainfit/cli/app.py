@@ -24,7 +24,7 @@ from grainfit.cli.runs import runs_app
 from grainfit.errors import Fault, GrainfitError, InputError, RunFailedError
 
 if TYPE_CHECKING:
-    from grainfit.calibration_file.build import Assembly
+    from grainfit.calibration_file.build import CalibrationSetup
 
 EXIT_CODES = {"calibrated": 0, "out_of_tolerance": 3, "unreachable": 3, "interrupted": 130}
 _BAD_INPUT = 1
@@ -132,29 +132,29 @@ def run(
     from grainfit.campaign.cluster.executor import cluster_executor, missing_scheduler
     from grainfit.campaign.work_folder import default_workdir
 
-    assembly = replace(_assemble(file), local=local)
-    options = assembly.options(
+    setup = replace(_build(file), local=local)
+    options = setup.options(
         strategy=strategy, max_runs=max_runs, seed=seed, workers=workers, keep=keep
     )
     folder = workdir or default_workdir(file)
     with ExitStack() as stack:
         if not no_report:
             stack.enter_context(_report_of_failure(folder))
-        if assembly.cluster is not None:
-            options["executor"] = stack.enter_context(cluster_executor(assembly.cluster, folder))
-        elif assembly.file.cluster is not None and not local:
-            _err.print(f"Cluster: {missing_scheduler(assembly.file.cluster)}")
+        if setup.cluster is not None:
+            options["executor"] = stack.enter_context(cluster_executor(setup.cluster, folder))
+        elif setup.file.cluster is not None and not local:
+            _err.print(f"Cluster: {missing_scheduler(setup.file.cluster)}")
         progress = stack.enter_context(show.LiveProgress(_err))
         result = calibrate(
-            assembly.problem,
-            assembly.solvers,
+            setup.problem,
+            setup.solvers,
             workdir=folder,
-            name=assembly.name,
-            timeouts=assembly.timeouts,
+            name=setup.name,
+            timeouts=setup.timeouts,
             runs_from=runs_from or (),
             store=store,
             retry_failed=retry_failed,
-            provenance=assembly.provenance,
+            provenance=setup.provenance,
             on_progress=progress.update,
             **options,
         )
@@ -169,8 +169,8 @@ def check(file: CalibrationPath) -> None:
     """Validate a calibration file and show the plan. Nothing is simulated."""
     from grainfit.calibration_file.plan import describe_plan
 
-    assembly = _assemble(file)
-    plan = describe_plan(assembly)
+    setup = _build(file)
+    plan = describe_plan(setup)
     show.print_plan(_out, plan)
     if plan.problems:
         raise typer.Exit(_BAD_INPUT)
@@ -261,13 +261,11 @@ def simulate(
     from grainfit.campaign.simulate_once import simulate_once
     from grainfit.campaign.work_folder import default_workdir
 
-    assembly = _assemble(file)
+    setup = _build(file)
     folder = workdir or default_workdir(file)
-    values = assembly.values(settings or [])
+    values = setup.values(settings or [])
     with _err.status("simulating"):
-        evaluation, folders = simulate_once(
-            assembly.solvers, values, seed, folder, assembly.timeouts
-        )
+        evaluation, folders = simulate_once(setup.solvers, values, seed, folder, setup.timeouts)
     show.print_run(_out, evaluation, folders)
     if evaluation.failures:
         raise typer.Exit(_BAD_INPUT)
@@ -325,11 +323,11 @@ def _report_if_possible(workdir: Path) -> None:
     show.print_warning(_err, words)
 
 
-def _assemble(file: Path) -> Assembly:
-    from grainfit.calibration_file.build import assemble
+def _build(file: Path) -> CalibrationSetup:
+    from grainfit.calibration_file.build import build_calibration
     from grainfit.calibration_file.load import load_calibration_file
 
-    return assemble(load_calibration_file(file))
+    return build_calibration(load_calibration_file(file))
 
 
 def _stop(_signal: int, _frame: Any) -> NoReturn:

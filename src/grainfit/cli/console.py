@@ -62,8 +62,8 @@ class LiveProgress:
 
     def update(self, progress: Progress) -> None:
         """Show where the calibration stands now."""
-        if self._says_what_it_learns_from and progress.learnt_from:
-            self._console.print(_text(_learnt_from(progress.learnt_from)), soft_wrap=True)
+        if self._says_what_it_learns_from and progress.warm_start_runs:
+            self._console.print(_text(_learnt_from(progress.warm_start_runs)), soft_wrap=True)
             self._says_what_it_learns_from = False
         for notice in progress.notices[self._notices :]:
             self._console.print(_text(notice, "yellow"))
@@ -130,15 +130,15 @@ def print_result(console: Console, result: Result, folder: Path) -> None:
     if result.parameters:
         console.print(_parameter_table(result))
         console.print(_response_table(result))
-        if result.agreement is not None:
+        if result.probability_all_met is not None:
             console.print(
                 f"By all runs together, every expected response is within its tolerance with a "
-                f"probability of {probability(result.agreement)}.",
+                f"probability of {probability(result.probability_all_met)}.",
                 highlight=False,
             )
         console.print(_time_step_line(result), highlight=False)
     runs = result.runs
-    learnt = f", learnt from {runs.learnt_from} made before" if runs.learnt_from else ""
+    learnt = f", learnt from {runs.warm_start_runs} made before" if runs.warm_start_runs else ""
     console.print(
         f"DEM runs: {runs.total} = {runs.design} design + {runs.optimisation} optimisation + "
         f"{runs.verification} verification; {runs.failed} failed, {runs.reused} reused{learnt}. "

@@ -129,14 +129,14 @@ def import_table(
     ] = None,
 ) -> None:
     """Take in runs that were made elsewhere: the next calibration of the file learns from them."""
-    from grainfit.calibration_file.build import assemble
+    from grainfit.calibration_file.build import build_calibration
     from grainfit.calibration_file.load import load_calibration_file
     from grainfit.campaign.work_folder import default_workdir
     from grainfit.cli import runs_console as show
     from grainfit.work_folder.run_import import import_runs
 
     folder = workdir or default_workdir(file)
-    imported = import_runs(assemble(load_calibration_file(file)), table, folder, test)
+    imported = import_runs(build_calibration(load_calibration_file(file)), table, folder, test)
     show.print_imported(show.runs_console(), imported, folder)
 
 

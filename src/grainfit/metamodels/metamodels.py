@@ -151,7 +151,7 @@ class Metamodels:
 
         return covariances
 
-    def agreement(self, points: ArrayLike, caution: float = 1.0) -> Array:
+    def probability_all_met(self, points: ArrayLike, caution: float = 1.0) -> Array:
         """Probability that every expected response is within its tolerance, shape (m,).
 
         The metamodels are fitted one by one, so their errors count as independent. Standard
@@ -160,7 +160,7 @@ class Metamodels:
         means, variances = self.predict(points)
         return self._probability(means, caution**2 * variances)
 
-    def agreement_without_each_run(self, point: Array) -> Array:
+    def probability_all_met_without_each_run(self, point: Array) -> Array:
         """The same at one point with each run left out, shape (number of runs,).
 
         Runs are left out of one response at a time.
@@ -193,7 +193,7 @@ class Metamodels:
         enough = self._probability(np.tile(self._targets, (len(counts), 1)), left) >= confidence
         return int(counts[enough][0]) if enough.any() else int(counts[-1])
 
-    def with_runs_under_way(self, points: Array) -> Metamodels:
+    def condition_on_pending(self, points: Array) -> Metamodels:
         """What they will be when runs at points have come back: means as now, variances smaller."""
         if not len(points):
             return self

@@ -12,7 +12,7 @@ from typing import Any
 
 from grainfit.evaluation import Evaluation
 from grainfit.problem import Target
-from grainfit.work_folder.saved_calibration import CalibrationReading
+from grainfit.work_folder.saved_calibration import SavedCalibration
 
 BLUE, VERMILION, GREEN, PURPLE, ORANGE = "#1f83c4", "#d55e00", "#009e73", "#cc79a7", "#e69f00"
 #: A band that is seen through.
@@ -27,7 +27,7 @@ STAGES: Mapping[str, tuple[str, str]] = {
 }
 
 
-def named_runs(reading: CalibrationReading) -> Iterator[tuple[str, Evaluation]]:
+def named_runs(reading: SavedCalibration) -> Iterator[tuple[str, Evaluation]]:
     """Yield all that is known with what it is called: by its number, as in the table of runs."""
     for number, evaluation in enumerate(reading.known, start=1):
         is_own = number <= len(reading.evaluations)

@@ -19,7 +19,7 @@ from grainfit.formatting import plain
 from grainfit.report.rendering import render, script_json
 from grainfit.report.section import ReportContext, Section
 from grainfit.report.sections.registry import SECTIONS
-from grainfit.work_folder.saved_calibration import read_calibration
+from grainfit.work_folder.saved_calibration import SavedCalibration
 
 REPORT_NAME = "report.html"
 #: Enough to draw a figure; a grid of contours would be three times as large otherwise.
@@ -59,7 +59,7 @@ def write_report(
     """
     tell = on_progress or (lambda _words: None)
     tell("reading the runs")
-    reading = read_calibration(Path(folder))
+    reading = SavedCalibration.open(folder)
     tell(f"analysing {len(reading.known)} parameter sets")
     answer = reading.result.parameters if reading.result else None
     # Metamodels are small: threads of linear algebra would only wait for one another.

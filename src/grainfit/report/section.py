@@ -18,7 +18,7 @@ from grainfit.formatting import plain
 from grainfit.plots.labels import Label, parameter_label, response_label
 from grainfit.problem import Parameter, Target
 from grainfit.report.rendering import render
-from grainfit.work_folder.saved_calibration import CalibrationReading
+from grainfit.work_folder.saved_calibration import SavedCalibration
 
 
 @dataclass(frozen=True)
@@ -73,13 +73,13 @@ class ReportContext:
 
     Parameters
     ----------
-    reading : CalibrationReading
+    reading : SavedCalibration
         What the work folder tells.
     analysis : Analysis
         What follows from it.
     """
 
-    reading: CalibrationReading
+    reading: SavedCalibration
     analysis: Analysis
 
     @property

@@ -29,7 +29,7 @@ class Answer:
         Values of the free parameters.
     predicted, standard_errors : mapping of str to float
         Expected response and its standard error, by name of the target.
-    agreement : float
+    probability_all_met : float
         Probability, by the metamodels, that all expected responses are within their tolerances.
     out_of_reach : tuple of OutOfReach
         Targets that no parameter set within the intervals meets.
@@ -43,7 +43,7 @@ class Answer:
     parameters: Mapping[str, float]
     predicted: Mapping[str, float]
     standard_errors: Mapping[str, float]
-    agreement: float
+    probability_all_met: float
     out_of_reach: tuple[OutOfReach, ...] = ()
     quality: Mapping[str, MetamodelQuality] = field(default_factory=dict)
     cut_off: Mapping[str, Bound] = field(default_factory=dict)
@@ -69,7 +69,7 @@ def make_answer(
         parameters=dict(parameters),
         predicted=dict(zip(names, means[0].tolist(), strict=True)),
         standard_errors=dict(zip(names, np.sqrt(variances[0]).tolist(), strict=True)),
-        agreement=float(metamodels.agreement(point)[0]),
+        probability_all_met=float(metamodels.probability_all_met(point)[0]),
         out_of_reach=tuple(out_of_reach),
         quality=metamodel_quality(metamodels, spread=spread),
         cut_off=dict(_cut_off(metamodels, closest)),

@@ -4,16 +4,16 @@ The life of a strategy:
 
 1. It is made with a problem, a seed and a budget. Everything it does follows from these and from
    what it is told, never from a clock: told the same, it asks the same. A calibration that was
-   interrupted is therefore simply started again: `Strategy.remember` hands the strategy what it
+   interrupted is therefore simply started again: `Strategy.replay` hands the strategy what it
    asked for before, and the runs that are known already are answered from the store.
-   Runs that others made before it are handed over by `Strategy.learn`.
+   Runs that others made before it are handed over by `Strategy.warm_start`.
 2. `Strategy.ask` is called whenever a worker is free. It returns the next proposal, or None: then
    either a run under way has to come back first, or the strategy has `finished`.
 3. `Strategy.tell` hands it what came of a proposal, in any order; failed runs too.
 4. Once it has finished, `Strategy.answer` is the parameter set it believes in.
 5. The answer is verified with fresh seeds, outside the strategy. If it does not stand that, the
-   strategy is told those runs as well, and `Strategy.reconsider` asks whether it can do better: if
-   so it is unfinished again and life goes on at 2.
+   strategy is told those runs as well, and `Strategy.resume_after_verification` asks whether it
+   can do better: if so it is unfinished again and life goes on at 2.
 """
 
 from __future__ import annotations
@@ -101,11 +101,11 @@ class Strategy(ABC):
         """The options that decide what is asked, as plain data."""
 
     @property
-    def searched(self) -> Problem:
+    def current_problem(self) -> Problem:
         """The problem with the intervals that are searched, should they have been widened."""
         return self.problem
 
-    def remember(self, proposals: Sequence[Proposal]) -> None:
+    def replay(self, proposals: Sequence[Proposal]) -> None:
         """Take up the thread of an earlier start.
 
         Called before the first `ask`, and again before the first one after each verification.
@@ -120,7 +120,7 @@ class Strategy(ABC):
         """
 
     @abstractmethod
-    def learn(self, evaluations: Sequence[Evaluation]) -> None:
+    def warm_start(self, evaluations: Sequence[Evaluation]) -> None:
         """Take note of runs that were there before, made for whatever purpose.
 
         Called at most once, before anything else. They are no part of the budget.
@@ -150,7 +150,7 @@ class Strategy(ABC):
         """
 
     @abstractmethod
-    def reconsider(self, affordable: int | None = None) -> bool:
+    def resume_after_verification(self, affordable: int | None = None) -> bool:
         """Go on when the answer did not stand its verification; False when it cannot do better.
 
         Parameters

@@ -65,7 +65,7 @@ class BatchStrategy(Strategy):
         self.evaluations += self._results
         self._batch, self._told = [], {}
 
-    def learn(self, evaluations: Sequence[Evaluation]) -> None:
+    def warm_start(self, evaluations: Sequence[Evaluation]) -> None:
         """Fit metamodels to these runs too."""
         self.evaluations += evaluations
 

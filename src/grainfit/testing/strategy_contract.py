@@ -211,7 +211,7 @@ class StrategyContract:
     def test_it_learns_from_runs_of_others(self, make: Make) -> None:
         earlier = converse(make(heap_problem(angle=20.0), 8), heap)
         cold, warm = make(heap_problem(), 5), make(heap_problem(), 5)
-        warm.learn(earlier)
+        warm.warm_start(earlier)
         whole, rest = converse(cold, heap), converse(warm, heap)
 
         assert len(rest) <= len(whole)
@@ -224,7 +224,7 @@ class StrategyContract:
         strategy, other = make(heap_problem(), 5), make(heap_problem(), 5)
         evaluations = converse(strategy, heap)
         before = strategy.answer()
-        other.learn(evaluations)
+        other.warm_start(evaluations)
         for evaluation in evaluations:
             other.tell(evaluation)
 
@@ -328,7 +328,7 @@ class StrategyContract:
         strategy = make(problem, 1)
         converse(strategy, nearly_quiet)
 
-        assert strategy.searched == problem
+        assert strategy.current_problem == problem
         _assert_within(problem, strategy.answer().parameters)
         assert bool(strategy.answer().out_of_reach) == (angle == 30.0)
 
@@ -389,7 +389,7 @@ class StrategyContract:
         strategy = make(heap_problem(), 1)
         converse(strategy, nearly_quiet)
         _verify(strategy, 2.0)
-        goes_on = strategy.reconsider(affordable)
+        goes_on = strategy.resume_after_verification(affordable)
         more = converse(strategy, nearly_quiet)
 
         assert len(more) <= affordable
@@ -402,7 +402,7 @@ class StrategyContract:
         converse(strategy, nearly_quiet)
         _verify(strategy, 2.0)
 
-        assert strategy.reconsider(affordable=-1) is False
+        assert strategy.resume_after_verification(affordable=-1) is False
         assert strategy.finished
 
     def test_verifications_that_stay_off_come_to_an_end(self, make: Make) -> None:
@@ -410,7 +410,7 @@ class StrategyContract:
         converse(strategy, nearly_quiet)
         for number in range(10):
             _verify(strategy, 2.0, number)
-            if not strategy.reconsider(affordable=4):
+            if not strategy.resume_after_verification(affordable=4):
                 break
             converse(strategy, nearly_quiet)
         else:
@@ -479,7 +479,7 @@ def _tell_latest(strategy: Strategy, asked: Sequence[Proposal], told: list[Propo
 
 def _take_up(strategy: Strategy, asked: Sequence[Proposal], told: Sequence[Proposal]) -> None:
     """Let a new strategy ask for all of its history again, and tell it what is known of it."""
-    strategy.remember(asked)
+    strategy.replay(asked)
     again: list[Proposal] = []
     known = [proposal for proposal in asked if proposal in told]
     while len(again) < len(asked):

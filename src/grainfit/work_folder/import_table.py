@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from grainfit.bulk_tests.heap import HeapTest
-from grainfit.calibration_file.build import Assembly
+from grainfit.calibration_file.build import CalibrationSetup
 from grainfit.calibration_file.content import TestSpecification
 from grainfit.calibration_file.kinds import Quantity, suggest
 from grainfit.calibration_file.places import Findings, Place
@@ -58,7 +58,7 @@ class _Column:
 
 
 def read_import_table(
-    path: Path, assembly: Assembly, test: TestSpecification
+    path: Path, setup: CalibrationSetup, test: TestSpecification
 ) -> tuple[list[TableRow], list[str]]:
     """Read the runs of a test from a CSV file.
 
@@ -66,7 +66,7 @@ def read_import_table(
     ----------
     path : Path
         The file: a header and one line for each run.
-    assembly : Assembly
+    setup : CalibrationSetup
         Names the parameters, their units and physical limits.
     test : TestSpecification
         Names the responses.
@@ -83,17 +83,17 @@ def read_import_table(
     InputError
         With every fault of the table.
     """
-    return _Reader(path, assembly, test).read()
+    return _Reader(path, setup, test).read()
 
 
 class _Reader:
-    def __init__(self, path: Path, assembly: Assembly, test: TestSpecification) -> None:
+    def __init__(self, path: Path, setup: CalibrationSetup, test: TestSpecification) -> None:
         self._path = path
-        self._assembly = assembly
+        self._assembly = setup
         self._test = test
         self._faults: list[Fault] = []
-        self._free = [parameter.name for parameter in assembly.problem.parameters]
-        self._fixed = assembly.file.fixed
+        self._free = [parameter.name for parameter in setup.problem.parameters]
+        self._fixed = setup.file.fixed
         self._responses = _response_quantities(test)
         self._columns: dict[int, _Column] = {}
 

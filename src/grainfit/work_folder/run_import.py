@@ -9,7 +9,7 @@ from dataclasses import dataclass, field, replace
 from itertools import count
 from pathlib import Path
 
-from grainfit.calibration_file.build import Assembly
+from grainfit.calibration_file.build import CalibrationSetup
 from grainfit.calibration_file.content import TestSpecification
 from grainfit.campaign.reuse import runs_of
 from grainfit.campaign.store.records import RunRecord, run_identity
@@ -51,7 +51,9 @@ class Imported:
     notices: tuple[str, ...] = ()
 
 
-def import_runs(assembly: Assembly, table: Path, folder: Path, test: str | None = None) -> Imported:
+def import_runs(
+    setup: CalibrationSetup, table: Path, folder: Path, test: str | None = None
+) -> Imported:
     """Take the runs of a CSV table into a work folder.
 
     Rows without a seed are runs of seeds of their own, so that those with equal parameters count as
@@ -59,7 +61,7 @@ def import_runs(assembly: Assembly, table: Path, folder: Path, test: str | None 
 
     Parameters
     ----------
-    assembly : Assembly
+    setup : CalibrationSetup
         The calibration file.
     table : Path
         CSV file: a column for each free parameter and each target of the test, perhaps with a unit
@@ -78,9 +80,9 @@ def import_runs(assembly: Assembly, table: Path, folder: Path, test: str | None 
     StoreError
         The work folder cannot be used.
     """
-    specification = _specification(assembly, test)
-    rows, ignored = read_import_table(table, assembly, specification)
-    solver = assembly.solvers[specification.name]
+    specification = _specification(setup, test)
+    rows, ignored = read_import_table(table, setup, specification)
+    solver = setup.solvers[specification.name]
     try:
         solver.version()
     except SolverNotFoundError as error:
@@ -96,10 +98,10 @@ def import_runs(assembly: Assembly, table: Path, folder: Path, test: str | None 
             importing = _Importing(specification.name, solver, origin, store)
             importing.take(rows)
             store.save_many(importing.records)
-            usable = len(runs_of(assembly.problem, assembly.solvers, store.runs("finished")))
+            usable = len(runs_of(setup.problem, setup.solvers, store.runs("finished")))
             notices = [
                 *_ignored(ignored),
-                *_outside(assembly, rows),
+                *_outside(setup, rows),
                 *importing.notices(),
                 *_not_by_earlier_ones(store),
             ]
@@ -116,8 +118,8 @@ def import_runs(assembly: Assembly, table: Path, folder: Path, test: str | None 
     )
 
 
-def _specification(assembly: Assembly, test: str | None) -> TestSpecification:
-    tests = {specification.name: specification for specification in assembly.file.tests}
+def _specification(setup: CalibrationSetup, test: str | None) -> TestSpecification:
+    tests = {specification.name: specification for specification in setup.file.tests}
     if test is None and len(tests) == 1:
         return next(iter(tests.values()))
     if test in tests:
@@ -249,9 +251,9 @@ def _ignored(columns: list[str]) -> Iterator[str]:
         yield f"Columns that are not used: {', '.join(columns)}."
 
 
-def _outside(assembly: Assembly, rows: list[TableRow]) -> Iterator[str]:
+def _outside(setup: CalibrationSetup, rows: list[TableRow]) -> Iterator[str]:
     """Say which rows no calibration of the file as it is now can use."""
-    for parameter in assembly.problem.parameters:
+    for parameter in setup.problem.parameters:
         lines = [
             str(row.line) for row in rows if not parameter.contains(row.parameters[parameter.name])
         ]

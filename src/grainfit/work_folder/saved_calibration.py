@@ -23,7 +23,7 @@ from grainfit.work_folder.status import read_result, state_of
 
 
 @dataclass(frozen=True)
-class CalibrationReading:
+class SavedCalibration:
     """What a work folder tells of the calibration that was started last.
 
     Parameters
@@ -91,6 +91,46 @@ class CalibrationReading:
     max_runs: int | None = None
     failure: str = ""
 
+    @classmethod
+    def open(cls, folder: str | Path) -> SavedCalibration:
+        """Read a work folder once; nothing in it is changed, and nobody at work disturbed.
+
+        Parameters
+        ----------
+        folder : path
+            The work folder, also of a calibration that is running.
+
+        Raises
+        ------
+        StoreError
+            The folder is not a work folder, its store cannot be read, or nothing was ever
+            calibrated in it.
+        """
+        folder = Path(folder)
+        if not (folder / STORE_NAME).is_file():
+            raise StoreError(str(not_a_work_folder(folder)))
+        store = RunStore.read_only(folder)
+        try:
+            calibration = store.latest_calibration()
+            if calibration is None:
+                raise StoreError(
+                    f"nothing has been calibrated in {str(folder)!r} yet. Start 'grainfit run' "
+                    "first."
+                )
+            requests = store.requests(calibration.identity)
+            learnt = _learnt(folder, calibration)
+            asked = {run for request in [*requests, *learnt] for run in request.runs.values()}
+            records = store.find_many(asked)
+        finally:
+            store.close()
+        state = state_of(calibration, is_held(folder))
+        if state == "failed":
+            # Failures that stopped it are forgotten, for the next start to make them again.
+            kept = (read_record(run_folder(folder, run)) for run in asked - records.keys())
+            records |= {record.identity: record for record in kept if record is not None}
+        with _naming(folder):
+            return _saved(folder, calibration, state, requests, learnt, records)
+
     @property
     def why_nothing_agrees(self) -> str:
         """Why no parameter set is in line with the measurements; "" where some may be."""
@@ -107,39 +147,6 @@ class CalibrationReading:
 
 def _run_of(evaluation: Evaluation) -> tuple[float, ...]:
     return (*evaluation.proposal.parameters.values(), evaluation.proposal.seed)
-
-
-def read_calibration(folder: Path) -> CalibrationReading:
-    """Read a work folder; nothing in it is changed, and nobody at work disturbed.
-
-    Raises
-    ------
-    StoreError
-        The folder is not a work folder, its store cannot be read, or nothing was ever calibrated
-        in it.
-    """
-    if not (folder / STORE_NAME).is_file():
-        raise StoreError(str(not_a_work_folder(folder)))
-    store = RunStore.read_only(folder)
-    try:
-        calibration = store.latest_calibration()
-        if calibration is None:
-            raise StoreError(
-                f"nothing has been calibrated in {str(folder)!r} yet. Start 'grainfit run' first."
-            )
-        requests = store.requests(calibration.identity)
-        learnt = _learnt(folder, calibration)
-        asked = {run for request in [*requests, *learnt] for run in request.runs.values()}
-        records = store.find_many(asked)
-    finally:
-        store.close()
-    state = state_of(calibration, is_held(folder))
-    if state == "failed":
-        # Failures that stopped it are forgotten, for the next start to make them again.
-        kept = (read_record(run_folder(folder, run)) for run in asked - records.keys())
-        records |= {record.identity: record for record in kept if record is not None}
-    with _naming(folder):
-        return _reading(folder, calibration, state, requests, learnt, records)
 
 
 @contextmanager
@@ -160,14 +167,14 @@ def _learnt(folder: Path, calibration: CalibrationRecord) -> list[RequestRecord]
         return [RequestRecord.from_row({"position": 0, **row}) for row in known]
 
 
-def _reading(
+def _saved(
     folder: Path,
     calibration: CalibrationRecord,
     state: str,
     requests: Sequence[RequestRecord],
     learnt: Sequence[RequestRecord],
     records: Mapping[str, RunRecord],
-) -> CalibrationReading:
+) -> SavedCalibration:
     ended = [request for request in requests if _has_ended(request, records)]
     evaluations = tuple(_evaluation(request, records) for request in ended)
     used = {run for request in ended for run in request.runs.values()}
@@ -181,7 +188,7 @@ def _reading(
     free = {parameter.name: parameter.unit for parameter in problem.parameters}
     fixed = {**_material(records.values(), free), **provenance.fixed}
     known = {name: known.unit for name, known in MATERIAL_PARAMETERS.items()}
-    return CalibrationReading(
+    return SavedCalibration(
         folder=folder,
         name=calibration.name,
         identity=calibration.identity,
@@ -261,7 +268,7 @@ def _evaluation(request: RequestRecord, records: Mapping[str, RunRecord]) -> Eva
     return evaluation_of(proposal, {test: records[run] for test, run in request.runs.items()})
 
 
-def read_answer(reading: CalibrationReading) -> Result:
+def read_answer(reading: SavedCalibration) -> Result:
     """Return the result of a calibration that has an answer.
 
     Raises
@@ -278,7 +285,7 @@ def read_answer(reading: CalibrationReading) -> Result:
     return reading.result
 
 
-def _no_answer(reading: CalibrationReading) -> Fault:
+def _no_answer(reading: SavedCalibration) -> Fault:
     folder = str(reading.folder)
     message, remedy = {
         "running": (

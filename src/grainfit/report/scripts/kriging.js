@@ -403,7 +403,7 @@
     return 0.5 + sum * Math.exp(-0.5 * x * x - 0.91893853320467274178);
   }
 
-  // Probability that an expected response is within its tolerance (Metamodels.agreement).
+  // Probability that an expected response is within its tolerance (Metamodels.probability_all_met).
   function probability(predicted, target, tolerance) {
     const error = Math.sqrt(Math.max(predicted.variance, (1e-12 * tolerance) ** 2));
     const off = predicted.mean - target;

@@ -24,7 +24,7 @@ from grainfit.metamodels.unit_cube import (
     spread_points,
 )
 from grainfit.problem import Problem
-from grainfit.strategies.sequential.feasibility import Experience
+from grainfit.strategies.sequential.feasibility import FeasibilityModel
 
 Array = NDArray[np.float64]
 
@@ -43,7 +43,7 @@ class AnswerSearch:
     ----------
     metamodels : Metamodels
         Of all responses.
-    experience : Experience
+    feasibility : FeasibilityModel
         An answer must be a place where runs succeed.
     runs : ndarray, shape (n, d)
         Points that have been simulated.
@@ -55,12 +55,12 @@ class AnswerSearch:
     def __init__(
         self,
         metamodels: Metamodels,
-        experience: Experience,
+        feasibility: FeasibilityModel,
         runs: Array,
         seeds: Sequence[int],
     ) -> None:
         self.metamodels = metamodels
-        self._experience = experience
+        self._experience = feasibility
         self._seeds = tuple(seeds)
         random = self._random()
         dimension = metamodels.problem.dimension
@@ -131,11 +131,13 @@ class AnswerSearch:
             Demanded probability that all expected responses are within their tolerances.
         """
         closest = self.closest[0]
-        if self._agreement(closest[None])[0] < confidence or not time_step_matters(self.problem):
+        if self._probability_all_met(closest[None])[0] < confidence or not time_step_matters(
+            self.problem
+        ):
             return np.asarray(closest)
 
         def lack(points: Array) -> Array:
-            return _FORBIDDEN * np.maximum(confidence - self._agreement(points), 0.0)
+            return _FORBIDDEN * np.maximum(confidence - self._probability_all_met(points), 0.0)
 
         def slowness(points: Array) -> Array:
             return lack(points) - log_time_steps(self.problem, points)
@@ -178,12 +180,12 @@ class AnswerSearch:
 
         def no_gain(points: Array) -> Array:
             gain = np.maximum(log_time_steps(self.problem, points) - now, 0.0)
-            return np.asarray(-gain * self._agreement(points))
+            return np.asarray(-gain * self._probability_all_met(points))
 
         starts = np.vstack([self.candidates, self.agreeing, answer])
         points, values = shrinking_search(no_gain, starts, self._random(), width=0.2)
         return points[0], -float(values[0])
 
-    def _agreement(self, points: Array) -> Array:
+    def _probability_all_met(self, points: Array) -> Array:
         likely = self._experience.success_probability(points) > 0.5
-        return np.asarray(self.metamodels.agreement(points) * likely)
+        return np.asarray(self.metamodels.probability_all_met(points) * likely)

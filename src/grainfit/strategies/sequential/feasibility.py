@@ -21,7 +21,7 @@ _PROVEN = 0.25
 _PRIOR = 1.0
 
 
-class Experience:
+class FeasibilityModel:
     """Probability that a run at a point succeeds: the share of successes among its neighbours.
 
     A kernel estimate with a friendly prior: one failure halves the probability at its place, each

@@ -20,7 +20,7 @@ _STEP = 0.05
 _LARGEST_BLOCK = 2_000_000
 
 
-class ExpectedImprovement:
+class KnowledgeGradient:
     """Expected decrease of the smallest expected misfit by one more run, noise accounted for.
 
     The misfit of a point is the expected sum of squared deviations of its *expected* responses,

@@ -14,7 +14,7 @@ from grainfit.problem import Problem
 from grainfit.result import OutOfReach
 from grainfit.strategies.out_of_reach import out_of_reach
 from grainfit.strategies.sequential.answer_search import AnswerSearch
-from grainfit.strategies.sequential.feasibility import Experience
+from grainfit.strategies.sequential.feasibility import FeasibilityModel
 from grainfit.strategies.sequential.options import (
     CAUTION,
     CONFIDENCE_WITHOUT_ANY_RUN,
@@ -37,12 +37,12 @@ class SearchState:
     ) -> None:
         self.problem = problem
         self.metamodels = Metamodels.fit(problem, known)
-        self.experience = Experience(problem, known)
+        self.feasibility = FeasibilityModel(problem, known)
         self._seed = seed
         self._options = options
         runs = np.array([problem.to_unit(e.proposal.parameters) for e in known])
         seeds = (seed, len(known))
-        self.search = AnswerSearch(self.metamodels, self.experience, runs, seeds)
+        self.search = AnswerSearch(self.metamodels, self.feasibility, runs, seeds)
 
     @cached_property
     def misses(self) -> tuple[OutOfReach, ...]:
@@ -62,7 +62,7 @@ class SearchState:
     @cached_property
     def probability(self) -> float:
         """Probability that the answer agrees with all measurements."""
-        return float(self.metamodels.agreement(self.answer)[0])
+        return float(self.metamodels.probability_all_met(self.answer)[0])
 
     @cached_property
     def agrees(self) -> bool:
@@ -71,7 +71,7 @@ class SearchState:
         if self.probability < confidence:
             return False
         if self.metamodels.degrees_of_freedom < DEGREES_OF_FREEDOM:
-            cautious = self.metamodels.agreement(self.answer, CAUTION)[0]
+            cautious = self.metamodels.probability_all_met(self.answer, CAUTION)[0]
             if cautious < confidence:
                 return False
         return self.probability_without_any_run >= min(CONFIDENCE_WITHOUT_ANY_RUN, confidence)
@@ -79,12 +79,12 @@ class SearchState:
     @cached_property
     def probability_without_any_run(self) -> float:
         """The same without the run whose absence would lower it most."""
-        return float(self.metamodels.agreement_without_each_run(self.answer).min())
+        return float(self.metamodels.probability_all_met_without_each_run(self.answer).min())
 
     @cached_property
     def is_proven(self) -> bool:
         """Whether runs at the answer can be expected to succeed."""
-        return self.experience.is_proven(self.answer)
+        return self.feasibility.is_proven(self.answer)
 
     @cached_property
     def _gain(self) -> tuple[Array, float]:

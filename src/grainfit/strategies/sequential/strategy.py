@@ -1,7 +1,7 @@
 """The sequential strategy: every run goes where it is expected to improve the answer most.
 
 After a small Latin hypercube, metamodels of all responses are fitted anew whenever a run has come
-back, and the next run is chosen by `ExpectedImprovement`, with the runs under way counted in. It
+back, and the next run is chosen by `KnowledgeGradient`, with the runs under way counted in. It
 ends when it is decided: the answer agrees with all measurements with the demanded probability, or
 no parameter set can.
 
@@ -36,8 +36,8 @@ from grainfit.strategies.base import (
     without_repeats,
 )
 from grainfit.strategies.out_of_reach import widened, widenings
-from grainfit.strategies.sequential.feasibility import Experience
-from grainfit.strategies.sequential.knowledge_gradient import ExpectedImprovement
+from grainfit.strategies.sequential.feasibility import FeasibilityModel
+from grainfit.strategies.sequential.knowledge_gradient import KnowledgeGradient
 from grainfit.strategies.sequential.options import (
     DESIGN_RUNS,
     RUNS_PER_PARAMETER,
@@ -136,7 +136,7 @@ class Sequential(Strategy):
         return tuple(self._notices)
 
     @property
-    def searched(self) -> Problem:
+    def current_problem(self) -> Problem:
         """The problem with the intervals that are searched."""
         return self.problem if self._view is None else self._view.problem
 
@@ -171,7 +171,7 @@ class Sequential(Strategy):
         needed = self._view.runs_needed(self.options.confidence)
         return max(under_way, min(self._allowed - len(self._told), needed))
 
-    def learn(self, evaluations: Sequence[Evaluation]) -> None:
+    def warm_start(self, evaluations: Sequence[Evaluation]) -> None:
         """Take these runs for part of the design."""
         self._others += evaluations
         names = {target.name for target in self.problem.targets}
@@ -183,7 +183,7 @@ class Sequential(Strategy):
         self._design_size = max(0, self._whole_design - len(places))
         self._has_learnt = self._design_size == 0
 
-    def remember(self, proposals: Sequence[Proposal]) -> None:
+    def replay(self, proposals: Sequence[Proposal]) -> None:
         """Ask for these again before anything else."""
         self._remembered.extend(proposals)
 
@@ -202,7 +202,7 @@ class Sequential(Strategy):
         view, waiting = self._view, len(self._asked) - len(self._told)
         if view is None:
             return None if waiting else self._fill_in()
-        ahead = view.metamodels.with_runs_under_way(self._under_way(view.problem))
+        ahead = view.metamodels.condition_on_pending(self._under_way(view.problem))
         if waiting and self._is_enough(view, ahead, waiting):
             return None
         point = self._next_point(view, ahead)
@@ -228,7 +228,7 @@ class Sequential(Strategy):
         closest = view.search.closest[0]
         return make_answer(view.metamodels, chosen, misses, closest, spread=False)
 
-    def reconsider(self, affordable: int | None = None) -> bool:
+    def resume_after_verification(self, affordable: int | None = None) -> bool:
         """Go on with the verification runs known, if there is any doubt and budget left."""
         if affordable is not None:
             self._allowed = min(self._allowed, len(self._asked) + max(0, affordable))
@@ -361,7 +361,7 @@ class Sequential(Strategy):
         """Whether the runs under way will probably decide what is to be decided next."""
         confidence = self.options.confidence
         if not view.agrees:
-            doubt = 1.0 - float(ahead.agreement(view.answer)[0])
+            doubt = 1.0 - float(ahead.probability_all_met(view.answer)[0])
             return doubt <= _SMALL_DOUBT * (1.0 - confidence)
         if not view.is_proven:
             return True
@@ -376,11 +376,11 @@ class Sequential(Strategy):
         random = np.random.default_rng([self.seed, len(self._asked)])
         search = view.search
         possible = search.candidates
-        improvement = ExpectedImprovement(ahead, possible, view.handicaps(possible))
+        improvement = KnowledgeGradient(ahead, possible, view.handicaps(possible))
 
         def lack(points: Array) -> Array:
             unknown = ahead.deviations(points)[1].sum(axis=1)
-            success = view.experience.success_probability(points)
+            success = view.feasibility.success_probability(points)
             return np.asarray(-(improvement(points) + _TIE * unknown) * success**2)
 
         near = points_about(search.closest[:1], _NEAR_CANDIDATES, 0.25, random)
@@ -394,6 +394,6 @@ class Sequential(Strategy):
         random = np.random.default_rng([self.seed, len(self._asked)])
         points = spread_points(_SPACE_FILLING_CANDIDATES, self.problem.dimension, random)
         tried = np.array([self.problem.to_unit(p.parameters) for p in self._asked])
-        likely = Experience(self.problem, self.known).success_probability(points)
+        likely = FeasibilityModel(self.problem, self.known).success_probability(points)
         best = points[np.argmax(cdist(points, tried).min(axis=1) * likely)]
         return self._propose(self.problem.from_unit(best), "optimisation")

@@ -134,7 +134,7 @@ class Staged(BatchStrategy):
         yield self._proposals(design, "design")
         yield from self._optimise()
 
-    def reconsider(self, affordable: int | None = None) -> bool:
+    def resume_after_verification(self, affordable: int | None = None) -> bool:
         """Fit again with the verification runs known, if the budget allows a step."""
         if affordable is not None:
             self._left = min(self._left, affordable)

@@ -131,10 +131,10 @@ def _miss(words: str, response: ResponseResult) -> str:
 
 
 def _sureness(result: Result) -> Iterator[str]:
-    if result.agreement is not None:
+    if result.probability_all_met is not None:
         yield (
             "By all runs together, every expected response is within its tolerance with a "
-            f"probability of {probability(result.agreement)}."
+            f"probability of {probability(result.probability_all_met)}."
         )
 
 
@@ -243,7 +243,7 @@ def _cost(context: ReportContext) -> dict[str, Any]:
             **stages,
             failed=sum(len(evaluation.failures) for evaluation in reading.evaluations),
             total=sum(stages.values()),
-            learnt_from=sum(len(evaluation.runs) for evaluation in reading.learnt),
+            warm_start_runs=sum(len(evaluation.runs) for evaluation in reading.learnt),
         )
     )
     return {

@@ -50,7 +50,7 @@
     }
 
     inWords() {
-      const { time_step: step, agreement } = this.picked;
+      const { time_step: step, probability_all_met: agreement } = this.picked;
       const factor = step / this.data.answer_time_step;
       const beside = this.data.answer_time_step
         ? ` (${text(factor, 3)} times the answer's)`

@@ -34,8 +34,15 @@ def tradeoff(context: ReportContext) -> Section:
         f"{_KEY}/page",
         figure=_FIGURE,
         points=[
-            {"time": time, "factor": time / times[0], "misfit": misfit, "agreement": agreement}
-            for time, misfit, agreement in zip(times, front.misfits, front.agreement, strict=True)
+            {
+                "time": time,
+                "factor": time / times[0],
+                "misfit": misfit,
+                "probability_all_met": agreement,
+            }
+            for time, misfit, agreement in zip(
+                times, front.misfits, front.probability_all_met, strict=True
+            )
         ],
         unit=unit,
         picked=_first_pick(front),
@@ -65,8 +72,8 @@ def _time_unit(largest: float) -> tuple[str, float]:
 
 def _first_pick(front: ParetoFront) -> int:
     """Return the largest time step that probably agrees, or the point that likeliest does."""
-    likely = [index for index, share in enumerate(front.agreement) if share >= 0.5]
-    return likely[-1] if likely else int(front.agreement.argmax())
+    likely = [index for index, share in enumerate(front.probability_all_met) if share >= 0.5]
+    return likely[-1] if likely else int(front.probability_all_met.argmax())
 
 
 def _figure(
@@ -86,7 +93,7 @@ def _figure(
             "name": "best compromises",
             "x": times,
             "y": misfits.tolist(),
-            "customdata": front.agreement.tolist(),
+            "customdata": front.probability_all_met.tolist(),
             "line": {"color": BLUE, "width": 1.5},
             "marker": {"color": BLUE, "size": 10},
             "hovertemplate": (
@@ -149,7 +156,7 @@ def _data(context: ReportContext, metamodels: Metamodels, front: ParetoFront) ->
             {
                 "time_step": front.time_steps[index],
                 "misfit": front.misfits[index],
-                "agreement": front.agreement[index],
+                "probability_all_met": front.probability_all_met[index],
                 "values": front.parameters[index],
                 "responses": front.responses[index],
             }

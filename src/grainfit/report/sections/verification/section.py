@@ -81,7 +81,7 @@ def _row(context: ReportContext, target: Target, verified: Verified) -> Verified
         f"and {with_unit(wanted, label.unit)} was measured"
     )
     result = context.reading.result
-    if verified.within(target):
+    if verified.is_met(target):
         if result is None or result.responses[target.name].verdict != "in doubt":
             return VerifiedRow(label, "good", "✓ met", words)
         words += (
@@ -89,7 +89,7 @@ def _row(context: ReportContext, target: Target, verified: Verified) -> Verified
             "of it is expected"
         )
         return VerifiedRow(label, "warn", "! in doubt", words)
-    if verified.undecided(target):
+    if verified.is_marginally_missed(target):
         words += ". More runs could still turn it: the tolerance begins within the interval"
         return VerifiedRow(label, "warn", "! missed narrowly", words)
     return VerifiedRow(label, "bad", "✗ missed", words)
