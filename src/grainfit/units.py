@@ -101,12 +101,12 @@ def to_si(text: str) -> tuple[float, str]:
     --------
     >>> to_si("2.1 g/cm^3")
     (2100.0, 'kg/m^3')
-    >>> to_si("0.5")
-    (0.5, '')
     """
-    number, written = _split(text, "")
+    _, written = _split(text, "")
     if not written:
-        return number, ""
+        raise UnitError(
+            f"{text!r} has no unit.", "Write a quantity with its unit, or a number without quotes."
+        )
     try:
         base = _base(_parse(written))
         unit = next((name for name in _SI_UNITS if _base(_parse(name)) == base), None)
