@@ -16,7 +16,7 @@ from grainfit.calibration_file.load import load_calibration_file
 from grainfit.calibration_file.starter import starter_file
 from grainfit.calibration_file.tests_section import HEAP_OPTIONS, HEAP_TARGETS
 from grainfit.campaign.cluster.options import ClusterOptions
-from grainfit.materials.parameters import MATERIAL_PARAMETERS
+from grainfit.contact_models.registry import MATERIAL_PARAMETERS
 from grainfit.materials.sizes import ParticleSizes
 from grainfit.problem import Parameter, Target
 

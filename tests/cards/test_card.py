@@ -25,8 +25,8 @@ from grainfit.bulk_tests.heap import HeapTest
 from grainfit.cards import FORMATS, MaterialCard, material_card, render
 from grainfit.cli.app import app
 from grainfit.cli.export import write_card
+from grainfit.contact_models.registry import MATERIAL_PARAMETERS
 from grainfit.errors import GrainfitError, InputError, StoreError
-from grainfit.materials.parameters import MATERIAL_PARAMETERS
 
 DRUM = grainfit.Problem(
     [grainfit.Parameter("Kohäsion", 0.0, 7e4, unit="J/m^3")],

@@ -11,8 +11,8 @@ import time
 import pytest
 
 from grainfit.bulk_tests.heap import HeapTest
+from grainfit.contact_models.registry import MATERIAL_PARAMETERS
 from grainfit.errors import InputError, RunFailedError, SolverNotFoundError
-from grainfit.materials.parameters import MATERIAL_PARAMETERS
 from grainfit.materials.sizes import ParticleSizes
 from grainfit.solvers.base import Workspace
 from grainfit.solvers.dem.lammps.program import Lammps

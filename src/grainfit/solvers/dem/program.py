@@ -13,6 +13,12 @@ from pathlib import Path
 from typing import Any, ClassVar
 
 from grainfit.bulk_tests.base import BulkTest
+from grainfit.contact_models.registry import (
+    MATERIAL_PARAMETERS,
+    contact_law_faults,
+    with_defaults,
+    without_defaults,
+)
 from grainfit.errors import (
     Fault,
     InputError,
@@ -22,7 +28,6 @@ from grainfit.errors import (
 )
 from grainfit.evaluation import Response
 from grainfit.files import log_tail
-from grainfit.materials.parameters import MATERIAL_PARAMETERS
 from grainfit.solvers.base import Solver, Workspace
 from grainfit.solvers.process.process import LOG_NAME, recorded_faults, run_process
 
@@ -37,7 +42,7 @@ class DeckSolver(Solver):
     test : BulkTest
         What is simulated.
     material : mapping of str to float
-        Those of the 14 material parameters that are fixed, by dotted name.
+        The material parameters that are fixed, by dotted name.
     ranks : int
         MPI ranks of one run. Several runs at once use a machine better than several ranks.
     executable : str, optional
@@ -47,7 +52,8 @@ class DeckSolver(Solver):
     Raises
     ------
     InputError
-        A parameter is unknown or physically impossible, or the number of ranks is below one.
+        A parameter is unknown, physically impossible, or of a contact model that the solver does
+        not have, or the number of ranks is below one.
     """
 
     #: Log that the program itself writes into the run folder.
@@ -62,7 +68,7 @@ class DeckSolver(Solver):
     ) -> None:
         if ranks < 1:
             raise InputError(Fault("ranks", f"{ranks} must be at least 1."))
-        _require_possible(material)
+        self._require_possible(material)
         self.test = test
         self.material = dict(material)
         self.ranks = ranks
@@ -74,8 +80,12 @@ class DeckSolver(Solver):
         return tuple(self.test.response_units)
 
     def definition(self, parameters: Mapping[str, float], seed: int) -> dict[str, Any]:
-        """Return solver, version, ranks, test, all 14 material parameters and the seed."""
-        return {**self._common, "material": self.all_parameters(parameters), "seed": seed}
+        """Return solver, version, ranks, test, material and seed.
+
+        Parameters at their default are left out, so that a new one changes no earlier run.
+        """
+        material = without_defaults(self.all_parameters(parameters))
+        return {**self._common, "material": material, "seed": seed}
 
     @cached_property
     def _common(self) -> dict[str, Any]:
@@ -89,19 +99,25 @@ class DeckSolver(Solver):
         }
 
     def all_parameters(self, parameters: Mapping[str, float]) -> dict[str, float]:
-        """Return all 14 material parameters, given the values of the free ones.
+        """Return all material parameters, given the values of the free ones.
 
         Raises
         ------
         InputError
-            A name is not one of the 14, a value is physically impossible, or one is missing.
+            A name is no material parameter, a value is physically impossible or of a contact model
+            that the solver does not have, or one is missing.
         """
-        values = {**self.material, **parameters}
-        _require_possible(values)
+        values = with_defaults({**self.material, **parameters})
+        self._require_possible(values)
         missing = [name for name in MATERIAL_PARAMETERS if name not in values]
         if missing:
             raise InputError([Fault(name, "has no value.") for name in missing])
         return {name: float(values[name]) for name in MATERIAL_PARAMETERS}
+
+    def _require_possible(self, material: Mapping[str, float]) -> None:
+        faults = [*_impossible(material), *contact_law_faults(material, self.name)]
+        if faults:
+            raise InputError(faults)
 
     def run(
         self, parameters: Mapping[str, float], seed: int, workspace: Workspace
@@ -199,12 +215,6 @@ def _error_line(log: Path) -> str:
     except OSError:
         return ""
     return next((line.strip() for line in lines if line.startswith("ERROR")), "")
-
-
-def _require_possible(material: Mapping[str, float]) -> None:
-    faults = list(_impossible(material))
-    if faults:
-        raise InputError(faults)
 
 
 def _impossible(material: Mapping[str, float]) -> Iterator[Fault]:
