@@ -54,3 +54,9 @@ def test_the_typical_load_is_five_particle_weights():
     weight = particle_mass(GLASS_BEADS, RADIUS) * 9.81
     assert Contact.on_wall(GLASS_BEADS, RADIUS, 9.81).load == pytest.approx(5 * weight)
     assert Contact.between(GLASS_BEADS, RADIUS, RADIUS, 9.81).load == pytest.approx(5 * weight)
+
+
+def test_the_effective_radius_is_that_of_hertz():
+    assert Contact.on_wall(GLASS_BEADS, RADIUS, 9.81).effective_radius == RADIUS
+    pair = Contact.between(GLASS_BEADS, RADIUS, 3 * RADIUS, 9.81)
+    assert pair.effective_radius == pytest.approx(0.75 * RADIUS)

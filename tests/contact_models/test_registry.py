@@ -5,6 +5,8 @@ from dataclasses import dataclass, replace
 
 import pytest
 
+from grainfit.bulk_tests.heap import HeapTest
+from grainfit.contact_models import registry
 from grainfit.contact_models.base import ContactModel
 from grainfit.contact_models.contact import Contact
 from grainfit.contact_models.epsd.contact_model import EPSD
@@ -15,10 +17,17 @@ from grainfit.contact_models.registry import (
     CONTACT_MODELS,
     MATERIAL_PARAMETERS,
     contact_law,
+    contact_law_faults,
     material_parameters,
+    with_defaults,
+    without_defaults,
 )
 from grainfit.errors import InputError
 from grainfit.materials.parameters import CONTACTS, declare
+from grainfit.materials.sizes import ParticleSizes
+from grainfit.solvers.dem import program
+from grainfit.solvers.dem.lammps.program import Lammps
+from grainfit.solvers.dem.liggghts.program import Liggghts
 from grainfit.testing.materials import GLASS_BEADS
 
 LIMITS = (0.0, 10.0)
@@ -147,3 +156,43 @@ def test_declarations_are_complete(model):
         assert parameter.example
         assert math.isfinite(parameter.lowest)
         assert parameter.lowest < parameter.highest
+
+
+@pytest.fixture
+def cohesive(monkeypatch):
+    """A grainfit with two more contact models."""
+    parameters = material_parameters(MODELS)
+    for module in (registry, program):
+        monkeypatch.setattr(module, "MATERIAL_PARAMETERS", parameters)
+    monkeypatch.setattr(contact_law, "__defaults__", ((), MODELS))
+
+
+@pytest.mark.usefixtures("cohesive")
+def test_values_at_their_default_are_added_and_left_out_again():
+    complete = with_defaults(GLASS_BEADS)
+    assert complete.keys() - GLASS_BEADS.keys() == {
+        f"{section}.{key}" for section in CONTACTS for key in ("surface_energy", "cohesion")
+    }
+    assert without_defaults(complete) == GLASS_BEADS
+    assert "particle_particle.surface_energy" in without_defaults(STICKY_BEADS)
+
+
+@pytest.mark.usefixtures("cohesive")
+def test_a_new_contact_model_leaves_the_runs_of_other_materials_as_they_are():
+    test = HeapTest(ParticleSizes((0.010,)))
+    for solver in (Lammps(test, GLASS_BEADS), Liggghts(test, GLASS_BEADS)):
+        assert solver.definition({}, 1)["material"] == GLASS_BEADS
+    sticky = Lammps(test, GLASS_BEADS).definition({"particle_wall.surface_energy": 0.1}, 1)
+    assert sticky["material"] == {**GLASS_BEADS, "particle_wall.surface_energy": 0.1}
+
+
+@pytest.mark.usefixtures("cohesive")
+def test_a_solver_refuses_a_model_that_it_does_not_have():
+    [fault] = contact_law_faults(STICKY_BEADS, "liggghts")
+    assert str(fault) == (
+        "particle_particle.surface_energy: belongs to the contact model sticky, which liggghts "
+        "does not have. Use lammps, or leave it out."
+    )
+    assert contact_law_faults(STICKY_BEADS, "lammps") == []
+    with pytest.raises(InputError, match="which liggghts does not have"):
+        Liggghts(HeapTest(ParticleSizes((0.010,))), STICKY_BEADS)
