@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
@@ -226,17 +225,6 @@ def heap_time_step(sizes: ParticleSizes, material: Mapping[str, float], fraction
         material["particle.youngs_modulus"],
         material["particle.poissons_ratio"],
     )
-
-
-@cache
-def deck_fingerprint() -> str:
-    """Return a hash of the deck templates: a changed deck is another run."""
-    loader = _environment().loader
-    assert loader is not None
-    digest = hashlib.sha256()
-    for name in sorted(_TEMPLATES.values()):
-        digest.update(loader.get_source(_environment(), name)[0].encode())
-    return digest.hexdigest()[:16]
 
 
 @cache

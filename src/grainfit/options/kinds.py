@@ -1,4 +1,4 @@
-"""The kinds of value that a key of the calibration file can have.
+"""Kinds of option: what a value can be, in a calibration file and in Python.
 
 A kind does two things: it reads a value, noting every fault, and it describes the values that it
 accepts as JSON Schema. So the reader and the published schema cannot disagree on the keys.
@@ -14,7 +14,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
-from grainfit.calibration_file.places import Place, kind_of, show
+from grainfit.options.places import Place, kind_of, show
 from grainfit.units import UnitError, how_to_write, to_unit
 
 Schema = dict[str, Any]
@@ -27,7 +27,7 @@ _SMALLEST, _LARGEST = 1e-30, 1e30
 
 
 class Kind(ABC):
-    """What a value of the calibration file can be."""
+    """A kind of value: reads it, and describes it as JSON Schema."""
 
     @abstractmethod
     def read(self, value: Any, place: Place) -> Any:
@@ -216,6 +216,8 @@ class Quantity(Kind):
 
     def _limits(self) -> str:
         unit = f" {self.unit}" if self.unit else ""
+        if self.above_zero:
+            return f"above 0, and at most {self.highest:g}{unit}"
         if math.isinf(self.highest):
             return f"at least {self.lowest:g}{unit}"
         return f"from {self.lowest:g} to {self.highest:g}{unit}"
