@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from functools import partial
 
 from grainfit.bulk_tests.base import BulkTest
@@ -38,9 +39,21 @@ def _program_keys(possible: tuple[str, ...]) -> tuple[Key, ...]:
             required=True,
             example=f'"{possible[0]}"',
         ),
-        Key("ranks", Whole(1, 4096), "MPI processes of one run; 1 by default."),
-        Key("executable", Program(), "The program, where it is not found by its usual name."),
-        TIMEOUT_KEY,
+        Key(
+            "ranks",
+            Whole(1, 4096),
+            "MPI processes of one run. Several runs at a time use a machine better than several "
+            "ranks.",
+            default="1",
+        ),
+        Key(
+            "executable",
+            Program(),
+            "The program: a name on the search path, or a path. It is started by the first run "
+            "only, not by grainfit check.",
+            default="found by its usual name",
+        ),
+        replace(TIMEOUT_KEY, default="10 minutes plus 100 times the estimated time of a run"),
     )
 
 
