@@ -30,7 +30,8 @@ class RunCost:
     time_step_fraction: float | None = None
 
     def __str__(self) -> str:
-        words = f"{self.particles} particles, " if self.particles is not None else ""
+        particles = "particle" if self.particles == 1 else "particles"
+        words = "" if self.particles is None else f"{self.particles} {particles}, "
         words += f"time step {self.time_step:.3g} s"
         if self.time_step_fraction is not None:
             words += f" ({self.time_step_fraction:.0%} of the Rayleigh time step)"
