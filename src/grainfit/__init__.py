@@ -4,6 +4,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from grainfit import tests as tests
     from grainfit.analysis import Analysis, analyse
     from grainfit.calibration.calibrate import calibrate
     from grainfit.calibration.progress import Progress
@@ -64,6 +65,8 @@ _HOMES = {
 
 
 def __getattr__(name: str) -> Any:
+    if name == "tests":
+        return import_module(f"{__name__}.tests")
     if name not in _HOMES:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     return getattr(import_module(f"{__name__}.{_HOMES[name]}"), name)

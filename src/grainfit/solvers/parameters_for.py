@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any
 
+from grainfit.bulk_tests.run_cost import RunCost
 from grainfit.evaluation import Response
 from grainfit.solvers.base import Solver, Workspace
 
@@ -69,6 +70,18 @@ class ParametersFor(Solver):
     def executes(self) -> tuple[str, ...]:
         """Say what a run executes."""
         return self.solver.executes()
+
+    def readiness(self) -> str:
+        """Say that it is ready."""
+        return self.solver.readiness()
+
+    def estimate_cost(self, parameters: Mapping[str, float]) -> RunCost | None:
+        """Estimate the cost of a run."""
+        return self.solver.estimate_cost(self._taken(parameters))
+
+    def default_timeout(self, parameters: Mapping[str, float]) -> float | None:
+        """Wall time after which a run hangs, s."""
+        return self.solver.default_timeout(self._taken(parameters))
 
     def _taken(self, parameters: Mapping[str, float]) -> dict[str, float]:
         values = {**self._fixed, **parameters}

@@ -9,13 +9,13 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from grainfit.bulk_tests.heap import HeapTest
+from grainfit.bulk_tests.registry import bulk_tests
 from grainfit.calibration_file.build import CalibrationSetup
 from grainfit.calibration_file.content import TestSpecification
-from grainfit.calibration_file.kinds import Quantity, suggest
-from grainfit.calibration_file.places import Findings, Place
 from grainfit.errors import Fault, InputError
 from grainfit.evaluation import Response
+from grainfit.options.kinds import Quantity, suggest
+from grainfit.options.places import Findings, Place
 from grainfit.solvers.own_model.recorded_table import SEED_COLUMN, read_csv
 from grainfit.units import UnitError, is_unit, to_unit
 from grainfit.work_folder.run_table import COMMON_COLUMNS, ERROR_SUFFIX
@@ -302,8 +302,9 @@ def _number(text: str) -> float | None:
 
 def _response_quantities(test: TestSpecification) -> dict[str, Quantity]:
     """Quantities that a test yields, by name."""
-    if test.type == "heap":
-        return {name: Quantity(unit) for name, unit in HeapTest.response_units.items()}
+    simulated = bulk_tests().get(test.type)
+    if simulated is not None:
+        return {name: Quantity(info.unit) for name, info in simulated.responses.items()}
     return {
         target.name: Quantity(target.unit if target.unit and is_unit(target.unit) else None)
         for target in test.targets

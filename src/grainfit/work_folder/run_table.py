@@ -11,6 +11,7 @@ from datetime import UTC, datetime
 from operator import ge, gt, le, lt
 from typing import Any, get_args
 
+from grainfit.bulk_tests.registry import class_of_test
 from grainfit.campaign.store.records import RunRecord, RunStatus
 from grainfit.campaign.store.store import RunStore
 from grainfit.contact_models.registry import MATERIAL_PARAMETERS
@@ -190,25 +191,17 @@ class RunTable:
             for name, column in self._parameters.items()
             if name in MATERIAL_PARAMETERS
         }
-        for row in self.rows:
-            test = row.record.definition.model.get("test")
-            if isinstance(test, Mapping) and test.get("type") == "heap":
-                return units | self._heap_units()
-        return units
-
-    def _heap_units(self) -> dict[str, str]:
-        from grainfit.bulk_tests.heap import HeapTest
-
-        others = {
+        tests = [class_of_test(row.record.definition) for row in self.rows]
+        own = {
             name
-            for row in self.rows
-            if not isinstance(row.record.definition.model.get("test"), Mapping)
+            for row, test in zip(self.rows, tests, strict=True)
+            if test is None
             for name in row.record.responses
         }
-        units: dict[str, str] = {}
-        for name, unit in HeapTest.response_units.items():
-            if name in self._responses and name not in others:
-                units |= {self._responses[name]: unit, self._errors[name]: unit}
+        for test in dict.fromkeys(tests):
+            for name, info in test.responses.items() if test is not None else ():
+                if name in self._responses and name not in own:
+                    units |= {self._responses[name]: info.unit, self._errors[name]: info.unit}
         return units
 
     def _condition(self, text: str, faults: list[Fault]) -> Callable[[RunRow], bool]:

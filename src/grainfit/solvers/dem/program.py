@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any, ClassVar
 
 from grainfit.bulk_tests.base import BulkTest
+from grainfit.bulk_tests.run_cost import RunCost
 from grainfit.contact_models.registry import (
     MATERIAL_PARAMETERS,
     contact_law_faults,
@@ -53,7 +54,7 @@ class DeckSolver(Solver):
     ------
     InputError
         A parameter is unknown, physically impossible, or of a contact model that the solver does
-        not have, or the number of ranks is below one.
+        not have, the number of ranks is below one, or the test has no deck for the program.
     """
 
     #: Log that the program itself writes into the run folder.
@@ -68,6 +69,9 @@ class DeckSolver(Solver):
     ) -> None:
         if ranks < 1:
             raise InputError(Fault("ranks", f"{ranks} must be at least 1."))
+        if self.name not in test.solvers:
+            message = f"{self.name} cannot simulate the {test.type} test."
+            raise InputError(Fault("solver", message, f"Use one of {', '.join(test.solvers)}."))
         self.test = test
         self.material = _in_si(material)
         self._require_possible(self.material)
@@ -77,7 +81,7 @@ class DeckSolver(Solver):
     @property
     def response_names(self) -> tuple[str, ...]:
         """Names of the test's responses."""
-        return tuple(self.test.response_units)
+        return tuple(self.test.responses)
 
     def model(self) -> Mapping[str, Any]:
         """Return solver, version, ranks and test."""
@@ -166,6 +170,20 @@ class DeckSolver(Solver):
     def executes(self) -> tuple[str, ...]:
         """Say which command runs the decks; raises when a program of it is not there."""
         return (shlex.join(self._command(Path(f"in.{self.name}"))),)
+
+    def readiness(self) -> str:
+        """Say that it is ready; one that was named is not started to find out."""
+        if self.executable is None:
+            return super().readiness()
+        return f"{self.name} is there; the first run asks it for its version."
+
+    def estimate_cost(self, parameters: Mapping[str, float]) -> RunCost:
+        """Estimate the cost of a run."""
+        return self.test.estimate_cost(self.name, self.run_parameters(parameters), self.ranks)
+
+    def default_timeout(self, parameters: Mapping[str, float]) -> float:
+        """Wall time after which a run hangs, s."""
+        return self.test.default_timeout(self.estimate_cost(parameters))
 
     @abstractmethod
     def version(self) -> str:
