@@ -28,7 +28,8 @@ from grainfit.solvers.own_model.command import Command
 from grainfit.solvers.own_model.python_callable import PythonCallable
 from grainfit.work_folder.prune import disk_use, prune_runs
 from grainfit.work_folder.run_import import FIRST_SEED, Imported, import_runs
-from grainfit.work_folder.run_table import RunTable
+from grainfit.work_folder.run_selection import select_runs
+from grainfit.work_folder.run_table import runs_table
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 
@@ -221,13 +222,13 @@ def test_the_list_shows_the_latest_runs_and_how_many_more_there_are(tmp_path: Pa
     ],
 )
 def test_conditions_select_runs_in_any_unit(conditions: list[str], numbers: list[int]) -> None:
-    table = RunTable([*(record(n) for n in range(1, 10)), failed(10)])
+    runs = runs_table([*(record(n) for n in range(1, 10)), failed(10)])
     where = [*conditions, "angle_of_repose > 0"]
-    assert [row.record for row in table.select(where=where)] == [record(n) for n in numbers]
+    assert list(select_runs(runs, where=where).index) == [record(n).identity for n in numbers]
 
 
 def test_all_faults_of_the_conditions_are_named_at_once() -> None:
-    table = RunTable([record(1), failed(2)])
+    runs = runs_table([record(1), failed(2)])
     where = [
         "__import__('os').abort()",
         "particle.densty > 3",
@@ -237,7 +238,7 @@ def test_all_faults_of_the_conditions_are_named_at_once() -> None:
         "reason = x",
     ]
     with pytest.raises(InputError) as caught:
-        table.select(status="bad", test="heap", where=where)
+        select_runs(runs, status="bad", test="heap", where=where)
     text = str(caught.value)
     assert len(caught.value.faults) == len(where) + 2
     assert "\"__import__('os').abort()\" is not a condition" in text
@@ -250,13 +251,14 @@ def test_all_faults_of_the_conditions_are_named_at_once() -> None:
 def test_a_unit_is_not_guessed_for_responses_of_own_models() -> None:
     own = record(1, definition={"solver": "command", "parameters": {"x": 1.0}, "seed": 1})
     with pytest.raises(InputError, match="compared as it is"):
-        RunTable([own]).select(where=["angle_of_repose > 1 rad"])
-    assert RunTable([own]).select(where=["angle_of_repose > 1"])
+        select_runs(runs_table([own]), where=["angle_of_repose > 1 rad"])
+    assert len(select_runs(runs_table([own]), where=["angle_of_repose > 1"]))
 
 
-def shown(table: RunTable, width: int) -> list[str]:
+def shown(records: list[RunRecord], width: int) -> list[str]:
     console = Console(file=io.StringIO(), width=width)
-    print_runs(console, table, table.rows, 30)
+    runs = runs_table(records)
+    print_runs(console, runs, runs, 30)
     return console.file.getvalue().splitlines()  # type: ignore[attr-defined]
 
 
@@ -268,7 +270,7 @@ def test_the_list_fits_into_a_terminal_without_cutting_a_number() -> None:
         definition = {"solver": "x", "parameters": values, "seed": 899999990 + number}
         return record(number, definition=definition)
 
-    *lines, note, total = shown(RunTable([*(wide(n) for n in range(1, 4)), failed(4, "no")]), 80)
+    *lines, note, total = shown([*(wide(n) for n in range(1, 4)), failed(4, "no")], 80)
     assert max(map(len, lines)) <= 80
     assert "…" not in "".join(lines)
     assert "899999991" in "".join(lines)
@@ -350,11 +352,11 @@ def test_an_export_is_whole_or_not_there(tmp_path: Path, monkeypatch: pytest.Mon
 def test_a_parameter_and_a_response_of_the_same_name_keep_their_columns() -> None:
     definition = {"parameters": {"x": 1.0, "status": 2.0}, "seed": 1}
     clash = record(1, definition=definition, responses={"x": Response(3.0)})
-    [row] = RunTable([clash]).rows
-    assert row.cells["x"] == 1.0
-    assert row.cells["parameter.status"] == 2.0
-    assert row.cells["status"] == "finished"
-    assert row.cells["response.x"] == 3.0
+    [row] = runs_table([clash]).to_dict("records")
+    assert row["x"] == 1.0
+    assert row["parameter.status"] == 2.0
+    assert row["status"] == "finished"
+    assert row["response.x"] == 3.0
 
 
 # --- import ---------------------------------------------------------------------------------------

@@ -15,10 +15,10 @@ from grainfit.calibration_file.content import TestSpecification
 from grainfit.calibration_file.kinds import Quantity, suggest
 from grainfit.calibration_file.places import Findings, Place
 from grainfit.errors import Fault, InputError
-from grainfit.evaluation import Response
+from grainfit.evaluation import ERROR_SUFFIX, Response
 from grainfit.solvers.own_model.recorded_table import SEED_COLUMN, read_csv
 from grainfit.units import UnitError, is_unit, to_unit
-from grainfit.work_folder.run_table import COMMON_COLUMNS, ERROR_SUFFIX
+from grainfit.work_folder.run_table import COMMON_COLUMNS
 
 _HEADER = re.compile(r"(?P<name>[^\[\]]*?)\s*(?:\[(?P<unit>[^\[\]]*)\])?")
 _NO_UNIT = ("", "-", "–", "1")
