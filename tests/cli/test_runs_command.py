@@ -387,6 +387,35 @@ def test_the_next_calibration_learns_from_imported_runs(sand: Path) -> None:
     assert "A calibration that was started in this folder before goes on without" in again.stdout
 
 
+def test_an_exported_table_can_be_calibrated_on_and_imported_as_it_is(sand: Path) -> None:
+    model = MODEL.replace('["friction"] + noise}', '["friction"] + noise, 0.25 + abs(noise))}')
+    model = model.replace('"angle": 20', '"angle": (20')
+    sand.with_name("model.py").write_text(model)
+    grainfit("run", sand, "--no-report", "--workdir", "theirs")
+    grainfit("runs", "export", "theirs", "theirs.csv", "--status", "finished")
+    grainfit("runs", "import", sand, "theirs.csv", "--workdir", "imported")
+    made = {r.identity: r.responses for r in stored(Path("theirs"))}
+    assert {r.identity: r.responses for r in stored(Path("imported"))} == made
+    how = 'type = "python"\nfunction = "model.py:drum"'
+    table = 'type = "table"\nfile = "theirs.csv"\nnearest = true'
+    file = sand.with_name("table.toml")
+    file.write_text(FILE.replace(how, table).replace("blades = 4\n", ""))
+    grainfit("run", file, "--no-report", "--workdir", "looked_up")
+    looked_up = [r.responses["angle"] for r in stored(Path("looked_up"))]
+    known = [found["angle"] for found in made.values()]
+    assert len(looked_up) > 5
+    assert all(response in known for response in looked_up)
+    assert len({response.standard_error for response in looked_up}) > 5
+    text = Path("theirs.csv").read_text()
+    Path("old.csv").write_text(text.replace("angle.standard_error", "angle_std_error"))
+    file.write_text(file.read_text().replace("theirs.csv", "old.csv"))
+    remedy = r"column angle_std_error: is how version 0.1.0 named .* Name it angle.standard_error."
+    with pytest.raises(InputError, match=remedy):
+        grainfit("run", file, "--no-report", "--workdir", "old")
+    with pytest.raises(InputError, match=remedy):
+        grainfit("runs", "import", sand, "old.csv", "--workdir", "old")
+
+
 def test_importing_a_table_again_changes_only_what_was_corrected_in_it(sand: Path) -> None:
     table = "angle,friction\n30,0.3\n31,0.3\n31,0.3\n34,0.4\n"
     first = imported(sand, table)

@@ -16,7 +16,7 @@ from grainfit.calibration_file.kinds import Quantity, suggest
 from grainfit.calibration_file.places import Findings, Place
 from grainfit.errors import Fault, InputError
 from grainfit.evaluation import ERROR_SUFFIX, Response
-from grainfit.solvers.own_model.recorded_table import SEED_COLUMN, read_csv
+from grainfit.solvers.own_model.recorded_table import SEED_COLUMN, note_old_error_column, read_csv
 from grainfit.units import UnitError, is_unit, to_unit
 from grainfit.work_folder.run_table import COMMON_COLUMNS
 
@@ -156,6 +156,9 @@ class _Reader:
     def _note_unknown(self, line: int, index: int, name: str, header: list[str]) -> None:
         if not name:
             self._note(line, f"column {index + 1}", "has no name.", "Name it, or remove it.")
+            return
+        if fault := note_old_error_column(name, self._responses, f"line {line}, column {name}"):
+            self._faults.append(fault)
             return
         known = [*self._free, *self._responses, SEED_COLUMN]
         known += [f"{response}{ERROR_SUFFIX}" for response in self._responses]

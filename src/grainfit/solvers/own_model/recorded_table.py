@@ -7,20 +7,22 @@ import hashlib
 import json
 import math
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from grainfit.errors import Fault, InputError, RunFailedError
-from grainfit.evaluation import Response
+from grainfit.evaluation import ERROR_SUFFIX, Response
 from grainfit.solvers.base import Solver, Workspace
 from grainfit.solvers.own_model.exchange import finite_parameters
 
 #: Column of the seed, where the table has one.
 SEED_COLUMN = "seed"
 _MOST_FAULTS = 20
+#: In place of `ERROR_SUFFIX` in version 0.1.0; a table hashed with it keeps its identity.
+_OLD_ERROR_SUFFIX = "_std_error"
 
 
 class RecordedTable(Solver):
@@ -39,8 +41,8 @@ class RecordedTable(Solver):
     parameters : sequence of str
         Columns of the parameters.
     responses : sequence of str
-        Columns of the responses. A column ``NAME_std_error`` holds the standard errors of
-        ``NAME``, if there is one.
+        Columns of the responses. A column ``NAME.standard_error`` holds the standard errors
+        of ``NAME``, if there is one.
     nearest : bool
         Take the nearest recorded run (in the unit cube that the table's ranges span) when there is
         none at the wanted parameters. Nothing is interpolated.
@@ -82,7 +84,7 @@ class RecordedTable(Solver):
         span = np.ptp(self._points, axis=0)
         # A column with one value only: deviations relative to that value.
         self._scale = np.where(span > 0, span, np.maximum(np.abs(self._points[0]), 1e-300))
-        self._hash = hashlib.sha256(json.dumps(rows, sort_keys=True).encode()).hexdigest()
+        self._hash = _hash(rows)
 
     @property
     def response_names(self) -> tuple[str, ...]:
@@ -121,7 +123,8 @@ class RecordedTable(Solver):
             raise RunFailedError("stopped by the user", kind="cancelled")
         row = self._pick(self._replicates(values), int(seed))
         return {
-            name: Response(row[name], row.get(_error_column(name), 0.0)) for name in self._responses
+            name: Response(row[name], row.get(f"{name}{ERROR_SUFFIX}", 0.0))
+            for name in self._responses
         }
 
     def _values(self, parameters: Mapping[str, float]) -> dict[str, float]:
@@ -163,8 +166,24 @@ class RecordedTable(Solver):
         return recorded[0] if recorded else replicates[seed % len(replicates)]
 
 
-def _error_column(response: str) -> str:
-    return f"{response}_std_error"
+def note_old_error_column(name: str, responses: Iterable[str], where: str) -> Fault | None:
+    """Return a fault if a column has the name that a standard error had in version 0.1.0."""
+    response = name.removesuffix(_OLD_ERROR_SUFFIX)
+    if name == response or response not in responses:
+        return None
+    return Fault(
+        where,
+        f"is how version 0.1.0 named the standard error of {response}.",
+        f"Name it {response}{ERROR_SUFFIX}.",
+    )
+
+
+def _hash(rows: Sequence[Mapping[str, float]]) -> str:
+    named = [
+        {name.replace(ERROR_SUFFIX, _OLD_ERROR_SUFFIX): value for name, value in row.items()}
+        for row in rows
+    ]
+    return hashlib.sha256(json.dumps(named, sort_keys=True).encode()).hexdigest()
 
 
 def _listed(names: Sequence[str]) -> str:
@@ -185,10 +204,11 @@ def _read(
         numbered = [(f"row {i}", row) for i, row in enumerate(source, start=1)]
     if not numbered:
         raise InputError(Fault("", "holds no runs.", "Give at least one row."), file or "table")
-    optional = [SEED_COLUMN, *map(_error_column, responses)]
+    optional = [SEED_COLUMN, *(f"{response}{ERROR_SUFFIX}" for response in responses)]
     columns = [*parameters, *responses, *(name for name in optional if name in numbered[0][1])]
     _require_columns(numbered[0][1], (*parameters, *responses), file)
-    faults: list[Fault] = []
+    old = [note_old_error_column(name, responses, f"column {name}") for name in numbered[0][1]]
+    faults = [fault for fault in old if fault]
     rows = [
         {name: _number(row, name, place, faults) for name in columns} for place, row in numbered
     ]
@@ -268,7 +288,7 @@ def _number(row: Mapping[str, Any], name: str, place: str, faults: list[Fault]) 
         return math.nan
     if not math.isfinite(value):
         faults.append(Fault(where, f"is {value}.", "Leave failed runs out."))
-    elif name.endswith(_error_column("")) and value < 0:
+    elif name.endswith(ERROR_SUFFIX) and value < 0:
         faults.append(Fault(where, f"is {value}; a standard error is not negative."))
     return value
 
