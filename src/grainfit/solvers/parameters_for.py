@@ -1,9 +1,11 @@
-"""A solver that gets exactly the parameters that it takes"""
+"""A solver that gets exactly the parameters that it takes."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from typing import Any
+
+from typing_extensions import override
 
 from grainfit.evaluation import Response
 from grainfit.solvers.base import Solver, Workspace
@@ -35,30 +37,30 @@ class ParametersFor(Solver):
         self._takes = takes
 
     @property
+    @override
     def response_names(self) -> tuple[str, ...] | None:
-        """Names of the responses."""
         return self.solver.response_names
 
     def definition(self, parameters: Mapping[str, float], seed: int) -> dict[str, Any]:
         """Return all that decides the outcome of this run."""
         return self.solver.definition(self._taken(parameters), seed)
 
+    @override
     def run(
         self, parameters: Mapping[str, float], seed: int, workspace: Workspace
     ) -> dict[str, Response]:
-        """Simulate once; see `Solver.run`."""
         return self.solver.run(self._taken(parameters), seed, workspace)
 
+    @override
     def check(self) -> None:
-        """Raise when no run could ever succeed."""
         self.solver.check()
 
+    @override
     def version(self) -> str:
-        """Version of the program behind it."""
         return self.solver.version()
 
+    @override
     def executes(self) -> tuple[str, ...]:
-        """Say what a run executes."""
         return self.solver.executes()
 
     def _taken(self, parameters: Mapping[str, float]) -> dict[str, float]:

@@ -12,6 +12,8 @@ from functools import cached_property, lru_cache
 from pathlib import Path
 from typing import Any, ClassVar
 
+from typing_extensions import override
+
 from grainfit.bulk_tests.base import BulkTest
 from grainfit.errors import (
     Fault,
@@ -69,8 +71,8 @@ class DeckSolver(Solver):
         self.executable = executable
 
     @property
+    @override
     def response_names(self) -> tuple[str, ...]:
-        """Names of the test's responses."""
         return tuple(self.test.response_units)
 
     def definition(self, parameters: Mapping[str, float], seed: int) -> dict[str, Any]:
@@ -103,6 +105,7 @@ class DeckSolver(Solver):
             raise InputError([Fault(name, "has no value.") for name in missing])
         return {name: float(values[name]) for name in MATERIAL_PARAMETERS}
 
+    @override
     def run(
         self, parameters: Mapping[str, float], seed: int, workspace: Workspace
     ) -> dict[str, Response]:
@@ -137,6 +140,7 @@ class DeckSolver(Solver):
             tail = error.log_tail or log_tail(own_log)
             raise RunFailedError(reason, tail, error.kind) from error
 
+    @override
     def check(self) -> None:
         """Raise `SolverNotFoundError` unless the program is there.
 
@@ -147,10 +151,12 @@ class DeckSolver(Solver):
         if self.executable is None:
             self.version()
 
+    @override
     def executes(self) -> tuple[str, ...]:
         """Say which command runs the decks; raises when a program of it is not there."""
         return (shlex.join(self._command(Path(f"in.{self.name}"))),)
 
+    @override
     @abstractmethod
     def version(self) -> str:
         """Ask the program for its version.

@@ -15,6 +15,7 @@ from types import CodeType
 from typing import Any
 
 import numpy as np
+from typing_extensions import override
 
 from grainfit.errors import Fault, GrainfitError, InputError, RunFailedError
 from grainfit.evaluation import Response
@@ -104,15 +105,17 @@ class PythonCallable(Solver):
         return cls(PythonFile(reference, folder), response_names, name)
 
     @property
+    @override
     def response_names(self) -> tuple[str, ...] | None:
-        """Names of the responses, if they were given."""
         return self._response_names
 
+    @override
     def check(self) -> None:
         """Raise `InputError` when a file is to define the function and does not."""
         if isinstance(self._function, PythonFile):
             self._function.check()
 
+    @override
     def executes(self) -> tuple[str, ...]:
         """Say which function of which file is called."""
         if not isinstance(self._function, PythonFile):
@@ -137,6 +140,7 @@ class PythonCallable(Solver):
             return self._function.identity()
         return _identity(self._function)
 
+    @override
     def run(
         self, parameters: Mapping[str, float], seed: int, workspace: Workspace
     ) -> dict[str, Response]:

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from typing_extensions import override
 
 from grainfit.errors import Fault, InputError, RunFailedError
 from grainfit.evaluation import ERROR_SUFFIX, Response
@@ -87,8 +88,8 @@ class RecordedTable(Solver):
         self._hash = _hash(rows)
 
     @property
+    @override
     def response_names(self) -> tuple[str, ...]:
-        """Names of the responses in the table."""
         return self._responses
 
     def definition(self, parameters: Mapping[str, float], seed: int) -> dict[str, Any]:
@@ -108,6 +109,7 @@ class RecordedTable(Solver):
             "seed": int(seed),
         }
 
+    @override
     def run(
         self, parameters: Mapping[str, float], seed: int, workspace: Workspace
     ) -> dict[str, Response]:
