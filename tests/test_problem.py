@@ -51,9 +51,9 @@ def test_targets_must_be_positive_numbers(value: float) -> None:
 
 
 def test_tolerance_is_the_users_then_the_uncertainty_then_two_percent() -> None:
-    assert Target("a", 50.0, uncertainty=2.0, tolerance=1.5).accepted_deviation == 1.5
-    assert Target("a", 50.0, uncertainty=2.0).accepted_deviation == 2.0
-    assert Target("a", 50.0).accepted_deviation == pytest.approx(1.0)
+    assert Target("a", 50.0, uncertainty=2.0, tolerance=1.5).tolerance == 1.5
+    assert Target("a", 50.0, uncertainty=2.0).tolerance == 2.0
+    assert Target("a", 50.0).tolerance == pytest.approx(1.0)
 
 
 def test_every_fault_of_a_problem_is_named_at_once() -> None:
@@ -74,7 +74,7 @@ def test_numbers_of_any_kind_become_plain_floats(kind: Any) -> None:
     assert json.loads(json.dumps([asdict(parameter), asdict(target)]))[0]["maximum"] == 2.0
     assert type(problem.rayleigh_weight) is float
     assert parameter.from_unit(1.0) == 2.0
-    assert target.accepted_deviation == 1.0
+    assert target.tolerance == 1.0
 
 
 @pytest.mark.parametrize("value", ["0.5", None, True, 1j, [0.5], 10**400])

@@ -21,7 +21,7 @@ FLOORS: tuple[tuple[str, ...], ...] = (
     ("errors",),
     ("units", "formatting", "files"),
     ("materials",),
-    ("evaluation", "problem"),
+    ("evaluation", "problem", "run_definition"),
     ("result",),
     ("contact_models", "measurement"),
     ("bulk_tests", "metamodels"),

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from functools import cached_property
 from numbers import Real
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -131,7 +131,7 @@ class Target:
     uncertainty : float, optional
         Standard uncertainty of the measured value, same unit.
     tolerance : float, optional
-        Largest accepted deviation of the expected response, same unit. Without it, the
+        Largest accepted deviation of the expected response, same unit. Left out, it becomes the
         uncertainty; without that, 2 % of the value.
     weight : float
         Factor on this target's relative deviation in the misfit (equation 1 of the method has
@@ -143,7 +143,8 @@ class Target:
     name: str
     value: float
     uncertainty: float | None = None
-    tolerance: float | None = None
+    # Left out, it is worked out below: whoever reads it gets a number.
+    tolerance: float = None  # type: ignore[assignment]
     weight: float = 1.0
     unit: str = ""
 
@@ -151,16 +152,23 @@ class Target:
         faults = list(_target_faults(self))
         if faults:
             raise InputError(faults)
+        if self.tolerance is None:
+            object.__setattr__(self, "tolerance", self._usual_tolerance)
         _make_plain(self, "value", "uncertainty", "tolerance", "weight")
 
     @property
-    def accepted_deviation(self) -> float:
-        """Tolerance in force, in the unit of the value."""
-        if self.tolerance is not None:
-            return self.tolerance
+    def _usual_tolerance(self) -> float:
         if self.uncertainty is not None:
             return self.uncertainty
         return DEFAULT_RELATIVE_TOLERANCE * self.value
+
+    def to_json(self) -> dict[str, Any]:
+        """Return plain data from which a target is made; a usual tolerance is left out.
+
+        So the identity of a calibration does not depend on whether it was written down.
+        """
+        data = asdict(self)
+        return {**data, "tolerance": None} if self.tolerance == self._usual_tolerance else data
 
     def relative_deviation(self, response: float) -> float:
         """Deviation of a response from the target, relative to the target.
@@ -173,7 +181,7 @@ class Target:
 
     def is_met_by(self, response: float) -> bool:
         """Whether a response deviates from the target by its tolerance at most."""
-        return abs(response - self.value) <= self.accepted_deviation
+        return abs(response - self.value) <= self.tolerance
 
 
 def _target_faults(target: Target) -> Sequence[Fault]:

@@ -219,7 +219,8 @@ def test_runs_of_a_table_of_version_0_1_0_are_the_same_runs():
     found = RecordedTable(rows, ["x"], ["angle"]).definition({"x": 1.0}, 1)
 
     # Of the same rows with angle_std_error, by version 0.1.0.
-    assert found["table"] == "e8d8f46dd7f820dc0c92b7850338682aa43ab56bed81b417af59ebd608561813"
+    hash_then = "e8d8f46dd7f820dc0c92b7850338682aa43ab56bed81b417af59ebd608561813"
+    assert found.model["table"] == hash_then
 
 
 def test_run_recorded_twice(tmp_path):

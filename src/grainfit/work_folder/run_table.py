@@ -50,7 +50,7 @@ def runs_table(records: Iterable[RunRecord]) -> pd.DataFrame:
         columns of ``parameters`` and ``responses``.
     """
     records = list(records)
-    inputs = [_parameters(record.definition) for record in records]
+    inputs = [record.definition.parameters for record in records]
     taken = set(COMMON_COLUMNS)
     parameters = {name: _free(name, "parameter", taken) for name in _distinct(inputs)}
     responses = {
@@ -120,8 +120,8 @@ def _common_columns(records: Sequence[RunRecord]) -> dict[str, Any]:
     own = ("identity", "test", "status", "kind", "reason", "origin")
     return {
         **{name: [_text(getattr(record, name)) for record in records] for name in own},
-        **{name: [_text(d.get(name)) for d in definitions] for name in ("solver", "version")},
-        "seed": pd.array([_seed(d.get("seed")) for d in definitions], dtype="Int64"),
+        **{name: [_text(d.model.get(name)) for d in definitions] for name in ("solver", "version")},
+        "seed": pd.array([_seed(d.seed) for d in definitions], dtype="Int64"),
         "seconds": _numbers(record.seconds for record in records),
         "ended": pd.Series(
             [_moment(record.ended) for record in records], dtype="datetime64[us, UTC]"
@@ -129,31 +129,12 @@ def _common_columns(records: Sequence[RunRecord]) -> dict[str, Any]:
     }
 
 
-def _parameters(definition: Mapping[str, Any]) -> dict[str, float]:
-    """All numbers that a solver was given by name, fixed and free."""
-    found: dict[str, float] = {}
-    for table in ("material", "parameters"):
-        given = definition.get(table)
-        if isinstance(given, Mapping):
-            found |= {str(n): float(v) for n, v in given.items() if _is_number(v)}
-    return found
-
-
-def _is_number(value: Any) -> bool:
-    return (
-        isinstance(value, (int, float))
-        and not isinstance(value, bool)
-        and abs(value) <= 1e308  # A whole number may be too large to be converted.
-    )
-
-
 def _numbers(values: Iterable[float | None]) -> pd.Series:
     return pd.Series(list(values), dtype=float)
 
 
-def _seed(value: Any) -> int | None:
-    whole = isinstance(value, int) and not isinstance(value, bool) and abs(value) < 2**63
-    return value if whole else None
+def _seed(seed: int) -> int | None:
+    return seed if abs(seed) < 2**63 else None
 
 
 def _text(value: Any) -> str:
@@ -171,16 +152,16 @@ def _moment(seconds: float) -> datetime | None:
 def _unit(response: str, records: Iterable[RunRecord]) -> str | None:
     """Return the unit of a response, where all runs that have it agree on one."""
     units = {
-        _response_units(record.definition).get(response)
+        _response_units(record.definition.model).get(response)
         for record in records
         if response in record.responses
     }
     return units.pop() if len(units) == 1 else None
 
 
-def _response_units(definition: Mapping[str, Any]) -> Mapping[str, str]:
+def _response_units(model: Mapping[str, Any]) -> Mapping[str, str]:
     # Units of a model's own responses are known to its calibration file only.
-    test = definition.get("test")
+    test = model.get("test")
     is_heap = isinstance(test, Mapping) and test.get("type") == HeapTest.type
     return HeapTest.response_units if is_heap else {}
 
