@@ -19,7 +19,7 @@ PACKAGE = "grainfit"
 #: of the package; rooms of one floor do not know each other.
 FLOORS: tuple[tuple[str, ...], ...] = (
     ("errors",),
-    ("units", "formatting", "files"),
+    ("checks", "units", "formatting", "files"),
     ("materials",),
     ("evaluation", "problem", "run_definition"),
     ("result",),
