@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import csv
 import hashlib
 import json
 import math
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -17,13 +16,16 @@ from typing_extensions import override
 from grainfit.errors import Fault, InputError, RunFailedError
 from grainfit.evaluation import ERROR_SUFFIX, Response
 from grainfit.solvers.base import Solver, Workspace
+from grainfit.solvers.own_model.csv_table import (
+    OLD_ERROR_SUFFIX,
+    SEED_COLUMN,
+    note_old_error_column,
+    read_csv,
+    repeated_runs,
+)
 from grainfit.solvers.own_model.exchange import finite_parameters
 
-#: Column of the seed, where the table has one.
-SEED_COLUMN = "seed"
 _MOST_FAULTS = 20
-#: In place of `ERROR_SUFFIX` in version 0.1.0; a table hashed with it keeps its identity.
-_OLD_ERROR_SUFFIX = "_std_error"
 
 
 class RecordedTable(Solver):
@@ -170,21 +172,10 @@ class RecordedTable(Solver):
         return recorded[0] if recorded else replicates[seed % len(replicates)]
 
 
-def note_old_error_column(name: str, responses: Iterable[str], where: str) -> Fault | None:
-    """Return a fault if a column has the name that a standard error had in version 0.1.0."""
-    response = name.removesuffix(_OLD_ERROR_SUFFIX)
-    if name == response or response not in responses:
-        return None
-    return Fault(
-        where,
-        f"is how version 0.1.0 named the standard error of {response}.",
-        f"Name it {response}{ERROR_SUFFIX}.",
-    )
-
-
 def _hash(rows: Sequence[Mapping[str, float]]) -> str:
     named = [
-        {name.replace(ERROR_SUFFIX, _OLD_ERROR_SUFFIX): value for name, value in row.items()}
+        # Under this name it was hashed by version 0.1.0: the runs of a table stay the same runs.
+        {name.replace(ERROR_SUFFIX, OLD_ERROR_SUFFIX): value for name, value in row.items()}
         for row in rows
     ]
     return hashlib.sha256(json.dumps(named, sort_keys=True).encode()).hexdigest()
@@ -217,7 +208,7 @@ def _read(
         {name: _number(row, name, place, faults) for name in columns} for place, row in numbered
     ]
     if not faults:
-        faults.extend(_repeated([place for place, _ in numbered], rows, parameters))
+        faults.extend(_recorded_twice([place for place, _ in numbered], rows, parameters))
     if faults:
         more = len(faults) - _MOST_FAULTS
         rest = [Fault("", f"and {more} more faults.")] if more > 0 else []
@@ -238,36 +229,6 @@ def _csv_rows(path: Path) -> list[tuple[str, Mapping[str, Any]]]:
     if faults:
         raise InputError(faults[:_MOST_FAULTS], str(path))
     return [(f"line {number}", dict(zip(header, line, strict=True))) for number, line in lines[1:]]
-
-
-def read_csv(path: Path) -> list[tuple[int, list[str]]]:
-    """Return the lines of a CSV file that are not blank, with their numbers; first its header.
-
-    Raises
-    ------
-    InputError
-        The file cannot be read, is no CSV file in UTF-8, or is empty.
-    """
-    try:
-        with path.open(newline="", encoding="utf-8-sig") as file:
-            reader = csv.reader(file, strict=True)
-            lines = [
-                (reader.line_num, [cell.strip() for cell in line])
-                for line in reader
-                if any(map(str.strip, line))
-            ]
-    except OSError as error:
-        raise InputError(
-            Fault("", f"cannot be read: {error.strerror}.", "Give the path of a CSV file."),
-            str(path),
-        ) from error
-    except (UnicodeDecodeError, csv.Error) as error:
-        raise InputError(
-            Fault("", f"is not a CSV file: {error}.", "Save the table as CSV in UTF-8."), str(path)
-        ) from error
-    if not lines:
-        raise InputError(Fault("", "is empty.", "Give a header and one line per run."), str(path))
-    return lines
 
 
 def _require_columns(row: Mapping[str, Any], wanted: tuple[str, ...], file: str) -> None:
@@ -297,18 +258,11 @@ def _number(row: Mapping[str, Any], name: str, place: str, faults: list[Fault]) 
     return value
 
 
-def _repeated(
+def _recorded_twice(
     places: list[str], rows: list[dict[str, float]], parameters: tuple[str, ...]
 ) -> Iterator[Fault]:
-    """Yield runs recorded twice; only seeds tell replicates from copies."""
     if SEED_COLUMN not in rows[0]:
-        return
-    first: dict[tuple[float, ...], str] = {}
-    for place, row in zip(places, rows, strict=True):
-        key = (*(row[name] for name in parameters), row[SEED_COLUMN])
-        if first.setdefault(key, place) != place:
-            yield Fault(
-                place,
-                f"has the same parameters and seed as {first[key]}.",
-                "Keep one of them, or give them the seeds they were run with.",
-            )
+        return iter(())
+    columns = (*parameters, SEED_COLUMN)
+    keys = (tuple(row[name] for name in columns) for row in rows)
+    return repeated_runs(zip(places, keys, strict=True))
