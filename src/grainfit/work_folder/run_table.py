@@ -11,9 +11,9 @@ import pandas as pd
 from grainfit.bulk_tests.heap import HeapTest
 from grainfit.campaign.store.records import RunRecord
 from grainfit.campaign.store.store import RunStore
+from grainfit.contact_models.registry import MATERIAL_PARAMETERS
 from grainfit.errors import Fault, InputError
 from grainfit.evaluation import ERROR_SUFFIX
-from grainfit.materials.parameters import MATERIAL_PARAMETERS
 
 #: Columns that every table of runs has, before those of parameters and responses. The first one is
 #: the index.
