@@ -20,7 +20,7 @@ PACKAGE = "grainfit"
 #: of the package; rooms of one floor do not know each other.
 FLOORS: tuple[tuple[str, ...], ...] = (
     ("errors",),
-    ("units", "formatting", "files"),
+    ("checks", "units", "formatting", "files"),
     ("options",),
     ("materials",),
     ("contact_models",),

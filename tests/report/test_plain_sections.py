@@ -139,7 +139,7 @@ def context(
         evaluations=tuple(evaluations),
         learnt=(),
         running=2 if state == "running" else 0,
-        runs=records,
+        records=records,
         result=result,
         result_fault="",
         fixed={"wall.density": 7700.0},
@@ -324,7 +324,7 @@ def heaps(tmp_path: Path) -> ReportContext:
     test = Heap(ParticleSizes((0.010,))).definition()
     records = {
         identity: replace(record, definition=RunDefinition({"test": test}, {}, 1))
-        for identity, record in known.reading.runs.items()
+        for identity, record in known.reading.records.items()
     }
     for done in RUNS:
         folder = tmp_path / "runs" / done.runs["heap"]
@@ -332,7 +332,7 @@ def heaps(tmp_path: Path) -> ReportContext:
         if "angle_of_repose" in done.responses:
             angle = done.responses["angle_of_repose"].value
             write_dump(folder / "heap.dump", cone(angle, done.proposal.seed))
-    return context(folder=tmp_path, runs=records)
+    return context(folder=tmp_path, records=records)
 
 
 def test_the_heap_is_that_of_a_typical_verification_run(heaps: ReportContext) -> None:
@@ -350,7 +350,9 @@ def test_the_heap_is_that_of_a_typical_verification_run(heaps: ReportContext) ->
 
 
 def test_the_drawn_outline_is_that_of_the_heap(heaps: ReportContext) -> None:
-    runs_of_test = shown_runs(heaps.reading.evaluations, heaps.reading.runs, heaps.reading.folder)
+    runs_of_test = shown_runs(
+        heaps.reading.evaluations, heaps.reading.records, heaps.reading.folder
+    )
     found = read_view(runs_of_test["heap"][1])
     assert found is not None
     path = found.drawing().path
@@ -395,9 +397,11 @@ def test_damaged_folders_and_records_are_passed_over(heaps: ReportContext, damag
         identity: replace(
             record, definition=RunDefinition({"test": {"type": "heap", "setup": 3}}, {}, 1)
         )
-        for identity, record in heaps.reading.runs.items()
+        for identity, record in heaps.reading.records.items()
     }
-    assert "No heap to show" in text(particles(context(folder=heaps.reading.folder, runs=broken)))
+    assert "No heap to show" in text(
+        particles(context(folder=heaps.reading.folder, records=broken))
+    )
 
 
 def test_without_a_heap_test_the_section_says_so() -> None:

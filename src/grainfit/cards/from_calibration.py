@@ -108,7 +108,7 @@ def _response(name: str, found: ResponseResult) -> CardResponse:
 def _conditions(reading: SavedCalibration) -> list[Conditions]:
     """Conditions of the bulk tests among the runs, in their order, each once."""
     definitions = {
-        record.definition.model_hash: record.definition for record in reading.runs.values()
+        record.definition.model_hash: record.definition for record in reading.records.values()
     }
     try:
         tests = [recreate_test(definition) for definition in definitions.values()]
@@ -128,13 +128,13 @@ def _sizes(reading: SavedCalibration, conditions: list[Conditions]) -> ParticleS
 
 
 def _programs(reading: SavedCalibration) -> list[Program]:
-    models = [record.definition.model for record in reading.runs.values()]
+    models = [record.definition.model for record in reading.records.values()]
     found = [Program(str(d.get("solver", "")), str(d.get("version", ""))) for d in models]
     return list(dict.fromkeys(found))
 
 
 def _date(reading: SavedCalibration) -> str:
-    seconds = max((record.ended for record in reading.runs.values()), default=0.0)
+    seconds = max((record.ended for record in reading.records.values()), default=0.0)
     try:
         return datetime.fromtimestamp(seconds or reading.started, UTC).isoformat(timespec="seconds")
     except (ValueError, OverflowError, OSError):

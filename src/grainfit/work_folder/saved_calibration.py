@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, get_args
+from typing import TYPE_CHECKING, Any, get_args
 
 from grainfit.calibration.provenance import Provenance
 from grainfit.campaign.campaign import evaluation_of
@@ -15,11 +15,14 @@ from grainfit.campaign.store.store import STORE_NAME, RunStore, not_a_work_folde
 from grainfit.campaign.work_folder import RESULT_NAME, is_held, read_record, run_folder
 from grainfit.contact_models.registry import MATERIAL_PARAMETERS
 from grainfit.errors import Fault, GrainfitError, InputError, StoreError
-from grainfit.evaluation import Evaluation, Proposal
+from grainfit.evaluation import ERROR_SUFFIX, Evaluation, Proposal, response_name
 from grainfit.materials.time_step import RayleighTimeStep
 from grainfit.problem import Parameter, Problem, Target
 from grainfit.result import Result, Status, damaged_result
 from grainfit.work_folder.status import read_result, state_of
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 
 @dataclass(frozen=True)
@@ -44,7 +47,7 @@ class SavedCalibration:
         What was known before from other calibrations, and was learnt from.
     running : int
         Runs under way.
-    runs : mapping of str to RunRecord
+    records : mapping of str to RunRecord
         Runs of the evaluations, by identity.
     result : Result, optional
         What result.json holds; None while it runs.
@@ -78,7 +81,7 @@ class SavedCalibration:
     evaluations: tuple[Evaluation, ...]
     learnt: tuple[Evaluation, ...]
     running: int
-    runs: Mapping[str, RunRecord]
+    records: Mapping[str, RunRecord]
     result: Result | None
     result_fault: str
     fixed: Mapping[str, float]
@@ -130,6 +133,29 @@ class SavedCalibration:
             records |= {record.identity: record for record in kept if record is not None}
         with _naming(folder):
             return _saved(folder, calibration, state, requests, learnt, records)
+
+    def runs(self) -> pd.DataFrame:
+        """Return the runs that this calibration asked for and that have ended, one row for each.
+
+        Returns
+        -------
+        pandas.DataFrame
+            See `grainfit.work_folder.run_table.runs_table`; ``attrs["units"]`` has the units of the
+            problem too.
+        """
+        # The state of a calibration is shown without waiting for pandas.
+        from grainfit.work_folder.run_table import runs_table
+
+        table = runs_table(self.records.values())
+        units = {name: self.units[name] for name in table.columns if name in self.units}
+        targets = {target.name: target.unit for target in self.problem.targets if target.unit}
+        tests = table["test"].unique()
+        for name in table.attrs["responses"]:
+            found = {targets.get(response_name(test, name, len(tests))) for test in tests} - {None}
+            if len(found) == 1:
+                units |= dict.fromkeys((name, f"{name}{ERROR_SUFFIX}"), found.pop())
+        table.attrs["units"] = {**units, **table.attrs["units"]}
+        return table
 
     @property
     def why_nothing_agrees(self) -> str:
@@ -199,7 +225,7 @@ def _saved(
         evaluations=evaluations,
         learnt=tuple(_evaluation(run, records) for run in learnt if _has_ended(run, records)),
         running=sum(r.status == "running" for r in records.values()) if running else 0,
-        runs={identity: record for identity, record in records.items() if identity in used},
+        records={identity: record for identity, record in records.items() if identity in used},
         result=result,
         result_fault=fault,
         fixed=fixed,

@@ -71,7 +71,7 @@ class SeenTest:
 def particles(context: ReportContext) -> Section:
     """Silhouette beside its target, the particles in three dimensions, and runs compared."""
     reading = context.reading
-    tests = shown_runs(reading.evaluations, reading.runs, reading.folder)
+    tests = shown_runs(reading.evaluations, reading.records, reading.folder)
     views, data = [], {}
     for position, (test, runs) in enumerate(tests.items(), 1):
         key = f"particles-{position}"

@@ -85,7 +85,7 @@ def _row(context: ReportContext, count: int, evaluation: Evaluation) -> RunRow:
 
 
 def _failure(context: ReportContext, evaluation: Evaluation, test: str) -> Failure:
-    record = context.reading.runs.get(evaluation.runs[test])
+    record = context.reading.records.get(evaluation.runs[test])
     reason = evaluation.failures[test]
     if len(evaluation.runs) > 1:
         reason = f"{test}: {reason}"
