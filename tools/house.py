@@ -20,6 +20,7 @@ PACKAGE = "grainfit"
 FLOORS: tuple[tuple[str, ...], ...] = (
     ("errors",),
     ("units", "formatting", "files"),
+    ("options",),
     ("materials",),
     ("evaluation", "problem"),
     ("result",),

@@ -12,14 +12,14 @@ from grainfit.bulk_tests.heap import HeapTest
 from grainfit.bulk_tests.heap.bulk_test import estimate_cost
 from grainfit.calibration.provenance import Provenance
 from grainfit.calibration_file.content import CalibrationFile, StrategyOptions, TestSpecification
-from grainfit.calibration_file.kinds import Quantity, suggest
-from grainfit.calibration_file.places import Findings, Place
 from grainfit.campaign.cluster.executor import is_available
 from grainfit.campaign.cluster.options import ClusterOptions
 from grainfit.errors import Fault, InputError
 from grainfit.evaluation import response_name
 from grainfit.materials.parameters import MATERIAL_PARAMETERS
 from grainfit.materials.time_step import RayleighTimeStep
+from grainfit.options.kinds import Quantity, suggest
+from grainfit.options.places import Findings, Place
 from grainfit.problem import Problem
 from grainfit.solvers.base import Solver
 from grainfit.solvers.dem.lammps.program import Lammps

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from grainfit.calibration_file.kinds import Kind, Schema, Text
-from grainfit.calibration_file.places import Place, show
 from grainfit.errors import InputError
+from grainfit.options.kinds import Kind, Schema, Text
+from grainfit.options.places import Place, show
 from grainfit.solvers.own_model.model_folder import is_inside
 from grainfit.solvers.own_model.python_file import PythonFile
 

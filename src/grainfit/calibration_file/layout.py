@@ -7,13 +7,13 @@ from typing import Any
 from grainfit.bulk_tests.heap import HeapTest
 from grainfit.calibration_file.cluster import CLUSTER, cluster_options
 from grainfit.calibration_file.content import StrategyOptions
-from grainfit.calibration_file.kinds import Choice, Flag, Quantity, Text, Whole
 from grainfit.calibration_file.parameters import Diameters, FixedOrFree, OwnParameter
-from grainfit.calibration_file.places import Findings, Place
-from grainfit.calibration_file.tables import Key, Named, Table, Values
 from grainfit.calibration_file.tests_section import HEAP_OPTIONS, Tests
 from grainfit.errors import InputError
 from grainfit.materials.parameters import MATERIAL_PARAMETERS, MaterialParameter
+from grainfit.options.kinds import Choice, Flag, Quantity, Text, Whole
+from grainfit.options.places import Findings, Place
+from grainfit.options.tables import Key, Named, Table, Values
 from grainfit.problem import Parameter
 from grainfit.strategies.registry import PREFERENCES, STRATEGIES
 

@@ -6,7 +6,9 @@ import re
 from dataclasses import dataclass
 from typing import Any
 
-from grainfit.calibration_file.kinds import (
+from grainfit.materials.parameters import MaterialParameter
+from grainfit.materials.sizes import ParticleSizes
+from grainfit.options.kinds import (
     Choice,
     Kind,
     ListOf,
@@ -15,10 +17,8 @@ from grainfit.calibration_file.kinds import (
     Text,
     note_wrong_kind,
 )
-from grainfit.calibration_file.places import Place, show
-from grainfit.calibration_file.tables import Key, Table, Values
-from grainfit.materials.parameters import MaterialParameter
-from grainfit.materials.sizes import ParticleSizes
+from grainfit.options.places import Place, show
+from grainfit.options.tables import Key, Table, Values
 from grainfit.problem import Parameter
 from grainfit.units import is_unit
 

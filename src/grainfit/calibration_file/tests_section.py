@@ -8,7 +8,8 @@ from typing import Any
 
 from grainfit.calibration_file.content import TestSpecification
 from grainfit.calibration_file.files import Function, Located, Program, find_function_inside
-from grainfit.calibration_file.kinds import (
+from grainfit.calibration_file.targets import TargetTable
+from grainfit.options.kinds import (
     Choice,
     Flag,
     Kind,
@@ -20,9 +21,8 @@ from grainfit.calibration_file.kinds import (
     Whole,
     note_wrong_kind,
 )
-from grainfit.calibration_file.places import Place, show
-from grainfit.calibration_file.tables import Finish, Key, Named, Table, Values
-from grainfit.calibration_file.targets import TargetTable
+from grainfit.options.places import Place, show
+from grainfit.options.tables import Finish, Key, Named, Table, Values
 
 _LENGTH = Quantity("m", above_zero=True, highest=1e3)
 _LENGTH_OR_ZERO = Quantity("m", lowest=0.0, highest=1e3)

@@ -12,10 +12,10 @@ from pathlib import Path
 from grainfit.bulk_tests.heap import HeapTest
 from grainfit.calibration_file.build import CalibrationSetup
 from grainfit.calibration_file.content import TestSpecification
-from grainfit.calibration_file.kinds import Quantity, suggest
-from grainfit.calibration_file.places import Findings, Place
 from grainfit.errors import Fault, InputError
 from grainfit.evaluation import Response
+from grainfit.options.kinds import Quantity, suggest
+from grainfit.options.places import Findings, Place
 from grainfit.solvers.own_model.recorded_table import SEED_COLUMN, read_csv
 from grainfit.units import UnitError, is_unit, to_unit
 from grainfit.work_folder.run_table import COMMON_COLUMNS, ERROR_SUFFIX

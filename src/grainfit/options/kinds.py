@@ -14,7 +14,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
-from grainfit.calibration_file.places import Place, kind_of, show
+from grainfit.options.places import Place, kind_of, show
 from grainfit.units import UnitError, how_to_write, to_unit
 
 Schema = dict[str, Any]

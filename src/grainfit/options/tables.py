@@ -8,7 +8,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from grainfit.calibration_file.kinds import (
+from grainfit.options.kinds import (
     NAME_PATTERN,
     Kind,
     Schema,
@@ -16,7 +16,7 @@ from grainfit.calibration_file.kinds import (
     note_wrong_kind,
     suggest,
 )
-from grainfit.calibration_file.places import Place
+from grainfit.options.places import Place
 
 #: What was read of a table by key; None where the value was faulty.
 Values = dict[str, Any]
