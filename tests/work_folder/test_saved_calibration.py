@@ -50,7 +50,9 @@ def test_a_work_folder_tells_all_of_its_calibration(tmp_path: Path) -> None:
 
 def test_intervals_hold_what_was_asked_for_beyond_a_bound_that_was_moved(tmp_path: Path) -> None:
     narrow = grainfit.Problem([grainfit.Parameter("particle.density", 2000, 2300)], PROBLEM.targets)
-    grainfit.calibrate(narrow, simulate, workdir=tmp_path, extend_intervals=True)
+    grainfit.calibrate(
+        narrow, simulate, workdir=tmp_path, strategy=grainfit.Sequential(extend_intervals=True)
+    )
     (parameter,) = SavedCalibration.open(tmp_path).problem.parameters
     assert parameter.minimum == 2000
     assert parameter.maximum > 2450

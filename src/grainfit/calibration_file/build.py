@@ -10,14 +10,16 @@ from typing import Any
 
 from grainfit.bulk_tests.heap import HeapTest
 from grainfit.bulk_tests.heap.bulk_test import estimate_cost
+from grainfit.calibration.options import CalibrationOptions
 from grainfit.calibration.provenance import Provenance
-from grainfit.calibration_file.content import CalibrationFile, StrategyOptions, TestSpecification
+from grainfit.calibration_file.content import CalibrationFile, SearchOptions, TestSpecification
 from grainfit.campaign.cluster.executor import is_available
 from grainfit.campaign.cluster.options import ClusterOptions
 from grainfit.errors import Fault, InputError
 from grainfit.evaluation import response_name
 from grainfit.materials.parameters import MATERIAL_PARAMETERS
 from grainfit.materials.time_step import RayleighTimeStep
+from grainfit.options.fields import options_of
 from grainfit.options.kinds import Quantity, suggest
 from grainfit.options.places import Findings, Place
 from grainfit.problem import Problem
@@ -29,6 +31,7 @@ from grainfit.solvers.own_model.command import Command
 from grainfit.solvers.own_model.python_callable import PythonCallable
 from grainfit.solvers.own_model.recorded_table import RecordedTable
 from grainfit.solvers.parameters_for import ParametersFor
+from grainfit.strategies.registry import changed
 from grainfit.units import is_unit
 
 _DECK_SOLVERS = {"lammps": Lammps, "liggghts": Liggghts}
@@ -66,8 +69,8 @@ class CalibrationSetup:
         return self.file.name
 
     @property
-    def strategy(self) -> StrategyOptions:
-        """What the file says of the search."""
+    def strategy(self) -> SearchOptions:
+        """Options of the search in the file."""
         return self.file.strategy
 
     @property
@@ -114,34 +117,30 @@ class CalibrationSetup:
         }
         return Provenance(self.file.path.name, text, fixed, units)
 
-    def options(
-        self,
-        strategy: str | None = None,
-        max_runs: int | None = None,
-        seed: int | None = None,
-        workers: int | None = None,
-        keep: str | None = None,
-    ) -> dict[str, Any]:
-        """Return the arguments of `grainfit.calibrate` for the search; what is given here wins."""
-        given = {
-            "strategy": strategy,
-            "max_runs": max_runs,
-            "seed": seed,
-            "workers": workers,
-            "keep": keep,
+    def options(self, strategy: str | None = None, **given: Any) -> dict[str, Any]:
+        """Return the arguments of `grainfit.calibrate` for the search; what is given here wins.
+
+        Parameters
+        ----------
+        strategy : str, optional
+            Another strategy, which takes the options of the file.
+        **given : object
+            Options of the calibration and of the strategy; None leaves what the file says.
+
+        Raises
+        ------
+        InputError
+            The strategy is not known, or does not have or accept an option.
+        """
+        given = _without_none(given)
+        names = [known.name for known in options_of(CalibrationOptions)]
+        in_file = {name: getattr(self.strategy, name) for name in names}
+        own = {key: value for key, value in given.items() if key not in names}
+        return {
+            "strategy": changed(self.strategy.strategy, strategy, own),
+            **_without_none(in_file | {"workers": self.workers}),
+            **{key: value for key, value in given.items() if key in names},
         }
-        in_file = {
-            "strategy": self.strategy.name,
-            "max_runs": self.strategy.max_runs,
-            "seed": self.strategy.seed,
-            "workers": self.workers,
-            "design_runs": self.strategy.design_runs,
-            "verification_runs": self.strategy.verification_runs,
-            "prefer": self.strategy.prefer,
-            "extend_intervals": self.strategy.extend_intervals,
-            "keep": self.strategy.keep,
-        }
-        return _without_none(in_file) | _without_none(given)
 
     def values(self, settings: Iterable[str]) -> dict[str, float]:
         """Return values of all free parameters, and of whatever is set.
