@@ -17,10 +17,11 @@ from grainfit.calibration.progress import Progress
 from grainfit.calibration.provenance import Provenance
 from grainfit.calibration.verification import usual_verification_runs
 from grainfit.campaign.campaign import Campaign, CampaignOptions
+from grainfit.campaign.keep import Keep
 from grainfit.campaign.reuse import open_source, take_runs
 from grainfit.campaign.store.shared import SharedRuns, share
 from grainfit.campaign.store.store import RunStore
-from grainfit.campaign.work_folder import RESULT_NAME, Keep, hold, recover
+from grainfit.campaign.work_folder import RESULT_NAME, hold, recover
 from grainfit.errors import Fault, InputError
 from grainfit.evaluation import response_name
 from grainfit.problem import Problem

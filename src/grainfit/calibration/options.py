@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import get_args
 
-from grainfit.campaign.work_folder import Keep
+from grainfit.campaign.keep import Keep
 from grainfit.options.fields import check_options, option
 from grainfit.options.kinds import Choice, Whole
 
