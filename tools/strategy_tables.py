@@ -10,7 +10,8 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from grainfit.calibration_file.strategy_section import CALIBRATION_KEYS
-from grainfit.options.fields import Option, options_of
+from grainfit.options.fields import option_keys
+from grainfit.options.tables import Key
 from grainfit.strategies.registry import DEFAULT_STRATEGY, strategies
 
 PAGE = Path(__file__).parents[1] / "docs" / "calibration_file.md"
@@ -25,7 +26,10 @@ def strategy_tables() -> str:
     parts = [_table([name, *map(_row, CALIBRATION_KEYS)])]
     for strategy in strategies().values():
         summary = (strategy.__doc__ or "").splitlines()[0]
-        parts += [f'`name = "{strategy.name}"`. {summary}', _table(map(_row, options_of(strategy)))]
+        parts += [
+            f'`name = "{strategy.name}"`. {summary}',
+            _table(map(_row, option_keys(strategy))),
+        ]
     return "\n\n".join(parts) + "\n"
 
 
@@ -33,9 +37,8 @@ def _table(rows: Iterable[str]) -> str:
     return "\n".join(["| key | default | meaning |", "|---|---|---|", *rows])
 
 
-def _row(option: Option) -> str:
-    default = option.default_words
-    return f"| `{option.name}` | {default} | {option.help} |"
+def _row(option: Key) -> str:
+    return f"| `{option.name}` | {option.default} | {option.description} |"
 
 
 def with_tables(page: str) -> str:

@@ -186,9 +186,9 @@ def test_what_the_command_line_says_wins_over_the_file(tmp_path: Path) -> None:
 def test_options_of_the_strategy_are_given_on_the_command_line_too(tmp_path: Path) -> None:
     text = OWN + '[strategy]\nprefer = "accuracy"\ndesign_runs = 7\n'
     setup = assembled(tmp_path, text, model_py=MODEL)
-    assert setup.options()["strategy"] == Sequential(7, "accuracy")
+    assert setup.options()["strategy"] == Sequential(design_runs=7, prefer="accuracy")
     changed = setup.options(prefer="time_step", confidence="0.99", keep="results")
-    assert changed["strategy"] == Sequential(7, confidence=0.99)
+    assert changed["strategy"] == Sequential(design_runs=7, confidence=0.99)
     assert changed["keep"] == "results"
     with pytest.raises(InputError, match="prefer: has no meaning for the staged strategy"):
         setup.options("staged")

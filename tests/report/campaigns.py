@@ -180,7 +180,7 @@ def fourteen_parameters(folder: Path) -> None:
 def _staged(
     wanted: gf.Problem, simulate: Simulate, folder: Path, name: str, design_runs: int, max_runs: int
 ) -> None:
-    strategy = gf.Staged(design_runs)
+    strategy = gf.Staged(design_runs=design_runs)
     gf.calibrate(wanted, simulate, strategy=strategy, workdir=folder, name=name, max_runs=max_runs)
 
 

@@ -27,10 +27,11 @@ PROBLEM = Problem([Parameter("friction", 0.1, 0.9)], [Target("angle", 30.0)])
         (
             "sequential",
             {"design_runs": 12, "prefer": "accuracy", "extend_intervals": True},
-            Sequential(12, "accuracy", True),
+            Sequential(design_runs=12, prefer="accuracy", extend_intervals=True),
         ),
         ("sequential", {"confidence": 0.99}, Sequential(confidence=0.99)),
-        ("staged", {"design_runs": 26}, Staged(26)),
+        ("sequential", {"prefer": None}, Sequential()),
+        ("staged", {"design_runs": 26}, Staged(design_runs=26)),
     ],
 )
 def test_what_makes_sense_is_made(name: str, options: dict, strategy: Strategy) -> None:
@@ -44,7 +45,6 @@ def test_what_makes_sense_is_made(name: str, options: dict, strategy: Strategy) 
         ("Staged", {}, ["strategy"]),
         ("bayesian", {"prefer": "speed"}, ["strategy"]),
         ("sequential", {"prefer": "speed"}, ["prefer"]),
-        ("sequential", {"prefer": None}, ["prefer"]),
         ("sequential", {"extend_intervals": "yes"}, ["extend_intervals"]),
         ("sequential", {"confidence": 95, "design_runs": 7.5}, ["design_runs", "confidence"]),
         ("sequential", {"design_run": 7}, ["design_run"]),
@@ -93,11 +93,11 @@ def test_a_strategy_is_given_by_name_or_as_an_object() -> None:
 
 
 def test_a_search_has_the_options_the_seed_and_the_budget_it_was_started_with() -> None:
-    strategy = Sequential(7, "accuracy", True)
+    strategy = Sequential(design_runs=7, prefer="accuracy", extend_intervals=True)
     search = strategy.start(PROBLEM, 3, 20)
     assert (search.design_runs, search.seed, search.max_evaluations) == (7, 3, 20)
     assert search.strategy is strategy
-    assert Staged(9).start(PROBLEM, 3).design_runs == 9
+    assert Staged(design_runs=9).start(PROBLEM, 3).design_runs == 9
 
 
 @pytest.mark.parametrize(
@@ -121,10 +121,10 @@ def test_the_definition_is_that_of_the_first_release(strategy: Strategy, definit
 
 
 def test_what_is_changed_wins_and_the_rest_stays() -> None:
-    strategy = Sequential(8, "accuracy")
+    strategy = Sequential(design_runs=8, prefer="accuracy")
     assert changed(strategy, None, {}) == strategy
-    assert changed(strategy, None, {"prefer": "time_step"}) == Sequential(8)
-    assert changed(Sequential(8), "staged", {}) == Staged(8)
+    assert changed(strategy, None, {"prefer": "time_step"}) == Sequential(design_runs=8)
+    assert changed(Sequential(design_runs=8), "staged", {}) == Staged(design_runs=8)
     with pytest.raises(InputError, match="prefer: has no meaning for the staged strategy"):
         changed(strategy, "staged", {})
 
@@ -152,7 +152,7 @@ from grainfit.options.kinds import Whole
 @dataclass(frozen=True)
 class Patient(Sequential):
     name: ClassVar[str] = "patient"
-    naps: int = option(Whole(0, 9), "Naps between runs.", default=1)
+    naps: int = option(Whole(0, 9), "Naps between runs.", default=1, example="2")
 """
 
 

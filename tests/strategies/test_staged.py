@@ -171,7 +171,7 @@ def test_too_few_successes_end_with_the_reason() -> None:
 )
 def test_impossible_budgets_are_refused(budget: int | None, design: int | None, word: str) -> None:
     with pytest.raises(InputError, match=word):
-        Staged(design).start(problem(), 1, budget)
+        Staged(design_runs=design).start(problem(), 1, budget)
 
 
 def test_a_rayleigh_weight_trades_accuracy_for_a_larger_time_step() -> None:

@@ -130,7 +130,13 @@ def calibrate(
     ('calibrated', 0.5)
     """
     solvers = _solvers(simulate)
-    CalibrationOptions(max_runs, seed, workers, verification_runs, keep)
+    CalibrationOptions(
+        max_runs=max_runs,
+        seed=seed,
+        workers=workers,
+        verification_runs=verification_runs,
+        keep=keep,
+    )
     chosen = as_strategy(strategy)
     _check_targets(problem, solvers)
     _check_timeouts(timeouts or {}, solvers)

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import get_args
 
 from grainfit.campaign.keep import Keep
-from grainfit.options.fields import check_options, option
+from grainfit.options.fields import option, option_keys, read_options
 from grainfit.options.kinds import Choice, Whole
 
 
@@ -37,30 +37,34 @@ class CalibrationOptions:
         Whole(1),
         "Largest number of DEM runs, of all tests together, verification included. Without it, "
         "the search ends by itself.",
+        words="none",
         example="60",
     )
     seed: int | None = option(
         Whole(0),
         "Decides the design and all insertion seeds: same seed, same calibration.",
-        usual="1",
+        words="1",
+        example="7",
     )
     workers: int | None = option(
         Whole(1, 4096),
         "Runs at a time.",
-        usual="as many as there are processor cores for",
+        words="as many as there are processor cores for",
+        example="4",
     )
     verification_runs: int | None = option(
         Whole(2),
         "Runs with fresh seeds at the answer. By default so many that no worker is idle.",
-        usual="5 (6 with two or three workers, 8 with four)",
+        words="5 (6 with two or three workers, 8 with four)",
+        example="8",
     )
     keep: Keep | None = option(
         Choice(get_args(Keep)),
         'Files that stay in the folder of a finished run: all, or with "results" its record, logs '
         "and pictures. Folders of failed runs stay whole.",
-        usual='"all"',
+        words='"all"',
         example='"results"',
     )
 
     def __post_init__(self) -> None:
-        check_options(self)
+        read_options(option_keys(type(self)), asdict(self))

@@ -19,7 +19,7 @@ from grainfit.errors import Fault, InputError
 from grainfit.evaluation import response_name
 from grainfit.materials.parameters import MATERIAL_PARAMETERS
 from grainfit.materials.time_step import RayleighTimeStep
-from grainfit.options.fields import options_of
+from grainfit.options.fields import option_keys
 from grainfit.options.kinds import Quantity, suggest
 from grainfit.options.places import Findings, Place
 from grainfit.problem import Problem
@@ -133,7 +133,7 @@ class CalibrationSetup:
             The strategy is not known, or does not have or accept an option.
         """
         given = _without_none(given)
-        names = [known.name for known in options_of(CalibrationOptions)]
+        names = [known.name for known in option_keys(CalibrationOptions)]
         in_file = {name: getattr(self.strategy, name) for name in names}
         own = {key: value for key, value in given.items() if key not in names}
         return {

@@ -9,35 +9,36 @@ from typing import Any
 from grainfit.calibration.options import CalibrationOptions
 from grainfit.calibration_file.content import SearchOptions
 from grainfit.errors import InputError
-from grainfit.options.fields import Option, options_of
+from grainfit.options.fields import option_keys
 from grainfit.options.kinds import Choice, Kind, Quantity, Schema
 from grainfit.options.places import Place
 from grainfit.options.tables import Key, Table, Values
 from grainfit.strategies.registry import (
     DEFAULT_STRATEGY,
     all_options,
-    describe_option,
     make_strategy,
+    merged_key,
     option_faults,
     strategies,
 )
 
 #: Weight in `Problem`, which only some strategies take into account.
-RAYLEIGH_WEIGHT = Option(
+RAYLEIGH_WEIGHT = Key(
     "rayleigh_weight",
     Quantity("", lowest=0.0),
     "Weight of the Rayleigh criterion among the deviations. Above 0 it trades accuracy for a "
-    "larger time step. Staged strategy only.",
-    default=0.0,
+    "larger time step. Strategy: staged.",
+    default="0",
 )
 #: Options of every calibration, whatever its strategy.
-CALIBRATION_KEYS = (*options_of(CalibrationOptions), RAYLEIGH_WEIGHT)
+CALIBRATION_KEYS = (*option_keys(CalibrationOptions), RAYLEIGH_WEIGHT)
 
 
 def name_key() -> Key:
     """Return the key that names the strategy."""
-    text = f'How runs are chosen. Default: "{DEFAULT_STRATEGY}".'
-    return Key("name", Choice(tuple(strategies())), text, example=f'"{DEFAULT_STRATEGY}"')
+    default = f'"{DEFAULT_STRATEGY}"'
+    kind = Choice(tuple(strategies()))
+    return Key("name", kind, "How runs are chosen.", example=default, default=default)
 
 
 def strategy_keys() -> list[str]:
@@ -63,7 +64,7 @@ class StrategySection(Kind):
         if isinstance(value, dict):
             name = value.get("name", DEFAULT_STRATEGY)
             if isinstance(name, str) and name in strategies():
-                own = tuple(known.key() for known in options_of(strategies()[name]))
+                own = option_keys(strategies()[name])
                 for fault in option_faults(name, _of_strategies(value)):
                     place.at(fault.key).fault(fault.message, fault.remedy)
             # The name is a fault of its own, and those of other strategies have theirs.
@@ -80,7 +81,7 @@ class StrategySection(Kind):
         return schema
 
     def _of_calibration(self, own: tuple[Key, ...] = ()) -> Table:
-        keys = (name_key(), *(known.key() for known in CALIBRATION_KEYS), *own)
+        keys = (name_key(), *CALIBRATION_KEYS, *own)
         return Table(keys, _search_options, self.homes)
 
 
@@ -105,8 +106,9 @@ def _of_strategies(values: Mapping[str, Any]) -> dict[str, Any]:
     return {key: value for key, value in values.items() if key in all_options()}
 
 
-def _merged_schema(declared: Mapping[str, Option]) -> Schema:
-    first = next(iter(declared.values())).key().schema()
-    kinds = [known.kind.schema() for known in declared.values()]
-    schema = first if all(kind == kinds[0] for kind in kinds) else {"anyOf": kinds}
-    return schema | {"description": describe_option(declared)}
+def _merged_schema(declared: Mapping[str, Key]) -> Schema:
+    schema = merged_key(declared).schema()
+    kinds = [key.kind.schema() for key in declared.values()]
+    if all(kind == kinds[0] for kind in kinds):
+        return schema
+    return {"description": schema["description"], "anyOf": kinds}

@@ -10,9 +10,10 @@ from typing import Annotated, Any, get_type_hints
 import typer
 
 from grainfit.calibration.options import CalibrationOptions
-from grainfit.options.fields import Option, options_of
+from grainfit.options.fields import option_keys
 from grainfit.options.kinds import Choice, Flag, Kind, Whole
-from grainfit.strategies.registry import all_options, describe_option
+from grainfit.options.tables import Key
+from grainfit.strategies.registry import all_options, merged_key
 
 _PANEL = "Options of the search (default: from the file)"
 
@@ -25,7 +26,8 @@ def with_search_options(command: Callable[..., None]) -> Callable[..., None]:
     command : callable
         Gets those that were given as the dictionary ``search_options``.
     """
-    added = [*_of_calibrations(), *_of_strategies()]
+    of_strategies = map(merged_key, all_options().values())
+    added = [_parameter(key) for key in (*option_keys(CalibrationOptions), *of_strategies)]
     names = [parameter.name for parameter in added]
 
     @wraps(command)
@@ -46,24 +48,13 @@ def with_search_options(command: Callable[..., None]) -> Callable[..., None]:
     return derived
 
 
-def _of_calibrations() -> list[inspect.Parameter]:
-    return [_parameter(one, one.key().description) for one in options_of(CalibrationOptions)]
-
-
-def _of_strategies() -> list[inspect.Parameter]:
-    return [
-        _parameter(next(iter(declared.values())), describe_option(declared))
-        for declared in all_options().values()
-    ]
-
-
-def _parameter(option: Option, text: str) -> inspect.Parameter:
+def _parameter(option: Key) -> inspect.Parameter:
     flag = "--" + option.name.replace("_", "-")
     spelled = f"{flag}/--no-{flag[2:]}" if isinstance(option.kind, Flag) else flag
     declared = typer.Option(
         spelled,
         metavar=None if isinstance(option.kind, Flag) else _metavar(option.kind),
-        help=text.replace("[", r"\["),
+        help=f"{option.description} Default: {option.default}.".replace("[", r"\["),
         show_default=False,
         rich_help_panel=_PANEL,
     )

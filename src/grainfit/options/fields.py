@@ -1,9 +1,9 @@
-"""Options as fields of frozen dataclasses: declared once, checked when an object is made."""
+"""Options as fields of a dataclass: one declaration for Python, file, schema and docs."""
 
 from __future__ import annotations
 
-import dataclasses
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field, fields
 from pathlib import Path
 from typing import Any
 
@@ -12,97 +12,85 @@ from grainfit.options.kinds import Kind
 from grainfit.options.places import Findings, Place
 from grainfit.options.tables import Key
 
-_OPTION = "grainfit.option"
+#: A number in SI units (degrees for angles), or a quantity with its unit, such as ``"10 mm"``.
+Amount = float | str
+
+_METADATA = "grainfit option"
 
 
 @dataclass(frozen=True)
-class Option:
-    """A declared option, from which file key, schema, checks, help and tables follow.
-
-    Parameters
-    ----------
-    name : str
-        Name of the field, and of the key in the calibration file.
-    kind : Kind
-        Accepted values.
-    help : str
-        Sentences for people.
-    default : object
-        Value when it is not given; None when it depends on something else.
-    usual : str
-        The default in words; empty when the value says it.
-    example : str
-        A good value other than the default, as TOML.
-    """
-
-    name: str
+class _Declaration:
     kind: Kind
-    help: str
-    default: Any = None
-    usual: str = ""
-    example: str = ""
-
-    @property
-    def default_words(self) -> str:
-        """The default for people, as it is written in the calibration file."""
-        if self.usual or self.default is None:
-            return self.usual or "none"
-        if isinstance(self.default, bool):
-            return str(self.default).lower()
-        return f'"{self.default}"' if isinstance(self.default, str) else f"{self.default:g}"
-
-    def key(self) -> Key:
-        """Return the key of the calibration file."""
-        text = f"{self.help} Default: {self.default_words}."
-        return Key(self.name, self.kind, text, example=self.example)
+    description: str
+    default: str
+    example: str
 
 
 def option(
-    kind: Kind, text: str, *, default: Any = None, usual: str = "", example: str = ""
+    kind: Kind, description: str, *, example: str, default: Any = None, words: str = ""
 ) -> Any:
-    """Declare an option as a field of a dataclass.
+    """Declare an option as a field of a dataclass; it is given by keyword only.
 
     Parameters
     ----------
-    kind, text, default, usual, example : object
-        As in `Option`; the text is its help.
-
-    Examples
-    --------
-    >>> from grainfit.options.kinds import Whole
-    >>> @dataclass(frozen=True)
-    ... class Oven:
-    ...     trays: int = option(Whole(1, 4), "Trays that it holds.", default=2)
-    >>> [(known.name, known.default_words) for known in options_of(Oven)]
-    [('trays', '2')]
+    kind : Kind
+        Unit and limits, or the words to choose from.
+    description : str
+        One sentence or two, for schema, documentation and help.
+    example : str
+        A good value, as TOML.
+    default : object
+        Value of the field when it is not given; None when it follows from something else.
+    words : str
+        The default in words; the value itself when there is one.
     """
-    declared = {"kind": kind, "help": text, "usual": usual, "example": example}
-    return dataclasses.field(default=default, metadata={_OPTION: declared})
+    words = words or f"{default} {getattr(kind, 'unit', '') or ''}".rstrip()
+    declaration = _Declaration(kind, description, words, example)
+    return field(default=default, kw_only=True, metadata={_METADATA: declaration})
 
 
-def options_of(owner: Any) -> tuple[Option, ...]:
-    """Return the options of a dataclass, or of one of its objects, in the order of its fields."""
+def option_keys(owner: type) -> tuple[Key, ...]:
+    """Return the options of a dataclass, in the order of its fields."""
+    declared = [(f.name, f.metadata.get(_METADATA)) for f in fields(owner)]
     return tuple(
-        Option(name=field.name, default=field.default, **field.metadata[_OPTION])
-        for field in dataclasses.fields(owner)
-        if _OPTION in field.metadata
+        Key(name, it.kind, it.description, example=it.example, default=it.default)
+        for name, it in declared
+        if it is not None
     )
 
 
-def check_options(owner: Any) -> None:
-    """Check the options of an object that is being made, and turn them into plain values.
+def read_options(keys: Iterable[Key], given: Mapping[str, Any]) -> dict[str, Any]:
+    """Read options given in Python: numbers, or texts with a unit.
+
+    Parameters
+    ----------
+    keys : iterable of Key
+        The options.
+    given : mapping of str to object
+        Values by name; None stands for the default, and stays.
+
+    Returns
+    -------
+    dict
+        All of the options; a plain number stays as it was given.
 
     Raises
     ------
     InputError
-        Every option whose value is not accepted, by name.
+        Names every option at fault, with its value.
     """
     findings = Findings(Path())
-    for known in options_of(owner):
-        given = getattr(owner, known.name)
-        if given is None and known.default is None:
-            continue
-        value = known.kind.read(given, Place(findings, (known.name,)))
-        object.__setattr__(owner, known.name, value)
+    values = {key.name: _read(key, given.get(key.name), findings) for key in keys}
     if findings.faults:
         raise InputError(findings.faults)
+    return values
+
+
+def _read(key: Key, value: Any, findings: Findings) -> Any:
+    if value is None:
+        return None
+    # Numbers of NumPy are numbers, too.
+    value = value.item() if hasattr(value, "item") else value
+    read = key.kind.read(value, Place(findings, (key.name,)))
+    # 1 and 1.0 are written differently into the identity of a run: keep what was given.
+    return value if read == value else read

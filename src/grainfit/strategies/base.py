@@ -40,12 +40,12 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, fields
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from grainfit.errors import Fault, InputError
 from grainfit.evaluation import Evaluation, Outcome, Proposal
-from grainfit.options.fields import check_options
+from grainfit.options.fields import option_keys, read_options
 
 if TYPE_CHECKING:
     # Options are looked at by every command line, which must not wait for numerical packages.
@@ -75,7 +75,12 @@ class Strategy(ABC):
     uses_rayleigh_weight: ClassVar[bool] = False
 
     def __post_init__(self) -> None:
-        check_options(self)
+        given = {known.name: getattr(self, known.name) for known in fields(self)}
+        values = read_options(option_keys(type(self)), given)
+        for known in fields(self):
+            # None stands for the default.
+            value = values.get(known.name, given[known.name])
+            object.__setattr__(self, known.name, known.default if value is None else value)
 
     @abstractmethod
     def start(self, problem: Problem, seed: int, max_evaluations: int | None = None) -> Search:

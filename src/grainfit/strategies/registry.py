@@ -12,14 +12,16 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Mapping
+from dataclasses import fields, replace
 from functools import cache
 from importlib.metadata import EntryPoint, entry_points
 from types import MappingProxyType
 from typing import Any
 
 from grainfit.errors import Fault, InputError
-from grainfit.options.fields import Option, options_of
+from grainfit.options.fields import option_keys
 from grainfit.options.kinds import suggest
+from grainfit.options.tables import Key
 from grainfit.strategies.base import Strategy
 
 GROUP = "grainfit.strategies"
@@ -91,7 +93,7 @@ def make_strategy(name: str, options: Mapping[str, Any]) -> Strategy:
 
 def option_faults(name: str, options: Mapping[str, Any]) -> list[Fault]:
     """Return a fault for every option that a strategy does not have."""
-    own = [known.name for known in options_of(strategy_named(name))]
+    own = [known.name for known in option_keys(strategy_named(name))]
     return [
         Fault(key, f"has no meaning for the {name} strategy.", _instead(key, own))
         for key in options
@@ -103,7 +105,7 @@ def _instead(key: str, own: list[str]) -> str:
     others = [
         f'"{name}"'
         for name, strategy in strategies().items()
-        if key in (known.name for known in options_of(strategy))
+        if key in (known.name for known in option_keys(strategy))
     ]
     if others:
         return f"Leave it out, or use strategy {' or '.join(others)}."
@@ -141,30 +143,32 @@ def changed(strategy: Strategy, name: str | None, options: Mapping[str, Any]) ->
     """
     given = {
         known.name: value
-        for known in options_of(strategy)
+        for known in fields(strategy)
         if (value := getattr(strategy, known.name)) != known.default
     }
     return make_strategy(name or strategy.name, given | dict(options))
 
 
-def all_options() -> dict[str, dict[str, Option]]:
+def all_options() -> dict[str, dict[str, Key]]:
     """Return the options of all strategies by name, each by the strategies that have it."""
-    found: dict[str, dict[str, Option]] = {}
+    found: dict[str, dict[str, Key]] = {}
     for name, strategy in strategies().items():
-        for known in options_of(strategy):
+        for known in option_keys(strategy):
             found.setdefault(known.name, {})[name] = known
     return found
 
 
-def describe_option(declared: Mapping[str, Option]) -> str:
-    """Return help and defaults of an option, by the strategies that have it, in one text."""
-    helps = list(dict.fromkeys(known.help for known in declared.values()))
-    if len(helps) > 1:
-        helps = [f"{name}: {known.help}" for name, known in declared.items()]
-    defaults = list(dict.fromkeys(known.default_words for known in declared.values()))
-    if len(defaults) > 1:
-        defaults = [f"{known.default_words} ({name})" for name, known in declared.items()]
-    text = f"{' '.join(helps)} Default: {', '.join(defaults)}."
-    if len(declared) == len(strategies()):
-        return text
-    return f"{text} Strategy: {', '.join(declared)}."
+def merged_key(declared: Mapping[str, Key]) -> Key:
+    """Return one key for an option of several strategies; its kind is that of the first."""
+    first = next(iter(declared.values()))
+    texts = _by_strategy({name: key.description for name, key in declared.items()})
+    defaults = _by_strategy({name: key.default for name, key in declared.items()})
+    only = "" if len(declared) == len(strategies()) else f" Strategy: {', '.join(declared)}."
+    return replace(first, description=" ".join(texts) + only, default=", ".join(defaults))
+
+
+def _by_strategy(texts: Mapping[str, str]) -> list[str]:
+    """Return one text where all are the same, or else each with its strategy."""
+    if len(set(texts.values())) == 1:
+        return [next(iter(texts.values()))]
+    return [f"{text} ({name})" for name, text in texts.items()]

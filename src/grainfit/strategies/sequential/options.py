@@ -22,7 +22,8 @@ class SequentialOptions(Strategy):
     design_runs: int | None = option(
         Whole(2),
         "Runs of the Latin hypercube that everything begins with.",
-        usual="1.5 (d + 1) for d free parameters (5, 6, 8, 9, 11 for 2 to 6)",
+        words="1.5 (d + 1) for d free parameters (5, 6, 8, 9, 11 for 2 to 6)",
+        example="12",
     )
     prefer: Preference = option(
         Choice(get_args(Preference)),
@@ -30,6 +31,7 @@ class SequentialOptions(Strategy):
         'Rayleigh time step ("time_step"; differences below 2 % do not count, the closer set is '
         'taken), or the closest one ("accuracy").',
         default="time_step",
+        words='"time_step"',
         example='"accuracy"',
     )
     extend_intervals: bool = option(
@@ -37,6 +39,7 @@ class SequentialOptions(Strategy):
         "Move a bound that keeps a target out of reach, within physical limits, and continue; the "
         "result names it.",
         default=False,
+        words="false",
         example="true",
     )
     confidence: float = option(

@@ -20,7 +20,8 @@ class StagedOptions(Strategy):
     design_runs: int | None = option(
         Whole(2),
         "Runs of the Latin hypercube that everything begins with.",
-        usual="13 d for d free parameters",
+        words="13 d for d free parameters",
+        example="20",
     )
 
     def fewest_evaluations(self, problem: Problem) -> int:
