@@ -15,9 +15,9 @@ from grainfit.calibration.provenance import Provenance
 from grainfit.calibration_file.content import CalibrationFile, SearchOptions, TestSpecification
 from grainfit.campaign.cluster.executor import is_available
 from grainfit.campaign.cluster.options import ClusterOptions
+from grainfit.contact_models.registry import MATERIAL_PARAMETERS
 from grainfit.errors import Fault, InputError
 from grainfit.evaluation import response_name
-from grainfit.materials.parameters import MATERIAL_PARAMETERS
 from grainfit.materials.time_step import RayleighTimeStep
 from grainfit.options.fields import option_keys
 from grainfit.options.kinds import Quantity, suggest

@@ -7,8 +7,8 @@ from html import escape
 
 from markupsafe import Markup
 
+from grainfit.contact_models.registry import MATERIAL_PARAMETERS
 from grainfit.formatting import plain, unit_for_people
-from grainfit.materials.parameters import MATERIAL_PARAMETERS
 
 _RESPONSES = {
     "bulk_density": ("ρ_b", "bulk density: mass of the bed over its volume, voids included"),
