@@ -35,7 +35,7 @@ from threadpoolctl import threadpool_limits
 
 from calibration_problems import Case
 from grainfit.metamodels.designs import maximin_latin_hypercube
-from grainfit.strategies.base import insertion_seed
+from grainfit.strategies.seeds import insertion_seed
 
 Array = NDArray[np.float64]
 Parameters = dict[str, float]

@@ -41,8 +41,7 @@ from threadpoolctl import threadpool_limits
 from calibration_problems import CASES, Case
 from grainfit.evaluation import Evaluation, Proposal, Response
 from grainfit.strategies.answer import Answer
-from grainfit.strategies.base import Strategy
-from grainfit.strategies.sequential.options import SequentialOptions
+from grainfit.strategies.base import Search
 from grainfit.strategies.sequential.strategy import Sequential
 from grainfit.strategies.staged.strategy import Staged
 from peers import PEERS
@@ -90,9 +89,9 @@ def calibrate(name: str, method: str, seed: int) -> Record:
 
 def _sequential(case: Case, checkpoints: Sequence[int], seed: int) -> Record:
     """All the budget is used, whatever is decided; where it stops by itself is looked at apart."""
-    never_sure_enough = SequentialOptions(confidence=1.0)
-    strategy = Sequential(case.problem, seed, checkpoints[-1], never_sure_enough)
-    answers = list(_answers(case, strategy))
+    never_sure_enough = Sequential(confidence=1.0)
+    search = never_sure_enough.start(case.problem, seed, checkpoints[-1])
+    answers = list(_answers(case, search))
     record = _scored(case, checkpoints, [_parameters(answer) for answer in answers])
     record["covered"] = [
         None if answer is None else _covered(case, answer)
@@ -103,9 +102,9 @@ def _sequential(case: Case, checkpoints: Sequence[int], seed: int) -> Record:
 
 def _own_stop(case: Case, seed: int) -> Record:
     """What the sequential strategy says, and what is true, where it stops with its defaults."""
-    strategy = Sequential(case.problem, seed)
-    runs = sum(1 for _ in _runs(case, strategy))
-    answer = strategy.answer()
+    search = Sequential().start(case.problem, seed)
+    runs = sum(1 for _ in _runs(case, search))
+    answer = search.answer()
     off = np.abs(case.expected(answer.parameters) - case.targets) / case.tolerances
     return {
         "runs": runs,
@@ -119,16 +118,18 @@ def _own_stop(case: Case, seed: int) -> Record:
 
 def _staged(case: Case, checkpoints: Sequence[int], seed: int) -> Record:
     # Whatever comes after the first answer within tolerance would be fitted in vain.
-    first = _first_within(case, map(_parameters, _answers(case, Staged(case.problem, seed))))
-    at_their_ends = [_last_answer(case, Staged(case.problem, seed, n)) for n in checkpoints]
+    first = _first_within(
+        case, map(_parameters, _answers(case, Staged().start(case.problem, seed)))
+    )
+    at_their_ends = [_last_answer(case, Staged().start(case.problem, seed, n)) for n in checkpoints]
     deviations = _deviations(case, [_parameters(answer) for answer in at_their_ends])
     return {"within_tolerance_after": first} | deviations
 
 
-def _runs(case: Case, strategy: Strategy) -> Iterator[None]:
+def _runs(case: Case, search: Search) -> Iterator[None]:
     """Make the runs of a strategy one at a time, to its end."""
-    while (proposal := strategy.ask()) is not None:
-        strategy.tell(_evaluation(case, proposal))
+    while (proposal := search.ask()) is not None:
+        search.tell(proposal, _evaluation(case, proposal))
         yield
 
 
@@ -138,16 +139,16 @@ def _evaluation(case: Case, proposal: Proposal) -> Evaluation:
     return Evaluation(proposal, {n: Response(v) for n, v in zip(names, values, strict=True)})
 
 
-def _answers(case: Case, strategy: Strategy) -> Iterator[Answer | None]:
+def _answers(case: Case, search: Search) -> Iterator[Answer | None]:
     """Answers after 1, 2, ... runs; None while the design is under way."""
-    for n, _ in enumerate(_runs(case, strategy), 1):
-        yield strategy.answer() if n >= strategy.design_runs else None
+    for n, _ in enumerate(_runs(case, search), 1):
+        yield search.answer() if n >= search.design_runs else None
 
 
-def _last_answer(case: Case, strategy: Strategy) -> Answer:
-    for _ in _runs(case, strategy):
+def _last_answer(case: Case, search: Search) -> Answer:
+    for _ in _runs(case, search):
         pass
-    return strategy.answer()
+    return search.answer()
 
 
 def _parameters(answer: Answer | None) -> Parameters | None:

@@ -16,16 +16,22 @@ if TYPE_CHECKING:
         SolverNotFoundError,
         StoreError,
     )
-    from grainfit.evaluation import Response
+    from grainfit.evaluation import Evaluation, Proposal, Response
     from grainfit.materials.sizes import ParticleSizes
     from grainfit.materials.time_step import RayleighTimeStep, rayleigh_time_step
     from grainfit.problem import Parameter, Problem, Target
     from grainfit.report.page import write_report
     from grainfit.result import Result
     from grainfit.solvers.base import Solver, Workspace
+    from grainfit.strategies.answer import Answer
+    from grainfit.strategies.base import Search, Strategy
+    from grainfit.strategies.sequential.strategy import Sequential
+    from grainfit.strategies.staged.strategy import Staged
 
 __all__ = [
     "Analysis",
+    "Answer",
+    "Evaluation",
     "GrainfitError",
     "InputError",
     "NotMeasurableError",
@@ -33,13 +39,18 @@ __all__ = [
     "ParticleSizes",
     "Problem",
     "Progress",
+    "Proposal",
     "RayleighTimeStep",
     "Response",
     "Result",
     "RunFailedError",
+    "Search",
+    "Sequential",
     "Solver",
     "SolverNotFoundError",
+    "Staged",
     "StoreError",
+    "Strategy",
     "Target",
     "Workspace",
     "analyse",
@@ -57,7 +68,11 @@ _HOMES = {
     "Result": "result",
     "write_report": "report.page",
     **dict.fromkeys(("Parameter", "Problem", "Target"), "problem"),
-    "Response": "evaluation",
+    **dict.fromkeys(("Evaluation", "Proposal", "Response"), "evaluation"),
+    "Answer": "strategies.answer",
+    **dict.fromkeys(("Search", "Strategy"), "strategies.base"),
+    "Sequential": "strategies.sequential.strategy",
+    "Staged": "strategies.staged.strategy",
     **dict.fromkeys(("Solver", "Workspace"), "solvers.base"),
     **dict.fromkeys(("RayleighTimeStep", "rayleigh_time_step"), "materials.time_step"),
     **{name: "errors" for name in __all__ if name.endswith("Error")},

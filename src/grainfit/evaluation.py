@@ -1,10 +1,14 @@
-"""What a strategy asks for and what it is told."""
+"""Proposals and evaluations: the messages between a strategy and a campaign."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Literal
+from numbers import Real
+from typing import Literal, TypeAlias
+
+from grainfit.errors import Fault, InputError, RunFailedError
 
 Stage = Literal["design", "optimisation", "verification"]
 #: Column of a response's standard error in tables of runs: after the name of the response.
@@ -32,12 +36,12 @@ class Proposal:
 
 @dataclass(frozen=True)
 class Evaluation:
-    """What came of a proposal.
+    """Outcome of a proposal.
 
     Parameters
     ----------
     proposal : Proposal
-        What was asked for.
+        The parameter set and its seed.
     responses : mapping of str to Response
         Responses of all tests whose run ended well.
     failures : mapping of str to str
@@ -51,8 +55,8 @@ class Evaluation:
     simulated_seconds : float
         The same of the runs that were not known already, s.
     failed_by_machine : bool
-        Whether every failure was a fault of the machine, not of the simulation: it tells nothing
-        of the parameters, and the point is worth another try.
+        Whether every failure was a fault of the machine, not of the simulation: it says nothing
+        about the parameters, and the point is worth another try.
     """
 
     proposal: Proposal
@@ -63,6 +67,43 @@ class Evaluation:
     seconds: float = 0.0
     simulated_seconds: float = 0.0
     failed_by_machine: bool = False
+
+    @classmethod
+    def of(cls, proposal: Proposal, outcome: Outcome) -> Evaluation:
+        """Make the evaluation of a proposal from plain responses, or from a failure.
+
+        Parameters
+        ----------
+        proposal : Proposal
+            The parameter set and its seed.
+        outcome : mapping of str to float or Response, RunFailedError, or Evaluation
+            Responses by name, why the run failed, or an evaluation, which is returned as it is.
+
+        Raises
+        ------
+        InputError
+            The outcome is none of these, belongs to another proposal, or is not finite.
+        """
+        if isinstance(outcome, Evaluation):
+            if outcome.proposal != proposal:
+                raise InputError(Fault("outcome", "is the evaluation of another proposal."))
+            return outcome
+        if isinstance(outcome, RunFailedError):
+            by_machine = outcome.kind == "machine"
+            return cls(proposal, {}, {"run": outcome.reason}, failed_by_machine=by_machine)
+        if not isinstance(outcome, Mapping):
+            remedy = 'Give responses by name, {"angle": 31.2}, or RunFailedError("why it failed").'
+            raise InputError(Fault("outcome", f"is {outcome!r}.", remedy))
+        return cls(proposal, {name: _response(name, value) for name, value in outcome.items()})
+
+
+def _response(name: str, value: object) -> Response:
+    response = value if isinstance(value, Response) else None
+    number = response.value if response else value
+    if not isinstance(number, Real) or isinstance(number, bool) or not math.isfinite(number):
+        remedy = 'Give a finite number; a run that has none failed: RunFailedError("why").'
+        raise InputError(Fault(name, f"is {number!r}.", remedy))
+    return response or Response(float(number))
 
 
 @dataclass(frozen=True)
@@ -81,6 +122,10 @@ class Response:
     standard_error: float = 0.0
 
 
+#: Outcome of a run: responses by name, why it failed, or the evaluation made of them.
+Outcome: TypeAlias = Mapping[str, "float | Response"] | RunFailedError | Evaluation
+
+
 def response_name(test: str, name: str, tests: int) -> str:
-    """Name of a test's response in a calibration with this number of tests."""
+    """Return the name of a test's response in a calibration with this number of tests."""
     return name if tests == 1 else f"{test}.{name}"

@@ -5,11 +5,13 @@ from __future__ import annotations
 import functools
 import math
 import re
-from typing import Any
-
-import pint
+from typing import TYPE_CHECKING, Any
 
 from grainfit.errors import GrainfitError
+
+if TYPE_CHECKING:
+    # Imported when the first quantity is read: it takes a third of a second.
+    import pint
 
 #: No sensible quantity is longer.
 LONGEST_QUANTITY = 60
@@ -162,6 +164,8 @@ def _split(text: str, unit: str) -> tuple[float, str]:
 
 
 def _convert(number: float, written: str, expected: str, text: str) -> float:
+    from pint import PintError
+
     target = _parse(expected)
     remedy = how_to_write(expected)
     try:
@@ -175,7 +179,7 @@ def _convert(number: float, written: str, expected: str, text: str) -> float:
         raise UnitError(
             f"{error} in {text!r} is not a known unit.", how_to_write(expected)
         ) from None
-    except (pint.PintError, ArithmeticError):
+    except (PintError, ArithmeticError):
         raise UnitError(
             f"{text!r} cannot be converted to {expected}.", how_to_write(expected)
         ) from None
@@ -185,7 +189,9 @@ def _convert(number: float, written: str, expected: str, text: str) -> float:
 
 @functools.cache
 def _registry() -> pint.UnitRegistry[float]:
-    return pint.UnitRegistry(cache_folder=None)
+    from pint import UnitRegistry
+
+    return UnitRegistry(cache_folder=None)
 
 
 def _base(unit: pint.Unit) -> Any:
@@ -210,7 +216,9 @@ def _parse(text: str) -> pint.Unit:
 
 
 def _named(name: str) -> pint.Unit:
+    from pint import PintError
+
     try:
         return _registry().Unit(_SIGNS.get(name, name))
-    except (pint.PintError, ValueError, TypeError, AttributeError):
+    except (PintError, ValueError, TypeError, AttributeError):
         raise _NotAUnitError(repr(name)) from None

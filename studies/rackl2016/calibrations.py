@@ -12,6 +12,7 @@ from grainfit.campaign.store.store import RunStore
 from grainfit.errors import RunFailedError
 from grainfit.problem import Problem
 from grainfit.result import Result
+from grainfit.strategies.registry import make_strategy
 from studies.rackl2016.peer import calibrate_with_octave, settings_of
 from studies.rackl2016.runs import Runs, fresh_seeds
 from studies.rackl2016.setting import RESPONSES
@@ -38,6 +39,7 @@ def calibrate_with_grainfit(
     by more search up to the limit, as when a user starts again with a larger budget.
     """
     folder = context.folder / "grainfit"
+    options = {} if design_runs is None else {"design_runs": design_runs}
 
     def show(progress: Progress) -> None:
         context.report(progress.done, progress.done + progress.left, progress.stage)
@@ -46,12 +48,11 @@ def calibrate_with_grainfit(
         result = calibrate(
             problem,
             {"heap": context.solver},
-            strategy=strategy,
+            strategy=make_strategy(strategy, options),
             seed=seed,
             workers=context.workers,
             workdir=folder,
             name=context.folder.parent.name,
-            design_runs=design_runs,
             max_runs=max_runs,
             verification_runs=verification_runs or None,
             timeouts={"heap": _TIMEOUT},

@@ -323,7 +323,9 @@ def test_single_failures_are_counted_and_left_out() -> None:
         ({"workers": 0}, "workers"),
         ({"seed": -1}, "seed"),
         ({"verification_runs": 1}, "verification_runs"),
-        ({"design_runs": 2}, "design_runs"),
+        ({"strategy": gf.Sequential(design_runs=2)}, "design_runs"),
+        ({"strategy": gf.Sequential}, "strategy"),
+        ({"keep": "some"}, "keep"),
     ],
 )
 def test_arguments_that_cannot_be_used_are_named(options: dict[str, object], word: str) -> None:
@@ -545,7 +547,8 @@ SCRIPT = textwrap.dedent(
     problem = gf.Problem(
         [gf.Parameter("friction", 0.05, 0.7)], [gf.Target("angle", 36.0, uncertainty=0.5)]
     )
-    result = gf.calibrate(problem, drum, workdir=sys.argv[1], workers=2, design_runs=20)
+    strategy = gf.Sequential(design_runs=20)
+    result = gf.calibrate(problem, drum, workdir=sys.argv[1], workers=2, strategy=strategy)
     print(result.status, result.runs.total, result.parameters["friction"])
     """
 )

@@ -14,6 +14,8 @@ from grainfit.errors import InputError
 from grainfit.materials.time_step import rayleigh_time_step
 from grainfit.solvers.base import Workspace
 from grainfit.solvers.parameters_for import ParametersFor
+from grainfit.strategies.sequential.strategy import Sequential
+from grainfit.strategies.staged.strategy import Staged
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 GLASS_BEADS = (EXAMPLES / "glass_beads" / "calibration.toml").read_text(encoding="utf-8")
@@ -172,11 +174,24 @@ def test_what_the_command_line_says_wins_over_the_file(tmp_path: Path) -> None:
     text = GLASS_BEADS + '[strategy]\nname = "staged"\nseed = 4\nworkers = 3\n'
     text += "rayleigh_weight = 0.5\n"
     setup = assembled(tmp_path, text)
-    assert setup.options() == {"strategy": "staged", "seed": 4, "workers": 3}
+    assert setup.options() == {"strategy": Staged(), "seed": 4, "workers": 3}
     assert setup.options(seed=0, max_runs=9) == {
-        "strategy": "staged",
+        "strategy": Staged(),
         "seed": 0,
         "workers": 3,
         "max_runs": 9,
     }
     assert setup.problem.rayleigh_weight == 0.5
+
+
+def test_options_of_the_strategy_are_given_on_the_command_line_too(tmp_path: Path) -> None:
+    text = OWN + '[strategy]\nprefer = "accuracy"\ndesign_runs = 7\n'
+    setup = assembled(tmp_path, text, model_py=MODEL)
+    assert setup.options()["strategy"] == Sequential(design_runs=7, prefer="accuracy")
+    changed = setup.options(prefer="time_step", confidence="0.99", keep="results")
+    assert changed["strategy"] == Sequential(design_runs=7, confidence=0.99)
+    assert changed["keep"] == "results"
+    with pytest.raises(InputError, match="prefer: has no meaning for the staged strategy"):
+        setup.options("staged")
+    with pytest.raises(InputError, match="strategy: 'magic' is unknown"):
+        setup.options("magic")

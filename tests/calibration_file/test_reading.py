@@ -12,7 +12,7 @@ import pytest
 
 from grainfit.bulk_tests.heap import Heap
 from grainfit.bulk_tests.registry import BUILT_IN
-from grainfit.calibration_file.content import CalibrationFile, StrategyOptions
+from grainfit.calibration_file.content import CalibrationFile, SearchOptions
 from grainfit.calibration_file.load import load_calibration_file
 from grainfit.calibration_file.starter import starter_file
 from grainfit.calibration_file.tests_section import layout_of_test
@@ -21,6 +21,7 @@ from grainfit.contact_models.registry import MATERIAL_PARAMETERS
 from grainfit.materials.sizes import ParticleSizes
 from grainfit.problem import Parameter, Target
 from grainfit.solvers.registry import types_of_test
+from grainfit.strategies.sequential.strategy import Sequential
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 GLASS_BEADS = (EXAMPLES / "glass_beads" / "calibration.toml").read_text(encoding="utf-8")
@@ -81,7 +82,7 @@ def test_the_glass_beads() -> None:
         Target("bulk_density", 1500.0, uncertainty=15.0, unit="kg/m^3"),
         Target("angle_of_repose", 22.0, uncertainty=0.5, unit="deg"),
     )
-    assert file.strategy == StrategyOptions()
+    assert file.strategy == SearchOptions()
 
 
 def test_the_narrow_interval_is_the_only_difference_of_its_example() -> None:
@@ -131,7 +132,7 @@ def test_units_sizes_scale_and_geometry(tmp_path: Path) -> None:
         "cylinder_radius": 0.07,
         "lift_speed": 0.05,
     }
-    assert file.strategy == StrategyOptions("sequential", max_runs=50, seed=0)
+    assert file.strategy == SearchOptions(max_runs=50, seed=0, strategy=Sequential())
 
 
 def test_measurements_give_value_and_uncertainty(tmp_path: Path) -> None:

@@ -148,7 +148,8 @@ def calibrate_in(
     solver: Solver,
     max_runs: int,
 ) -> Result:
-    rest = {"max_runs": max_runs, "seed": 3, "design_runs": 4, "verification_runs": 2}
+    rest = {"max_runs": max_runs, "seed": 3, "verification_runs": 2}
+    rest["strategy"] = gf.Sequential(design_runs=4)
     if options is None:
         return gf.calibrate(problem, solver, workdir=folder, **rest)
     with cluster_executor(options, folder) as executor:

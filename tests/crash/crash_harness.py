@@ -94,7 +94,7 @@ class Variant:
     workers : int
         Runs at a time. With more than one, the order in which runs come back decides what is asked
         next, so that only the status of the answer is the same every time.
-    strategy : str
+    strategy : str or Strategy
         How runs are chosen.
     solver : {"program", "function"}
         A program that is started for each run, or a function in the process itself.
@@ -115,7 +115,7 @@ class Variant:
 
     name: str
     workers: int = 1
-    strategy: str = "sequential"
+    strategy: str | grainfit.Strategy = "sequential"
     solver: str = "program"
     pool: bool = False
     tolerance: float = 1.0
@@ -137,9 +137,9 @@ VARIANTS = (
     # The first answer does not stand the verification, and the search goes on.
     Variant(
         "kill -9, staged, two answers",
-        strategy="staged",
+        strategy=grainfit.Staged(design_runs=5),
         tolerance=0.2,
-        options={"seed": 2, "design_runs": 5},
+        options={"seed": 2},
     ),
     Variant("kill -9, Python function", solver="function"),
     Variant("kill -9, process pool", workers=2, pool=True),

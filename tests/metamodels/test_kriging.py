@@ -301,7 +301,7 @@ def test_new_values_move_the_mean_towards_them(good: Kriging) -> None:
 
 def test_runs_under_way_keep_the_mean_and_shrink_the_variance(good: Kriging) -> None:
     under_way = np.array([[0.2, 0.9], [0.8, 0.1]])
-    pending = good.condition(under_way, None)
+    pending = good.condition_on_pending(under_way)
     targets = np.vstack([under_way, design(30, 2, 21)])
     before, after = good.predict(targets), pending.predict(targets)
     np.testing.assert_allclose(after.mean, before.mean, atol=1e-7)
@@ -483,7 +483,7 @@ def test_unusable_points_are_refused_after_the_fit(good: Kriging) -> None:
         lambda: good.condition([[0.5, 0.5]], [math.nan]),
         lambda: good.condition([[0.5, 0.5]], [1.0, 2.0]),
         lambda: good.condition([[0.5, 0.5]], [1e300]),
-        lambda: good.condition([[0.5]], None),
+        lambda: good.condition_on_pending([[0.5]]),
     ):
         with pytest.raises(InputError):
             call()
@@ -505,7 +505,7 @@ def test_covariances_have_the_variances_on_their_diagonal_and_say_what_a_run_tea
     component = metamodel._components[0]
     before, at = component.predict(here)[1], there[:1]
     covariance = component.joint(component.project(here), component.project(at))[:, 0]
-    added = component.condition(at, None, np.zeros(1))
+    added = component.condition_on_pending(at, np.zeros(1))
     noise = component.hyperparameters.noise_variance
     expected = before - covariance**2 / (component.predict(at)[1] + noise)
     np.testing.assert_allclose(added.predict(here)[1], expected, rtol=1e-6, atol=1e-9)
@@ -546,7 +546,7 @@ def test_reduced_keeps_the_most_probable_sets_with_weights_that_sum_to_one(good:
     points = design(50, 2, 31)
     change = reduced.predict(points).mean - good.predict(points).mean
     assert 0.0 < np.abs(change).max() < 0.5 * good.predict(points).standard_error.max()
-    added = good.condition([[0.5, 0.5]], None).reduced(3)
+    added = good.condition_on_pending([[0.5, 0.5]]).reduced(3)
     assert (added.components, added.n) == (3, 26)
     assert added.leave_one_out().q2 == reduced.leave_one_out().q2
     with pytest.raises(InputError, match=r"components: is 0\. Keep at least 1"):

@@ -27,8 +27,8 @@ from grainfit.contact_models.registry import MATERIAL_PARAMETERS
 from grainfit.evaluation import Proposal, Stage
 from grainfit.solvers.own_model.python_callable import PythonCallable
 from grainfit.strategies.answer import Answer
-from grainfit.strategies.base import insertion_seed
-from grainfit.strategies.batch import BatchStrategy, Plan
+from grainfit.strategies.batches import Batches, BatchSearch
+from grainfit.strategies.seeds import insertion_seed
 
 Points = NDArray[np.float64]
 
@@ -178,9 +178,10 @@ def fourteen_parameters(folder: Path) -> None:
 
 
 def _staged(
-    wanted: gf.Problem, simulate: Simulate, folder: Path, name: str, **options: int
+    wanted: gf.Problem, simulate: Simulate, folder: Path, name: str, design_runs: int, max_runs: int
 ) -> None:
-    gf.calibrate(wanted, simulate, strategy="staged", workdir=folder, name=name, **options)
+    strategy = gf.Staged(design_runs=design_runs)
+    gf.calibrate(wanted, simulate, strategy=strategy, workdir=folder, name=name, max_runs=max_runs)
 
 
 def no_run_finished(folder: Path) -> None:
@@ -285,15 +286,13 @@ def _running_half_way(folder: Path) -> Iterator[None]:
         thread.join()
 
 
-class _Decided(BatchStrategy):
+class _Decided(BatchSearch):
     """What is asked for and answered is decided beforehand: many runs without many metamodels."""
-
-    name = "sequential"
 
     def __init__(
         self, problem: gf.Problem, batches: Mapping[Stage, Points], answer: Points
     ) -> None:
-        super().__init__(problem, seed=1)
+        super().__init__(gf.Sequential(), problem, seed=1)
         self._batches = batches
         self._answer = answer
 
@@ -313,7 +312,7 @@ class _Decided(BatchStrategy):
     def definition(self) -> dict[str, Any]:
         return {"design_runs": self.design_runs}
 
-    def plan(self) -> Plan:
+    def batches(self) -> Batches:
         for stage, points in self._batches.items():
             yield [
                 Proposal(
@@ -351,7 +350,7 @@ def many_runs(folder: Path, runs: int = 500) -> None:
     with hold(folder), closing(RunStore.in_folder(folder)) as store:
         strategy = _Decided(wanted, batches, model.truth)
         with closing(Campaign(solvers, store, folder, CampaignOptions())) as campaign:
-            result = CalibrationLoop(wanted, strategy, campaign, store, options).hold()
+            result = CalibrationLoop(wanted, strategy, campaign, store, options).run()
         result.to_json(folder / RESULT_NAME)
 
 

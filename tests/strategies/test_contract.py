@@ -2,18 +2,17 @@
 
 import pytest
 
-from grainfit.strategies.sequential.strategy import Sequential
-from grainfit.strategies.staged.strategy import Staged
-from grainfit.testing.strategy_contract import Make, StrategyContract
+from grainfit import Sequential, Staged, Strategy
+from grainfit.testing.strategy_contract import StrategyContract
 
 
 class TestStaged(StrategyContract):
     @pytest.fixture
-    def make(self) -> Make:
-        return Staged
+    def strategy(self) -> Strategy:
+        return Staged()
 
 
 class TestSequential(StrategyContract):
     @pytest.fixture
-    def make(self) -> Make:
-        return Sequential
+    def strategy(self) -> Strategy:
+        return Sequential()

@@ -11,9 +11,9 @@ from grainfit.testing.strategy_contract import converse, heap, heap_problem
 def test_runs_of_others_stand_in_for_the_design_and_most_of_the_search() -> None:
     runs = {"cold": 0, "warm": 0}
     for seed in range(1, 4):
-        earlier = converse(Sequential(heap_problem(angle=19.0), 50 + seed), heap)
-        runs["cold"] += len(converse(Sequential(heap_problem(), seed), heap))
-        warm = Sequential(heap_problem(), seed)
+        earlier = converse(Sequential().start(heap_problem(angle=19.0), 50 + seed), heap)
+        runs["cold"] += len(converse(Sequential().start(heap_problem(), seed), heap))
+        warm = Sequential().start(heap_problem(), seed)
         warm.warm_start(earlier)
         assert warm.design_runs == 0
         runs["warm"] += len(converse(warm, heap))
@@ -21,11 +21,11 @@ def test_runs_of_others_stand_in_for_the_design_and_most_of_the_search() -> None
 
 
 def test_few_runs_of_others_make_the_design_smaller_by_their_number() -> None:
-    whole = Sequential(heap_problem(), 1)
-    evaluations = converse(Sequential(heap_problem(), 2), heap)
-    strategy = Sequential(heap_problem(), 1)
+    whole = Sequential().start(heap_problem(), 1)
+    evaluations = converse(Sequential().start(heap_problem(), 2), heap)
+    search = Sequential().start(heap_problem(), 1)
     # Another seed at the same place is no other place.
     again = replace(evaluations[0], proposal=replace(evaluations[0].proposal, seed=1))
-    strategy.warm_start([*evaluations[:2], again])
-    assert strategy.design_runs == whole.design_runs - 2
-    assert strategy.definition == whole.definition
+    search.warm_start([*evaluations[:2], again])
+    assert search.design_runs == whole.design_runs - 2
+    assert search.definition == whole.definition

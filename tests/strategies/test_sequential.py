@@ -1,4 +1,4 @@
-"""What a user relies on of the sequential strategy: few runs, and an answer that can be trusted."""
+"""What a user relies on of the sequential search: few runs, and an answer that can be trusted."""
 
 import re
 from collections.abc import Mapping
@@ -14,7 +14,7 @@ from grainfit.materials.time_step import RayleighTimeStep
 from grainfit.metamodels.metamodels import Metamodels
 from grainfit.problem import Parameter, Problem, Target
 from grainfit.strategies.answer import Answer
-from grainfit.strategies.sequential.options import RUNS_PER_PARAMETER, SequentialOptions
+from grainfit.strategies.sequential.search import RUNS_PER_PARAMETER
 from grainfit.strategies.sequential.strategy import Sequential
 from grainfit.testing.strategy_contract import (
     converse,
@@ -48,8 +48,8 @@ def noisy() -> list[tuple[list[Evaluation], Answer]]:
     """20 calibrations with the usual noise."""
     found = []
     for seed in range(20):
-        strategy = Sequential(heap_problem(), seed)
-        found.append((converse(strategy, heap), strategy.answer()))
+        search = Sequential().start(heap_problem(), seed)
+        found.append((converse(search, heap), search.answer()))
     return found
 
 
@@ -87,16 +87,16 @@ def test_it_never_stops_by_virtue_of_a_single_run(noisy) -> None:
 
 
 def test_a_higher_confidence_is_kept() -> None:
-    strategy = Sequential(heap_problem(), 1, options=SequentialOptions(confidence=0.99))
-    converse(strategy, lambda p: heap(p, 0.5))
-    assert strategy.answer().probability_all_met >= 0.99
+    search = Sequential(confidence=0.99).start(heap_problem(), 1)
+    converse(search, lambda p: heap(p, 0.5))
+    assert search.answer().probability_all_met >= 0.99
 
 
 def test_without_noise_it_stops_soon_after_the_design() -> None:
     for seed in range(6):
-        strategy = Sequential(heap_problem(), seed)
-        assert strategy.design_runs == DESIGN
-        assert len(converse(strategy, quiet)) <= DESIGN + 5
+        search = Sequential().start(heap_problem(), seed)
+        assert search.design_runs == DESIGN
+        assert len(converse(search, quiet)) <= DESIGN + 5
 
 
 # The noise floor -----------------------------------------------------------------------------
@@ -107,11 +107,11 @@ FLOOR = heap_problem(tolerance=0.02)
 
 @pytest.mark.parametrize("seed", [1, 2, 3, 4])
 def test_a_tolerance_far_below_the_noise_ends_it_with_the_runs_it_would_take(seed: int) -> None:
-    strategy = Sequential(FLOOR, seed)
-    evaluations = converse(strategy, heap)
+    search = Sequential().start(FLOOR, seed)
+    evaluations = converse(search, heap)
     assert len(evaluations) < DEFAULT_BUDGET
-    assert not strategy.answer().out_of_reach
-    [notice] = strategy.notices
+    assert not search.answer().out_of_reach
+    [notice] = search.notices
     found = re.search(r"about ([\d,]+) more runs", notice)
     assert found, notice
     # With n runs at the answer its standard error is 0.8 / sqrt(n), and 1.96 of it must be 0.02:
@@ -121,18 +121,18 @@ def test_a_tolerance_far_below_the_noise_ends_it_with_the_runs_it_would_take(see
 
 @pytest.mark.parametrize("seed", [1, 2])
 def test_a_budget_that_was_given_is_used_to_its_end(seed: int) -> None:
-    strategy = Sequential(FLOOR, seed, 14)
-    assert len(converse(strategy, heap)) == 14
-    assert "less than the 95% asked for" in strategy.notices[-1]
+    search = Sequential().start(FLOOR, seed, 14)
+    assert len(converse(search, heap)) == 14
+    assert "less than the 95% asked for" in search.notices[-1]
 
 
 @pytest.mark.parametrize("seed", [8, 36, 37])
 def test_what_it_says_of_an_undecided_answer_is_no_contradiction(seed: int) -> None:
     # The budget ends some of these with a probability close to 95 %, or above but by virtue of a
     # single run.
-    strategy = Sequential(heap_problem(), seed, 7)
-    converse(strategy, lambda p: heap(p, 0.3))
-    for notice in strategy.notices:
+    search = Sequential().start(heap_problem(), seed, 7)
+    converse(search, lambda p: heap(p, 0.3))
+    for notice in search.notices:
         found = re.search(r"probability of (\d+)%, less than the (\d+)%", notice)
         assert not found or int(found[1]) < int(found[2])
 
@@ -148,15 +148,15 @@ def narrow(high: float = 2205.0) -> Problem:
 
 @pytest.mark.parametrize("seed", range(5))
 def test_a_target_beyond_a_bound_is_recognised_within_eight_runs(seed: int) -> None:
-    strategy = Sequential(narrow(), seed)
-    assert len(converse(strategy, heap)) <= 8
-    [miss] = strategy.answer().out_of_reach
+    search = Sequential().start(narrow(), seed)
+    assert len(converse(search, heap)) <= 8
+    [miss] = search.answer().out_of_reach
     assert (miss.target, miss.parameter, miss.bound) == ("bulk_density", "density", "max")
     assert miss.shortfall_percent == pytest.approx(-5.2, abs=0.5)
     assert miss.suggestion is not None
     assert 2326 < miss.suggestion < 2420
-    assert "density.max" in strategy.notices[0]
-    assert not strategy.resume_after_verification()
+    assert "density.max" in search.notices[0]
+    assert not search.resume_after_verification()
 
 
 def alarms(seeds: range, budget: int | None) -> list[int]:
@@ -167,9 +167,9 @@ def alarms(seeds: range, budget: int | None) -> list[int]:
         truth = expected(heap_problem().from_unit(inner))
         tolerances = {"bulk_density": 7.5, "angle": 0.25}
         targets = [Target(name, truth[name], tolerance=tolerances[name]) for name in truth]
-        strategy = Sequential(replace(heap_problem(), targets=targets), seed, budget)
-        converse(strategy, heap)
-        if strategy.answer().out_of_reach:
+        search = Sequential().start(replace(heap_problem(), targets=targets), seed, budget)
+        converse(search, heap)
+        if search.answer().out_of_reach:
             found.append(seed)
     return found
 
@@ -186,14 +186,14 @@ def test_targets_within_reach_are_never_called_out_of_reach() -> None:
 
 
 def test_a_bound_that_is_in_the_way_is_moved_if_that_is_wanted() -> None:
-    strategy = Sequential(narrow(), 1, options=SequentialOptions(extend_intervals=True))
-    converse(strategy, nearly_quiet)
-    answer = strategy.answer()
+    search = Sequential(extend_intervals=True).start(narrow(), 1)
+    converse(search, nearly_quiet)
+    answer = search.answer()
     assert answer.parameters["density"] > 2205.0
     assert not answer.out_of_reach
     assert expected(answer.parameters)["bulk_density"] == pytest.approx(1500.0, abs=15.0)
-    assert strategy.current_problem.intervals["density"][1] > 2326.0
-    assert "density.max = 2205 was in the way and has been moved to" in strategy.notices[0]
+    assert search.current_problem.intervals["density"][1] > 2326.0
+    assert "density.max = 2205 was in the way and has been moved to" in search.notices[0]
 
 
 def test_a_moved_bound_stays_within_physical_limits() -> None:
@@ -207,15 +207,15 @@ def test_a_moved_bound_stays_within_physical_limits() -> None:
     def simulate(proposal: Proposal) -> Evaluation:
         return scattered(proposal, {"bulk_density": 1000.0 + 500.0 * proposal.parameters[name]})
 
-    strategy = Sequential(problem, 1, options=SequentialOptions(extend_intervals=True))
-    evaluations = converse(strategy, simulate)
-    assert strategy.current_problem.intervals[name][1] == 1.0
+    search = Sequential(extend_intervals=True).start(problem, 1)
+    evaluations = converse(search, simulate)
+    assert search.current_problem.intervals[name][1] == 1.0
     assert max(e.proposal.parameters[name] for e in evaluations) <= 1.0
-    assert strategy.answer().parameters[name] <= 1.0
-    [miss] = strategy.answer().out_of_reach
+    assert search.answer().parameters[name] <= 1.0
+    [miss] = search.answer().out_of_reach
     assert (miss.bound_value, miss.suggestion) == (1.0, None)
-    assert f"{name}.max = 0.9 was in the way and has been moved to 1." in strategy.notices
-    assert "no possible value beyond it would do" in strategy.notices[-1]
+    assert f"{name}.max = 0.9 was in the way and has been moved to 1." in search.notices
+    assert "no possible value beyond it would do" in search.notices[-1]
 
 
 # The Rayleigh time step ----------------------------------------------------------------------
@@ -253,10 +253,10 @@ def largest_time_step_that_agrees() -> float:
 def test_of_the_answers_that_agree_the_one_that_computes_fastest_is_taken(seed: int) -> None:
     answers = {}
     for prefer in ("time_step", "accuracy"):
-        strategy = Sequential(SOFT, seed, options=SequentialOptions(prefer=prefer))
+        search = Sequential(prefer=prefer).start(SOFT, seed)
         # A response that is known so well leaves nothing to be tried.
-        assert len(converse(strategy, softness)) <= DESIGN + 4
-        answers[prefer] = strategy.answer().parameters
+        assert len(converse(search, softness)) <= DESIGN + 4
+        answers[prefer] = search.answer().parameters
         assert packed(answers[prefer]) == pytest.approx(1500.0, abs=15.0)
     fastest = RAYLEIGH(answers["time_step"])
     assert fastest > 0.97 * largest_time_step_that_agrees()
@@ -264,9 +264,9 @@ def test_of_the_answers_that_agree_the_one_that_computes_fastest_is_taken(seed: 
 
 
 def test_what_the_preference_gained_is_said() -> None:
-    strategy = Sequential(SOFT, 1)
-    converse(strategy, softness)
-    assert "largest Rayleigh time step" in strategy.notices[-1]
+    search = Sequential().start(SOFT, 1)
+    converse(search, softness)
+    assert "largest Rayleigh time step" in search.notices[-1]
 
 
 @pytest.mark.parametrize("rayleigh", [None, "fixed"])
@@ -276,8 +276,8 @@ def test_where_nothing_free_changes_the_time_step_the_preference_means_nothing(r
     found = []
     for prefer in ("time_step", "accuracy"):
         problem = replace(heap_problem(), rayleigh=step)
-        strategy = Sequential(problem, 1, options=SequentialOptions(prefer=prefer))
-        found.append((converse(strategy, nearly_quiet), strategy.answer()))
+        search = Sequential(prefer=prefer).start(problem, 1)
+        found.append((converse(search, nearly_quiet), search.answer()))
     assert found[0] == found[1]
 
 
@@ -294,19 +294,19 @@ def test_a_region_where_runs_fail_is_left_alone() -> None:
     # of it but its edge, so there is always something to be learnt there.
     behind_design: list[Evaluation] = []
     for seed in range(4):
-        strategy = Sequential(heap_problem(), seed, 20)
-        behind_design += converse(strategy, without_low_friction)[DESIGN:]
-        assert strategy.answer().parameters["friction"] >= 0.3
+        search = Sequential().start(heap_problem(), seed, 20)
+        behind_design += converse(search, without_low_friction)[DESIGN:]
+        assert search.answer().parameters["friction"] >= 0.3
     assert sum(bool(e.failures) for e in behind_design) < 0.4 / 2 * len(behind_design)
 
 
 @pytest.mark.parametrize("seed", range(4))
 def test_a_target_that_is_met_beside_a_failed_region_is_not_out_of_reach(seed: int) -> None:
     # 21.6 degrees take a friction of 0.39.
-    strategy = Sequential(heap_problem(angle=21.6), seed, 20)
-    converse(strategy, without_low_friction)
-    assert not strategy.answer().out_of_reach
-    assert expected(strategy.answer().parameters)["angle"] == pytest.approx(21.6, abs=0.5)
+    search = Sequential().start(heap_problem(angle=21.6), seed, 20)
+    converse(search, without_low_friction)
+    assert not search.answer().out_of_reach
+    assert expected(search.answer().parameters)["angle"] == pytest.approx(21.6, abs=0.5)
 
 
 @pytest.mark.parametrize("seed", range(4))
@@ -315,10 +315,10 @@ def test_a_large_time_step_is_not_taken_where_runs_fail(seed: int) -> None:
         too_soft = proposal.parameters["particle.youngs_modulus"] < 4e5
         return failed(proposal) if too_soft else softness(proposal)
 
-    strategy = Sequential(SOFT, seed)
-    evaluations = converse(strategy, simulate)
+    search = Sequential().start(SOFT, seed)
+    evaluations = converse(search, simulate)
     assert sum(bool(e.failures) for e in evaluations) < len(evaluations) / 2
-    assert strategy.answer().parameters["particle.youngs_modulus"] >= 4e5
+    assert search.answer().parameters["particle.youngs_modulus"] >= 4e5
 
 
 def test_what_the_machine_has_spoilt_is_tried_again_with_another_seed() -> None:
@@ -330,8 +330,8 @@ def test_what_the_machine_has_spoilt_is_tried_again_with_another_seed() -> None:
             return failed(proposal, by_machine=True)
         return nearly_quiet(proposal)
 
-    strategy = Sequential(heap_problem(), 1)
-    evaluations = converse(strategy, simulate)
+    search = Sequential().start(heap_problem(), 1)
+    evaluations = converse(search, simulate)
     for proposal in spoilt:
         tries = [e for e in evaluations if e.proposal.parameters == proposal.parameters]
         assert [bool(e.failures) for e in tries] == [True, False]
@@ -340,9 +340,9 @@ def test_what_the_machine_has_spoilt_is_tried_again_with_another_seed() -> None:
 
 
 def test_what_the_machine_spoils_again_and_again_is_given_up_after_three_tries() -> None:
-    strategy = Sequential(heap_problem(), 1)
+    search = Sequential().start(heap_problem(), 1)
     evaluations = converse(
-        strategy,
+        search,
         lambda p: failed(p, True) if p.parameters["density"] < 1800.0 else nearly_quiet(p),
     )
     tries: dict[float, int] = {}
@@ -364,13 +364,13 @@ def test_with_too_few_successes_it_looks_everywhere_to_the_end_of_the_budget(
         done.append(proposal)
         return nearly_quiet(proposal) if len(done) <= successes else failed(proposal)
 
-    strategy = Sequential(heap_problem(), 1, 16)
-    evaluations = converse(strategy, simulate)
+    search = Sequential().start(heap_problem(), 1, 16)
+    evaluations = converse(search, simulate)
     assert len(evaluations) == 16
     # 16 points of a square grid would be 0.25 to 0.33 apart.
     assert pdist(points(heap_problem(), evaluations)).min() > 0.08
     with pytest.raises(RunFailedError, match=f"only {successes} of 16 runs"):
-        strategy.answer()
+        search.answer()
 
 
 # Several runs at a time ----------------------------------------------------------------------
@@ -378,12 +378,12 @@ def test_with_too_few_successes_it_looks_everywhere_to_the_end_of_the_budget(
 
 def test_runs_under_way_at_a_time_are_spread() -> None:
     problem = heap_problem(tolerance=0.1)
-    strategy = Sequential(problem, 1)
+    search = Sequential().start(problem, 1)
     for _ in range(DESIGN + 1):
-        proposal = strategy.ask()
+        proposal = search.ask()
         assert proposal is not None
-        strategy.tell(heap(proposal))
-    proposals = [strategy.ask() for _ in range(4)]
+        search.tell(proposal, heap(proposal))
+    proposals = [search.ask() for _ in range(4)]
     found = [problem.to_unit(p.parameters) for p in proposals if p is not None]
     assert len(found) == 4
     distances = pdist(np.array(found))

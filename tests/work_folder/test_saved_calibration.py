@@ -82,7 +82,9 @@ def test_the_runs_of_a_calibration_are_a_data_frame(tmp_path: Path) -> None:
 
 def test_intervals_hold_what_was_asked_for_beyond_a_bound_that_was_moved(tmp_path: Path) -> None:
     narrow = grainfit.Problem([grainfit.Parameter("particle.density", 2000, 2300)], PROBLEM.targets)
-    grainfit.calibrate(narrow, simulate, workdir=tmp_path, extend_intervals=True)
+    grainfit.calibrate(
+        narrow, simulate, workdir=tmp_path, strategy=grainfit.Sequential(extend_intervals=True)
+    )
     (parameter,) = SavedCalibration.open(tmp_path).problem.parameters
     assert parameter.minimum == 2000
     assert parameter.maximum > 2450

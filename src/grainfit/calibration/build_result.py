@@ -11,7 +11,7 @@ from grainfit.evaluation import Evaluation
 from grainfit.problem import Problem, Target
 from grainfit.result import ResponseResult, Result, RunCounts, RunSummary, Status
 from grainfit.strategies.answer import Answer, bound_at
-from grainfit.strategies.base import Strategy
+from grainfit.strategies.base import Search
 
 
 @dataclass(frozen=True)
@@ -35,7 +35,7 @@ class Verification:
 
 def make_result(
     about: About,
-    strategy: Strategy,
+    strategy: Search,
     answer: Answer | None,
     evaluations: Sequence[Evaluation],
     verification: Verification,
@@ -47,8 +47,8 @@ def make_result(
     ----------
     about : About
         Name, identity, duration and end.
-    strategy : Strategy
-        What was calibrated, and how.
+    strategy : Search
+        The search that has ended.
     answer : Answer or None
         None when it was interrupted before there was one.
     evaluations : sequence of Evaluation

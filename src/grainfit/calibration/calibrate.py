@@ -8,28 +8,31 @@ from concurrent.futures import Executor
 from contextlib import ExitStack
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, get_args
+from typing import Any
 
 from threadpoolctl import threadpool_limits
 
 from grainfit.calibration.loop import CalibrationLoop, LoopOptions
+from grainfit.calibration.options import CalibrationOptions
 from grainfit.calibration.progress import Progress
 from grainfit.calibration.provenance import Provenance
 from grainfit.calibration.timeouts import default_timeouts
 from grainfit.calibration.verification import usual_verification_runs
 from grainfit.campaign.campaign import Campaign, CampaignOptions
+from grainfit.campaign.keep import Keep
 from grainfit.campaign.reuse import open_source, take_runs
 from grainfit.campaign.store.shared import SharedRuns, share
 from grainfit.campaign.store.store import RunStore
-from grainfit.campaign.work_folder import RESULT_NAME, Keep, hold, recover
+from grainfit.campaign.work_folder import RESULT_NAME, hold, recover
 from grainfit.errors import Fault, InputError
 from grainfit.evaluation import response_name
 from grainfit.problem import Problem
 from grainfit.result import Result
 from grainfit.solvers.base import Solver
 from grainfit.solvers.own_model.python_callable import PythonCallable
-from grainfit.strategies.registry import DEFAULT_STRATEGY, StrategyChoice, make_strategy
-from grainfit.strategies.sequential.options import Preference
+from grainfit.strategies.base import Strategy
+from grainfit.strategies.budget import start_search
+from grainfit.strategies.registry import DEFAULT_STRATEGY, as_strategy
 
 Simulate = Callable[[dict[str, float], int], Mapping[str, Any]] | Solver | Mapping[str, Solver]
 
@@ -38,16 +41,13 @@ def calibrate(
     problem: Problem,
     simulate: Simulate,
     *,
-    strategy: str = DEFAULT_STRATEGY,
+    strategy: str | Strategy = DEFAULT_STRATEGY,
     max_runs: int | None = None,
     workers: int = 1,
     seed: int = 1,
     workdir: str | Path | None = None,
     name: str = "",
-    design_runs: int | None = None,
     verification_runs: int | None = None,
-    prefer: Preference | None = None,
-    extend_intervals: bool | None = None,
     timeouts: Mapping[str, float] | None = None,
     executor: Executor | None = None,
     runs_from: Sequence[str | Path] = (),
@@ -67,9 +67,10 @@ def calibrate(
         ``simulate(parameters: dict[str, float], seed: int) -> dict[str, float]`` called once per
         run; or a solver; or one solver for each of several tests, by name of the test: responses
         are then called ``test.response``.
-    strategy : {"sequential", "staged"}
-        How runs are chosen: each where it is expected to improve the answer most, until it is
-        decided; or by the three steps of the method.
+    strategy : str or Strategy
+        How runs are chosen: ``"sequential"``, each where it is expected to improve the answer most,
+        until it is decided; ``"staged"``, by the three steps of the method; or an object with
+        options, such as ``grainfit.Sequential(prefer="accuracy")``, or of a class of your own.
     max_runs : int, optional
         Largest number of DEM runs, verification included.
     workers : int
@@ -81,18 +82,9 @@ def calibrate(
         finished run is repeated. Without it nothing is kept.
     name : str
         What the calibration is called.
-    design_runs : int, optional
-        Size of the Latin hypercube; with d free parameters 1.5 (d + 1) by default, and 13 d for
-        the staged strategy.
     verification_runs : int, optional
         Fresh seeds at the answer, at least 2; by default 5, or up to so many that no worker is
         idle.
-    prefer : {"time_step", "accuracy"}
-        Of all parameter sets that agree with the measurements, take the one with the largest
-        Rayleigh time step, or the closest one. Sequential strategy only.
-    extend_intervals : bool
-        Move a bound that keeps a target out of reach, within physical limits, and go on.
-        Sequential strategy only.
     timeouts : mapping of str to float, optional
         Longest wall time of one run by name of the test, s; ``math.inf`` for none. By default
         that of the solver: for a bulk test 10 minutes plus 100 times the estimated time of a run.
@@ -141,16 +133,21 @@ def calibrate(
     ('calibrated', 0.5)
     """
     solvers = _solvers(simulate)
-    _check_numbers(max_runs, workers, seed, verification_runs, design_runs)
+    CalibrationOptions(
+        max_runs=max_runs,
+        seed=seed,
+        workers=workers,
+        verification_runs=verification_runs,
+        keep=keep,
+    )
+    chosen = as_strategy(strategy)
     _check_targets(problem, solvers)
     _check_timeouts(timeouts or {}, solvers)
-    _check_keep(keep)
     for solver in solvers.values():
         solver.check()
     verification_runs = verification_runs or usual_verification_runs(workers)
     options = LoopOptions(name, workers, max_runs, verification_runs, on_progress, provenance)
-    wanted = StrategyChoice(strategy, design_runs, prefer, extend_intervals)
-    chosen = make_strategy(problem, wanted, len(solvers), seed, max_runs, verification_runs)
+    search = start_search(chosen, problem, len(solvers), seed, max_runs, verification_runs)
     with ExitStack() as stack:
         # Metamodels are small; threads of linear algebra would only fight the solvers for cores.
         stack.enter_context(threadpool_limits(limits=1, user_api="blas"))
@@ -176,7 +173,7 @@ def calibrate(
         making = CampaignOptions(workers, limits, executor, keep)
         campaign = Campaign(solvers, runs, folder, making, shared)
         stack.callback(campaign.close)
-        result = CalibrationLoop(problem, chosen, campaign, runs, options).run()
+        result = CalibrationLoop(problem, search, campaign, runs, options).run()
         return result if folder is None else _keep(result, folder / RESULT_NAME)
 
 
@@ -211,31 +208,6 @@ def _solvers(simulate: Simulate) -> dict[str, Solver]:
     )
 
 
-def _check_numbers(
-    max_runs: int | None,
-    workers: int,
-    seed: int,
-    verification_runs: int | None,
-    design_runs: int | None,
-) -> None:
-    faults = []
-    for key, value, lowest in (
-        ("max_runs", max_runs, 1),
-        ("workers", workers, 1),
-        ("seed", seed, 0),
-        ("verification_runs", verification_runs, 2),
-        ("design_runs", design_runs, 1),
-    ):
-        if value is None:
-            continue
-        if isinstance(value, bool) or not isinstance(value, int) or value < lowest:
-            faults.append(
-                Fault(key, f"is {value!r}.", f"It must be a whole number, {lowest} or above.")
-            )
-    if faults:
-        raise InputError(faults)
-
-
 def _check_timeouts(timeouts: Mapping[str, float], solvers: Mapping[str, Solver]) -> None:
     faults = [
         Fault(f"timeouts.{test}", "is no test.", f"There are: {', '.join(solvers)}.")
@@ -249,12 +221,6 @@ def _check_timeouts(timeouts: Mapping[str, float], solvers: Mapping[str, Solver]
     ]
     if faults:
         raise InputError(faults)
-
-
-def _check_keep(keep: str) -> None:
-    if keep not in get_args(Keep):
-        words = " or ".join(f'"{word}"' for word in get_args(Keep))
-        raise InputError(Fault("keep", f"is {keep!r}.", f"Use {words}."))
 
 
 def _check_targets(problem: Problem, solvers: Mapping[str, Solver]) -> None:

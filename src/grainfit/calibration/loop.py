@@ -33,7 +33,8 @@ from grainfit.problem import Problem
 from grainfit.result import Result, Status
 from grainfit.run_definition import identity_of
 from grainfit.strategies.answer import Answer
-from grainfit.strategies.base import Strategy, insertion_seed
+from grainfit.strategies.base import Search
+from grainfit.strategies.seeds import insertion_seed
 
 #: With this many failures that are alike, or this many of any kind, and not one success, there is
 #: no use in going on.
@@ -59,7 +60,7 @@ class CalibrationLoop:
     def __init__(
         self,
         problem: Problem,
-        strategy: Strategy,
+        strategy: Search,
         campaign: Campaign,
         store: RunStore,
         options: LoopOptions,
@@ -240,7 +241,7 @@ class CalibrationLoop:
             if not self._campaign.has_pending:
                 return
             for evaluation in self._wait():
-                self._strategy.tell(evaluation)
+                self._strategy.tell(evaluation.proposal, evaluation)
 
     @property
     def _has_room(self) -> bool:
@@ -298,10 +299,10 @@ class CalibrationLoop:
                 if evaluation.proposal.seed in order:
                     ended.append(evaluation)
                 else:
-                    self._strategy.tell(evaluation)
+                    self._strategy.tell(evaluation.proposal, evaluation)
         ended.sort(key=lambda evaluation: order[evaluation.proposal.seed])
         for evaluation in ended:
-            self._strategy.tell(evaluation)
+            self._strategy.tell(evaluation.proposal, evaluation)
 
     def _left(self) -> int | None:
         """Proposals that the budget allows besides one round of verification."""

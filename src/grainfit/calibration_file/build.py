@@ -8,21 +8,24 @@ from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import Any
 
+from grainfit.calibration.options import CalibrationOptions
 from grainfit.calibration.provenance import Provenance
 from grainfit.calibration.timeouts import default_timeouts
-from grainfit.calibration_file.content import CalibrationFile, StrategyOptions, TestSpecification
+from grainfit.calibration_file.content import CalibrationFile, SearchOptions, TestSpecification
 from grainfit.campaign.cluster.executor import is_available
 from grainfit.campaign.cluster.options import ClusterOptions
 from grainfit.contact_models.registry import MATERIAL_PARAMETERS
 from grainfit.errors import Fault, InputError
 from grainfit.evaluation import response_name
 from grainfit.materials.time_step import RayleighTimeStep
+from grainfit.options.fields import option_keys
 from grainfit.options.kinds import Quantity, suggest
 from grainfit.options.places import Findings, Place
 from grainfit.problem import Problem
 from grainfit.solvers.base import Solver
 from grainfit.solvers.registry import types_of_test
 from grainfit.solvers.type_of_test import FileEntry
+from grainfit.strategies.registry import changed
 from grainfit.units import is_unit
 
 _RAYLEIGH = ("particle.density", "particle.youngs_modulus", "particle.poissons_ratio")
@@ -56,8 +59,8 @@ class CalibrationSetup:
         return self.file.name
 
     @property
-    def strategy(self) -> StrategyOptions:
-        """What the file says of the search."""
+    def strategy(self) -> SearchOptions:
+        """Options of the search in the file."""
         return self.file.strategy
 
     @property
@@ -104,34 +107,30 @@ class CalibrationSetup:
         }
         return Provenance(self.file.path.name, text, fixed, units)
 
-    def options(
-        self,
-        strategy: str | None = None,
-        max_runs: int | None = None,
-        seed: int | None = None,
-        workers: int | None = None,
-        keep: str | None = None,
-    ) -> dict[str, Any]:
-        """Return the arguments of `grainfit.calibrate` for the search; what is given here wins."""
-        given = {
-            "strategy": strategy,
-            "max_runs": max_runs,
-            "seed": seed,
-            "workers": workers,
-            "keep": keep,
+    def options(self, strategy: str | None = None, **given: Any) -> dict[str, Any]:
+        """Return the arguments of `grainfit.calibrate` for the search; what is given here wins.
+
+        Parameters
+        ----------
+        strategy : str, optional
+            Another strategy, which takes the options of the file.
+        **given : object
+            Options of the calibration and of the strategy; None leaves what the file says.
+
+        Raises
+        ------
+        InputError
+            The strategy is not known, or does not have or accept an option.
+        """
+        given = _without_none(given)
+        names = [known.name for known in option_keys(CalibrationOptions)]
+        in_file = {name: getattr(self.strategy, name) for name in names}
+        own = {key: value for key, value in given.items() if key not in names}
+        return {
+            "strategy": changed(self.strategy.strategy, strategy, own),
+            **_without_none(in_file | {"workers": self.workers}),
+            **{key: value for key, value in given.items() if key in names},
         }
-        in_file = {
-            "strategy": self.strategy.name,
-            "max_runs": self.strategy.max_runs,
-            "seed": self.strategy.seed,
-            "workers": self.workers,
-            "design_runs": self.strategy.design_runs,
-            "verification_runs": self.strategy.verification_runs,
-            "prefer": self.strategy.prefer,
-            "extend_intervals": self.strategy.extend_intervals,
-            "keep": self.strategy.keep,
-        }
-        return _without_none(in_file) | _without_none(given)
 
     def values(self, settings: Iterable[str]) -> dict[str, float]:
         """Return values of all free parameters, and of whatever is set.

@@ -1,17 +1,18 @@
-"""What a calibration file says, once it has been read: plain data in SI units."""
+"""Content of a calibration file that has been read: plain data in SI units."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, ClassVar, Literal
+from typing import Any, ClassVar
 
+from grainfit.calibration.options import CalibrationOptions
 from grainfit.campaign.cluster.options import ClusterOptions
 from grainfit.materials.sizes import ParticleSizes
 from grainfit.problem import Parameter, Target
-from grainfit.strategies.registry import DEFAULT_STRATEGY, StrategyChoice
-from grainfit.strategies.sequential.options import Preference
+from grainfit.strategies.base import Strategy
+from grainfit.strategies.sequential.strategy import Sequential
 
 
 @dataclass(frozen=True)
@@ -40,45 +41,21 @@ class TestSpecification:
 
 
 @dataclass(frozen=True)
-class StrategyOptions:
-    """What a calibration file says of the search; None where it leaves the default.
+class SearchOptions(CalibrationOptions):
+    """Content of ``[strategy]``; None where the file leaves the default.
 
     Parameters
     ----------
-    name : str
-        Name of the strategy.
-    max_runs : int, optional
-        Budget of DEM runs.
-    seed : int, optional
-        Seed of the design and of the runs' seeds.
-    workers : int, optional
-        Runs at once.
-    design_runs, verification_runs : int, optional
-        Runs of the design, and at the answer.
-    prefer : {"time_step", "accuracy"}, optional
-        Which of the parameter sets that agree is the answer.
-    extend_intervals : bool, optional
-        Whether bounds that are in the way are moved.
+    max_runs, seed, workers, verification_runs, keep : optional
+        As in `CalibrationOptions`.
+    strategy : Strategy
+        The strategy with its options.
     rayleigh_weight : float, optional
         Weight of the Rayleigh criterion in the misfit.
-    keep : {"all", "results"}, optional
-        What stays of the folder of a finished run.
     """
 
-    name: str = DEFAULT_STRATEGY
-    max_runs: int | None = None
-    seed: int | None = None
-    workers: int | None = None
-    design_runs: int | None = None
-    verification_runs: int | None = None
-    prefer: Preference | None = None
-    extend_intervals: bool | None = None
+    strategy: Strategy = field(default_factory=Sequential)
     rayleigh_weight: float | None = None
-    keep: Literal["all", "results"] | None = None
-
-    def choice(self) -> StrategyChoice:
-        """Return the strategy with its options."""
-        return StrategyChoice(self.name, self.design_runs, self.prefer, self.extend_intervals)
 
 
 @dataclass(frozen=True)
@@ -100,7 +77,7 @@ class CalibrationFile:
         The free parameters, in the order of the file.
     tests : tuple of TestSpecification
         At least one.
-    strategy : StrategyOptions
+    strategy : SearchOptions
         How to search.
     cluster : ClusterOptions or None
         Jobs of a cluster to make the runs in, when the file speaks of them.
@@ -112,5 +89,5 @@ class CalibrationFile:
     fixed: Mapping[str, float]
     parameters: tuple[Parameter, ...]
     tests: tuple[TestSpecification, ...]
-    strategy: StrategyOptions
+    strategy: SearchOptions
     cluster: ClusterOptions | None = None

@@ -8,18 +8,17 @@ from typing import Any
 from grainfit.bulk_tests.base import BulkTest
 from grainfit.bulk_tests.registry import BUILT_IN, bulk_tests
 from grainfit.calibration_file.cluster import CLUSTER, cluster_options
-from grainfit.calibration_file.content import StrategyOptions
 from grainfit.calibration_file.parameters import FixedOrFree, OwnParameter
+from grainfit.calibration_file.strategy_section import StrategySection, strategy_keys
 from grainfit.calibration_file.tests_section import Tests
 from grainfit.contact_models.registry import MATERIAL_PARAMETERS
 from grainfit.errors import InputError
 from grainfit.materials.diameters import Diameters
 from grainfit.materials.parameters import MaterialParameter
-from grainfit.options.kinds import Choice, Flag, Quantity, Text, Whole
+from grainfit.options.kinds import Text
 from grainfit.options.places import Findings, Place
 from grainfit.options.tables import Key, Named, Table, Values
 from grainfit.problem import Parameter
-from grainfit.strategies.registry import PREFERENCES, STRATEGIES
 
 MATERIAL_SECTIONS = {
     "particle": "The particles.",
@@ -33,42 +32,6 @@ _RESERVED = (
     "parameters",
     *MATERIAL_SECTIONS,
     *(name.replace(".", "_") for name in MATERIAL_PARAMETERS),
-)
-
-STRATEGY = (
-    Key("name", Choice(STRATEGIES), "How runs are chosen.", example='"sequential"'),
-    Key("max_runs", Whole(1), "Budget of DEM runs, of all tests together.", example="60"),
-    Key("seed", Whole(0), "Same seed, same calibration.", example="1"),
-    Key("workers", Whole(1, 4096), "Runs at once; as many as processor cores by default."),
-    Key("design_runs", Whole(2), "Runs of the design; the strategy's own number by default."),
-    Key("verification_runs", Whole(2), "Runs with fresh seeds at the answer; 5 by default."),
-    Key(
-        "prefer",
-        Choice(PREFERENCES),
-        "Of all parameter sets that agree, take the one with the largest Rayleigh time step "
-        "(default) or the closest one. Sequential strategy only.",
-        example='"accuracy"',
-    ),
-    Key(
-        "extend_intervals",
-        Flag(),
-        "Move a bound that keeps a target out of reach, within physical limits, and go on; "
-        "false by default. Sequential strategy only.",
-        example="true",
-    ),
-    Key(
-        "rayleigh_weight",
-        Quantity("", lowest=0.0),
-        "Weight of the Rayleigh criterion; above 0 it trades accuracy for a larger time step. "
-        "Staged strategy only.",
-    ),
-    Key(
-        "keep",
-        Choice(("all", "results")),
-        "What stays of the folder of a finished run: all its files (default), or its record, logs "
-        "and pictures.",
-        example='"results"',
-    ),
 )
 
 
@@ -86,7 +49,7 @@ def _material_key(parameter: MaterialParameter) -> Key:
 def _homes() -> dict[str, str]:
     """Where keys belong that people put into the wrong section."""
     homes = {"diameter": "[particle]", "name": "the top of the file, above all sections"}
-    homes |= {key.name: "[strategy]" for key in STRATEGY if key.name != "name"}
+    homes |= dict.fromkeys(strategy_keys(), "[strategy]")
     homes |= {key.name: "[cluster]" for key in CLUSTER}
     homes |= {key.name: "[[test]]" for test in BUILT_IN.values() for key in test.option_keys()}
     homes |= dict.fromkeys(("solver", "ranks", "timeout", "executable", "targets"), "[[test]]")
@@ -113,19 +76,6 @@ def _material_table(section: str) -> Table:
     return Table(tuple(keys), homes=_homes())
 
 
-def _strategy(values: Values, place: Place) -> StrategyOptions | None:
-    if None in values.values():
-        return None
-    options = StrategyOptions(**values)
-    try:
-        options.choice().check(options.rayleigh_weight or 0.0)
-    except InputError as error:
-        for fault in error.faults:
-            place.at(fault.key).fault(fault.message, fault.remedy)
-        return None
-    return options
-
-
 LAYOUT = Table(
     (
         Key("name", Text(), "What is calibrated, for people.", True, '"glass beads"'),
@@ -139,7 +89,7 @@ LAYOUT = Table(
             "Further parameters, of your own model.",
         ),
         Key("test", Tests(), "The bulk tests that were measured."),
-        Key("strategy", Table(STRATEGY, _strategy, _homes()), "How to search; all optional."),
+        Key("strategy", StrategySection(_homes()), "How to search; all optional."),
         Key(
             "cluster",
             Table(CLUSTER, cluster_options, _homes()),

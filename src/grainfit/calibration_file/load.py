@@ -8,7 +8,7 @@ import tomllib
 from pathlib import Path
 from typing import Any
 
-from grainfit.calibration_file.content import CalibrationFile, StrategyOptions
+from grainfit.calibration_file.content import CalibrationFile, SearchOptions
 from grainfit.calibration_file.layout import MATERIAL_SECTIONS, read_document
 from grainfit.calibration_file.line_numbers import key_lines
 from grainfit.errors import InputError
@@ -109,6 +109,6 @@ def _calibration_file(values: dict[str, Any], path: Path) -> CalibrationFile:
         fixed={n: v for n, v in everything.items() if not isinstance(v, Parameter)},
         parameters=tuple(v for v in everything.values() if isinstance(v, Parameter)),
         tests=values["test"],
-        strategy=values.get("strategy", StrategyOptions()),
+        strategy=values.get("strategy", SearchOptions()),
         cluster=values.get("cluster"),
     )

@@ -11,7 +11,7 @@ from grainfit.campaign.cluster.executor import describe_cluster, executed_by
 from grainfit.errors import GrainfitError, InputError
 from grainfit.problem import Parameter, Problem, Target
 from grainfit.solvers.base import Solver
-from grainfit.strategies.registry import make_strategy
+from grainfit.strategies.budget import start_search
 
 
 @dataclass(frozen=True)
@@ -91,21 +91,21 @@ def _run_lines(setup: CalibrationSetup) -> Iterator[str]:
     strategy = setup.strategy
     verification = strategy.verification_runs or usual_verification_runs(setup.workers)
     tests = len(setup.solvers)
-    chosen = make_strategy(
+    search = start_search(
+        strategy.strategy,
         setup.problem,
-        strategy.choice(),
         tests,
         seed=1,
         max_runs=strategy.max_runs,
         verification_runs=verification,
     )
-    design = chosen.design_runs
-    behind = chosen.expected_left - design
+    design = search.design_runs
+    behind = search.expected_left - design
     yield (
         f"DEM runs: {design * tests} for the design, usually {behind // 2 * tests} to "
         f"{2 * behind * tests} for the optimisation, and {verification * tests} for the "
         f"verification (up to {ROUNDS * verification * tests} where it is a close call); "
-        f"{setup.workers} at a time. Strategy: {chosen.name}."
+        f"{setup.workers} at a time. Strategy: {search.name}."
     )
     if dimension > len(setup.problem.targets):
         yield (

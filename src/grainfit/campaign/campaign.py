@@ -14,6 +14,7 @@ from pathlib import Path
 from pickle import PicklingError
 
 from grainfit.campaign import work_folder as workdir
+from grainfit.campaign.keep import Keep
 from grainfit.campaign.reserve import Reserve
 from grainfit.campaign.store.records import RunRecord
 from grainfit.campaign.store.shared import SharedRuns
@@ -54,7 +55,7 @@ class CampaignOptions:
     workers: int = 1
     timeouts: Mapping[str, float] = field(default_factory=dict)
     executor: Executor | None = None
-    keep: workdir.Keep = "all"
+    keep: Keep = "all"
     retry_pauses: Sequence[float] = RETRY_PAUSES
 
 

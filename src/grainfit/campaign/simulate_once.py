@@ -6,8 +6,9 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from grainfit.campaign.campaign import Campaign, CampaignOptions
+from grainfit.campaign.keep import Keep
 from grainfit.campaign.store.store import RunStore
-from grainfit.campaign.work_folder import Keep, hold, recover, run_folder
+from grainfit.campaign.work_folder import hold, recover, run_folder
 from grainfit.evaluation import Evaluation, Proposal
 from grainfit.solvers.base import Solver
 

@@ -16,17 +16,15 @@ import time
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import Literal, TextIO
+from typing import TextIO
 
+from grainfit.campaign.keep import Keep
 from grainfit.campaign.store.records import RunRecord
 from grainfit.campaign.store.store import RunStore
 from grainfit.errors import StoreError
 from grainfit.files import write_atomically
 from grainfit.solvers.process.process import end_orphan
 
-#: What stays of a run's folder: all that the solver read and wrote, or what it takes to know what
-#: came of it.
-Keep = Literal["all", "results"]
 RECORD_NAME = "run.json"
 RESULT_NAME = "result.json"
 PARTIAL_SUFFIX = ".partial"

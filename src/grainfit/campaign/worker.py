@@ -16,8 +16,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from grainfit.campaign.keep import Keep
 from grainfit.campaign.store.records import RunRecord
-from grainfit.campaign.work_folder import Keep, close_run_folder, open_run_folder, run_folder
+from grainfit.campaign.work_folder import close_run_folder, open_run_folder, run_folder
 from grainfit.errors import GrainfitError, RunFailedError
 from grainfit.evaluation import Response
 from grainfit.solvers.base import Solver, Workspace

@@ -21,7 +21,9 @@ from rich.console import Console
 from grainfit.cli import console as show
 from grainfit.cli.export import export
 from grainfit.cli.runs import runs_app
+from grainfit.cli.search_options import with_search_options
 from grainfit.errors import Fault, GrainfitError, InputError, RunFailedError
+from grainfit.strategies.registry import strategies
 
 if TYPE_CHECKING:
     from grainfit.calibration_file.build import CalibrationSetup
@@ -66,22 +68,15 @@ Workdir = Annotated[
 
 
 @app.command()
+@with_search_options
 def run(
     file: CalibrationPath,
     workdir: Workdir = None,
     strategy: Annotated[
         str | None,
-        typer.Option(help="How runs are chosen: sequential or staged. [default: from the file]"),
-    ] = None,
-    max_runs: Annotated[
-        int | None, typer.Option(metavar="N", help="Largest number of DEM runs, all included.")
-    ] = None,
-    seed: Annotated[
-        int | None, typer.Option(metavar="N", help="Decides the design and all insertion seeds.")
-    ] = None,
-    workers: Annotated[
-        int | None,
-        typer.Option(metavar="N", help="Runs at a time. [default: cores / ranks per run]"),
+        typer.Option(
+            metavar="|".join(strategies()), help="How runs are chosen. [default: from the file]"
+        ),
     ] = None,
     runs_from: Annotated[
         list[str] | None,
@@ -98,14 +93,6 @@ def run(
             help="Store that several machines share: no run is made twice.",
         ),
     ] = None,
-    keep: Annotated[
-        str | None,
-        typer.Option(
-            metavar="all|results",
-            help="What stays of a finished run: all its files, or record, logs and pictures. "
-            "[default: from the file, or all]",
-        ),
-    ] = None,
     retry_failed: Annotated[
         bool,
         typer.Option(
@@ -120,6 +107,7 @@ def run(
     no_report: Annotated[
         bool, typer.Option("--no-report", help="Do not write report.html at the end.")
     ] = False,
+    search_options: dict[str, Any] | None = None,
 ) -> None:
     """Calibrate: simulate, fit, verify, and write result.json and report.html.
 
@@ -133,9 +121,7 @@ def run(
     from grainfit.campaign.work_folder import default_workdir
 
     setup = replace(_build(file), local=local)
-    options = setup.options(
-        strategy=strategy, max_runs=max_runs, seed=seed, workers=workers, keep=keep
-    )
+    options = setup.options(strategy, **(search_options or {}))
     folder = workdir or default_workdir(file)
     with ExitStack() as stack:
         if not no_report:

@@ -469,16 +469,15 @@ class Kriging:
             coverage=float(np.mean(np.abs(values - mean) <= NORMAL_QUANTILE * deviation)),
         )
 
-    def condition(self, points: ArrayLike, values: ArrayLike | None) -> Kriging:
+    def condition(self, points: ArrayLike, values: ArrayLike) -> Kriging:
         """Add runs at the same hyperparameters.
 
         Parameters
         ----------
         points : array_like, shape (m, d)
             Points of the added runs.
-        values : array_like, shape (m,), or None
-            Their responses; None for runs that are under way: the mean stays what it is and the
-            variance shrinks to what it will be.
+        values : array_like, shape (m,)
+            Their responses.
 
         Returns
         -------
@@ -490,16 +489,42 @@ class Kriging:
             As `fit`.
         """
         points = _checked_points(points, self.d)
-        added = None
-        if values is not None:
-            added = (_checked_values(values, len(points)) - self._offset) / self._scale
-        known_noise = np.full(len(points), float(self._components[0].known_noise.mean()))
+        added = (_checked_values(values, len(points)) - self._offset) / self._scale
+        noise = self._usual_known_noise(len(points))
+        return self._with([c.condition(points, added, noise) for c in self._components], None)
+
+    def condition_on_pending(self, points: ArrayLike) -> Kriging:
+        """Add pending runs: the mean stays as it is, the variance shrinks to what it will be.
+
+        Parameters
+        ----------
+        points : array_like, shape (m, d)
+            Points of the pending runs.
+
+        Returns
+        -------
+        Kriging
+
+        Raises
+        ------
+        InputError
+            As `fit`.
+        """
+        points = _checked_points(points, self.d)
+        noise = self._usual_known_noise(len(points))
+        components = [c.condition_on_pending(points, noise) for c in self._components]
+        return self._with(components, self._judged_by or self)
+
+    def _usual_known_noise(self, runs: int) -> FloatArray:
+        return np.full(runs, float(self._components[0].known_noise.mean()))
+
+    def _with(self, components: list[Component], judged_by: Kriging | None) -> Kriging:
         return Kriging(
-            [c.condition(points, added, known_noise) for c in self._components],
+            components,
             offset=self._offset,
             scale=self._scale,
             degrees_of_freedom=self._degrees_of_freedom,
-            judged_by=(self._judged_by or self) if values is None else None,
+            judged_by=judged_by,
         )
 
     def reduced(self, components: int) -> Kriging:

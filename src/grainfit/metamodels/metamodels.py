@@ -24,8 +24,9 @@ class Metamodels:
     Responses are given in two ways: as they are (`predict`, `gradients`), and as *deviations*
     from the targets in units of their uncertainties, times the weights of the targets. The
     uncertainty is the tolerance, which stands for that of the measurement, and in quadrature the
-    scatter of the mean of all runs, lest a target that cannot be met as closely as is asked for
-    outweighs all others. So the sum of squared deviations weighs every target by what it is worth.
+    scatter of the mean of all runs, so that a target that cannot be met as closely as is asked for
+    does not outweigh all others. Thus the sum of squared deviations weighs every target by what it
+    is worth.
 
     Parameters
     ----------
@@ -46,7 +47,7 @@ class Metamodels:
 
     @classmethod
     def fit(cls, problem: Problem, evaluations: Sequence[Evaluation]) -> Metamodels:
-        """Fit the metamodels to what is known.
+        """Fit the metamodels to evaluations.
 
         Parameters
         ----------
@@ -194,10 +195,10 @@ class Metamodels:
         return int(counts[enough][0]) if enough.any() else int(counts[-1])
 
     def condition_on_pending(self, points: Array) -> Metamodels:
-        """What they will be when runs at points have come back: means as now, variances smaller."""
+        """Add pending runs at points: means stay as they are, variances shrink."""
         if not len(points):
             return self
-        return Metamodels(self.problem, [model.condition(points, None) for model in self.models])
+        return Metamodels(self.problem, [m.condition_on_pending(points) for m in self.models])
 
 
 def runs_that_yield(evaluations: Sequence[Evaluation], name: str) -> list[Evaluation]:

@@ -212,17 +212,20 @@ class Component:
         return self.values - self._coefficients / precision, 1.0 / precision
 
     def condition(
-        self, points: FloatArray, values: FloatArray | None, known_noise: FloatArray
+        self, points: FloatArray, values: FloatArray, known_noise: FloatArray
     ) -> Component:
-        """Add runs; those without values are pending and get the predicted mean."""
-        added = self.predict(points)[0] if values is None else values
+        """Add runs."""
         return Component(
             self.hyperparameters,
             self.trend,
             np.vstack([self.points, points]),
-            np.append(self.values, added),
+            np.append(self.values, values),
             np.append(self.known_noise, known_noise),
         )
+
+    def condition_on_pending(self, points: FloatArray, known_noise: FloatArray) -> Component:
+        """Add pending runs, which get the predicted mean."""
+        return self.condition(points, self.predict(points)[0], known_noise)
 
     def weighing(self, weight: float) -> Component:
         """The same with another weight in the mixture."""

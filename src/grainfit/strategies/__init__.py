@@ -1,1 +1,1 @@
-"""Strategies decide which DEM run to make next, and when the answer is known."""
+"""Strategies: how runs are chosen, and when the answer is known."""

@@ -1,4 +1,4 @@
-"""What a strategy believes in, how far it can be trusted, and what it cannot meet: plain data."""
+"""Answer of a search: parameters, predictions, how far they can be trusted; plain data."""
 
 from __future__ import annotations
 
@@ -9,8 +9,11 @@ from math import isfinite
 import numpy as np
 from numpy.typing import NDArray
 
+from grainfit.errors import RunFailedError
+from grainfit.evaluation import Evaluation
 from grainfit.metamodels.kriging import Kriging
 from grainfit.metamodels.metamodels import Metamodels
+from grainfit.problem import Problem
 from grainfit.result import Bound, MetamodelQuality, OutOfReach
 
 #: Nearer to a bound than this share of the interval counts as on it.
@@ -21,7 +24,7 @@ _AS_GOOD, _WORSE = 1.0, 4.0
 
 @dataclass(frozen=True)
 class Answer:
-    """What a strategy believes in.
+    """The parameter set that a search has found, and what the metamodels predict for it.
 
     Parameters
     ----------
@@ -36,8 +39,8 @@ class Answer:
     quality : mapping of str to MetamodelQuality
         By name of the target.
     cut_off : mapping of str to {"min", "max"}
-        Parameters of which what agrees reaches a bound, though not everything does: more may agree
-        beyond.
+        Parameters with a bound up to which parameter sets agree, while others do not agree: more
+        may agree beyond it.
     """
 
     parameters: Mapping[str, float]
@@ -57,9 +60,9 @@ def make_answer(
     *,
     spread: bool = True,
 ) -> Answer:
-    """Make a parameter set the answer, with all that the metamodels say of it.
+    """Make the answer of a parameter set and the metamodels' predictions for it.
 
-    ``closest`` is the point of the unit cube where they meet the targets best, and ``spread`` tells
+    ``closest`` is the point of the unit cube where they meet the targets best; ``spread`` says
     whether the runs are spread by a design, see `Kriging.warnings`.
     """
     point: NDArray[np.float64] = metamodels.problem.to_unit(parameters)
@@ -116,3 +119,35 @@ def _quality(model: Kriging, spread: bool) -> MetamodelQuality:
         noise=float(model.noise_standard_deviation),
         warnings=tuple(model.warnings(spread=spread)),
     )
+
+
+def answer_from_runs(
+    problem: Problem,
+    evaluations: Sequence[Evaluation],
+    parameters: Mapping[str, float] | None = None,
+) -> Answer:
+    """Make the answer of a search that has no rule of its own for it.
+
+    Parameters
+    ----------
+    problem : Problem
+        Free parameters and targets.
+    evaluations : sequence of Evaluation
+        All runs; Kriging metamodels are fitted to them.
+    parameters : mapping of str to float, optional
+        The parameter set to describe; by default, of those that were simulated, the one with the
+        smallest expected misfit.
+
+    Raises
+    ------
+    RunFailedError
+        Too few runs have succeeded to fit metamodels.
+    """
+    metamodels = Metamodels.fit(problem, evaluations)
+    names = {target.name for target in problem.targets}
+    tried = [e.proposal.parameters for e in evaluations if names <= e.responses.keys()]
+    if not tried:
+        raise RunFailedError("no parameter set gave all responses, so none can be the answer")
+    points = np.array([problem.to_unit(values) for values in tried])
+    best = int(np.argmin(metamodels.misfit(points)))
+    return make_answer(metamodels, parameters or tried[best], (), points[best])

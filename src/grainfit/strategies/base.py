@@ -1,84 +1,154 @@
-"""What a strategy is: the side of the conversation that asks for DEM runs.
+"""Strategy and Search: the options of a method of calibration, and one search under way.
 
-The life of a strategy:
+A `Strategy` is a frozen object that holds options only: it can be compared, printed, and used for
+any number of calibrations. `Strategy.start` gives a `Search`, which holds the state of one
+calibration and is driven from outside:
 
-1. It is made with a problem, a seed and a budget. Everything it does follows from these and from
-   what it is told, never from a clock: told the same, it asks the same. A calibration that was
-   interrupted is therefore simply started again: `Strategy.replay` hands the strategy what it
-   asked for before, and the runs that are known already are answered from the store.
-   Runs that others made before it are handed over by `Strategy.warm_start`.
-2. `Strategy.ask` is called whenever a worker is free. It returns the next proposal, or None: then
-   either a run under way has to come back first, or the strategy has `finished`.
-3. `Strategy.tell` hands it what came of a proposal, in any order; failed runs too.
-4. Once it has finished, `Strategy.answer` is the parameter set it believes in.
-5. The answer is verified with fresh seeds, outside the strategy. If it does not stand that, the
-   strategy is told those runs as well, and `Strategy.resume_after_verification` asks whether it
-   can do better: if so it is unfinished again and life goes on at 2.
+.. code-block:: python
+
+    search = Sequential().start(problem, seed=1)
+    while not search.finished:
+        proposal = search.ask()
+        search.tell(proposal, simulate(proposal.parameters, proposal.seed))
+    search.answer().parameters
+
+`grainfit.calibrate` does the same with many runs at a time, restarts and verification. A search
+goes through these calls:
+
+1. `Search.warm_start`, at most once and first: runs of other calibrations that it may use.
+2. `Search.replay`: the proposals that an earlier start of the same calibration has made, so that
+   an interrupted calibration continues instead of beginning again. The runs that are known are
+   told when they are asked for.
+3. `Search.ask` whenever a worker is free. It returns the next proposal, or None: then either the
+   search has `finished`, or a pending run has to be told first.
+4. `Search.tell` for every proposal whose run has ended, in any order: responses, or why it failed.
+5. `Search.answer` once it has `finished`; earlier it is the best answer so far.
+6. The answer is verified with fresh seeds, by the caller. The search is told these runs as well.
+   If they do not confirm the answer, `Search.resume_after_verification` asks whether it can do
+   better. If so it is no longer finished, and 2 to 6 are repeated.
+
+All that a search does follows from problem, options, seed, budget, and from what it was told;
+nothing follows from a clock or from chance: told the same, it asks the same. That is what makes 2
+possible, and what `grainfit.testing.strategy_contract` tests.
+
+To write a strategy of your own: declare its options as fields of a frozen dataclass that inherits
+from `Strategy`, return a search of your own from `start`, and implement the abstract methods of
+`Search`: `ask`, `note`, `answer`, `finished` and `expected_left`.
 """
 
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Iterable, Mapping, Sequence
-from typing import Any
-
-import numpy as np
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass, fields
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from grainfit.errors import Fault, InputError
-from grainfit.evaluation import Evaluation, Proposal, Stage
-from grainfit.problem import Problem
-from grainfit.strategies.answer import Answer
+from grainfit.evaluation import Evaluation, Outcome, Proposal
+from grainfit.options.fields import option_keys, read_options
 
-#: How often a verification that the answer does not stand may lead back to the search.
-RECONSIDERATIONS = 2
-_STAGE_CODES: Mapping[Stage, int] = {"design": 0, "optimisation": 1, "verification": 2}
+if TYPE_CHECKING:
+    # Options are looked at by every command line, which must not wait for numerical packages.
+    from grainfit.problem import Problem
+    from grainfit.strategies.answer import Answer
 
-
-def insertion_seed(seed: int, stage: Stage, number: int) -> int:
-    """Insertion seed of the numbered run of a stage: the same for the same calibration seed."""
-    state = np.random.SeedSequence([seed, _STAGE_CODES[stage], number]).generate_state(1)
-    # Some generators, such as that of LAMMPS, take no seed above 900,000,000.
-    return 1 + int(state[0]) % 899_999_999
+#: How often a verification that does not confirm the answer may lead back to the search.
+RESUMPTIONS = 2
 
 
-def without_repeats(evaluations: Iterable[Evaluation]) -> list[Evaluation]:
-    """Return evaluations without those of a run that is there already.
-
-    A run that was learnt of and is asked for as well is one run: to count it twice would make its
-    scatter look small.
-    """
-    seen: dict[tuple[float, ...], Evaluation] = {}
-    for evaluation in evaluations:
-        proposal = evaluation.proposal
-        seen.setdefault((*proposal.parameters.values(), proposal.seed), evaluation)
-    return list(seen.values())
-
-
+@dataclass(frozen=True)
 class Strategy(ABC):
-    """Asks for runs until it knows the answer.
+    """Options of a method of calibration.
+
+    Subclasses are frozen dataclasses whose fields are declared with `grainfit.options.fields`.
+    File keys, JSON Schema, help and checks follow from these declarations.
+
+    Raises
+    ------
+    InputError
+        Every option whose value is not accepted.
+    """
+
+    #: Name in the calibration file.
+    name: ClassVar[str]
+    #: Whether the search takes `Problem.rayleigh_weight` into account.
+    uses_rayleigh_weight: ClassVar[bool] = False
+
+    def __post_init__(self) -> None:
+        given = {known.name: getattr(self, known.name) for known in fields(self)}
+        values = read_options(option_keys(type(self)), given)
+        for known in fields(self):
+            # None stands for the default.
+            value = values.get(known.name, given[known.name])
+            object.__setattr__(self, known.name, known.default if value is None else value)
+
+    @abstractmethod
+    def start(self, problem: Problem, seed: int, max_evaluations: int | None = None) -> Search:
+        """Start a search.
+
+        Parameters
+        ----------
+        problem : Problem
+            Free parameters and targets.
+        seed : int
+            Decides the design and all insertion seeds.
+        max_evaluations : int, optional
+            Largest number of proposals.
+
+        Raises
+        ------
+        InputError
+            Options, problem and budget do not fit together.
+        """
+
+    def fewest_evaluations(self, problem: Problem) -> int:  # noqa: ARG002
+        """Return the smallest budget of proposals with which a search can be started."""
+        return 1
+
+    def check_rayleigh_weight(self, weight: float) -> None:
+        """Raise InputError when a weight is given that the search would not take into account."""
+        if weight > 0 and not self.uses_rayleigh_weight:
+            raise InputError(
+                Fault(
+                    "rayleigh_weight",
+                    f"has no meaning for the {self.name} strategy.",
+                    'Leave it out, or use a strategy that takes it into account, such as "staged".',
+                )
+            )
+
+
+class Search(ABC):
+    """State of one search: it proposes runs until the answer is known.
 
     Parameters
     ----------
+    strategy : Strategy
+        Its options.
     problem : Problem
-        What is calibrated.
+        Free parameters and targets.
     seed : int
         Decides the design and all insertion seeds.
     max_evaluations : int, optional
         Largest number of proposals.
     """
 
-    #: Name in the calibration file.
-    name: str
-
-    def __init__(self, problem: Problem, seed: int, max_evaluations: int | None = None) -> None:
+    def __init__(
+        self, strategy: Strategy, problem: Problem, seed: int, max_evaluations: int | None = None
+    ) -> None:
+        self.strategy = strategy
         self.problem = problem
         self.seed = seed
         self.max_evaluations = max_evaluations
 
     @property
-    @abstractmethod
+    def name(self) -> str:
+        """Name of the strategy."""
+        return self.strategy.name
+
+    @property
     def design_runs(self) -> int:
-        """Proposals of the design, before anything is known."""
+        """Number of proposals that do not depend on any response; 0 unless overridden."""
+        return 0
 
     @property
     @abstractmethod
@@ -88,40 +158,43 @@ class Strategy(ABC):
     @property
     @abstractmethod
     def expected_left(self) -> int:
-        """About how many proposals are still to come, for the time left."""
+        """Estimate of the number of proposals that are not told yet, for the time left."""
 
     @property
-    @abstractmethod
     def notices(self) -> Sequence[str]:
-        """What the user should know by now, oldest first."""
+        """Sentences for the user, oldest first; none unless overridden."""
+        return ()
 
     @property
-    @abstractmethod
     def definition(self) -> dict[str, Any]:
-        """The options that decide what is asked, as plain data."""
+        """Options that decide what is asked, as plain data: part of the calibration's identity.
+
+        All options of the strategy unless overridden. A search whose proposals depend on the
+        budget adds ``max_evaluations``.
+        """
+        return asdict(self.strategy)
 
     @property
     def current_problem(self) -> Problem:
-        """The problem with the intervals that are searched, should they have been widened."""
+        """The problem with the intervals that are searched, which may have been widened."""
         return self.problem
 
     def replay(self, proposals: Sequence[Proposal]) -> None:
-        """Take up the thread of an earlier start.
+        """Repeat the proposals of an earlier start of the same calibration.
 
         Called before the first `ask`, and again before the first one after each verification.
-        By default nothing is done, which suits a strategy that asks for the same proposals again
-        in whatever order runs come back. Any other one asks for these proposals again, in their
-        order, before it goes on.
+        Nothing is done unless overridden, which suits a search that makes the same proposals
+        again in whatever order runs are told. Any other one proposes these again, in their order,
+        before it continues.
 
         Parameters
         ----------
         proposals : sequence of Proposal
-            What was asked for then, in order.
+            The proposals of then, in order.
         """
 
-    @abstractmethod
     def warm_start(self, evaluations: Sequence[Evaluation]) -> None:
-        """Take note of runs that were there before, made for whatever purpose.
+        """Use runs of other calibrations; each is noted unless overridden.
 
         Called at most once, before anything else. They are no part of the budget.
 
@@ -130,84 +203,76 @@ class Strategy(ABC):
         evaluations : sequence of Evaluation
             Within the intervals of the problem.
         """
+        for evaluation in evaluations:
+            self.note(evaluation)
 
     @abstractmethod
     def ask(self) -> Proposal | None:
         """Return the next proposal, or None when there is none at this moment."""
 
+    def tell(self, proposal: Proposal, outcome: Outcome) -> None:
+        """Tell the outcome of a proposal.
+
+        Parameters
+        ----------
+        proposal : Proposal
+            As `ask` returned it, or of a run that was made for another reason.
+        outcome : mapping of str to float or Response, RunFailedError, or Evaluation
+            The responses by name; or why the run failed; or an evaluation of a campaign.
+
+        Raises
+        ------
+        InputError
+            The outcome is none of these, names no target, or has a value that is not finite.
+
+        Examples
+        --------
+        >>> from grainfit import Parameter, Problem, RunFailedError, Sequential, Target
+        >>> problem = Problem([Parameter("friction", 0.1, 0.9)], [Target("angle", 30.0)])
+        >>> search = Sequential().start(problem, seed=1)
+        >>> search.tell(search.ask(), {"angle": 31.2})
+        >>> search.tell(search.ask(), RunFailedError("the particles flew away"))
+        """
+        evaluation = Evaluation.of(proposal, outcome)
+        names = [target.name for target in self.problem.targets]
+        if isinstance(outcome, Mapping) and not any(name in outcome for name in names):
+            given = ", ".join(map(repr, outcome)) or "nothing"
+            raise InputError(
+                Fault(
+                    "outcome",
+                    f"has {given}, which is no target.",
+                    f"The targets are: {', '.join(names)}.",
+                )
+            )
+        self.note(evaluation)
+
     @abstractmethod
-    def tell(self, evaluation: Evaluation) -> None:
-        """Take note of what came of a proposal."""
+    def note(self, evaluation: Evaluation) -> None:
+        """Take note of a run, proposed by this search or not; `tell` calls it."""
 
     @abstractmethod
     def answer(self, parameters: Mapping[str, float] | None = None) -> Answer:
-        """Return the best parameter set by expected response.
+        """Return the best parameter set by expected responses.
 
         Parameters
         ----------
         parameters : mapping of str to float, optional
-            Those of an earlier start, which are then the answer whatever would be now.
+            Parameter set to describe instead, such as the answer of an earlier start.
+
+        Raises
+        ------
+        RunFailedError
+            Too few runs have succeeded.
         """
 
-    @abstractmethod
-    def resume_after_verification(self, affordable: int | None = None) -> bool:
-        """Go on when the answer did not stand its verification; False when it cannot do better.
+    def resume_after_verification(self, affordable: int | None = None) -> bool:  # noqa: ARG002
+        """Continue after a verification that did not confirm the answer.
+
+        Returns False when the search cannot do better, which is so unless overridden.
 
         Parameters
         ----------
         affordable : int, optional
             Largest number of further proposals that leaves room for another verification.
         """
-
-
-def smallest_design(dimension: int, wanted: int | None = None) -> int:
-    """Return the size of the design that is wanted, or else the smallest that is possible.
-
-    Raises
-    ------
-    InputError
-        What is wanted is too small to fit metamodels.
-    """
-    smallest = dimension + 3
-    if wanted is not None and wanted < smallest:
-        raise InputError(
-            Fault(
-                "design_runs",
-                f"{wanted} runs are too few for metamodels of {dimension} parameters.",
-                f"Give at least {smallest}.",
-            )
-        )
-    return wanted or smallest
-
-
-def design_size(dimension: int, wanted: int | None, usual: int, max_evaluations: int | None) -> int:
-    """Return the size of a design within a budget.
-
-    Parameters
-    ----------
-    dimension : int
-        Number of free parameters.
-    wanted : int, optional
-        What the user wants.
-    usual : int
-        What the strategy would take.
-    max_evaluations : int, optional
-        The budget. A tight one keeps a third for the runs behind the design.
-
-    Raises
-    ------
-    InputError
-        What is wanted is too small for metamodels or too large for the budget.
-    """
-    smallest = smallest_design(dimension, wanted)
-    if max_evaluations is None:
-        return wanted or usual
-    if max_evaluations < smallest:
-        raise InputError(
-            Fault(
-                "max_evaluations",
-                f"{max_evaluations} are too few for the design.",
-                f"Allow at least {smallest}.",
-            )
-        )
-    return wanted or min(usual, max(smallest, (2 * max_evaluations) // 3))
+        return False

@@ -1,4 +1,4 @@
-"""Which targets no parameter set within the intervals meets, and which bound is in the way."""
+"""Targets that no parameter set within the intervals meets, and the bound that is in the way."""
 
 from __future__ import annotations
 
@@ -153,7 +153,7 @@ def _within_physics(name: str, value: float, bound: float, upper: bool) -> float
 
 
 def widened(problem: Problem, misses: Iterable[OutOfReach]) -> Problem:
-    """The same problem with every bound that is in the way moved to where it should do.
+    """Return the problem with every bound that is in the way moved to the suggested value.
 
     Parameters
     ----------

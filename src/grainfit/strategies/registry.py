@@ -1,137 +1,174 @@
-"""Which strategy the user wants, by its name and options."""
+"""Strategies by name: the built-in ones, and those of other packages.
+
+A package offers a strategy of its own by an entry point of the group ``grainfit.strategies``:
+
+.. code-block:: toml
+
+    [project.entry-points."grainfit.strategies"]
+    my_strategy = "my_package.my_module:MyStrategy"
+"""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import get_args
+import warnings
+from collections.abc import Mapping
+from dataclasses import fields, replace
+from functools import cache
+from importlib.metadata import EntryPoint, entry_points
+from types import MappingProxyType
+from typing import Any
 
 from grainfit.errors import Fault, InputError
-from grainfit.problem import Problem
-from grainfit.strategies.base import Strategy, smallest_design
-from grainfit.strategies.sequential.options import Preference, SequentialOptions
-from grainfit.strategies.sequential.strategy import Sequential
-from grainfit.strategies.staged.strategy import Staged, StagedOptions
+from grainfit.options.fields import option_keys
+from grainfit.options.kinds import suggest
+from grainfit.options.tables import Key
+from grainfit.strategies.base import Strategy
 
-#: Names of the strategies, the default first.
-STRATEGIES = (Sequential.name, Staged.name)
-DEFAULT_STRATEGY = STRATEGIES[0]
-PREFERENCES: tuple[str, ...] = get_args(Preference)
+GROUP = "grainfit.strategies"
+DEFAULT_STRATEGY = "sequential"
+#: Built-in strategies: the name in the calibration file, and the class of the options.
+_BUILT_IN = {
+    "sequential": "grainfit.strategies.sequential.strategy:Sequential",
+    "staged": "grainfit.strategies.staged.strategy:Staged",
+}
 
 
-@dataclass(frozen=True)
-class StrategyChoice:
-    """A strategy by name, and what the user says of it; None is what the strategy does anyway.
+@cache
+def strategies() -> Mapping[str, type[Strategy]]:
+    """Return all strategies by name, the built-in ones first.
 
-    Parameters
-    ----------
-    name : str
-        One of `STRATEGIES`.
-    design_runs : int, optional
-        Size of the Latin hypercube.
-    prefer : {"time_step", "accuracy"}, optional
-        See `SequentialOptions`; the staged strategy knows no such preference.
-    extend_intervals : bool, optional
-        The same.
+    One of another package that cannot be used is left out with a warning.
     """
-
-    name: str = DEFAULT_STRATEGY
-    design_runs: int | None = None
-    prefer: Preference | None = None
-    extend_intervals: bool | None = None
-
-    def check(self, rayleigh_weight: float = 0.0) -> None:
-        """Raise InputError unless there is such a strategy that knows such options.
-
-        Parameters
-        ----------
-        rayleigh_weight : float
-            Weight of the Rayleigh criterion, which is an option of the staged strategy.
-        """
-        faults = []
-        if self.name not in STRATEGIES:
-            known = ", ".join(STRATEGIES)
-            faults.append(Fault("strategy", f"{self.name!r} is unknown.", f"Use one of: {known}."))
-        if self.prefer is not None and self.prefer not in PREFERENCES:
-            known = ", ".join(PREFERENCES)
-            faults.append(Fault("prefer", f"is {self.prefer!r}.", f"Use one of: {known}."))
-        if self.extend_intervals is not None and not isinstance(self.extend_intervals, bool):
-            faults.append(
-                Fault("extend_intervals", f"is {self.extend_intervals!r}.", "Use true or false.")
+    found = {name: EntryPoint(name, at, GROUP).load() for name, at in _BUILT_IN.items()}
+    for point in entry_points(group=GROUP):
+        try:
+            found[point.name] = _loaded(point, found)
+        except Exception as error:
+            # The code of another package must not keep anybody from using the others.
+            warnings.warn(
+                f"the strategy {point.name!r} ({point.value}) is left out: {error}", stacklevel=2
             )
-        for key in ("prefer", "extend_intervals"):
-            if self.name == Staged.name and getattr(self, key) is not None:
-                faults.append(
-                    Fault(
-                        key,
-                        "has no meaning for the staged strategy.",
-                        'Leave it out, or use strategy "sequential".',
-                    )
-                )
-        if self.name == Sequential.name and rayleigh_weight > 0:
-            faults.append(
-                Fault(
-                    "rayleigh_weight",
-                    "has no meaning for the sequential strategy, which takes the largest time "
-                    "step that agrees with the measurements anyway.",
-                    'Leave it out, or use strategy "staged".',
-                )
-            )
-        if faults:
-            raise InputError(faults)
-
-    def make(self, problem: Problem, seed: int, max_evaluations: int | None) -> Strategy:
-        """Make the strategy."""
-        if self.name == Staged.name:
-            return Staged(problem, seed, max_evaluations, StagedOptions(self.design_runs))
-        options = SequentialOptions(
-            design_runs=self.design_runs,
-            prefer=self.prefer or SequentialOptions.prefer,
-            extend_intervals=bool(self.extend_intervals),
-        )
-        return Sequential(problem, seed, max_evaluations, options)
+    return MappingProxyType(found)
 
 
-def make_strategy(
-    problem: Problem,
-    choice: StrategyChoice,
-    tests: int,
-    seed: int,
-    max_runs: int | None,
-    verification_runs: int,
-) -> Strategy:
-    """Make the strategy of a calibration within a budget of DEM runs.
+def _loaded(point: EntryPoint, known: Mapping[str, type[Strategy]]) -> type[Strategy]:
+    if point.name in known:
+        raise ValueError("there is another one of this name")
+    strategy = point.load()
+    if not (isinstance(strategy, type) and issubclass(strategy, Strategy)):
+        raise TypeError("it is no subclass of grainfit.Strategy")
+    if strategy.name != point.name:
+        raise ValueError(f"its class calls it {strategy.name!r}")
+    return strategy
 
-    Parameters
-    ----------
-    problem : Problem
-        What is calibrated.
-    choice : StrategyChoice
-        What the user wants.
-    tests : int
-        DEM runs that a parameter set takes.
-    seed : int
-        Decides the design and all insertion seeds.
-    max_runs : int or None
-        Largest number of DEM runs, verification included.
-    verification_runs : int
-        Runs of a verification; the budget keeps room for one.
+
+def strategy_named(name: str) -> type[Strategy]:
+    """Return the options class of a strategy.
 
     Raises
     ------
     InputError
-        There is no such strategy, the design is too small, or the budget is too small for the
-        design and the verification.
+        There is no strategy of this name.
     """
-    choice.check(problem.rayleigh_weight)
-    if max_runs is None:
-        return choice.make(problem, seed, None)
-    smallest = (smallest_design(problem.dimension, choice.design_runs) + verification_runs) * tests
-    if max_runs < smallest:
-        raise InputError(
-            Fault(
-                "max_runs",
-                f"{max_runs} runs are too few for the design and the verification.",
-                f"Allow at least {smallest}.",
-            )
-        )
-    return choice.make(problem, seed, max_runs // tests - verification_runs)
+    if name not in strategies():
+        remedy = f"Use one of: {', '.join(strategies())}."
+        raise InputError(Fault("strategy", f"{name!r} is unknown.", remedy))
+    return strategies()[name]
+
+
+def make_strategy(name: str, options: Mapping[str, Any]) -> Strategy:
+    """Make a strategy from its name and options.
+
+    Raises
+    ------
+    InputError
+        There is no such strategy, or it does not have or accept some option.
+    """
+    strategy = strategy_named(name)
+    faults = option_faults(name, options)
+    if faults:
+        raise InputError(faults)
+    return strategy(**options)
+
+
+def option_faults(name: str, options: Mapping[str, Any]) -> list[Fault]:
+    """Return a fault for every option that a strategy does not have."""
+    own = [known.name for known in option_keys(strategy_named(name))]
+    return [
+        Fault(key, f"has no meaning for the {name} strategy.", _instead(key, own))
+        for key in options
+        if key not in own
+    ]
+
+
+def _instead(key: str, own: list[str]) -> str:
+    others = [
+        f'"{name}"'
+        for name, strategy in strategies().items()
+        if key in (known.name for known in option_keys(strategy))
+    ]
+    if others:
+        return f"Leave it out, or use strategy {' or '.join(others)}."
+    return suggest(key, own, "Its options")
+
+
+def as_strategy(strategy: object) -> Strategy:
+    """Return a strategy that is given as an object or by its name.
+
+    Raises
+    ------
+    InputError
+        It is neither a strategy nor the name of one.
+    """
+    if isinstance(strategy, Strategy):
+        return strategy
+    if isinstance(strategy, str):
+        return make_strategy(strategy, {})
+    names = " or ".join(f'"{name}"' for name in strategies())
+    remedy = f"Give {names}, or an object such as grainfit.Sequential()."
+    raise InputError(Fault("strategy", f"is {strategy!r}.", remedy))
+
+
+def changed(strategy: Strategy, name: str | None, options: Mapping[str, Any]) -> Strategy:
+    """Return a strategy with some options, or all of it, replaced.
+
+    Parameters
+    ----------
+    strategy : Strategy
+        Its options that are not at their default are kept.
+    name : str, optional
+        Another strategy to take these options.
+    options : mapping of str to object
+        Options that win.
+    """
+    given = {
+        known.name: value
+        for known in fields(strategy)
+        if (value := getattr(strategy, known.name)) != known.default
+    }
+    return make_strategy(name or strategy.name, given | dict(options))
+
+
+def all_options() -> dict[str, dict[str, Key]]:
+    """Return the options of all strategies by name, each by the strategies that have it."""
+    found: dict[str, dict[str, Key]] = {}
+    for name, strategy in strategies().items():
+        for known in option_keys(strategy):
+            found.setdefault(known.name, {})[name] = known
+    return found
+
+
+def merged_key(declared: Mapping[str, Key]) -> Key:
+    """Return one key for an option of several strategies; its kind is that of the first."""
+    first = next(iter(declared.values()))
+    texts = _by_strategy({name: key.description for name, key in declared.items()})
+    defaults = _by_strategy({name: key.default for name, key in declared.items()})
+    only = "" if len(declared) == len(strategies()) else f" Strategy: {', '.join(declared)}."
+    return replace(first, description=" ".join(texts) + only, default=", ".join(defaults))
+
+
+def _by_strategy(texts: Mapping[str, str]) -> list[str]:
+    """Return one text where all are the same, or else each with its strategy."""
+    if len(set(texts.values())) == 1:
+        return [next(iter(texts.values()))]
+    return [f"{text} ({name})" for name, text in texts.items()]

@@ -7,8 +7,8 @@ Write a class of tests for a strategy of your own, in a file that pytest finds::
 
     class TestMyStrategy(StrategyContract):
         @pytest.fixture
-        def make(self):
-            return MyStrategy
+        def strategy(self):
+            return MyStrategy()
 
 and pytest runs all tests below. They calibrate a heap of grains that is two formulas and some
 noise, so that a calibration takes a second.
@@ -19,32 +19,34 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import replace
+from dataclasses import FrozenInstanceError, asdict, fields, replace
 from typing import Any, Protocol
 
 import numpy as np
 import pytest
 
-from grainfit.errors import RunFailedError
+from grainfit.errors import InputError, RunFailedError
 from grainfit.evaluation import Evaluation, Proposal, Response
+from grainfit.options.fields import option_keys
 from grainfit.problem import Parameter, Problem, Target
-from grainfit.strategies.base import Strategy, insertion_seed
+from grainfit.strategies.base import Search, Strategy
+from grainfit.strategies.seeds import insertion_seed
 
 #: More proposals than any strategy may need without a budget.
 MOST_PROPOSALS = 120
 #: Scatter of the responses from seed to seed, as recorded heaps show it.
 NOISE = {"bulk_density": 3.7, "angle": 0.8}
 
-#: What comes of a proposal.
+#: Makes the evaluation of a proposal.
 Simulate = Callable[[Proposal], Evaluation]
 
 
 class Make(Protocol):
-    """Makes the strategy under test."""
+    """Starts a search of the strategy under test."""
 
     def __call__(
         self, problem: Problem, seed: int, max_evaluations: int | None = None
-    ) -> Strategy: ...
+    ) -> Search: ...
 
 
 def heap_problem(angle: float = 22.0, tolerance: float = 0.5) -> Problem:
@@ -67,7 +69,7 @@ def heap_problem(angle: float = 22.0, tolerance: float = 0.5) -> Problem:
 
 
 def heap(proposal: Proposal, noise: float = 1.0) -> Evaluation:
-    """What comes of a proposal: linear in the density, saturating in friction, and noise.
+    """Return the evaluation of a proposal: linear in density, saturating in friction, and noise.
 
     Parameters
     ----------
@@ -89,7 +91,7 @@ def scattered(proposal: Proposal, expected: dict[str, float], noise: float = 1.0
     Parameters
     ----------
     proposal : Proposal
-        What was asked for.
+        Its seed decides the noise.
     expected : dict of str to float
         Responses without noise.
     noise : float
@@ -104,7 +106,7 @@ def scattered(proposal: Proposal, expected: dict[str, float], noise: float = 1.0
 
 
 def failed(proposal: Proposal, by_machine: bool = False) -> Evaluation:
-    """What comes of a proposal whose run fails."""
+    """Return the evaluation of a proposal whose run fails."""
     reason = "the disk is full" if by_machine else "the particles flew away"
     return Evaluation(proposal, {}, {"heap": reason}, failed_by_machine=by_machine)
 
@@ -119,15 +121,15 @@ def quiet(proposal: Proposal) -> Evaluation:
     return heap(proposal, 0.0)
 
 
-def converse(strategy: Strategy, simulate: Simulate, workers: int = 1) -> list[Evaluation]:
-    """Answer a strategy until it has finished.
+def converse(search: Search, simulate: Simulate, workers: int = 1) -> list[Evaluation]:
+    """Answer a search until it has finished.
 
     Parameters
     ----------
-    strategy : Strategy
-        Whose proposals are answered.
+    search : Search
+        The search, whose proposals are answered.
     simulate : callable
-        What comes of a proposal.
+        Makes the evaluation of a proposal.
     workers : int
         Runs under way at a time. With several, the latest one comes back first, but every third
         time the earliest one does.
@@ -139,33 +141,111 @@ def converse(strategy: Strategy, simulate: Simulate, workers: int = 1) -> list[E
     """
     evaluations: list[Evaluation] = []
     under_way: list[Proposal] = []
-    while not strategy.finished:
-        while len(under_way) < workers and not strategy.finished:
-            proposal = strategy.ask()
+    while not search.finished:
+        while len(under_way) < workers and not search.finished:
+            proposal = search.ask()
             if proposal is None:
                 break
             assert proposal not in under_way
             under_way.append(proposal)
         assert under_way, "a strategy that waits for nothing never ends"
-        assert strategy.expected_left >= 0
+        assert search.expected_left >= 0
         proposal = under_way.pop(0 if len(evaluations) % 3 == 2 else -1)
         evaluations.append(simulate(proposal))
-        strategy.tell(evaluations[-1])
+        search.tell(proposal, evaluations[-1])
         assert len(evaluations) <= MOST_PROPOSALS, "this strategy does not come to an end"
     for proposal in under_way:
         # They were under way when the others decided it, and come back all the same.
         evaluations.append(simulate(proposal))
-        strategy.tell(evaluations[-1])
+        search.tell(proposal, evaluations[-1])
     return evaluations
 
 
 class StrategyContract:
-    """Tests of what a calibration relies on; subclasses give the fixture ``make``."""
+    """Tests of what a calibration relies on; subclasses give the fixture ``strategy``."""
 
     @pytest.fixture
-    def make(self) -> Make:
-        """Give a function that makes the strategy: ``make(problem, seed, max_evaluations)``."""
+    def strategy(self) -> Strategy:
+        """Give the strategy under test, with its options at their defaults."""
         raise NotImplementedError
+
+    @pytest.fixture
+    def make(self, strategy: Strategy) -> Make:
+        """Give the function that starts a search: ``make(problem, seed, max_evaluations)``."""
+        return strategy.start
+
+    # Options ---------------------------------------------------------------------------------
+
+    def test_options_are_plain_frozen_data(self, strategy: Strategy) -> None:
+        again = type(strategy)(**asdict(strategy))
+
+        assert again == strategy
+        assert hash(again) == hash(strategy)
+        for field in fields(strategy):
+            with pytest.raises(FrozenInstanceError):
+                setattr(strategy, field.name, None)
+
+    def test_every_option_is_declared_with_help_and_refuses_what_it_cannot_be(
+        self, strategy: Strategy
+    ) -> None:
+        declared = option_keys(type(strategy))
+
+        assert [known.name for known in declared] == [field.name for field in fields(strategy)]
+        for known in declared:
+            assert known.description
+            assert known.default
+            assert known.example
+            with pytest.raises(InputError) as caught:
+                replace(strategy, **{known.name: object()})
+            assert [fault.key for fault in caught.value.faults] == [known.name]
+
+    def test_searches_of_a_strategy_know_nothing_of_each_other(self, strategy: Strategy) -> None:
+        first, second = (strategy.start(heap_problem(), 5) for _ in range(2))
+        asked = converse(first, nearly_quiet)[0].proposal
+
+        assert first.strategy == second.strategy == strategy
+        assert first.name == strategy.name
+        assert second.ask() == asked
+
+    # Plain numbers ---------------------------------------------------------------------------
+
+    def test_plain_numbers_are_told_as_well(self, make: Make) -> None:
+        by_campaign, by_hand = make(heap_problem(), 5), make(heap_problem(), 5)
+        for _ in range(by_hand.design_runs + 1):
+            proposal = _asked(by_campaign)
+            assert _asked(by_hand) == proposal
+            evaluation = heap(proposal)
+            by_campaign.tell(proposal, evaluation)
+            by_hand.tell(proposal, {n: r.value for n, r in evaluation.responses.items()})
+
+        assert by_hand.ask() == by_campaign.ask()
+
+    def test_a_failure_is_told_by_its_error(self, make: Make) -> None:
+        by_campaign, by_hand = make(heap_problem(), 5), make(heap_problem(), 5)
+        for number in range(by_hand.design_runs + 1):
+            proposal = _asked(by_campaign)
+            assert _asked(by_hand) == proposal
+            fails = number == 1
+            by_campaign.tell(proposal, failed(proposal) if fails else heap(proposal))
+            by_hand.tell(proposal, RunFailedError("flew away") if fails else heap(proposal))
+
+        assert by_hand.ask() == by_campaign.ask()
+
+    @pytest.mark.parametrize(
+        ("outcome", "word"),
+        [
+            ({"angel": 22.0}, "angle"),
+            ({}, "nothing"),
+            ({"angle": math.nan}, "RunFailedError"),
+            ({"angle": "steep"}, "angle"),
+            (22.0, "by name"),
+        ],
+    )
+    def test_what_cannot_be_a_response_is_named(self, make: Make, outcome: Any, word: str) -> None:
+        search = make(heap_problem(), 5)
+
+        with pytest.raises(InputError, match=word):
+            search.tell(_asked(search), outcome)
 
     # The same again --------------------------------------------------------------------------
 
@@ -215,18 +295,18 @@ class StrategyContract:
         whole, rest = converse(cold, heap), converse(warm, heap)
 
         assert len(rest) <= len(whole)
-        for strategy in (cold, warm):
-            _assert_close(strategy.answer().parameters, bulk_density=0.02, angle=0.06)
+        for search in (cold, warm):
+            _assert_close(search.answer().parameters, bulk_density=0.02, angle=0.06)
         quality = warm.answer().quality["angle"]
         assert 0.2 * NOISE["angle"] < quality.noise < 3 * NOISE["angle"]
 
     def test_a_run_that_is_learnt_and_asked_for_counts_once(self, make: Make) -> None:
-        strategy, other = make(heap_problem(), 5), make(heap_problem(), 5)
-        evaluations = converse(strategy, heap)
-        before = strategy.answer()
+        search, other = make(heap_problem(), 5), make(heap_problem(), 5)
+        evaluations = converse(search, heap)
+        before = search.answer()
         other.warm_start(evaluations)
         for evaluation in evaluations:
-            other.tell(evaluation)
+            other.tell(evaluation.proposal, evaluation)
 
         assert other.answer().standard_errors == pytest.approx(before.standard_errors, rel=0.05)
 
@@ -234,11 +314,11 @@ class StrategyContract:
 
     def test_proposals_are_new_runs_within_the_intervals(self, make: Make) -> None:
         problem = heap_problem()
-        strategy = make(problem, 1)
-        proposals = [e.proposal for e in converse(strategy, nearly_quiet)]
+        search = make(problem, 1)
+        proposals = [e.proposal for e in converse(search, nearly_quiet)]
 
-        assert [p.stage for p in proposals[: strategy.design_runs]].count("design") == (
-            strategy.design_runs
+        assert [p.stage for p in proposals[: search.design_runs]].count("design") == (
+            search.design_runs
         )
         assert len({p.seed for p in proposals}) == len(proposals)
         for proposal in proposals:
@@ -251,8 +331,8 @@ class StrategyContract:
             [Parameter("density", 1407.0, 2793.0), Parameter("friction", 1e-3, 1.0, "log")],
             heap_problem().targets,
         )
-        strategy = make(problem, 1)
-        proposals = [_asked(strategy) for _ in range(strategy.design_runs)]
+        search = make(problem, 1)
+        proposals = [_asked(search) for _ in range(search.design_runs)]
         # Spread evenly over the values, 3 % of them were below.
         below = sum(p.parameters["friction"] < math.sqrt(1e-3) for p in proposals)
 
@@ -263,18 +343,18 @@ class StrategyContract:
     @pytest.mark.parametrize("workers", [1, 4])
     @pytest.mark.parametrize("budget", [5, 8, 13])
     def test_the_budget_is_never_exceeded(self, make: Make, budget: int, workers: int) -> None:
-        strategy = make(heap_problem(), 2, budget)
+        search = make(heap_problem(), 2, budget)
 
-        assert len(converse(strategy, heap, workers)) <= budget
-        assert strategy.finished
-        assert strategy.ask() is None
+        assert len(converse(search, heap, workers)) <= budget
+        assert search.finished
+        assert search.ask() is None
 
     def test_several_runs_at_a_time_are_all_new_and_come_to_an_end(self, make: Make) -> None:
-        strategy = make(heap_problem(), 3)
-        evaluations = converse(strategy, lambda p: heap(p, 0.3), workers=4)
+        search = make(heap_problem(), 3)
+        evaluations = converse(search, lambda p: heap(p, 0.3), workers=4)
 
         assert len({e.proposal.seed for e in evaluations}) == len(evaluations)
-        _assert_close(strategy.answer().parameters, bulk_density=0.01, angle=0.04)
+        _assert_close(search.answer().parameters, bulk_density=0.01, angle=0.04)
 
     # Failures --------------------------------------------------------------------------------
 
@@ -285,30 +365,30 @@ class StrategyContract:
                 return failed(proposal, by_machine)
             return nearly_quiet(proposal)
 
-        strategy = make(heap_problem(), 1)
-        evaluations = converse(strategy, simulate)
+        search = make(heap_problem(), 1)
+        evaluations = converse(search, simulate)
 
         assert any(e.failures for e in evaluations)
-        _assert_close(strategy.answer().parameters, bulk_density=0.01, angle=0.03)
+        _assert_close(search.answer().parameters, bulk_density=0.01, angle=0.03)
 
     def test_a_corner_may_fail(self, make: Make) -> None:
         def fails(parameters: Any) -> bool:
             return bool(parameters["density"] < 2000.0 and parameters["friction"] > 0.4)
 
-        strategy = make(heap_problem(), 1)
+        search = make(heap_problem(), 1)
         evaluations = converse(
-            strategy, lambda p: failed(p) if fails(p.parameters) else nearly_quiet(p)
+            search, lambda p: failed(p) if fails(p.parameters) else nearly_quiet(p)
         )
 
         assert any(e.failures for e in evaluations)
-        assert not fails(strategy.answer().parameters)
-        _assert_close(strategy.answer().parameters, bulk_density=0.01, angle=0.03)
+        assert not fails(search.answer().parameters)
+        _assert_close(search.answer().parameters, bulk_density=0.01, angle=0.03)
 
     def test_when_all_runs_fail_it_ends_with_the_reason(self, make: Make) -> None:
-        strategy = make(heap_problem(), 1, 12)
+        search = make(heap_problem(), 1, 12)
 
         with pytest.raises(RunFailedError, match="flew away"):
-            _answered(strategy, failed)
+            _answered(search, failed)
 
     def test_there_is_no_answer_without_knowledge(self, make: Make) -> None:
         with pytest.raises(RunFailedError):
@@ -317,26 +397,26 @@ class StrategyContract:
     # The answer ------------------------------------------------------------------------------
 
     def test_without_noise_the_answer_is_close(self, make: Make) -> None:
-        strategy = make(heap_problem(), 1)
-        converse(strategy, quiet)
+        search = make(heap_problem(), 1)
+        converse(search, quiet)
 
-        _assert_close(strategy.answer().parameters, bulk_density=0.002, angle=0.005)
+        _assert_close(search.answer().parameters, bulk_density=0.002, angle=0.005)
 
     @pytest.mark.parametrize("angle", [17.0, 22.0, 30.0])
     def test_the_answer_lies_within_the_intervals(self, make: Make, angle: float) -> None:
         problem = heap_problem(angle)
-        strategy = make(problem, 1)
-        converse(strategy, nearly_quiet)
+        search = make(problem, 1)
+        converse(search, nearly_quiet)
 
-        assert strategy.current_problem == problem
-        _assert_within(problem, strategy.answer().parameters)
-        assert bool(strategy.answer().out_of_reach) == (angle == 30.0)
+        assert search.current_problem == problem
+        _assert_within(problem, search.answer().parameters)
+        assert bool(search.answer().out_of_reach) == (angle == 30.0)
 
     def test_given_parameters_are_the_answer(self, make: Make) -> None:
-        strategy = make(heap_problem(), 1, 12)
-        converse(strategy, nearly_quiet)
+        search = make(heap_problem(), 1, 12)
+        converse(search, nearly_quiet)
         given = {"density": 2000.0, "friction": 0.3}
-        answer = strategy.answer(given)
+        answer = search.answer(given)
 
         assert answer.parameters == given
         assert answer.predicted["bulk_density"] == pytest.approx(1290.0, rel=0.02)
@@ -349,10 +429,10 @@ class StrategyContract:
             values = {"density": 2000.0, **proposal.parameters}
             return replace(nearly_quiet(replace(proposal, parameters=values)), proposal=proposal)
 
-        strategy = make(problem, 1)
-        converse(strategy, simulate)
+        search = make(problem, 1)
+        converse(search, simulate)
 
-        assert strategy.answer().parameters["friction"] == pytest.approx(0.433, rel=0.08)
+        assert search.answer().parameters["friction"] == pytest.approx(0.433, rel=0.08)
 
     def test_more_targets_than_parameters_are_met(self, make: Make) -> None:
         # Of the targets, any two decide the parameters, and the third agrees with them.
@@ -365,20 +445,20 @@ class StrategyContract:
             of_height = Response(0.1 * math.tan(math.radians(angle)))
             return replace(evaluation, responses={**evaluation.responses, "height": of_height})
 
-        strategy = make(problem, 1)
-        converse(strategy, simulate)
+        search = make(problem, 1)
+        converse(search, simulate)
 
-        _assert_close(strategy.answer().parameters, bulk_density=0.01, angle=0.02)
-        assert strategy.answer().predicted["height"] == pytest.approx(height.value, abs=0.001)
+        _assert_close(search.answer().parameters, bulk_density=0.01, angle=0.02)
+        assert search.answer().predicted["height"] == pytest.approx(height.value, abs=0.001)
 
     # Verification ----------------------------------------------------------------------------
 
     def test_verification_runs_are_knowledge(self, make: Make) -> None:
-        strategy = make(heap_problem(), 1)
-        converse(strategy, nearly_quiet)
-        answer = strategy.answer()
-        _verify(strategy, 1.0)
-        again = strategy.answer(answer.parameters)
+        search = make(heap_problem(), 1)
+        converse(search, nearly_quiet)
+        answer = search.answer()
+        _verify(search, 1.0)
+        again = search.answer(answer.parameters)
 
         assert again.predicted["angle"] > answer.predicted["angle"] + 0.1
 
@@ -386,11 +466,11 @@ class StrategyContract:
     def test_after_a_verification_it_asks_for_no_more_than_is_affordable(
         self, make: Make, affordable: int
     ) -> None:
-        strategy = make(heap_problem(), 1)
-        converse(strategy, nearly_quiet)
-        _verify(strategy, 2.0)
-        goes_on = strategy.resume_after_verification(affordable)
-        more = converse(strategy, nearly_quiet)
+        search = make(heap_problem(), 1)
+        converse(search, nearly_quiet)
+        _verify(search, 2.0)
+        goes_on = search.resume_after_verification(affordable)
+        more = converse(search, nearly_quiet)
 
         assert len(more) <= affordable
         assert goes_on or not more
@@ -398,36 +478,36 @@ class StrategyContract:
             assert more, "the verification was far off, and there is budget to do something"
 
     def test_without_budget_it_does_not_go_on(self, make: Make) -> None:
-        strategy = make(heap_problem(), 1)
-        converse(strategy, nearly_quiet)
-        _verify(strategy, 2.0)
+        search = make(heap_problem(), 1)
+        converse(search, nearly_quiet)
+        _verify(search, 2.0)
 
-        assert strategy.resume_after_verification(affordable=-1) is False
-        assert strategy.finished
+        assert search.resume_after_verification(affordable=-1) is False
+        assert search.finished
 
     def test_verifications_that_stay_off_come_to_an_end(self, make: Make) -> None:
-        strategy = make(heap_problem(), 1)
-        converse(strategy, nearly_quiet)
+        search = make(heap_problem(), 1)
+        converse(search, nearly_quiet)
         for number in range(10):
-            _verify(strategy, 2.0, number)
-            if not strategy.resume_after_verification(affordable=4):
+            _verify(search, 2.0, number)
+            if not search.resume_after_verification(affordable=4):
                 break
-            converse(strategy, nearly_quiet)
+            converse(search, nearly_quiet)
         else:
             pytest.fail("it goes on for ever")
 
-        assert strategy.finished
+        assert search.finished
 
 
-def _asked(strategy: Strategy) -> Proposal:
-    proposal = strategy.ask()
+def _asked(search: Search) -> Proposal:
+    proposal = search.ask()
     assert proposal is not None
     return proposal
 
 
-def _answered(strategy: Strategy, simulate: Simulate) -> object:
-    converse(strategy, simulate)
-    return strategy.answer()
+def _answered(search: Search, simulate: Simulate) -> object:
+    converse(search, simulate)
+    return search.answer()
 
 
 def _assert_within(problem: Problem, parameters: Any) -> None:
@@ -444,60 +524,59 @@ def _assert_close(parameters: Any, bulk_density: float, angle: float) -> None:
     assert truth["angle"].value == pytest.approx(22.0, rel=angle)
 
 
-def _verify(strategy: Strategy, off: float, number: int = 0) -> None:
+def _verify(search: Search, off: float, number: int = 0) -> None:
     """Tell runs at the answer whose angle is off by some degrees."""
-    parameters = strategy.answer().parameters
+    parameters = search.answer().parameters
     for run in range(3):
-        seed = insertion_seed(strategy.seed, "verification", 3 * number + run + 1)
+        seed = insertion_seed(search.seed, "verification", 3 * number + run + 1)
         evaluation = nearly_quiet(Proposal(parameters, seed, "verification"))
         angle = Response(evaluation.responses["angle"].value + off)
         responses = {**evaluation.responses, "angle": angle}
-        strategy.tell(replace(evaluation, responses=responses))
+        search.tell(evaluation.proposal, replace(evaluation, responses=responses))
 
 
 # Interruptions ------------------------------------------------------------------------------
 
 
-def _interrupted(
-    strategy: Strategy, runs: int, workers: int
-) -> tuple[list[Proposal], list[Proposal]]:
+def _interrupted(search: Search, runs: int, workers: int) -> tuple[list[Proposal], list[Proposal]]:
     """Answer so many runs; return what has been asked, and what of it has been told."""
     asked: list[Proposal] = []
     told: list[Proposal] = []
     while True:
-        while len(asked) - len(told) < workers and (proposal := strategy.ask()) is not None:
+        while len(asked) - len(told) < workers and (proposal := search.ask()) is not None:
             asked.append(proposal)
         if len(told) >= runs and len(asked) > len(told):
             return asked, told
-        _tell_latest(strategy, asked, told)
+        _tell_latest(search, asked, told)
 
 
-def _tell_latest(strategy: Strategy, asked: Sequence[Proposal], told: list[Proposal]) -> None:
+def _tell_latest(search: Search, asked: Sequence[Proposal], told: list[Proposal]) -> None:
     told.append(next(p for p in reversed(asked) if p not in told))
-    strategy.tell(heap(told[-1]))
+    search.tell(told[-1], heap(told[-1]))
 
 
-def _take_up(strategy: Strategy, asked: Sequence[Proposal], told: Sequence[Proposal]) -> None:
+def _take_up(search: Search, asked: Sequence[Proposal], told: Sequence[Proposal]) -> None:
     """Let a new strategy ask for all of its history again, and tell it what is known of it."""
-    strategy.replay(asked)
+    search.replay(asked)
     again: list[Proposal] = []
     known = [proposal for proposal in asked if proposal in told]
     while len(again) < len(asked):
-        proposal = strategy.ask()
+        proposal = search.ask()
         if proposal is None:
             # A batch has to come back before the next one is asked for.
-            strategy.tell(heap(known.pop(next(i for i, p in enumerate(known) if p in again))))
+            answered = known.pop(next(i for i, p in enumerate(known) if p in again))
+            search.tell(answered, heap(answered))
             continue
         # A batch need not be asked for in the order of then.
         assert proposal in asked, "it asks for something else than before"
         assert proposal not in again
         again.append(proposal)
     for proposal in reversed(known):
-        strategy.tell(heap(proposal))
+        search.tell(proposal, heap(proposal))
 
 
 def _together(
-    first: Strategy, second: Strategy, under_way: list[Proposal], workers: int, most: int = 4
+    first: Search, second: Search, under_way: list[Proposal], workers: int, most: int = 4
 ) -> int:
     """Go on with two strategies that must ask the same; return how much both have asked."""
     asked = 0
@@ -513,6 +592,6 @@ def _together(
         if not under_way:
             break
         evaluation = heap(under_way.pop(0))
-        first.tell(evaluation)
-        second.tell(evaluation)
+        first.tell(evaluation.proposal, evaluation)
+        second.tell(evaluation.proposal, evaluation)
     return asked

@@ -1,4 +1,4 @@
-"""Which parameter set is the answer: the closest one, or the one that computes fastest."""
+"""Search for the answer on the metamodels: the closest parameter set, or the fastest."""
 
 from __future__ import annotations
 
@@ -48,8 +48,8 @@ class AnswerSearch:
     runs : ndarray, shape (n, d)
         Points that have been simulated.
     seeds : sequence of int
-        Decide the searches, each of which draws anew from them: what is found does not depend on
-        what was sought before.
+        Decide the searches, each of which starts from them: its result does not depend on earlier
+        searches.
     """
 
     def __init__(
@@ -60,7 +60,7 @@ class AnswerSearch:
         seeds: Sequence[int],
     ) -> None:
         self.metamodels = metamodels
-        self._experience = feasibility
+        self._feasibility = feasibility
         self._seeds = tuple(seeds)
         random = self._random()
         dimension = metamodels.problem.dimension
@@ -74,14 +74,14 @@ class AnswerSearch:
 
     @property
     def problem(self) -> Problem:
-        """Whose answers they are."""
+        """The problem that is answered."""
         return self.metamodels.problem
 
     def _random(self) -> np.random.Generator:
         return np.random.default_rng(self._seeds)
 
     def _misfit(self, points: Array) -> Array:
-        likely = self._experience.success_probability(points) > 0.5
+        likely = self._feasibility.success_probability(points) > 0.5
         return np.asarray(self.metamodels.misfit(points) + np.where(likely, 0.0, _FORBIDDEN))
 
     def most_hopeful(self, standard_errors: float) -> Array:
@@ -155,7 +155,7 @@ class AnswerSearch:
         return np.asarray(found[0])
 
     def time_step_to_gain(self, answer: Array) -> tuple[Array, float]:
-        """Where a larger time step could still be had, and how much is expected of it.
+        """Find the largest expected gain of the time step.
 
         Parameters
         ----------
@@ -165,8 +165,8 @@ class AnswerSearch:
         Returns
         -------
         point : ndarray, shape (d,)
-            Where the gain of the logarithm of the time step, times the probability that the point
-            agrees with the measurements, is largest.
+            Point at which the gain of the logarithm of the time step, times the probability that
+            the point agrees with the measurements, is largest.
         gain : float
             That product.
 
@@ -187,5 +187,5 @@ class AnswerSearch:
         return points[0], -float(values[0])
 
     def _probability_all_met(self, points: Array) -> Array:
-        likely = self._experience.success_probability(points) > 0.5
+        likely = self._feasibility.success_probability(points) > 0.5
         return np.asarray(self.metamodels.probability_all_met(points) * likely)

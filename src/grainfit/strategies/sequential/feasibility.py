@@ -1,4 +1,4 @@
-"""Where runs can be expected to succeed, from where they have failed."""
+"""Probability that a run succeeds, estimated from the runs nearby."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ class FeasibilityModel:
     problem : Problem
         Whose unit cube is meant.
     evaluations : sequence of Evaluation
-        What is known.
+        The runs known so far.
     """
 
     def __init__(self, problem: Problem, evaluations: Sequence[Evaluation]) -> None:

@@ -1,4 +1,4 @@
-"""How much one more run at a point is expected to improve the answer."""
+"""Knowledge gradient: expected improvement of the answer by one more run at a point."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ class KnowledgeGradient:
     Parameters
     ----------
     metamodels : Metamodels
-        With the runs under way accounted for.
+        Conditioned on the pending runs.
     points : ndarray, shape (m, d)
         Possible answers.
     handicaps : ndarray, shape (m,)

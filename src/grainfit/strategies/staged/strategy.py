@@ -1,227 +1,47 @@
-"""The staged strategy: Latin hypercube, fit on Kriging metamodels, the same fit on the DEM.
-
-The method of Rackl, Görnig, Hanley & Günthner (ECCOMAS 2016) with its three steps. One thing is
-different: a DEM response is noisy, so a single run never decides. Every run of step 3 is added to
-the metamodels, and steps are accepted, derivatives taken and the answer chosen by the *expected*
-responses that follow from all runs. Without noise this is the method of the paper.
-"""
+"""The staged strategy: its options with the search that they start."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, ClassVar
 
-import numpy as np
-from numpy.typing import NDArray
+from grainfit.strategies.base import Search
+from grainfit.strategies.staged.options import StagedOptions
 
-from grainfit.errors import RunFailedError
-from grainfit.evaluation import Evaluation, Proposal, Stage
-from grainfit.metamodels.designs import maximin_latin_hypercube
-from grainfit.metamodels.metamodels import Metamodels
-from grainfit.problem import Problem
-from grainfit.result import OutOfReach
-from grainfit.strategies.answer import Answer, make_answer
-from grainfit.strategies.base import RECONSIDERATIONS, design_size, insertion_seed
-from grainfit.strategies.batch import BatchStrategy, Plan
-from grainfit.strategies.out_of_reach import out_of_reach
-from grainfit.strategies.staged.least_squares import (
-    damped_step,
-    difference_jacobian,
-    difference_points,
-    fit_on_metamodels,
-)
-from grainfit.strategies.staged.residuals import (
-    expected_misfit,
-    expected_misfit_at,
-    residuals_at,
-    within_tolerance,
-)
-
-Array = NDArray[np.float64]
-
-#: Runs of the design per free parameter; the paper's study has 26 for two.
-DESIGN_RUNS_PER_PARAMETER = 13
-#: Most runs of step 3 per free parameter; the paper's study needs 9 to 15 for two.
-OPTIMISATION_RUNS_PER_PARAMETER = 10
-#: Step 3 ends when a step is shorter than this share of every interval.
-SMALL_STEP = 0.01
+if TYPE_CHECKING:
+    from grainfit.problem import Problem
 
 
 @dataclass(frozen=True)
-class StagedOptions:
-    """Options of the staged strategy.
+class Staged(StagedOptions):
+    """Three steps: Latin hypercube, fit on Kriging metamodels, the same fit on the DEM.
 
     Parameters
     ----------
     design_runs : int, optional
         Size of the Latin hypercube; 13 per free parameter by default.
-    """
 
-    design_runs: int | None = None
-
-
-class Staged(BatchStrategy):
-    """Calibrate by the three steps of the method.
-
-    Parameters
+    References
     ----------
-    problem : Problem
-        What is calibrated.
-    seed : int
-        Decides the design and all insertion seeds.
-    max_evaluations : int, optional
-        Largest number of proposals.
-    options : StagedOptions
-        Size of the design.
+    Rackl, Görnig, Hanley & Günthner (ECCOMAS 2016).
 
-    Raises
-    ------
-    InputError
-        The design is too small to fit metamodels, or larger than the budget.
+    Examples
+    --------
+    >>> Staged(design_runs=20)
+    Staged(design_runs=20)
     """
 
-    name = "staged"
+    name: ClassVar[str] = "staged"
+    uses_rayleigh_weight: ClassVar[bool] = True
 
-    def __init__(
-        self,
-        problem: Problem,
-        seed: int,
-        max_evaluations: int | None = None,
-        options: StagedOptions | None = None,
-    ) -> None:
-        super().__init__(problem, seed, max_evaluations)
-        usual = DESIGN_RUNS_PER_PARAMETER * problem.dimension
-        wanted = (options or StagedOptions()).design_runs
-        self._design_runs = design_size(problem.dimension, wanted, usual, max_evaluations)
-        left = OPTIMISATION_RUNS_PER_PARAMETER * problem.dimension
-        if max_evaluations is not None:
-            left = max(0, max_evaluations - self._design_runs)
-        self._left = left
-        self._proposed = 0
-        self._reconsidered = 0
-        self._out_of_reach: tuple[OutOfReach, ...] = ()
-        self._fitted: tuple[int, Metamodels] | None = None
-        self._notices: list[str] = []
+    def start(self, problem: Problem, seed: int, max_evaluations: int | None = None) -> Search:
+        """Start a search; without a budget its last step has 10 runs per free parameter at most.
 
-    @property
-    def notices(self) -> Sequence[str]:
-        """What the user should know by now."""
-        return tuple(self._notices)
+        Parameters
+        ----------
+        problem, seed, max_evaluations : object
+            As in `Strategy.start`.
+        """
+        from grainfit.strategies.staged.search import StagedSearch
 
-    @property
-    def definition(self) -> dict[str, Any]:
-        """Size of the design and most runs of step 3: they shape the plan."""
-        return {"design_runs": self._design_runs, "max_evaluations": self.max_evaluations}
-
-    @property
-    def design_runs(self) -> int:
-        """Size of the Latin hypercube."""
-        return self._design_runs
-
-    @property
-    def expected_left(self) -> int:
-        """Proposals of the batch under way, and those of a usual step 3 behind the design."""
-        if not self._begun:
-            return self._design_runs + self.problem.dimension + 2
-        open_now = len(self._batch) - len(self._told)
-        in_design = bool(self._batch) and self._batch[0].stage == "design"
-        return open_now + (min(self._left, self.problem.dimension + 2) if in_design else 0)
-
-    def plan(self) -> Plan:
-        """Make the design, fit on the metamodels, then on the DEM."""
-        design = maximin_latin_hypercube(self._design_runs, self.problem.dimension, self.seed)
-        yield self._proposals(design, "design")
-        yield from self._optimise()
-
-    def resume_after_verification(self, affordable: int | None = None) -> bool:
-        """Fit again with the verification runs known, if the budget allows a step."""
-        if affordable is not None:
-            self._left = min(self._left, affordable)
-        possible = (
-            not self._out_of_reach
-            and self._left > self.problem.dimension
-            and self._reconsidered < RECONSIDERATIONS
-        )
-        if possible:
-            self._reconsidered += 1
-            self.follow(self._optimise())
-        return possible
-
-    def answer(self, parameters: Mapping[str, float] | None = None) -> Answer:
-        """Return the simulated parameter set with the smallest expected misfit."""
-        metamodels = self._metamodels()
-        closest = fit_on_metamodels(metamodels, self.seed)
-        if parameters is not None:
-            return make_answer(metamodels, parameters, self._out_of_reach, closest)
-        candidates = [dict(e.proposal.parameters) for e in self._successful()]
-        if not candidates:
-            raise RunFailedError("no parameter set gave all responses, so none can be the answer")
-        means, variances = metamodels.predict([self.problem.to_unit(p) for p in candidates])
-        misfits = [
-            expected_misfit(self.problem, *known)
-            for known in zip(candidates, means, variances, strict=True)
-        ]
-        best = candidates[int(np.argmin(misfits))]
-        return make_answer(metamodels, best, self._out_of_reach, closest)
-
-    def _optimise(self) -> Plan:
-        """Steps 2 and 3 with all that is known."""
-        metamodels = self._metamodels()
-        start = fit_on_metamodels(metamodels, self.seed)
-        self._out_of_reach = out_of_reach(metamodels, start, self.seed)
-        if self._out_of_reach:
-            self._notices += [str(miss) for miss in self._out_of_reach]
-            yield from self._runs_at([start])
-        else:
-            yield from self._fit_on_dem(metamodels, start)
-
-    def _fit_on_dem(self, metamodels: Metamodels, start: Array) -> Plan:
-        """Step 3: Levenberg-Marquardt on the expected responses of real runs."""
-        point, damping = start, 1e-3
-        moved = difference_points(metamodels, point)
-        yield from self._runs_at([point, *moved])
-        while self._left > 0:
-            metamodels = self._metamodels()
-            if within_tolerance(self.problem, metamodels.predict(point)[0][0]):
-                return
-            jacobian = difference_jacobian(metamodels, point, moved)
-            step = damped_step(jacobian, residuals_at(metamodels, point), damping, point)
-            if np.abs(step).max() < SMALL_STEP:
-                return
-            trial = point + step
-            yield from self._runs_at([trial])
-            metamodels = self._metamodels()
-            if expected_misfit_at(metamodels, trial) < expected_misfit_at(metamodels, point):
-                point, damping = trial, damping / 10
-                moved = difference_points(metamodels, point)
-                if not within_tolerance(self.problem, metamodels.predict(point)[0][0]):
-                    yield from self._runs_at(list(moved), reserve=1)
-            else:
-                damping = max(damping, 1e-3) * 10
-
-    def _runs_at(self, points: Iterable[Array], reserve: int = 0) -> Plan:
-        """Run at points as far as the budget goes, leaving some of it."""
-        affordable = list(points)[: max(0, self._left - reserve)]
-        self._left -= len(affordable)
-        if affordable:
-            yield self._proposals(affordable, "optimisation")
-
-    def _proposals(self, points: Iterable[Array], stage: Stage) -> list[Proposal]:
-        return [self._proposal(point, stage) for point in points]
-
-    def _proposal(self, point: Array, stage: Stage) -> Proposal:
-        self._proposed += 1
-        return Proposal(
-            self.problem.from_unit(point), insertion_seed(self.seed, stage, self._proposed), stage
-        )
-
-    def _metamodels(self) -> Metamodels:
-        known = self.known
-        if self._fitted is None or self._fitted[0] != len(known):
-            self._fitted = (len(known), Metamodels.fit(self.problem, known))
-        return self._fitted[1]
-
-    def _successful(self) -> Iterator[Evaluation]:
-        names = {target.name for target in self.problem.targets}
-        return (e for e in self.known if names <= e.responses.keys())
+        return StagedSearch(self, problem, seed, max_evaluations)

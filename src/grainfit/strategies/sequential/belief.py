@@ -1,4 +1,4 @@
-"""State of the sequential strategy: all that follows from the runs known so far"""
+"""Belief of the sequential strategy: all that follows from the runs known so far."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
 
 from grainfit.evaluation import Evaluation
 from grainfit.metamodels.metamodels import Metamodels
@@ -15,18 +16,34 @@ from grainfit.result import OutOfReach
 from grainfit.strategies.out_of_reach import out_of_reach
 from grainfit.strategies.sequential.answer_search import AnswerSearch
 from grainfit.strategies.sequential.feasibility import FeasibilityModel
-from grainfit.strategies.sequential.options import (
-    CAUTION,
-    CONFIDENCE_WITHOUT_ANY_RUN,
-    DEGREES_OF_FREEDOM,
-    STANDARD_ERRORS,
-    Array,
-    SequentialOptions,
-)
+from grainfit.strategies.sequential.options import SequentialOptions
+
+Array = NDArray[np.float64]
+
+#: Demanded probability without any single run: what hangs on one run is not decided.
+CONFIDENCE_WITHOUT_ANY_RUN = 0.9
+#: With fewer degrees of freedom to estimate the noise from, standard errors count double: a noise
+#: that looks small by chance would end many calibrations too early.
+DEGREES_OF_FREEDOM = 10
+CAUTION = 2.0
+#: A target must be missed by this many standard errors: it is looked at after every run.
+STANDARD_ERRORS = 3.0
 
 
-class SearchState:
-    """What follows from all that is known, for a problem with certain intervals."""
+class Belief:
+    """Metamodels, feasibility, and the answer that follow from the runs known so far.
+
+    Parameters
+    ----------
+    problem : Problem
+        With the intervals that are searched.
+    known : sequence of Evaluation
+        The runs.
+    seed : int
+        Decides the searches of the metamodels.
+    options : SequentialOptions
+        Preference and demanded probability.
+    """
 
     def __init__(
         self,
@@ -42,12 +59,12 @@ class SearchState:
         self._options = options
         runs = np.array([problem.to_unit(e.proposal.parameters) for e in known])
         seeds = (seed, len(known))
-        self.search = AnswerSearch(self.metamodels, self.feasibility, runs, seeds)
+        self.answers = AnswerSearch(self.metamodels, self.feasibility, runs, seeds)
 
     @cached_property
     def misses(self) -> tuple[OutOfReach, ...]:
         """Targets that are out of reach."""
-        hopeful = self.search.most_hopeful(STANDARD_ERRORS)
+        hopeful = self.answers.most_hopeful(STANDARD_ERRORS)
         if self.metamodels.shortfall(hopeful, STANDARD_ERRORS)[0] == 0:
             return ()
         return out_of_reach(self.metamodels, hopeful, self._seed, STANDARD_ERRORS)
@@ -56,8 +73,8 @@ class SearchState:
     def answer(self) -> Array:
         """The point that is the answer as things are."""
         if self._options.prefer == "accuracy":
-            return np.asarray(self.search.closest[0])
-        return self.search.fastest(self._options.confidence)
+            return np.asarray(self.answers.closest[0])
+        return self.answers.fastest(self._options.confidence)
 
     @cached_property
     def probability(self) -> float:
@@ -90,7 +107,7 @@ class SearchState:
     def _gain(self) -> tuple[Array, float]:
         if self._options.prefer == "accuracy":
             return self.answer, 0.0
-        return self.search.time_step_to_gain(self.answer)
+        return self.answers.time_step_to_gain(self.answer)
 
     @property
     def gain_point(self) -> Array:
@@ -110,7 +127,7 @@ class SearchState:
 
     def runs_needed(self, confidence: float) -> int:
         """About how many more runs at the answer would decide it."""
-        return self.metamodels.runs_needed(self.search.closest[0], confidence)
+        return self.metamodels.runs_needed(self.answers.closest[0], confidence)
 
     def narrowing(self, runs: int) -> float:
         """Share by which so many more runs at the answer would narrow its standard errors."""
@@ -141,6 +158,6 @@ class SearchState:
     @property
     def time_step_gained(self) -> float:
         """Share by which the time step of the answer exceeds that of the closest point."""
-        both = np.array([self.answer, self.search.closest[0]])
+        both = np.array([self.answer, self.answers.closest[0]])
         chosen, closest = np.exp(log_time_steps(self.problem, both))
         return float(chosen / closest - 1)

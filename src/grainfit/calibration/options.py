@@ -1,0 +1,70 @@
+"""Options of a calibration that do not depend on its strategy."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+from typing import get_args
+
+from grainfit.campaign.keep import Keep
+from grainfit.options.fields import option, option_keys, read_options
+from grainfit.options.kinds import Choice, Whole
+
+
+@dataclass(frozen=True)
+class CalibrationOptions:
+    """Options of a calibration that do not depend on its strategy; None leaves the default.
+
+    Parameters
+    ----------
+    max_runs : int, optional
+        Largest number of DEM runs, verification included.
+    seed : int, optional
+        Decides the design and all insertion seeds.
+    workers : int, optional
+        Runs at a time.
+    verification_runs : int, optional
+        Fresh seeds at the answer.
+    keep : {"all", "results"}, optional
+        Files that stay in the folder of a finished run.
+
+    Raises
+    ------
+    InputError
+        Every option whose value is not accepted.
+    """
+
+    max_runs: int | None = option(
+        Whole(1),
+        "Largest number of DEM runs, of all tests together, verification included. Without it, "
+        "the search ends by itself.",
+        words="none",
+        example="60",
+    )
+    seed: int | None = option(
+        Whole(0),
+        "Decides the design and all insertion seeds: same seed, same calibration.",
+        words="1",
+        example="7",
+    )
+    workers: int | None = option(
+        Whole(1, 4096),
+        "Runs at a time.",
+        words="as many as there are processor cores for",
+        example="4",
+    )
+    verification_runs: int | None = option(
+        Whole(2),
+        "Runs with fresh seeds at the answer. By default so many that no worker is idle.",
+        words="5 (6 with two or three workers, 8 with four)",
+        example="8",
+    )
+    keep: Keep | None = option(
+        Choice(get_args(Keep)),
+        'Files that stay in the folder of a finished run: all, or with "results" its record, logs '
+        "and pictures. Folders of failed runs stay whole.",
+        words='"all"',
+        example='"results"',
+    )
+
+    def __post_init__(self) -> None:
+        read_options(option_keys(type(self)), asdict(self))

@@ -1,0 +1,114 @@
+"""The ``[strategy]`` table of the calibration file, derived from the declared options."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from grainfit.calibration.options import CalibrationOptions
+from grainfit.calibration_file.content import SearchOptions
+from grainfit.errors import InputError
+from grainfit.options.fields import option_keys
+from grainfit.options.kinds import Choice, Kind, Quantity, Schema
+from grainfit.options.places import Place
+from grainfit.options.tables import Key, Table, Values
+from grainfit.strategies.registry import (
+    DEFAULT_STRATEGY,
+    all_options,
+    make_strategy,
+    merged_key,
+    option_faults,
+    strategies,
+)
+
+#: Weight in `Problem`, which only some strategies take into account.
+RAYLEIGH_WEIGHT = Key(
+    "rayleigh_weight",
+    Quantity("", lowest=0.0),
+    "Weight of the Rayleigh criterion among the deviations. Above 0 it trades accuracy for a "
+    "larger time step. Strategy: staged.",
+    default="0",
+)
+#: Options of every calibration, whatever its strategy.
+CALIBRATION_KEYS = (*option_keys(CalibrationOptions), RAYLEIGH_WEIGHT)
+
+
+def name_key() -> Key:
+    """Return the key that names the strategy."""
+    default = f'"{DEFAULT_STRATEGY}"'
+    kind = Choice(tuple(strategies()))
+    return Key("name", kind, "How runs are chosen.", example=default, default=default)
+
+
+def strategy_keys() -> list[str]:
+    """Return the names of all keys but that of the strategy's name."""
+    return [*(known.name for known in CALIBRATION_KEYS), *all_options()]
+
+
+@dataclass(frozen=True)
+class StrategySection(Kind):
+    """Options of the calibration, and of the strategy that the table names.
+
+    Parameters
+    ----------
+    homes : mapping of str to str
+        Keys that belong elsewhere, to where: for the remedy.
+    """
+
+    homes: Mapping[str, str]
+
+    def read(self, value: Any, place: Place) -> SearchOptions | None:
+        """Read the table; an option that the named strategy does not have is a fault."""
+        own: tuple[Key, ...] = ()
+        if isinstance(value, dict):
+            name = value.get("name", DEFAULT_STRATEGY)
+            if isinstance(name, str) and name in strategies():
+                own = option_keys(strategies()[name])
+                for fault in option_faults(name, _of_strategies(value)):
+                    place.at(fault.key).fault(fault.message, fault.remedy)
+            # The name is a fault of its own, and those of other strategies have theirs.
+            names = {key.name for key in own}
+            value = {k: v for k, v in value.items() if k in names or k not in all_options()}
+        options: SearchOptions | None = self._of_calibration(own).read(value, place)
+        return options
+
+    def schema(self) -> Schema:
+        """Return the JSON Schema of the table with the options of all strategies."""
+        schema = self._of_calibration().schema()
+        for name, declared in all_options().items():
+            schema["properties"][name] = _merged_schema(declared)
+        return schema
+
+    def _of_calibration(self, own: tuple[Key, ...] = ()) -> Table:
+        keys = (name_key(), *CALIBRATION_KEYS, *own)
+        return Table(keys, _search_options, self.homes)
+
+
+def _search_options(values: Values, place: Place) -> SearchOptions | None:
+    if None in values.values():
+        return None
+    name = values.pop("name", DEFAULT_STRATEGY)
+    weight = values.get(RAYLEIGH_WEIGHT.name, 0.0)
+    of_strategy = _of_strategies(values)
+    rest = {key: value for key, value in values.items() if key not in of_strategy}
+    try:
+        strategy = make_strategy(name, of_strategy)
+        strategy.check_rayleigh_weight(weight)
+        return SearchOptions(strategy=strategy, **rest)
+    except InputError as error:
+        for fault in error.faults:
+            place.at(fault.key).fault(fault.message, fault.remedy)
+        return None
+
+
+def _of_strategies(values: Mapping[str, Any]) -> dict[str, Any]:
+    return {key: value for key, value in values.items() if key in all_options()}
+
+
+def _merged_schema(declared: Mapping[str, Key]) -> Schema:
+    schema = merged_key(declared).schema()
+    kinds = [key.kind.schema() for key in declared.values()]
+    if all(kind == kinds[0] for kind in kinds):
+        return schema
+    return {"description": schema["description"], "anyOf": kinds}

@@ -1,0 +1,106 @@
+"""Sizes of designs and searches within a budget of runs."""
+
+from __future__ import annotations
+
+from grainfit.errors import Fault, InputError
+from grainfit.problem import Problem
+from grainfit.strategies.base import Search, Strategy
+
+
+def start_search(
+    strategy: Strategy,
+    problem: Problem,
+    tests: int,
+    seed: int,
+    max_runs: int | None,
+    verification_runs: int,
+) -> Search:
+    """Start the search of a calibration within a budget of DEM runs.
+
+    Parameters
+    ----------
+    strategy : Strategy
+        How runs are chosen.
+    problem : Problem
+        What is calibrated.
+    tests : int
+        DEM runs that a parameter set takes.
+    seed : int
+        Decides the design and all insertion seeds.
+    max_runs : int or None
+        Largest number of DEM runs, verification included.
+    verification_runs : int
+        Runs of a verification; the budget keeps room for one.
+
+    Raises
+    ------
+    InputError
+        The design is too small, the budget is too small for the design and the verification, or
+        the problem weighs something that the strategy does not take into account.
+    """
+    strategy.check_rayleigh_weight(problem.rayleigh_weight)
+    if max_runs is None:
+        return strategy.start(problem, seed)
+    smallest = (strategy.fewest_evaluations(problem) + verification_runs) * tests
+    if max_runs < smallest:
+        raise InputError(
+            Fault(
+                "max_runs",
+                f"{max_runs} runs are too few for the design and the verification.",
+                f"Allow at least {smallest}.",
+            )
+        )
+    return strategy.start(problem, seed, max_runs // tests - verification_runs)
+
+
+def smallest_design(dimension: int, wanted: int | None = None) -> int:
+    """Return the size of the design that is wanted, or else the smallest that is possible.
+
+    Raises
+    ------
+    InputError
+        The wanted design is too small to fit metamodels.
+    """
+    smallest = dimension + 3
+    if wanted is not None and wanted < smallest:
+        raise InputError(
+            Fault(
+                "design_runs",
+                f"{wanted} runs are too few for metamodels of {dimension} parameters.",
+                f"Give at least {smallest}.",
+            )
+        )
+    return wanted or smallest
+
+
+def design_size(dimension: int, wanted: int | None, usual: int, max_evaluations: int | None) -> int:
+    """Return the size of a design within a budget.
+
+    Parameters
+    ----------
+    dimension : int
+        Number of free parameters.
+    wanted : int, optional
+        Size that the user wants.
+    usual : int
+        Size that the strategy would take.
+    max_evaluations : int, optional
+        The budget. A tight one keeps a third for the runs after the design.
+
+    Raises
+    ------
+    InputError
+        The wanted design is too small for metamodels or too large for the budget.
+    """
+    smallest = smallest_design(dimension, wanted)
+    if max_evaluations is None:
+        return wanted or usual
+    if max_evaluations < smallest:
+        raise InputError(
+            Fault(
+                "max_evaluations",
+                f"{max_evaluations} are too few for the design.",
+                f"Allow at least {smallest}.",
+            )
+        )
+    return wanted or min(usual, max(smallest, (2 * max_evaluations) // 3))
