@@ -32,6 +32,7 @@ FLOORS: tuple[tuple[str, ...], ...] = (
     ("work_folder",),
     ("cards", "plots"),
     ("report",),
+    ("opened",),
     ("cli",),
 )
 #: Rooms that nothing imports, and that may import everything.

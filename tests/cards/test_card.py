@@ -22,9 +22,8 @@ from typer.testing import CliRunner
 
 import grainfit
 from grainfit.bulk_tests.heap import HeapTest
-from grainfit.cards import FORMATS, MaterialCard, material_card, render
+from grainfit.cards import FORMATS, MaterialCard, material_card, render, write_card
 from grainfit.cli.app import app
-from grainfit.cli.export import write_card
 from grainfit.errors import GrainfitError, InputError, StoreError
 from grainfit.materials.parameters import MATERIAL_PARAMETERS
 

@@ -102,7 +102,7 @@ def reading(wanted: Problem, known: Sequence[Evaluation], *, answered: bool) -> 
         evaluations=tuple(known),
         learnt=(),
         running=0,
-        runs={},
+        records={},
         result=result_of(wanted, answer) if answered else None,
         result_fault="",
         fixed={},

@@ -138,7 +138,7 @@ def context(
         evaluations=tuple(evaluations),
         learnt=(),
         running=2 if state == "running" else 0,
-        runs=records,
+        records=records,
         result=result,
         result_fault="",
         fixed={"wall.density": 7700.0},
@@ -323,7 +323,7 @@ def heaps(tmp_path: Path) -> ReportContext:
     test = HeapTest(ParticleSizes((0.010,))).definition()
     records = {
         identity: replace(record, definition={"test": test})
-        for identity, record in known.reading.runs.items()
+        for identity, record in known.reading.records.items()
     }
     for done in RUNS:
         folder = tmp_path / "runs" / done.runs["heap"]
@@ -331,7 +331,7 @@ def heaps(tmp_path: Path) -> ReportContext:
         if "angle_of_repose" in done.responses:
             angle = done.responses["angle_of_repose"].value
             write_dump(folder / "heap.dump", cone(angle, done.proposal.seed))
-    return context(folder=tmp_path, runs=records)
+    return context(folder=tmp_path, records=records)
 
 
 def test_the_heap_is_that_of_a_typical_verification_run(heaps: ReportContext) -> None:
@@ -349,7 +349,7 @@ def test_the_heap_is_that_of_a_typical_verification_run(heaps: ReportContext) ->
 
 
 def test_the_drawn_outline_is_that_of_the_heap(heaps: ReportContext) -> None:
-    runs_of_test = heap_runs(heaps.reading.evaluations, heaps.reading.runs, heaps.reading.folder)
+    runs_of_test = heap_runs(heaps.reading.evaluations, heaps.reading.records, heaps.reading.folder)
     found = read_heap(runs_of_test["heap"][1])
     assert found is not None
     path = found.drawing().path
@@ -390,9 +390,9 @@ def test_damaged_folders_and_records_are_passed_over(heaps: ReportContext, damag
     text(heap(heaps))
     broken = {
         identity: replace(record, definition={"test": {"type": "heap", "setup": 3}})
-        for identity, record in heaps.reading.runs.items()
+        for identity, record in heaps.reading.records.items()
     }
-    assert "No heap to show" in text(heap(context(folder=heaps.reading.folder, runs=broken)))
+    assert "No heap to show" in text(heap(context(folder=heaps.reading.folder, records=broken)))
 
 
 def test_without_a_heap_test_the_section_says_so() -> None:

@@ -40,7 +40,7 @@ def test_a_work_folder_tells_all_of_its_calibration(tmp_path: Path) -> None:
     assert reading.problem == PROBLEM
     assert [e.proposal.seed for e in reading.evaluations] != []
     assert {e.proposal.seed for e in reading.evaluations} == {run.seed for run in result.history}
-    assert reading.runs.keys() == {run for r in result.history for run in r.runs.values()}
+    assert reading.records.keys() == {run for r in result.history for run in r.runs.values()}
     assert reading.result == result
     assert (reading.source, reading.source_text) == ("beads.toml", "name = 'beads'")
     assert reading.fixed == {"wall.density": 7700.0}
@@ -135,4 +135,4 @@ def test_failures_that_stopped_a_calibration_are_told_with_their_logs(tmp_path: 
     reading = SavedCalibration.open(tmp_path / "work")
     assert (reading.state, len(reading.evaluations)) == ("failed", 3)
     assert "first 3 runs all failed" in reading.failure
-    assert all("the licence has expired" in run.log_tail for run in reading.runs.values())
+    assert all("the licence has expired" in run.log_tail for run in reading.records.values())

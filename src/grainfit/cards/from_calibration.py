@@ -118,7 +118,7 @@ class _Conditions:
 
 def _heap_conditions(reading: SavedCalibration) -> list[_Conditions]:
     """Conditions of the heap tests among the runs, in their order, each once."""
-    tests = (record.definition.get("test") for record in reading.runs.values())
+    tests = (record.definition.get("test") for record in reading.records.values())
     try:
         found = [
             _Conditions(
@@ -145,13 +145,13 @@ def _sizes(reading: SavedCalibration, conditions: list[_Conditions]) -> Particle
 
 
 def _programs(reading: SavedCalibration) -> list[Program]:
-    definitions = [record.definition for record in reading.runs.values()]
+    definitions = [record.definition for record in reading.records.values()]
     found = [Program(str(d.get("solver", "")), str(d.get("version", ""))) for d in definitions]
     return list(dict.fromkeys(found))
 
 
 def _date(reading: SavedCalibration) -> str:
-    seconds = max((record.ended for record in reading.runs.values()), default=0.0)
+    seconds = max((record.ended for record in reading.records.values()), default=0.0)
     try:
         return datetime.fromtimestamp(seconds or reading.started, UTC).isoformat(timespec="seconds")
     except (ValueError, OverflowError, OSError):

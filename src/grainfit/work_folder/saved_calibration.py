@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
+from functools import cached_property
 from pathlib import Path
-from typing import Any, get_args
+from typing import TYPE_CHECKING, Any, get_args
 
 from grainfit.calibration.provenance import Provenance
 from grainfit.campaign.campaign import evaluation_of
@@ -20,6 +21,9 @@ from grainfit.materials.time_step import RayleighTimeStep
 from grainfit.problem import Parameter, Problem, Target
 from grainfit.result import Result, Status, damaged_result
 from grainfit.work_folder.status import read_result, state_of
+
+if TYPE_CHECKING:
+    from grainfit.analysis import Analysis
 
 
 @dataclass(frozen=True)
@@ -44,7 +48,7 @@ class SavedCalibration:
         What was known before from other calibrations, and was learnt from.
     running : int
         Runs under way.
-    runs : mapping of str to RunRecord
+    records : mapping of str to RunRecord
         Runs of the evaluations, by identity.
     result : Result, optional
         What result.json holds; None while it runs.
@@ -78,7 +82,7 @@ class SavedCalibration:
     evaluations: tuple[Evaluation, ...]
     learnt: tuple[Evaluation, ...]
     running: int
-    runs: Mapping[str, RunRecord]
+    records: Mapping[str, RunRecord]
     result: Result | None
     result_fault: str
     fixed: Mapping[str, float]
@@ -144,6 +148,22 @@ class SavedCalibration:
         asked = set(map(_run_of, self.evaluations))
         return (*self.evaluations, *(e for e in self.learnt if _run_of(e) not in asked))
 
+    def analyse(self) -> Analysis:
+        """Return all that the runs tell: posterior, sensitivity, and more.
+
+        The same analysis as in the report and on the material card; it takes seconds and is made
+        once for each object.
+        """
+        return self._analysis
+
+    @cached_property
+    def _analysis(self) -> Analysis:
+        # Imported here: SciPy and emcee take a second, and status and exports need neither.
+        from grainfit.analysis import analyse
+
+        answer = self.result.parameters if self.result else None
+        return analyse(self.problem, self.known, seed=self.seed, answer=answer or None)
+
 
 def _run_of(evaluation: Evaluation) -> tuple[float, ...]:
     return (*evaluation.proposal.parameters.values(), evaluation.proposal.seed)
@@ -199,7 +219,7 @@ def _saved(
         evaluations=evaluations,
         learnt=tuple(_evaluation(run, records) for run in learnt if _has_ended(run, records)),
         running=sum(r.status == "running" for r in records.values()) if running else 0,
-        runs={identity: record for identity, record in records.items() if identity in used},
+        records={identity: record for identity, record in records.items() if identity in used},
         result=result,
         result_fault=fault,
         fixed=fixed,

@@ -249,7 +249,7 @@ def _cost(context: ReportContext) -> dict[str, Any]:
     return {
         "counts": counts,
         "wall": duration(result.wall_seconds) if result else None,
-        "simulated": duration(sum(record.seconds for record in reading.runs.values())),
+        "simulated": duration(sum(record.seconds for record in reading.records.values())),
         "workers": reading.workers,
     }
 

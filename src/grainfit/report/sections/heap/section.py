@@ -67,7 +67,7 @@ class HeapView:
 def heap(context: ReportContext) -> Section:
     """Silhouette beside the target angle, the heap in three dimensions, and heaps compared."""
     reading = context.reading
-    tests = heap_runs(reading.evaluations, reading.runs, reading.folder)
+    tests = heap_runs(reading.evaluations, reading.records, reading.folder)
     views, data = [], {}
     for position, (test, runs) in enumerate(tests.items(), 1):
         key = f"heap-{position}"

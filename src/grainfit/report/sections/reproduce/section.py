@@ -27,7 +27,7 @@ def reproduce(context: ReportContext) -> Section:
             ("Strategy", plain(reading.strategy)),
             ("Seed", str(reading.seed)),
             ("Runs at a time", str(reading.workers)),
-            ("Solver", "; ".join(_solvers(reading.runs.values())) or "–"),
+            ("Solver", "; ".join(_solvers(reading.records.values())) or "–"),
             ("grainfit", f"{plain(reading.version) or 'unknown'} (report: {version('grainfit')})"),
             ("Identity", reading.identity),
         ],
