@@ -20,7 +20,7 @@ PACKAGE = "grainfit"
 FLOORS: tuple[tuple[str, ...], ...] = (
     ("errors",),
     ("units", "formatting", "files"),
-    ("materials",),
+    ("materials", "tables"),
     ("evaluation", "problem"),
     ("result",),
     ("contact_models", "measurement"),

@@ -16,10 +16,12 @@ from grainfit.campaign.store.store import STORE_NAME, RunStore, not_a_work_folde
 from grainfit.campaign.work_folder import RESULT_NAME, is_held, read_record, run_folder
 from grainfit.errors import Fault, GrainfitError, InputError, StoreError
 from grainfit.evaluation import Evaluation, Proposal
+from grainfit.formatting import counted
 from grainfit.materials.parameters import MATERIAL_PARAMETERS
 from grainfit.materials.time_step import RayleighTimeStep
 from grainfit.problem import Parameter, Problem, Target
 from grainfit.result import Result, Status, damaged_result
+from grainfit.tables import TextTable, as_html, as_text
 from grainfit.work_folder.status import read_result, state_of
 
 if TYPE_CHECKING:
@@ -155,6 +157,24 @@ class SavedCalibration:
         once for each object.
         """
         return self._analysis
+
+    def summary(self) -> tuple[str | TextTable, ...]:
+        """Return the sentences and tables that `print` and a notebook show."""
+        failed = sum(bool(evaluation.failures) for evaluation in self.evaluations)
+        progress = (
+            f"{counted(len(self.evaluations), 'parameter set')} simulated, {failed} with a failed "
+            f"run; {self.running} under way. Work folder: {self.folder}"
+        )
+        faults = (f"Stopped by: {self.failure}" if self.failure else "", self.result_fault)
+        answer = self.result.summary()[1:] if self.result else ()
+        headline = f"{self.name or self.folder.name}: {self.state}"
+        return (headline, progress, *filter(None, faults), *answer)
+
+    def __str__(self) -> str:
+        return as_text(self.summary())
+
+    def _repr_html_(self) -> str:
+        return as_html(self.summary())
 
     @cached_property
     def _analysis(self) -> Analysis:
