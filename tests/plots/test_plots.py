@@ -159,8 +159,8 @@ def test_arranged_figures_keep_their_places_and_do_not_overlap() -> None:
 
     x = [drawn[f"xaxis{n}"]["domain"] for n in ("", 2, 3, 4)]
     y = [drawn[f"yaxis{n}"]["domain"] for n in ("", 2, 3, 4)]
-    assert x[0] == x[2] == [0.0, pytest.approx(0.45)]
-    assert x[1] == pytest.approx([0.55, 1.0])
+    assert x[0] == x[2] == [0.0, pytest.approx(0.435)]
+    assert x[1] == pytest.approx([0.565, 1.0])
     assert x[3] == [0.0, 1.0]
     assert y[0] == y[1]
     assert y[0][0] > y[2][1] > y[2][0] > y[3][1] > y[3][0] > 0
@@ -170,6 +170,18 @@ def test_arranged_figures_keep_their_places_and_do_not_overlap() -> None:
     assert legends == [domain[1] for domain in y]
     pixels = (y[3][1] - y[3][0]) * drawn["height"]
     assert 200 < pixels < 300
+
+
+def test_figures_side_by_side_share_a_legend() -> None:
+    def figure(*names: str) -> Figure:
+        data = [{"type": "scatter", "x": [1], "y": [2], "name": name} for name in names]
+        hidden = {"type": "scatter", "x": [], "y": [], "name": "outside", "showlegend": False}
+        return Figure((*data, hidden), {}, "")
+
+    drawn = arrange([[figure("inside"), figure("inside", "outside")]], "", one_legend=True)
+    assert {trace.legend for trace in drawn.data} == {"legend"}
+    assert [trace.showlegend for trace in drawn.data] == [True, False, False, True, False]
+    assert [trace.legendgroup for trace in drawn.data] == [trace.name for trace in drawn.data]
 
 
 def test_a_report_does_without_the_python_side_of_plotly(saved: gf.OpenedCalibration) -> None:

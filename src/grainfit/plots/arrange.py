@@ -22,7 +22,7 @@ _HEADING_HEIGHT = 36
 _FONT_SIZE = 13
 _ROW_GAP = 12
 #: Space between columns, as a share of the width.
-_GAP = 0.1
+_GAP = 0.13
 _AXIS = {"automargin": True, "ticks": "outside", "ticklen": 4}
 _COLOURS = ("#1f83c4", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#999999")
 _AXIS_KEY = re.compile(r"[xy]axis\d*")
@@ -39,7 +39,9 @@ class _Cell:
     top: float
 
 
-def arrange(rows: Sequence[Sequence[Figure | None]], heading: str) -> PlotlyFigure:
+def arrange(
+    rows: Sequence[Sequence[Figure | None]], heading: str, *, one_legend: bool = False
+) -> PlotlyFigure:
     """Return one Plotly figure of several figures.
 
     Parameters
@@ -49,6 +51,9 @@ def arrange(rows: Sequence[Sequence[Figure | None]], heading: str) -> PlotlyFigu
         one. Each figure keeps its height, axes and legend.
     heading : str
         Above all of them, escaped.
+    one_legend : bool
+        One legend for all figures, where they are too narrow for their own: traces of one name
+        share an entry.
     """
     # Imported here: the report draws with its own page and does without these 150 modules.
     from plotly.graph_objects import Figure as PlotlyFigure
@@ -58,7 +63,17 @@ def arrange(rows: Sequence[Sequence[Figure | None]], heading: str) -> PlotlyFigu
     numbers = {"x": count(1), "y": count(1)}
     for number, cell in enumerate(_cells(rows, height), start=1):
         _add(drawn, cell, numbers, f"legend{number}" if number > 1 else "legend")
+    if one_legend:
+        _join_legends(drawn)
     return drawn
+
+
+def _join_legends(drawn: PlotlyFigure) -> None:
+    named: set[str] = set()
+    for trace in drawn.data:
+        is_first = bool(trace.showlegend) and trace.name not in named
+        trace.update(legend="legend", legendgroup=trace.name, showlegend=is_first)
+        named |= {trace.name} if is_first else set()
 
 
 def in_columns(figures: Sequence[Figure], columns: int) -> list[list[Figure | None]]:

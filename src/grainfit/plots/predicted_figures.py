@@ -42,7 +42,7 @@ def predicted(saved: SavedCalibration, analysis: Analysis | None = None) -> Plot
     if not figures:
         raise no_figure(" ".join(analysis.notes))
     rows = in_columns(figures, min(len(figures), _COLUMNS))
-    return arrange(rows, "Predicted from all other runs, and simulated")
+    return arrange(rows, "Predicted from all other runs, and simulated", one_legend=True)
 
 
 def predicted_figure(check: LeaveOneOutCheck) -> Figure:
