@@ -59,7 +59,7 @@ class Case:
     @property
     def tolerances(self) -> Array:
         """Their tolerances, shape (k,)."""
-        return np.array([target.accepted_deviation for target in self.problem.targets])
+        return np.array([target.tolerance for target in self.problem.targets])
 
     def expected(self, parameters: Mapping[str, float]) -> Array:
         """True expected responses, shape (k,)."""

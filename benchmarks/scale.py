@@ -22,8 +22,8 @@ from rich.progress import track
 from grainfit.calibration_file.build import CalibrationSetup, build_calibration
 from grainfit.calibration_file.load import load_calibration_file
 from grainfit.campaign.campaign import Campaign, CampaignOptions
-from grainfit.campaign.reuse import most_telling, runs_of
-from grainfit.campaign.store.records import RequestRecord, RunRecord, run_identity
+from grainfit.campaign.reuse import models_of, most_telling, runs_of
+from grainfit.campaign.store.records import RequestRecord, RunRecord
 from grainfit.campaign.store.store import RunStore
 from grainfit.campaign.work_folder import RECORD_NAME, hold, recover, run_folder
 from grainfit.evaluation import Proposal, Response
@@ -48,7 +48,7 @@ def fill(folder: Path, setup: CalibrationSetup, count: int) -> list[Proposal]:
         records = []
         for position, proposal in enumerate(track(proposals, "writing"), start=1):
             definition = solver.definition(proposal.parameters, proposal.seed)
-            identity = run_identity(definition)
+            identity = definition.identity
             responses = {"bulk_density": Response(1500.0), "angle_of_repose": Response(22.0, 0.3)}
             record = RunRecord(
                 identity, test, "finished", definition, responses, seconds=6.0, ended=position
@@ -84,7 +84,8 @@ def resume(folder: Path, setup: CalibrationSetup) -> None:
 def warm_start(folder: Path, setup: CalibrationSetup) -> None:
     """Read all runs and recognise those of the problem."""
     with closing(RunStore.read_only(folder)) as store:
-        known = runs_of(setup.problem, setup.solvers, store.runs())
+        records = store.runs_of(models_of(setup.solvers))
+        known = runs_of(setup.problem, setup.solvers, records)
     assert most_telling(setup.problem, known)
 
 

@@ -10,7 +10,17 @@ from pathlib import Path
 import pytest
 
 import grainfit
-from tools.house import FLOORS, OUTSIDE, circles, imports, modules, room_of, upward_imports
+from tools.house import (
+    FLOORS,
+    OUTSIDE,
+    PICTURE,
+    circles,
+    drawing,
+    imports,
+    modules,
+    room_of,
+    upward_imports,
+)
 
 
 def test_every_room_has_a_floor() -> None:
@@ -60,3 +70,8 @@ def test_nothing_in_a_package_shadows_one_of_its_modules(package: str) -> None:
     for module in pkgutil.iter_modules(loaded.__path__):
         importlib.import_module(f"{package}.{module.name}")
         assert inspect.ismodule(getattr(loaded, module.name)), module.name
+
+
+def test_the_picture_of_the_house_is_current() -> None:
+    drawn = PICTURE.read_text(encoding="utf-8")
+    assert drawn == drawing(), "run: python tools/house.py --draw"

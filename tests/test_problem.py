@@ -2,6 +2,7 @@
 
 import json
 import math
+from collections.abc import Callable
 from dataclasses import asdict
 from fractions import Fraction
 from typing import Any
@@ -51,9 +52,9 @@ def test_targets_must_be_positive_numbers(value: float) -> None:
 
 
 def test_tolerance_is_the_users_then_the_uncertainty_then_two_percent() -> None:
-    assert Target("a", 50.0, uncertainty=2.0, tolerance=1.5).accepted_deviation == 1.5
-    assert Target("a", 50.0, uncertainty=2.0).accepted_deviation == 2.0
-    assert Target("a", 50.0).accepted_deviation == pytest.approx(1.0)
+    assert Target("a", 50.0, uncertainty=2.0, tolerance=1.5).tolerance == 1.5
+    assert Target("a", 50.0, uncertainty=2.0).tolerance == 2.0
+    assert Target("a", 50.0).tolerance == pytest.approx(1.0)
 
 
 def test_every_fault_of_a_problem_is_named_at_once() -> None:
@@ -74,7 +75,7 @@ def test_numbers_of_any_kind_become_plain_floats(kind: Any) -> None:
     assert json.loads(json.dumps([asdict(parameter), asdict(target)]))[0]["maximum"] == 2.0
     assert type(problem.rayleigh_weight) is float
     assert parameter.from_unit(1.0) == 2.0
-    assert target.accepted_deviation == 1.0
+    assert target.tolerance == 1.0
 
 
 @pytest.mark.parametrize("value", ["0.5", None, True, 1j, [0.5], 10**400])
@@ -142,3 +143,39 @@ def test_a_rayleigh_time_step_over_an_impossible_interval_is_refused() -> None:
         Problem([Parameter("particle.density", 0, 3e3)], [Target("angle", 30.0)], rayleigh=rayleigh)
     with pytest.raises(InputError, match="radius"):
         problem_with(rayleigh=RayleighTimeStep(0.0, MODULUS_AND_RATIO))
+
+
+def test_quantities_are_read_in_si() -> None:
+    density = Parameter("particle.density", "1.4 g/cm^3", "2800 kg/m^3")
+    assert (density.minimum, density.maximum, density.unit) == (1400.0, 2800.0, "kg/m^3")
+    own = Parameter("cohesion", "10 kPa", "70 kPa")
+    assert (own.minimum, own.maximum, own.unit) == (10e3, 70e3, "Pa")
+    angle = Target("angle", "22 deg", uncertainty="2 %", tolerance="0.01 rad")
+    assert (angle.value, angle.uncertainty, angle.unit) == (22.0, 0.44, "deg")
+    assert angle.tolerance == pytest.approx(0.572957795130823)
+
+
+def test_numbers_keep_the_unit_that_was_given() -> None:
+    assert Parameter("particle.density", 1400.0, 2800.0).unit == ""
+    assert Target("angle", 22.0, uncertainty="0.5 deg", unit="deg").uncertainty == 0.5
+
+
+@pytest.mark.parametrize(
+    ("make", "words"),
+    [
+        (lambda: Parameter("particle.density", "1.4 m", 3e3), r"particle\.density\.min: .*kg/m\^3"),
+        (lambda: Parameter("x", "10 parsnips", 20), r"x\.min: 'parsnips' in '10 parsnips'"),
+        (lambda: Target("angle", "22 deg", uncertainty="1 kg"), r"angle\.uncertainty: '1 kg'"),
+        (lambda: Target("angle", "twenty"), r"angle\.value: 'twenty' is not a quantity"),
+        (lambda: Target("angle", "-1 deg"), r"angle\.value: is -1"),
+    ],
+)
+def test_what_is_no_quantity_is_named(make: Callable[[], object], words: str) -> None:
+    with pytest.raises(InputError, match=words):
+        make()
+
+
+def test_a_tolerance_is_always_there() -> None:
+    assert Target("angle", 22.0).tolerance == 0.44
+    assert Target("angle", 22.0, uncertainty=0.5).tolerance == 0.5
+    assert Target("angle", 22.0, uncertainty=0.5, tolerance=0.7).tolerance == 0.7

@@ -12,6 +12,7 @@ from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from xml.sax.saxutils import escape
 
 ROOT = Path(__file__).parents[1]
 PACKAGE = "grainfit"
@@ -21,7 +22,7 @@ FLOORS: tuple[tuple[str, ...], ...] = (
     ("errors",),
     ("units", "formatting", "files"),
     ("materials", "tables"),
-    ("evaluation", "problem"),
+    ("evaluation", "problem", "run_definition"),
     ("result",),
     ("contact_models", "measurement"),
     ("bulk_tests", "metamodels"),
@@ -138,9 +139,98 @@ def _type_checking_lines(tree: ast.Module) -> set[int]:
     return lines
 
 
+# The picture ---------------------------------------------------------------------------------
+
+PICTURE = ROOT / "docs" / "images" / "house.svg"
+_WIDTH, _ROOM_HEIGHT, _GAP, _MARGIN = 900, 46, 26, 14
+_STYLE = (
+    "text{font-family:sans-serif;fill:#222}.name{font-size:14px;font-weight:600}"
+    ".says{font-size:11px;fill:#555}rect{fill:#f4f7fa;stroke:#5b7a99}"
+    "path{fill:none;stroke:#8aa0b5;stroke-opacity:.55}"
+)
+
+
+def drawing(source: Path = ROOT / "src") -> str:
+    """Return the house as SVG: floors from the ground up, arrows to what a room imports.
+
+    Arrows that others imply are left out.
+    """
+    places = dict(_places())
+    height = len(FLOORS) * (_ROOM_HEIGHT + _GAP) + _GAP
+    arrows = [
+        _arrow(places[upper], places[lower])
+        for upper, lower in _direct(imports(source))
+        if upper in places and lower in places
+    ]
+    rooms = [_room(room, place, _says(room, source)) for room, place in places.items()]
+    return "\n".join(
+        [
+            f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {_WIDTH} {height}">',
+            f"<title>Rooms of the package and what they import</title><style>{_STYLE}</style>",
+            '<rect x="0" y="0" width="100%" height="100%" style="fill:#fff;stroke:none"/>',
+            *arrows,
+            *rooms,
+            "</svg>\n",
+        ]
+    )
+
+
+def _direct(found: Iterable[Import]) -> list[tuple[str, str]]:
+    """Pairs of rooms of which one imports the other, without those that others imply."""
+    reached: dict[str, set[str]] = defaultdict(set)
+    for one in found:
+        if room_of(one.importer) != room_of(one.imported):
+            reached[room_of(one.importer)].add(room_of(one.imported))
+    return sorted(
+        (upper, lower)
+        for upper, below in reached.items()
+        for lower in below
+        if not any(lower in _reachable(other, reached) for other in below - {lower})
+    )
+
+
+def _places() -> Iterator[tuple[str, tuple[float, float, float]]]:
+    """Left edge, top and width of every room; the ground is at the bottom."""
+    for number, rooms in enumerate(reversed(FLOORS)):
+        width = (_WIDTH - _MARGIN * (len(rooms) + 1)) / len(rooms)
+        for position, room in enumerate(rooms):
+            left = _MARGIN + position * (width + _MARGIN)
+            yield room, (left, _GAP + number * (_ROOM_HEIGHT + _GAP), width)
+
+
+def _arrow(upper: tuple[float, float, float], lower: tuple[float, float, float]) -> str:
+    start, end = upper[0] + upper[2] / 2, lower[0] + lower[2] / 2
+    bottom, top = upper[1] + _ROOM_HEIGHT, lower[1]
+    middle = (bottom + top) / 2
+    return (
+        f'<path d="M{start:.0f} {bottom:.0f}C{start:.0f} {middle:.0f} {end:.0f} {middle:.0f} '
+        f'{end:.0f} {top:.0f}"/>'
+    )
+
+
+def _room(room: str, place: tuple[float, float, float], says: str) -> str:
+    left, top, width = place
+    letters = int((width - 16) / 5.4)
+    short = says if len(says) <= letters else f"{says[: letters - 1].rstrip()}…"
+    return (
+        f'<rect x="{left:.0f}" y="{top:.0f}" width="{width:.0f}" height="{_ROOM_HEIGHT}" rx="4"/>'
+        f'<text class="name" x="{left + 8:.0f}" y="{top + 19:.0f}">{escape(room)}</text>'
+        f'<text class="says" x="{left + 8:.0f}" y="{top + 36:.0f}">{escape(short)}</text>'
+    )
+
+
+def _says(room: str, source: Path) -> str:
+    path = modules(source)[f"{PACKAGE}.{room}"]
+    docstring = ast.get_docstring(ast.parse(path.read_text(encoding="utf-8"))) or ""
+    return docstring.partition("\n")[0].rstrip(".")
+
+
 def main() -> None:
-    """Print what each room imports, and what breaks the order."""
-    argparse.ArgumentParser(description=__doc__).parse_args()
+    """Print what each room imports, and what breaks the order; draw it if asked to."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--draw", action="store_true", help=f"write {PICTURE.relative_to(ROOT)}")
+    if parser.parse_args().draw:
+        PICTURE.write_text(drawing(), encoding="utf-8")
     found = imports()
     for rooms in FLOORS:
         for room in rooms:

@@ -4,21 +4,23 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from functools import cached_property
 from numbers import Real
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from grainfit.errors import Fault, InputError
+from grainfit.materials.parameters import MATERIAL_PARAMETERS
 from grainfit.materials.time_step import RayleighTimeStep
 
 #: Relative tolerance of a target for which neither an uncertainty nor a tolerance is given.
 DEFAULT_RELATIVE_TOLERANCE = 0.02
 
 Scale = Literal["linear", "log"]
+_TARGET_WIDTHS = ("uncertainty", "tolerance")
 
 
 def _number(value: object) -> float:
@@ -43,6 +45,41 @@ def _make_plain(owner: object, *keys: str) -> None:
             object.__setattr__(owner, key, float(value))
 
 
+def _read_quantities(owner: Any, keys: Mapping[str, str], usual_unit: str = "") -> None:
+    """Turn texts such as ``"2.1 g/cm^3"`` into numbers in the owner's unit.
+
+    Without a unit, the owner gets the usual one, or that of the first quantity.
+    """
+    texts = {key: text for key in keys if isinstance(text := getattr(owner, key), str)}
+    if not texts:
+        return
+    # Most problems have plain numbers, and what knows units takes a while to import.
+    from grainfit.units import UnitError, to_si, to_unit
+
+    faults = []
+    for key, text in texts.items():
+        unit = owner.unit or usual_unit
+        try:
+            value, unit = (to_unit(text, unit), unit) if unit else to_si(text)
+        except UnitError as error:
+            faults.append(Fault(f"{owner.name}.{keys[key]}", error.message, error.remedy))
+            continue
+        object.__setattr__(owner, key, value)
+        object.__setattr__(owner, "unit", unit)
+    if faults:
+        raise InputError(faults)
+
+
+def _share(given: Any, value: Any) -> Any:
+    """Return a percentage of a value as a number; anything else as it is."""
+    if not isinstance(given, str) or not given.strip().endswith("%"):
+        return given
+    from grainfit.units import percentage
+
+    share = percentage(given)
+    return given if share is None else share * _number(value)
+
+
 @dataclass(frozen=True)
 class Parameter:
     """A free parameter and the interval in which its value is sought.
@@ -51,17 +88,18 @@ class Parameter:
     ----------
     name : str
         For example ``"particle_particle.rolling_friction"``.
-    minimum, maximum : float
-        The interval, in SI units.
+    minimum, maximum : float or str
+        The interval: numbers in SI units, or quantities such as ``"1.4 g/cm^3"``.
     scale : {"linear", "log"}
         ``"log"`` for parameters that span orders of magnitude, such as Young's modulus.
     unit : str
-        SI unit, for people.
+        SI unit, for people; by default that of the quantities, or of the material parameter.
 
     Raises
     ------
     InputError
-        The bounds are not finite, swapped, equal, or not positive on a log scale.
+        A quantity cannot be read, or the bounds are not finite, swapped, equal, or not positive on
+        a log scale.
     """
 
     name: str
@@ -71,6 +109,8 @@ class Parameter:
     unit: str = ""
 
     def __post_init__(self) -> None:
+        known = MATERIAL_PARAMETERS.get(self.name)
+        _read_quantities(self, {"minimum": "min", "maximum": "max"}, known.unit if known else "")
         faults = list(_interval_faults(self))
         if faults:
             raise InputError(faults)
@@ -126,41 +166,60 @@ class Target:
     ----------
     name : str
         Name of the response.
-    value : float
-        Measured value, above zero; SI units, angles in degrees.
-    uncertainty : float, optional
-        Standard uncertainty of the measured value, same unit.
-    tolerance : float, optional
-        Largest accepted deviation of the expected response, same unit. Without it, the
+    value : float or str
+        Measured value, above zero: a number in SI units, angles in degrees, or a quantity such as
+        ``"22 deg"``.
+    uncertainty : float or str, optional
+        Standard uncertainty of the measured value, same unit; ``"1 %"`` is a share of the value.
+    tolerance : float or str, optional
+        Largest accepted deviation of the expected response, same unit. Left out, it becomes the
         uncertainty; without that, 2 % of the value.
     weight : float
         Factor on this target's relative deviation in the misfit (equation 1 of the method has
         equal weights).
     unit : str
-        For people.
+        SI unit, for people; by default that of the quantities.
+
+    Examples
+    --------
+    >>> Target("angle_of_repose", "22 deg", uncertainty="2 %").tolerance
+    0.44
     """
 
     name: str
     value: float
     uncertainty: float | None = None
-    tolerance: float | None = None
+    # Left out, it is worked out below: whoever reads it gets a number.
+    tolerance: float = None  # type: ignore[assignment]
     weight: float = 1.0
     unit: str = ""
 
     def __post_init__(self) -> None:
+        _read_quantities(self, {"value": "value"})
+        shares = {key: _share(getattr(self, key), self.value) for key in _TARGET_WIDTHS}
+        for key, share in shares.items():
+            object.__setattr__(self, key, share)
+        _read_quantities(self, {key: key for key in _TARGET_WIDTHS})
         faults = list(_target_faults(self))
         if faults:
             raise InputError(faults)
+        if self.tolerance is None:
+            object.__setattr__(self, "tolerance", self._usual_tolerance)
         _make_plain(self, "value", "uncertainty", "tolerance", "weight")
 
     @property
-    def accepted_deviation(self) -> float:
-        """Tolerance in force, in the unit of the value."""
-        if self.tolerance is not None:
-            return self.tolerance
+    def _usual_tolerance(self) -> float:
         if self.uncertainty is not None:
             return self.uncertainty
         return DEFAULT_RELATIVE_TOLERANCE * self.value
+
+    def to_json(self) -> dict[str, Any]:
+        """Return plain data from which a target is made; a usual tolerance is left out.
+
+        So the identity of a calibration does not depend on whether it was written down.
+        """
+        data = asdict(self)
+        return {**data, "tolerance": None} if self.tolerance == self._usual_tolerance else data
 
     def relative_deviation(self, response: float) -> float:
         """Deviation of a response from the target, relative to the target.
@@ -173,7 +232,7 @@ class Target:
 
     def is_met_by(self, response: float) -> bool:
         """Whether a response deviates from the target by its tolerance at most."""
-        return abs(response - self.value) <= self.accepted_deviation
+        return abs(response - self.value) <= self.tolerance
 
 
 def _target_faults(target: Target) -> Sequence[Fault]:

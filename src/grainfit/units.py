@@ -5,6 +5,7 @@ from __future__ import annotations
 import functools
 import math
 import re
+from typing import Any
 
 import pint
 
@@ -22,6 +23,8 @@ _FACTOR = re.compile(
 )
 _SUPERSCRIPTS = str.maketrans("⁰¹²³⁴⁵⁶⁷⁸⁹⁻", "0123456789-")
 _SIGNS = {"%": "percent", "°": "degree", "°C": "degC", "°F": "degF"}
+#: Units of results where the dimension is one of these, instead of products of base units.
+_SI_UNITS = ("", "deg", "m", "s", "kg", "Pa", "N", "J", "kg/m^3", "m/s", "kg/s", "1/s", "J/m^2")
 _EXAMPLES = {
     "m": "10 mm",
     "Pa": "0.36 MPa",
@@ -84,6 +87,33 @@ def to_unit(text: str, unit: str) -> float:
     if not math.isfinite(value):
         raise UnitError(f"{text!r} is too large.", how_to_write(unit))
     return value
+
+
+def to_si(text: str) -> tuple[float, str]:
+    """Convert a quantity to SI, angles to degrees; return the number and its unit.
+
+    Raises
+    ------
+    UnitError
+        The text is not a quantity.
+
+    Examples
+    --------
+    >>> to_si("2.1 g/cm^3")
+    (2100.0, 'kg/m^3')
+    """
+    _, written = _split(text, "")
+    if not written:
+        raise UnitError(
+            f"{text!r} has no unit.", "Write a quantity with its unit, or a number without quotes."
+        )
+    try:
+        base = _base(_parse(written))
+        unit = next((name for name in _SI_UNITS if _base(_parse(name)) == base), None)
+    except _NotAUnitError as error:
+        raise UnitError(f"{error} in {text!r} is not a known unit.", how_to_write("m")) from None
+    unit = f"{base:~C}".replace("**", "^") if unit is None else unit
+    return to_unit(text, unit), unit
 
 
 def percentage(text: str) -> float | None:
@@ -158,7 +188,7 @@ def _registry() -> pint.UnitRegistry[float]:
     return pint.UnitRegistry(cache_folder=None)
 
 
-def _base(unit: pint.Unit) -> object:
+def _base(unit: pint.Unit) -> Any:
     return _registry().get_base_units(unit)[1]
 
 

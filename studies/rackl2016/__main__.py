@@ -12,7 +12,6 @@ from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 from threadpoolctl import threadpool_limits
 
-from grainfit.campaign.store.records import run_identity
 from grainfit.cli.console import print_error
 from grainfit.errors import GrainfitError
 from grainfit.testing.materials import GLASS_BEADS
@@ -82,7 +81,7 @@ def _make(wanted: list[str], workdir: Path, workers: int, only: str) -> None:
 def _study(workdir: Path, workers: int) -> Study:
     solver = make_solver()
     solver.check()
-    heap = run_identity(solver.definition(GLASS_BEADS, 1))
+    heap = solver.definition(GLASS_BEADS, 1).identity
     return Study(all_tasks(), Results(workdir.absolute(), heap), solver, workers)
 
 

@@ -8,8 +8,8 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
-from grainfit.campaign.store.records import run_identity
 from grainfit.files import write_atomically
+from grainfit.run_definition import identity_of
 from grainfit.solvers.base import Solver
 from studies.rackl2016.clock import Clock, Cost
 
@@ -130,14 +130,14 @@ class Results:
 
     def work_folder(self, task: Task) -> Path:
         """Folder of a task as it is defined now: runs of another definition are not learnt from."""
-        return self.folder / task.step / task.name / run_identity(self._made_from(task))[:8]
+        return self.folder / task.step / task.name / identity_of(self._made_from(task))[:8]
 
     def _made_from(self, task: Task) -> dict[str, Any]:
         needed = {name: self._read(name) for name in task.needs}
         return {
             "heap": self.heap,
-            "definition": run_identity(dict(task.definition)),
-            "records": {n: kept and run_identity(kept["record"]) for n, kept in needed.items()},
+            "definition": identity_of(dict(task.definition)),
+            "records": {n: kept and identity_of(kept["record"]) for n, kept in needed.items()},
         }
 
     def _read(self, name: str) -> dict[str, Any] | None:

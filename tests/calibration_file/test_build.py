@@ -66,7 +66,7 @@ def test_the_glass_beads() -> None:
     assert problem.rayleigh_time_step(values) == rayleigh_time_step(0.005, 2100.0, 3.6e5, 0.22)
     [solver] = setup.solvers.values()
     assert solver.name == "lammps"
-    material = solver.all_parameters(values)
+    material = solver.run_parameters(values)
     assert material == {**setup.file.fixed, **values}
 
 

@@ -31,8 +31,8 @@ class Counting(Solver):
     def response_names(self) -> tuple[str, ...]:
         return ("double",)
 
-    def definition(self, parameters: Mapping[str, float], seed: int) -> dict[str, Any]:
-        return {"solver": self.name, "parameters": dict(parameters), "seed": seed}
+    def model(self) -> dict[str, Any]:
+        return {"solver": self.name}
 
     def run(
         self, parameters: Mapping[str, float], seed: int, workspace: Workspace

@@ -12,7 +12,7 @@ from grainfit.bulk_tests.heap import HeapTest
 from grainfit.calibration_file.build import build_calibration
 from grainfit.calibration_file.load import load_calibration_file
 from grainfit.campaign.reuse import most_telling, runs_of
-from grainfit.campaign.store.records import RunRecord, run_identity
+from grainfit.campaign.store.records import RunRecord
 from grainfit.evaluation import Evaluation, Proposal, Response
 from grainfit.materials.sizes import ParticleSizes
 from grainfit.solvers.base import Solver
@@ -26,7 +26,7 @@ EXAMPLE = Path(__file__).parents[2] / "examples" / "glass_beads" / "calibration.
 def run(solver: Solver, values: dict[str, float], seed: int, **changes: object) -> RunRecord:
     definition = solver.definition(values, seed)
     given = {"status": "finished", "responses": {"angle": Response(22.0)}} | changes
-    return RunRecord(run_identity(definition), "drum", definition=definition, **given)  # type: ignore[arg-type]
+    return RunRecord(definition.identity, "drum", definition=definition, **given)  # type: ignore[arg-type]
 
 
 def drum(low: float = 0.1, high: float = 0.9) -> tuple[gf.Problem, Solver]:

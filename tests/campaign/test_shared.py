@@ -20,6 +20,7 @@ from grainfit.campaign.store.shared import SharedRuns, share
 from grainfit.campaign.store.store import RunStore
 from grainfit.errors import StoreError
 from grainfit.evaluation import Proposal, Response
+from grainfit.run_definition import RunDefinition
 from grainfit.solvers.own_model.python_callable import PythonCallable
 from postgresql_server import PostgresqlServer, postgresql_server, program
 
@@ -49,7 +50,7 @@ def address(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[str]:
 
 
 def record(identity: str, status: str = "running", **values: Any) -> RunRecord:
-    return RunRecord(identity, "drum", status, {"seed": 1}, **values)  # type: ignore[arg-type]
+    return RunRecord(identity, "drum", status, RunDefinition({}, {}, 1), **values)  # type: ignore[arg-type]
 
 
 def in_processes(count: int, work: Callable[[int], None]) -> None:

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from grainfit.campaign import work_folder as workdir
-from grainfit.campaign.store.records import RequestRecord, RunRecord, RunStatus, run_identity
+from grainfit.campaign.store.records import RequestRecord, RunRecord, RunStatus
 from grainfit.campaign.store.store import RunStore
 from grainfit.campaign.work_folder import (
     close_run_folder,
@@ -19,12 +19,13 @@ from grainfit.campaign.work_folder import (
 )
 from grainfit.errors import StoreError
 from grainfit.evaluation import Response
+from grainfit.run_definition import RunDefinition, identity_of
+
+RUN = RunDefinition({"solver": "drum"}, {"friction": 0.3}, 1)
 
 
 def test_a_run_is_found_again_after_reopening(tmp_path: Path) -> None:
-    record = RunRecord(
-        "abc", "heap", "finished", {"seed": 1}, {"angle": Response(22.0, 0.5)}, seconds=6.0
-    )
+    record = RunRecord("abc", "heap", "finished", RUN, {"angle": Response(22.0, 0.5)}, seconds=6.0)
     store = RunStore.in_folder(tmp_path)
     store.save(record)
     store.close()
@@ -35,15 +36,15 @@ def test_a_run_is_found_again_after_reopening(tmp_path: Path) -> None:
 
 def test_saving_again_replaces(tmp_path: Path) -> None:
     store = RunStore.in_folder(tmp_path)
-    store.save(RunRecord("abc", "heap", "running", {}))
-    store.save(RunRecord("abc", "heap", "failed", {}, reason="exploded"))
+    store.save(RunRecord("abc", "heap", "running", RUN))
+    store.save(RunRecord("abc", "heap", "failed", RUN, reason="exploded"))
     assert [run.reason for run in store.runs()] == ["exploded"]
 
 
 def test_runs_under_way_are_forgotten_and_others_are_not(tmp_path: Path) -> None:
     store = RunStore.in_folder(tmp_path)
-    store.save(RunRecord("a", "heap", "running", {}))
-    store.save(RunRecord("b", "heap", "finished", {}))
+    store.save(RunRecord("a", "heap", "running", RUN))
+    store.save(RunRecord("b", "heap", "finished", RUN))
     store.forget_running()
     assert store.identities() == {"b"}
 
@@ -71,9 +72,9 @@ def test_a_damaged_store_is_an_error_with_its_name(tmp_path: Path) -> None:
 
 
 def test_identity_depends_on_content_not_on_order() -> None:
-    assert run_identity({"a": 1, "b": {"c": 2.5}}) == run_identity({"b": {"c": 2.5}, "a": 1})
-    assert run_identity({"a": 1}) != run_identity({"a": 2})
-    assert run_identity({"a": 0.1 + 0.2}) != run_identity({"a": 0.3})
+    assert identity_of({"a": 1, "b": {"c": 2.5}}) == identity_of({"b": {"c": 2.5}, "a": 1})
+    assert identity_of({"a": 1}) != identity_of({"a": 2})
+    assert identity_of({"a": 0.1 + 0.2}) != identity_of({"a": 0.3})
 
 
 @pytest.mark.parametrize(
@@ -94,7 +95,7 @@ def test_a_damaged_cell_is_an_error_that_says_what_to_do(
     tmp_path: Path, table: str, column: str, value: str
 ) -> None:
     store = RunStore.in_folder(tmp_path)
-    store.save(RunRecord("abc", "heap", "finished", {}, {"angle": Response(22.0)}))
+    store.save(RunRecord("abc", "heap", "finished", RUN, {"angle": Response(22.0)}))
     store.begin_calibration("c", "beads", {})
     store.add_request("c", RequestRecord(1, "design", {"x": 0.5}, 7, {"heap": "abc"}))
     with sqlite3.connect(tmp_path / "runs.sqlite") as connection:
@@ -109,7 +110,7 @@ def test_a_damaged_cell_is_an_error_that_says_what_to_do(
 
 
 def test_a_damaged_store_moved_away_is_made_anew_from_the_run_folders(tmp_path: Path) -> None:
-    record = RunRecord("abc", "heap", "finished", {}, {"angle": Response(22.0)})
+    record = RunRecord("abc", "heap", "finished", RUN, {"angle": Response(22.0)})
     close_run_folder(open_run_folder(tmp_path, "abc"), run_folder(tmp_path, "abc"), record)
     (tmp_path / "runs.sqlite").write_text("this is not a database, " * 100)
     with pytest.raises(StoreError, match=r"Move runs\.sqlite away"):
@@ -122,7 +123,7 @@ def test_a_damaged_store_moved_away_is_made_anew_from_the_run_folders(tmp_path: 
 
 def test_a_store_emptied_beside_its_log_is_not_taken_for_a_new_one(tmp_path: Path) -> None:
     store = RunStore.in_folder(tmp_path)
-    store.save(RunRecord("abc", "python", "finished", {}, {"angle": Response(22.0)}))
+    store.save(RunRecord("abc", "python", "finished", RUN, {"angle": Response(22.0)}))
     killed = tmp_path / "killed"
     killed.mkdir()
     shutil.copy(tmp_path / "runs.sqlite-wal", killed)
@@ -136,10 +137,10 @@ def test_a_store_emptied_beside_its_log_is_not_taken_for_a_new_one(tmp_path: Pat
 def test_a_run_that_a_worker_finished_after_its_process_had_died_is_found(
     tmp_path: Path, status: RunStatus
 ) -> None:
-    record = RunRecord("abc", "heap", "finished", {}, {"angle": Response(22.0)})
+    record = RunRecord("abc", "heap", "finished", RUN, {"angle": Response(22.0)})
     close_run_folder(open_run_folder(tmp_path, "abc"), run_folder(tmp_path, "abc"), record)
     store = RunStore.in_folder(tmp_path)
-    store.save(RunRecord("abc", "heap", status, {}, reason="the worker was lost", kind="machine"))
+    store.save(RunRecord("abc", "heap", status, RUN, reason="the worker was lost", kind="machine"))
     recover(tmp_path, store)
     assert store.find("abc") == record
 
@@ -149,15 +150,15 @@ def test_the_folder_of_a_finished_run_is_not_given_up_for_that_of_the_same_run(
     tmp_path: Path, second: dict[str, Response]
 ) -> None:
     final = run_folder(tmp_path, "abc")
-    first = RunRecord("abc", "heap", "finished", {}, {"angle": Response(22.0)})
+    first = RunRecord("abc", "heap", "finished", RUN, {"angle": Response(22.0)})
     close_run_folder(open_run_folder(tmp_path, "abc"), final, first)
     status: RunStatus = "finished" if second else "failed"
     close_run_folder(
-        open_run_folder(tmp_path, "abc"), final, RunRecord("abc", "heap", status, {}, second)
+        open_run_folder(tmp_path, "abc"), final, RunRecord("abc", "heap", status, RUN, second)
     )
     assert read_record(final) == first
     # A model that has learnt to yield another response replaces what is there.
-    more = RunRecord("abc", "heap", "finished", {}, {**first.responses, "density": Response(1.0)})
+    more = RunRecord("abc", "heap", "finished", RUN, {**first.responses, "density": Response(1.0)})
     close_run_folder(open_run_folder(tmp_path, "abc"), final, more)
     assert read_record(final) == more
     assert [path.name for path in (tmp_path / "runs").iterdir()] == ["abc"]
@@ -170,7 +171,7 @@ def test_a_kill_while_a_run_folder_is_thinned_out_does_not_cost_the_run(
         raise KeyboardInterrupt
 
     monkeypatch.setattr(workdir, "prune_run_folder", die)
-    record = RunRecord("abc", "heap", "finished", {}, {"angle": Response(22.0)})
+    record = RunRecord("abc", "heap", "finished", RUN, {"angle": Response(22.0)})
     final = run_folder(tmp_path, "abc")
     with pytest.raises(KeyboardInterrupt):
         close_run_folder(open_run_folder(tmp_path, "abc"), final, record, "results")
@@ -189,7 +190,7 @@ def test_work_folders_of_any_name(tmp_path: Path, name: str) -> None:
     folder = tmp_path / name
     folder.mkdir()
     store = RunStore.in_folder(folder)
-    store.save(RunRecord("abc", "heap", "failed", {}))
+    store.save(RunRecord("abc", "heap", "failed", RUN))
     assert (folder / "runs.sqlite").is_file()
     for _ in ("with a process at work", "with none"):
         reader = RunStore.read_only(folder)
@@ -202,7 +203,7 @@ def test_work_folders_of_any_name(tmp_path: Path, name: str) -> None:
 def test_a_store_opened_to_read_cannot_be_written(tmp_path: Path) -> None:
     RunStore.in_folder(tmp_path).close()
     with pytest.raises(StoreError, match="readonly"):
-        RunStore.read_only(tmp_path).save(RunRecord("abc", "heap", "failed", {}))
+        RunStore.read_only(tmp_path).save(RunRecord("abc", "heap", "failed", RUN))
 
 
 def test_a_store_of_another_version_is_not_read_either(tmp_path: Path) -> None:

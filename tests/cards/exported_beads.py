@@ -40,7 +40,7 @@ class QuickHeap(Lammps):
     def run(
         self, parameters: Mapping[str, float], seed: int, workspace: grainfit.Workspace
     ) -> dict[str, grainfit.Response]:
-        material = self.all_parameters(parameters)
+        material = self.run_parameters(parameters)
         scatter = random.Random(seed)
         friction = material["particle_particle.rolling_friction"]
         return {

@@ -24,6 +24,7 @@ from grainfit.cli.runs_console import print_runs, size
 from grainfit.errors import GrainfitError, InputError, SolverNotFoundError, StoreError
 from grainfit.evaluation import Response
 from grainfit.problem import Parameter, Problem, Target
+from grainfit.run_definition import RunDefinition
 from grainfit.solvers.own_model.command import Command
 from grainfit.solvers.own_model.python_callable import PythonCallable
 from grainfit.work_folder.prune import disk_use, prune_runs
@@ -85,13 +86,11 @@ def record(number: int, **changes: object) -> RunRecord:
         f"{number:032x}"[::-1],
         "drum",
         "finished",
-        {
-            "solver": "lammps",
-            "version": "22 Jul 2025",
-            "material": {"particle.density": 1500.0 + 100 * number, "wall.density": 7700.0},
-            "test": {"type": "heap"},
-            "seed": number,
-        },
+        RunDefinition(
+            {"solver": "lammps", "version": "22 Jul 2025", "test": {"type": "heap"}},
+            {"particle.density": 1500.0 + 100 * number, "wall.density": 7700.0},
+            number,
+        ),
         {"angle_of_repose": Response(20.0 + number, 0.1)},
         seconds=float(number),
         ended=1.7e9 + number,
@@ -248,7 +247,7 @@ def test_all_faults_of_the_conditions_are_named_at_once() -> None:
 
 
 def test_a_unit_is_not_guessed_for_responses_of_own_models() -> None:
-    own = record(1, definition={"solver": "command", "parameters": {"x": 1.0}, "seed": 1})
+    own = record(1, definition=RunDefinition({"solver": "command"}, {"x": 1.0}, 1))
     with pytest.raises(InputError, match="compared as it is"):
         RunTable([own]).select(where=["angle_of_repose > 1 rad"])
     assert RunTable([own]).select(where=["angle_of_repose > 1"])
@@ -265,7 +264,7 @@ def test_the_list_fits_into_a_terminal_without_cutting_a_number() -> None:
 
     def wide(number: int) -> RunRecord:
         values = {name: value + number for name, value in long.items()}
-        definition = {"solver": "x", "parameters": values, "seed": 899999990 + number}
+        definition = RunDefinition({"solver": "x"}, values, 899999990 + number)
         return record(number, definition=definition)
 
     *lines, note, total = shown(RunTable([*(wide(n) for n in range(1, 4)), failed(4, "no")]), 80)
@@ -278,7 +277,7 @@ def test_the_list_fits_into_a_terminal_without_cutting_a_number() -> None:
 
 
 def test_text_from_runs_is_shown_as_text(tmp_path: Path) -> None:
-    definition = {"solver": NASTY, "parameters": {NASTY: 1.0}, "seed": 1}
+    definition = RunDefinition({"solver": NASTY}, {NASTY: 1.0}, 1)
     folder = work(tmp_path / NASTY.replace("/", ""), failed(1), record(2, definition=definition))
     outputs = [
         grainfit("runs", "list", folder).stdout,
@@ -348,7 +347,7 @@ def test_an_export_is_whole_or_not_there(tmp_path: Path, monkeypatch: pytest.Mon
 
 
 def test_a_parameter_and_a_response_of_the_same_name_keep_their_columns() -> None:
-    definition = {"parameters": {"x": 1.0, "status": 2.0}, "seed": 1}
+    definition = RunDefinition({}, {"x": 1.0, "status": 2.0}, 1)
     clash = record(1, definition=definition, responses={"x": Response(3.0)})
     [row] = RunTable([clash]).rows
     assert row.cells["x"] == 1.0
@@ -390,7 +389,7 @@ def test_importing_a_table_again_changes_only_what_was_corrected_in_it(sand: Pat
     first = imported(sand, table)
     assert (first.new, first.known, first.replaced, first.usable) == (4, 0, 0, 4)
     runs = {r.identity: r for r in stored(Path("work"))}
-    seeds = sorted(r.definition["seed"] for r in runs.values())
+    seeds = sorted(r.definition.seed for r in runs.values())
     assert seeds == [FIRST_SEED, FIRST_SEED, FIRST_SEED + 1, FIRST_SEED + 2]
     assert {r.origin for r in runs.values()} == {f"imported from {sand.with_name('table.csv')}"}
     assert (again := imported(sand, table)).new == again.replaced == 0

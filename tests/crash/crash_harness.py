@@ -854,7 +854,7 @@ def _key(friction: str | float, seed: str | int) -> Key:
 
 
 def _key_of(record: RunRecord) -> Key:
-    return _key(record.definition["parameters"]["friction"], record.definition["seed"])
+    return _key(record.definition.parameters["friction"], record.definition.seed)
 
 
 def _agree(record: RunRecord, key: Key) -> bool:

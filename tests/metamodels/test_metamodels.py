@@ -111,7 +111,7 @@ def test_agreement_without_each_run_is_that_of_metamodels_without_it() -> None:
             many[index], spread[index] = without[run], variance[run]
             wanted = np.prod(
                 [
-                    inside(mean - target.value, target.accepted_deviation, np.sqrt(v))
+                    inside(mean - target.value, target.tolerance, np.sqrt(v))
                     for mean, v, target in zip(many, spread, PROBLEM.targets, strict=True)
                 ]
             )

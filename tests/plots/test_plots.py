@@ -51,7 +51,7 @@ def simulate(parameters: dict[str, float], seed: int) -> dict[str, float]:
 @pytest.fixture(scope="session")
 def saved(tmp_path_factory: pytest.TempPathFactory) -> gf.OpenedCalibration:
     folder = tmp_path_factory.mktemp("plots") / "work"
-    gf.calibrate(PROBLEM, simulate, workdir=folder, name="<u>beads</u>", max_runs=25)
+    gf.calibrate(PROBLEM, simulate, workdir=folder, name="<u>beads</u>", max_runs=25, seed=3)
     return gf.open(folder)
 
 
@@ -111,11 +111,16 @@ def test_the_analysis_is_made_once(
 ) -> None:
     fresh = gf.open(saved.folder)
     first = fresh.analyse()
+    assert saved.result is not None
+    answer = saved.result.parameters
+    same = gf.analyse(saved.problem, saved.known, seed=3, answer=answer).posterior
+    assert first.posterior is not None
+    assert same is not None
+    assert (first.posterior.values == same.values).all()
     monkeypatch.setattr("grainfit.analysis.analyse", None)
 
     assert fresh.analyse() is first
     gf.plots.sensitivity(fresh)
-    assert first.posterior is not None
     intervals = {parameter.name: parameter.interval for parameter in fresh.card().parameters}
     assert intervals["particle.density"] == first.posterior.interval("particle.density")
     with pytest.raises(TypeError):

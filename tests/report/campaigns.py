@@ -103,7 +103,7 @@ class Model:
             distance = (np.arange(self.problem.dimension) - number) % self.problem.dimension
             change = float(off @ (1.0 + distance) ** -2.0)
             expected = target.value * (1 + self.excess + 0.35 * change + 0.1 * change**2)
-            scatter = 0.4 * target.accepted_deviation * random.standard_normal()
+            scatter = 0.4 * target.tolerance * random.standard_normal()
             responses[target.name] = expected + scatter
         return responses
 
@@ -327,7 +327,7 @@ class _Decided(BatchStrategy):
         return Answer(
             parameters=self.problem.from_unit(self._answer),
             predicted={target.name: target.value for target in targets},
-            standard_errors={target.name: 0.1 * target.accepted_deviation for target in targets},
+            standard_errors={target.name: 0.1 * target.tolerance for target in targets},
             probability_all_met=0.99,
         )
 

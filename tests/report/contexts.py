@@ -123,7 +123,7 @@ def result_of(wanted: Problem, answer: Mapping[str, float]) -> Result:
         responses={
             target.name: ResponseResult(
                 target=target.value,
-                tolerance=target.accepted_deviation,
+                tolerance=target.tolerance,
                 unit=target.unit,
                 predicted=target.value,
                 standard_error=0.1,

@@ -34,6 +34,7 @@ from grainfit.report.sections.reproduce.section import reproduce
 from grainfit.report.sections.runs.section import runs
 from grainfit.report.sections.verification.section import verification
 from grainfit.result import OutOfReach, Result, RunCounts
+from grainfit.run_definition import RunDefinition
 from grainfit.work_folder.saved_calibration import SavedCalibration
 
 DENSITY, FRICTION = "particle.density", "particle_particle.rolling_friction"
@@ -119,7 +120,7 @@ def context(
             identity,
             test,
             "failed" if done.failures else "finished",
-            {"solver": "lammps", "version": "29 Aug 2024", "test": {}, "seed": 1},
+            RunDefinition({"solver": "lammps", "version": "29 Aug 2024", "test": {}}, {}, 1),
             reason=done.failures.get(test, ""),
             log_tail="step 1\nERROR: <b>lost</b> atoms\n" if done.failures else "",
             seconds=done.seconds,
@@ -322,7 +323,7 @@ def heaps(tmp_path: Path) -> ReportContext:
     known = context(folder=tmp_path)
     test = HeapTest(ParticleSizes((0.010,))).definition()
     records = {
-        identity: replace(record, definition={"test": test})
+        identity: replace(record, definition=RunDefinition({"test": test}, {}, 1))
         for identity, record in known.reading.records.items()
     }
     for done in RUNS:
@@ -389,7 +390,9 @@ def test_damaged_folders_and_records_are_passed_over(heaps: ReportContext, damag
         dump.write_text(damage)
     text(heap(heaps))
     broken = {
-        identity: replace(record, definition={"test": {"type": "heap", "setup": 3}})
+        identity: replace(
+            record, definition=RunDefinition({"test": {"type": "heap", "setup": 3}}, {}, 1)
+        )
         for identity, record in heaps.reading.records.items()
     }
     assert "No heap to show" in text(heap(context(folder=heaps.reading.folder, records=broken)))

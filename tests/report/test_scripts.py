@@ -102,7 +102,7 @@ def test_the_page_finds_the_probability_that_all_agree() -> None:
     points = qmc.Sobol(2, rng=2).random(64)
     data = {
         "models": [model.to_plain(factors=False) for model in metamodels.models],
-        "targets": [[target.value, target.accepted_deviation] for target in wanted.targets],
+        "targets": [[target.value, target.tolerance] for target in wanted.targets],
         "points": points.tolist(),
     }
     found = contexts.in_node(

@@ -291,7 +291,7 @@ def test_definition_follows_contents_not_place(tmp_path):
         definitions.append(Command(folder, **{**options, **changed}).definition({"x": 1.0}, 1))
 
     assert definitions[0] == definitions[1]
-    texts = [json.dumps(definition, sort_keys=True) for definition in definitions[1:]]
+    texts = [json.dumps(definition.to_json(), sort_keys=True) for definition in definitions[1:]]
     assert len(set(texts)) == len(texts)
 
 

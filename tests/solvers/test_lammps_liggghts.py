@@ -14,6 +14,7 @@ from grainfit.bulk_tests.heap import HeapTest
 from grainfit.errors import InputError, RunFailedError, SolverNotFoundError
 from grainfit.materials.parameters import MATERIAL_PARAMETERS
 from grainfit.materials.sizes import ParticleSizes
+from grainfit.run_definition import RunDefinition
 from grainfit.solvers.base import Workspace
 from grainfit.solvers.dem.lammps.program import Lammps
 from grainfit.solvers.dem.liggghts.program import Liggghts
@@ -51,10 +52,10 @@ class TestParameters:
         fixed = {k: v for k, v in GLASS_BEADS.items() if k != "particle.density"}
         solver = solver_type(SMALL, fixed)
         definition = solver.definition({"particle.density": 2300.0}, seed=7)
-        assert json.loads(json.dumps(definition)) == definition
-        assert definition["material"] == {**GLASS_BEADS, "particle.density": 2300.0}
-        assert list(definition["material"]) == list(MATERIAL_PARAMETERS)
-        assert definition["seed"] == 7
+        assert RunDefinition.from_json(json.loads(json.dumps(definition.to_json()))) == definition
+        assert definition.parameters == {**GLASS_BEADS, "particle.density": 2300.0}
+        assert list(definition.parameters) == list(MATERIAL_PARAMETERS)
+        assert definition.seed == 7
         assert (
             solver_type(SMALL, GLASS_BEADS).definition({"particle.density": 2300.0}, seed=7)
             == definition

@@ -14,7 +14,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from grainfit.campaign.store.records import run_identity
 from grainfit.errors import InputError, NotMeasurableError, RunFailedError
 from grainfit.evaluation import Response
 from grainfit.solvers.base import Workspace
@@ -200,8 +199,13 @@ def test_identity_follows_the_source_code():
     first = lambda p, _s: {"a": p["x"]}  # noqa: E731
     second = lambda p, _s: {"a": 2 * p["x"]}  # noqa: E731
 
-    assert definition(first)["function"]["source"] != definition(second)["function"]["source"]
-    assert definition(simulate)["function"]["function"].endswith("test_python_callable.simulate")
+    assert (
+        definition(first).model["function"]["source"]
+        != definition(second).model["function"]["source"]
+    )
+    assert (
+        definition(simulate).model["function"]["function"].endswith("test_python_callable.simulate")
+    )
 
 
 def test_explicit_identity_is_all_that_counts():
@@ -231,13 +235,13 @@ def test_identity_without_source_is_the_same_in_every_process():
     code = (
         "import json; from grainfit.solvers.own_model.python_callable import PythonCallable\n"
         f"exec({source!r})\n"
-        "print(json.dumps(PythonCallable(f).definition({'x': 1.0}, 1)['function']))"
+        "print(json.dumps(PythonCallable(f).model()['function']))"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, check=True)
 
     there = json.loads(done.stdout)["source"]
     assert there is not None
-    assert there == definition(space["f"])["function"]["source"]
+    assert there == definition(space["f"]).model["function"]["source"]
 
 
 def power(exponent, parameters, _seed):
@@ -262,7 +266,7 @@ def test_partials_objects_methods_and_builtins_have_identities(tmp_path):
     )
     assert definition(Model()) == definition(Model())
     assert definition(Model()) != definition(Model().method)
-    assert definition(max)["function"] == {"function": "builtins.max", "source": None}
+    assert definition(max).model["function"] == {"function": "builtins.max", "source": None}
     assert run(PythonCallable(square), tmp_path, x=3.0) == {"a": Response(9.0)}
 
 
@@ -336,10 +340,10 @@ def test_identity_follows_the_data_that_a_function_holds(make):
         {"table": [np.arange(3.0)]},
         {"table": [np.arange(4.0)]},
     ]
-    found = [run_identity(definition(make(value))) for value in different]
+    found = [definition(make(value)).identity for value in different]
 
     assert len(set(found)) == len(different)
-    assert found == [run_identity(definition(make(copy.deepcopy(value)))) for value in different]
+    assert found == [definition(make(copy.deepcopy(value))).identity for value in different]
 
 
 @pytest.mark.parametrize("make", HOLDERS)
@@ -386,7 +390,7 @@ def test_identity_of_held_data_is_the_same_in_every_process():
         "from grainfit.solvers.own_model.python_callable import PythonCallable\n"
         "import functools\n"
         "f = functools.partial(max, {'x', 'y', 'zz'}, np.array([1.0, None]), {'b': 1, 'a': 2})\n"
-        "print(json.dumps(PythonCallable(f).definition({'x': 1.0}, 1)['function']))"
+        "print(json.dumps(PythonCallable(f).model()['function']))"
     )
     found = {
         subprocess.run(

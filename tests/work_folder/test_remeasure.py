@@ -12,6 +12,7 @@ from grainfit.bulk_tests.heap import HeapTest
 from grainfit.campaign.store.store import RunRecord
 from grainfit.errors import InputError, NotMeasurableError
 from grainfit.materials.sizes import ParticleSizes
+from grainfit.run_definition import RunDefinition
 from grainfit.work_folder.remeasure import measure_path
 
 EMPTY_DUMP = """ITEM: TIMESTEP
@@ -31,7 +32,7 @@ def definition() -> dict[str, Any]:
 
 
 def write_record(folder: Path, test: Any) -> None:
-    record = RunRecord("abc", "heap", "finished", {"test": test})
+    record = RunRecord("abc", "heap", "finished", RunDefinition({"test": test}, {}, 1))
     (folder / "run.json").write_text(json.dumps(record.to_json()))
 
 

@@ -20,6 +20,7 @@ from grainfit.campaign.store.store import RunStore
 from grainfit.campaign.work_folder import hold
 from grainfit.cli.console import print_status
 from grainfit.errors import StoreError
+from grainfit.run_definition import RunDefinition
 from grainfit.work_folder.status import read_status
 
 
@@ -27,7 +28,7 @@ def work(folder: Path) -> RunStore:
     store = RunStore.in_folder(folder)
     store.begin_calibration("c", "beads", {})
     store.add_request("c", RequestRecord(1, "design", {"x": 0.5}, 7, {"heap": "abc"}))
-    store.save(RunRecord("abc", "heap", "finished", {}))
+    store.save(RunRecord("abc", "heap", "finished", RunDefinition({}, {}, 1)))
     return store
 
 
@@ -59,7 +60,7 @@ def test_status_of_a_calibration_at_work_sees_its_latest_run_and_changes_no_file
         before = files(tmp_path)
         status = read_status(tmp_path)
         assert files(tmp_path) == before
-        store.save(RunRecord("next", "heap", "finished", {}))
+        store.save(RunRecord("next", "heap", "finished", RunDefinition({}, {}, 1)))
         assert (status.state, status.kept) == ("running", 1)
         assert read_status(tmp_path).kept == 2
 

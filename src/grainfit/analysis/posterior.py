@@ -146,7 +146,7 @@ def standard_uncertainty(target: Target) -> float:
     """
     if target.uncertainty is not None:
         return target.uncertainty
-    return target.accepted_deviation / _NORMAL_QUANTILE
+    return target.tolerance / _NORMAL_QUANTILE
 
 
 def sample_posterior(

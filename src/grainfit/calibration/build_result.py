@@ -116,10 +116,10 @@ def _response(
 ) -> ResponseResult:
     predicted = answer.predicted[target.name]
     best = verified.mean if verified else predicted
-    close = abs(best - target.value) <= target.accepted_deviation
+    close = abs(best - target.value) <= target.tolerance
     return ResponseResult(
         target=target.value,
-        tolerance=target.accepted_deviation,
+        tolerance=target.tolerance,
         unit=target.unit,
         predicted=predicted,
         standard_error=answer.standard_errors[target.name],

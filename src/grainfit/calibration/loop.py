@@ -24,13 +24,14 @@ from grainfit.calibration.verification import (
     verified_responses,
 )
 from grainfit.campaign.campaign import Campaign
-from grainfit.campaign.reuse import most_telling, runs_of
-from grainfit.campaign.store.records import RequestRecord, run_identity
+from grainfit.campaign.reuse import models_of, most_telling, runs_of
+from grainfit.campaign.store.records import RequestRecord
 from grainfit.campaign.store.store import RunStore
 from grainfit.errors import GrainfitError, RunFailedError, StoreError
 from grainfit.evaluation import Evaluation, Proposal
 from grainfit.problem import Problem
 from grainfit.result import Result, Status
+from grainfit.run_definition import identity_of
 from grainfit.strategies.answer import Answer
 from grainfit.strategies.base import Strategy, insertion_seed
 
@@ -79,13 +80,13 @@ class CalibrationLoop:
         self._recorded: deque[RequestRecord] = deque()
         self._started = time.monotonic()
         self._definition = self._define()
-        self._identity = run_identity(self._definition)
+        self._identity = identity_of(self._definition)
 
     def _runs_known_before(self) -> list[Evaluation]:
         """Runs of other calibrations that this one learns from: those of its first start."""
         earlier = self._store.calibration(self._identity)
         if earlier is None:
-            records = self._store.runs()
+            records = self._store.runs_of(models_of(self._campaign.solvers))
         else:
             records = list(self._store.find_many(earlier.known).values())
         known = runs_of(self._problem, self._campaign.solvers, records)
@@ -102,7 +103,7 @@ class CalibrationLoop:
         return {
             "tests": self._campaign.identities(sample),
             "parameters": [asdict(parameter) for parameter in self._problem.parameters],
-            "targets": [asdict(target) for target in self._problem.targets],
+            "targets": [target.to_json() for target in self._problem.targets],
             "strategy": self._strategy.name,
             "seed": self._strategy.seed,
             "options": self._strategy.definition,

@@ -52,17 +52,17 @@ class Verified:
 
     def is_met(self, target: Target) -> bool:
         """Whether the mean meets the target within tolerance."""
-        return abs(self.mean - target.value) <= target.accepted_deviation
+        return abs(self.mean - target.value) <= target.tolerance
 
     def is_marginally_met(self, target: Target) -> bool:
         """Whether the mean is inside, but could be outside as far as the runs can tell."""
         deviation = abs(self.mean - target.value)
-        return deviation <= target.accepted_deviation < deviation + self.half_width
+        return deviation <= target.tolerance < deviation + self.half_width
 
     def is_marginally_missed(self, target: Target) -> bool:
         """Whether the mean is outside, but could be inside as far as the runs can tell."""
         deviation = abs(self.mean - target.value)
-        return target.accepted_deviation < deviation <= target.accepted_deviation + self.half_width
+        return target.tolerance < deviation <= target.tolerance + self.half_width
 
 
 @dataclass(frozen=True)
@@ -88,7 +88,7 @@ class Contradiction:
         target, half_width = self.target, NORMAL_QUANTILE * self.standard_error
         alone = _interval(self.verified.mean, self.verified.half_width)
         together = _interval(self.expected, half_width)
-        accepted = f"{number(target.value, 6)} ± {number(target.accepted_deviation, 3)}"
+        accepted = f"{number(target.value, 6)} ± {number(target.tolerance, 3)}"
         return (
             f"{target.name} is in doubt: the verification runs alone give {alone}, where "
             f"{with_unit(accepted, unit_for_people(target.unit))} is accepted, but by all runs "
@@ -164,7 +164,7 @@ def contradictions(
             known.standard_errors[target.name],
         )
         for target in marginally_met(problem, verified)
-        if abs(known.predicted[target.name] - target.value) > target.accepted_deviation
+        if abs(known.predicted[target.name] - target.value) > target.tolerance
     ]
 
 

@@ -240,7 +240,7 @@ def _default_timeouts(setup: CalibrationSetup) -> dict[str, float]:
     for name, solver in setup.solvers.items():
         deck = solver.solver if isinstance(solver, ParametersFor) else solver
         if isinstance(deck, DeckSolver) and isinstance(deck.test, HeapTest):
-            cost = estimate_cost(deck.test, deck.name, deck.all_parameters(material), deck.ranks)
+            cost = estimate_cost(deck.test, deck.name, deck.run_parameters(material), deck.ranks)
             timeouts[name] = _PATIENCE_SECONDS + _PATIENCE * cost.wall_seconds
     return timeouts
 

@@ -98,7 +98,7 @@ def _cost_lines(solver: Solver, problem: Problem) -> Iterator[str]:
     if not (isinstance(solver, DeckSolver) and isinstance(solver.test, HeapTest)):
         return
     middle = problem.from_unit([0.5] * problem.dimension)
-    material = solver.all_parameters(
+    material = solver.run_parameters(
         {name: value for name, value in middle.items() if name in MATERIAL_PARAMETERS}
     )
     cost = estimate_cost(solver.test, solver.name, material, solver.ranks)

@@ -87,7 +87,7 @@ class TargetTable(Kind):
             place.key,
             value,
             uncertainty=_absolute(given, value) if given else uncertainty,
-            tolerance=_absolute(values.get("tolerance"), value),
+            tolerance=_absolute(values.get("tolerance"), value),  # type: ignore[arg-type]
             weight=values.get("weight", 1.0),
             unit=self.unit if self.unit is not None else values.get("unit", ""),
         )

@@ -12,16 +12,16 @@ from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from pickle import PicklingError
-from typing import Any
 
 from grainfit.campaign import work_folder as workdir
 from grainfit.campaign.reserve import Reserve
-from grainfit.campaign.store.records import RunRecord, run_identity
+from grainfit.campaign.store.records import RunRecord
 from grainfit.campaign.store.shared import SharedRuns
 from grainfit.campaign.store.store import RunStore
 from grainfit.campaign.worker import RunTask, execute, failed_record
 from grainfit.errors import ExecutorError, StoreError
 from grainfit.evaluation import Evaluation, Proposal, response_name
+from grainfit.run_definition import RunDefinition
 from grainfit.solvers.base import Solver
 
 #: How long to wait before a run is tried again when the machine, not the simulation, is at fault,
@@ -129,10 +129,9 @@ class Campaign:
 
     def identities(self, proposal: Proposal) -> dict[str, str]:
         """Identity of the run of a proposal by name of the test."""
-        definitions = self._definitions(proposal)
-        return {test: run_identity(definition) for test, definition in definitions.items()}
+        return {test: run.identity for test, run in self._definitions(proposal).items()}
 
-    def _definitions(self, proposal: Proposal) -> dict[str, dict[str, Any]]:
+    def _definitions(self, proposal: Proposal) -> dict[str, RunDefinition]:
         return {
             test: solver.definition(proposal.parameters, proposal.seed)
             for test, solver in self._solvers.items()
@@ -177,7 +176,7 @@ class Campaign:
         """
         entry = _Pending(proposal)
         definitions = self._definitions(proposal)
-        identities = {test: run_identity(definition) for test, definition in definitions.items()}
+        identities = {test: definition.identity for test, definition in definitions.items()}
         if note is not None:
             note(identities)
         for test, solver in self._solvers.items():

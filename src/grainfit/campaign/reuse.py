@@ -1,13 +1,12 @@
-"""Which runs of a store belong to a problem, whatever they were made for.
+"""Find stored runs that can be reused for a problem.
 
-A run's definition says all that decides its outcome. So a run whose definition is what the solvers
-of a problem would write for some values of its free parameters and some seed *is* a run of that
+A run's definition holds all that decides its outcome. So a run that has the model of a solver of
+the problem, and the problem's values of all parameters that are not free, *is* a run of that
 problem: of a calibration with other targets, other intervals or another strategy, or of none.
 """
 
 from __future__ import annotations
 
-import json
 import math
 from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
@@ -23,6 +22,7 @@ from grainfit.campaign.store.store import STORE_NAME, RunStore, not_a_work_folde
 from grainfit.errors import GrainfitError, InputError
 from grainfit.evaluation import Evaluation, Proposal
 from grainfit.problem import Problem
+from grainfit.run_definition import identity_of
 from grainfit.solvers.base import Solver
 
 _Path = tuple[str | int, ...]
@@ -31,64 +31,54 @@ MOST_RUNS = 150
 
 
 class RunMatcher:
-    """Finds values of the free parameters and the seed in definitions of a solver's runs.
+    """Finds values of the free parameters and the seed of runs of a solver.
 
-    Where they stand follows from comparing two definitions that differ in nothing else.
+    A run fits when its model is the solver's and all parameters that are not free have the values
+    of the problem.
 
     Parameters
     ----------
     solver : Solver
-        Whose runs are to be recognised.
+        Whose runs are to be found.
     problem : Problem
-        Names the free parameters and their intervals.
+        Names the free parameters.
+
+    Raises
+    ------
+    GrainfitError
+        The solver has no model, for example because its program is missing.
     """
 
     def __init__(self, solver: Solver, problem: Problem) -> None:
-        self._solver = solver
-        # Different values for all parameters, even those of equal intervals.
-        shares = [0.2 * number / problem.dimension for number in range(problem.dimension)]
-        low = problem.from_unit([0.27 + share for share in shares])
-        high = problem.from_unit([0.53 + share for share in shares])
-        first, second = (_leaves(solver, *sample) for sample in ((low, 12347), (high, 54323)))
-        self._fixed = {path: leaf for path, leaf in first.items() if second.get(path) == leaf}
-        varied = first.keys() - self._fixed.keys()
-        places = {
-            name: [p for p in varied if first[p] == low[name] and second.get(p) == high[name]]
-            for name in low
-        }
+        sample = solver.definition(problem.from_unit([0.5] * problem.dimension), 1)
+        self._defaults = dict(solver.defaults)
+        values = self._defaults | dict(sample.parameters)
         # Not every test takes every parameter.
-        self._places = {name: paths for name, paths in places.items() if paths}
-        self._seeds = [p for p in varied if first[p] == 12347 and second.get(p) == 54323]
-        seen = {path for paths in (*self._places.values(), self._seeds) for path in paths}
-        #: Whether the definition holds nothing that is computed from parameters or seed.
-        self._is_plain = seen == varied and first.keys() == second.keys()
+        self._free = [p.name for p in problem.parameters if p.name in values]
+        self._fixed = {name: v for name, v in values.items() if name not in self._free}
+        self.model_hash = sample.model_hash
 
     def match(self, record: RunRecord) -> tuple[dict[str, float], int] | None:
         """Return values and seed of a run; None when it is not a run of this solver and problem.
 
         The values are those of the parameters that the solver takes.
         """
-        leaves = dict(_flatten(record.definition))
-        if any(leaves.get(path) != leaf for path, leaf in self._fixed.items()):
+        definition = record.definition
+        if definition.model_hash != self.model_hash:
             return None
-        try:
-            values = {name: float(leaves[paths[0]]) for name, paths in self._places.items()}
-            seed = int(leaves[self._seeds[0]]) if self._seeds else 0
-        except (KeyError, IndexError, TypeError, ValueError):
+        values = self._defaults | dict(definition.parameters)
+        free = {name: values.pop(name) for name in self._free if name in values}
+        if values != self._fixed or len(free) < len(self._free):
             return None
-        return (values, seed) if self._agrees(leaves, values, seed) else None
+        return free, definition.seed
 
-    def _agrees(self, leaves: Mapping[_Path, Any], values: dict[str, float], seed: int) -> bool:
-        if not self._is_plain:
-            try:
-                return _leaves(self._solver, values, seed) == leaves
-            except GrainfitError:
-                return False
-        places = [(path, values[name]) for name, paths in self._places.items() for path in paths]
-        places += [(path, seed) for path in self._seeds]
-        return len(leaves) == len(self._fixed) + len(places) and all(
-            leaves.get(path) == value for path, value in places
-        )
+
+def models_of(solvers: Mapping[str, Solver]) -> set[str]:
+    """Return the hashes of the solvers' models; empty where a solver cannot be used."""
+    try:
+        return {identity_of(solver.model()) for solver in solvers.values()}
+    except GrainfitError:
+        return set()
 
 
 def runs_of(
@@ -200,7 +190,7 @@ def _distance(problem: Problem, evaluation: Evaluation) -> float:
     if any(target.name not in evaluation.responses for target in problem.targets):
         return math.inf
     return sum(
-        ((evaluation.responses[target.name].value - target.value) / target.accepted_deviation) ** 2
+        ((evaluation.responses[target.name].value - target.value) / target.tolerance) ** 2
         for target in problem.targets
     )
 
@@ -211,24 +201,6 @@ def _is_inside(problem: Problem, values: Mapping[str, float]) -> bool:
         for parameter in problem.parameters
         if parameter.name in values
     )
-
-
-def _leaves(solver: Solver, values: Mapping[str, float], seed: int) -> dict[_Path, Any]:
-    # As a store gives it back: lists for tuples.
-    return dict(_flatten(json.loads(json.dumps(solver.definition(values, seed)))))
-
-
-def _flatten(data: Any, path: _Path = ()) -> Iterator[tuple[_Path, Any]]:
-    # Definitions come from JSON, and there may be many: their types are exactly these.
-    kind = type(data)
-    if kind is dict and data:
-        for key, value in data.items():
-            yield from _flatten(value, (*path, key))
-    elif kind is list and data:
-        for index, value in enumerate(data):
-            yield from _flatten(value, (*path, index))
-    else:
-        yield path, data
 
 
 def take_runs(
@@ -251,7 +223,7 @@ def take_runs(
     fitting = is_run_of(problem, solvers)
     new = [
         replace(record, origin=record.origin or other.place)
-        for record in other.runs("finished")
+        for record in other.runs_of(models_of(solvers), "finished")
         if there.get(record.identity) != "finished" and fitting(record)
     ]
     store.save_many(new)

@@ -118,7 +118,7 @@ class _Conditions:
 
 def _heap_conditions(reading: SavedCalibration) -> list[_Conditions]:
     """Conditions of the heap tests among the runs, in their order, each once."""
-    tests = (record.definition.get("test") for record in reading.records.values())
+    tests = (record.definition.model.get("test") for record in reading.records.values())
     try:
         found = [
             _Conditions(
@@ -145,8 +145,8 @@ def _sizes(reading: SavedCalibration, conditions: list[_Conditions]) -> Particle
 
 
 def _programs(reading: SavedCalibration) -> list[Program]:
-    definitions = [record.definition for record in reading.records.values()]
-    found = [Program(str(d.get("solver", "")), str(d.get("version", ""))) for d in definitions]
+    models = [record.definition.model for record in reading.records.values()]
+    found = [Program(str(d.get("solver", "")), str(d.get("version", ""))) for d in models]
     return list(dict.fromkeys(found))
 
 

@@ -115,7 +115,7 @@ def print_plan(console: Console, plan: Plan) -> None:
         targets.add_row(
             _text(target.name),
             _text(_number(target.value, target.unit)),
-            _text(f"± {_number(target.accepted_deviation, target.unit)}"),
+            _text(f"± {_number(target.tolerance, target.unit)}"),
         )
     console.print(targets)
     for line in plan.lines:

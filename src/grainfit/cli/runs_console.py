@@ -146,7 +146,7 @@ def print_record(console: Console, record: RunRecord, folder: Path | None) -> No
         _line(console, f"folder = {folder}")
     _line(console, "")
     _line(console, "definition, all that decides the outcome:")
-    for line in json.dumps(record.definition, indent=2, ensure_ascii=False).splitlines():
+    for line in json.dumps(record.definition.to_json(), indent=2, ensure_ascii=False).splitlines():
         _line(console, f"  {line}")
     if record.log_tail:
         _line(console, "")

@@ -39,7 +39,7 @@ class Metamodels:
         self.problem = problem
         self.models = list(models)
         self._targets = np.array([target.value for target in problem.targets])
-        self._tolerances = np.array([target.accepted_deviation for target in problem.targets])
+        self._tolerances = np.array([target.tolerance for target in problem.targets])
         weights = np.array([target.weight for target in problem.targets])
         least = np.array([model.variance_of_scatter / model.n for model in self.models])
         self._units = np.sqrt(self._tolerances**2 + least) / weights

@@ -61,7 +61,7 @@ def deviation_in_tolerances(targets: Sequence[Target], evaluation: Evaluation) -
     if any(target.name not in evaluation.responses for target in targets):
         return None
     return max(
-        abs(evaluation.responses[target.name].value - target.value) / target.accepted_deviation
+        abs(evaluation.responses[target.name].value - target.value) / target.tolerance
         for target in targets
     )
 
@@ -139,9 +139,9 @@ def _response_figure(
     }
     words = (
         f"{label.words} of each run over the number of the run, with the measured value "
-        f"{target.value:g} and its tolerance of {target.accepted_deviation:g} as a band."
+        f"{target.value:g} and its tolerance of {target.tolerance:g} as a band."
     )
-    measured = f"{target.value:g} ± {target.accepted_deviation:g}"
+    measured = f"{target.value:g} ± {target.tolerance:g}"
     title = f"{label.plot}, measured {with_unit(measured, escape(label.unit))}"
     return Figure(tuple(traces), layout, words, height=320, title=title)
 

@@ -46,7 +46,7 @@ def tolerance_band(target: Target, axis: str) -> list[dict[str, Any]]:
     """
     other = {"x": "y", "y": "x"}[axis]
     across = {f"{other}ref": "paper", f"{other}0": 0, f"{other}1": 1, f"{axis}ref": axis}
-    low, high = target.value - target.accepted_deviation, target.value + target.accepted_deviation
+    low, high = target.value - target.tolerance, target.value + target.tolerance
     band = {"type": "rect", "layer": "below", "fillcolor": GREEN_BAND, "line": {"width": 0}}
     line = {"type": "line", "layer": "below", "line": {"color": GREEN, "width": 1.5, "dash": "dot"}}
     return [
@@ -58,7 +58,7 @@ def tolerance_band(target: Target, axis: str) -> list[dict[str, Any]]:
 def value_range(target: Target, values: Iterable[float]) -> list[float]:
     """Return a range that shows values and tolerance, with some room."""
     shown = [value for value in values if isfinite(value)]
-    shown += [target.value - target.accepted_deviation, target.value + target.accepted_deviation]
+    shown += [target.value - target.tolerance, target.value + target.tolerance]
     low, high = min(shown), max(shown)
     room = 0.08 * (high - low)
     return [low - room, high + room]

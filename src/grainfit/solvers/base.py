@@ -4,9 +4,9 @@ A *solver* turns values of the free parameters and a seed into responses. Its li
 
 1. it is made once per test of a calibration and is immutable from then on;
 2. `Solver.check` is called once, before anything is run, and says in words what is missing;
-3. `Solver.definition` is called for every run that is wanted. It returns all that decides the
-   run's outcome, as JSON. Its hash is the run's identity: equal definitions are the same run, and
-   a run that is already known is never repeated;
+3. `Solver.definition` is called for every run that is wanted. It puts together the `Solver.model`,
+   the parameters and the seed: all that decides the run's outcome. Its hash is the run's identity:
+   equal definitions are the same run, and a run that is already known is never repeated;
 4. `Solver.run` is called from worker threads, several at a time, each with a folder of its own.
    It returns the responses or raises `RunFailedError`. It keeps no state between runs.
 """
@@ -21,6 +21,7 @@ from pathlib import Path
 from typing import Any
 
 from grainfit.evaluation import Response
+from grainfit.run_definition import RunDefinition
 
 
 @dataclass(frozen=True)
@@ -56,8 +57,50 @@ class Solver(ABC):
         """Names of the responses that a run yields; None when only a run can tell."""
 
     @abstractmethod
-    def definition(self, parameters: Mapping[str, float], seed: int) -> dict[str, Any]:
-        """Return all that decides the outcome of this run, as JSON-serialisable data."""
+    def model(self) -> Mapping[str, Any]:
+        """Return all that decides the outcome of runs besides parameters and seed, as JSON.
+
+        It is the same for all runs of the solver; one with another model makes other runs.
+
+        Raises
+        ------
+        SolverNotFoundError
+            A program of which the version is part of the model is not there.
+        """
+
+    def run_parameters(self, parameters: Mapping[str, float]) -> dict[str, float]:
+        """Return the values of all parameters that a run depends on, free or fixed.
+
+        Parameters
+        ----------
+        parameters : mapping of str to float
+            Values of the free parameters.
+
+        Raises
+        ------
+        InputError
+            A value is missing or cannot be.
+        """
+        return {name: float(value) for name, value in parameters.items()}
+
+    @property
+    def defaults(self) -> Mapping[str, float]:
+        """Values of parameters that need not be given; none by default."""
+        return {}
+
+    def definition(self, parameters: Mapping[str, float], seed: int) -> RunDefinition:
+        """Return all that decides the outcome of this run.
+
+        Raises
+        ------
+        InputError
+            A parameter is missing or has an impossible value.
+        SolverNotFoundError
+            See `Solver.model`.
+        """
+        values, defaults = self.run_parameters(parameters), self.defaults
+        given = {name: value for name, value in values.items() if defaults.get(name) != value}
+        return RunDefinition(self.model(), given, int(seed))
 
     @abstractmethod
     def run(

@@ -39,9 +39,18 @@ class ParametersFor(Solver):
         """Names of the responses."""
         return self.solver.response_names
 
-    def definition(self, parameters: Mapping[str, float], seed: int) -> dict[str, Any]:
-        """Return all that decides the outcome of this run."""
-        return self.solver.definition(self._taken(parameters), seed)
+    def model(self) -> Mapping[str, Any]:
+        """Return the model of the solver."""
+        return self.solver.model()
+
+    def run_parameters(self, parameters: Mapping[str, float]) -> dict[str, float]:
+        """Return the parameters that the solver takes."""
+        return self.solver.run_parameters(self._taken(parameters))
+
+    @property
+    def defaults(self) -> Mapping[str, float]:
+        """Defaults of the solver."""
+        return self.solver.defaults
 
     def run(
         self, parameters: Mapping[str, float], seed: int, workspace: Workspace

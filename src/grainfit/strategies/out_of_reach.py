@@ -63,7 +63,7 @@ def out_of_reach(
 
 
 def _misses(target: Target, mean: float, margin: float) -> bool:
-    return abs(mean - target.value) > target.accepted_deviation + margin
+    return abs(mean - target.value) > target.tolerance + margin
 
 
 def _nearest(metamodels: Metamodels, index: int, seed: int) -> NDArray[np.float64]:

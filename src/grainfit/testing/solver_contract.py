@@ -95,9 +95,13 @@ class SolverContract:
     def test_definition_is_json_and_always_the_same(
         self, solver: Solver, parameters: dict[str, float]
     ) -> None:
-        first = json.dumps(solver.definition(parameters, 7), sort_keys=True, allow_nan=False)
+        first = json.dumps(
+            solver.definition(parameters, 7).to_json(), sort_keys=True, allow_nan=False
+        )
         backwards = dict(reversed(parameters.items()))
-        again = json.dumps(solver.definition(backwards, 7), sort_keys=True, allow_nan=False)
+        again = json.dumps(
+            solver.definition(backwards, 7).to_json(), sort_keys=True, allow_nan=False
+        )
 
         assert first == again
 
@@ -107,7 +111,8 @@ class SolverContract:
         wanted = [(parameters, 7), (parameters, 8)]
         wanted += [({**parameters, name: 0.99 * parameters[name]}, 7) for name in parameters]
         definitions = {
-            json.dumps(solver.definition(values, seed), sort_keys=True) for values, seed in wanted
+            json.dumps(solver.definition(values, seed).to_json(), sort_keys=True)
+            for values, seed in wanted
         }
 
         assert len(definitions) == 2 + len(parameters)
@@ -116,7 +121,7 @@ class SolverContract:
         self, solver: Solver, parameters: dict[str, float], watched: list[Path], tmp_path: Path
     ) -> None:
         places = [str(path) for path in (*watched, tmp_path, Path.home(), Path.cwd())]
-        for text in _texts(solver.definition(parameters, 7)):
+        for text in _texts(solver.definition(parameters, 7).to_json()):
             assert not any(place in text for place in places if place != "/")
             assert not Path(text).is_absolute()
 

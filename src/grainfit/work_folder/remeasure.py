@@ -61,7 +61,7 @@ def _test_of(folder: Path) -> HeapTest:
                 "Name a folder below 'runs' of a work folder, or a dump.",
             )
         )
-    test = record.definition.get("test")
+    test = record.definition.model.get("test")
     if not isinstance(test, Mapping) or test.get("type") != HeapTest.type:
         raise InputError(
             Fault(

@@ -11,8 +11,8 @@ from pathlib import Path
 
 from grainfit.calibration_file.build import CalibrationSetup
 from grainfit.calibration_file.content import TestSpecification
-from grainfit.campaign.reuse import runs_of
-from grainfit.campaign.store.records import RunRecord, run_identity
+from grainfit.campaign.reuse import models_of, runs_of
+from grainfit.campaign.store.records import RunRecord
 from grainfit.campaign.store.store import RunStore
 from grainfit.campaign.work_folder import hold, recover
 from grainfit.errors import Fault, InputError, SolverNotFoundError
@@ -98,7 +98,8 @@ def import_runs(
             importing = _Importing(specification.name, solver, origin, store)
             importing.take(rows)
             store.save_many(importing.records)
-            usable = len(runs_of(setup.problem, setup.solvers, store.runs("finished")))
+            known = store.runs_of(models_of(setup.solvers), "finished")
+            usable = len(runs_of(setup.problem, setup.solvers, known))
             notices = [
                 *_ignored(ignored),
                 *_outside(setup, rows),
@@ -209,7 +210,7 @@ class _Importing:
         """Return the run that a row is with a seed."""
         definition = self.solver.definition(row.parameters, seed)
         return RunRecord(
-            run_identity(definition),
+            definition.identity,
             self.test,
             "finished",
             definition,

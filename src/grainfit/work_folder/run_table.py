@@ -67,7 +67,7 @@ class RunTable:
 
     def __init__(self, records: Iterable[RunRecord]) -> None:
         records = list(records)
-        inputs = [_parameters(record.definition) for record in records]
+        inputs = [record.definition.parameters for record in records]
         names = _distinct(name for given in inputs for name in given)
         responses = _distinct(name for record in records for name in record.responses)
         taken = set(COMMON_COLUMNS)
@@ -171,9 +171,9 @@ class RunTable:
             "kind": record.kind,
             "reason": record.reason,
             "origin": record.origin,
-            "solver": _text(definition.get("solver")),
-            "version": _text(definition.get("version")),
-            "seed": _seed(definition.get("seed")),
+            "solver": _text(definition.model.get("solver")),
+            "version": _text(definition.model.get("version")),
+            "seed": definition.seed,
             "seconds": record.seconds,
             "ended": _moment(record.ended),
         }
@@ -191,7 +191,7 @@ class RunTable:
             if name in MATERIAL_PARAMETERS
         }
         for row in self.rows:
-            test = row.record.definition.get("test")
+            test = row.record.definition.model.get("test")
             if isinstance(test, Mapping) and test.get("type") == "heap":
                 return units | self._heap_units()
         return units
@@ -202,7 +202,7 @@ class RunTable:
         others = {
             name
             for row in self.rows
-            if not isinstance(row.record.definition.get("test"), Mapping)
+            if not isinstance(row.record.definition.model.get("test"), Mapping)
             for name in row.record.responses
         }
         units: dict[str, str] = {}
@@ -295,29 +295,6 @@ _OPERATORS: Mapping[str, Callable[[float, float], bool]] = {
 
 def _holds(cell: Cell, holds: Callable[[float, float], bool], limit: float) -> bool:
     return isinstance(cell, (int, float)) and holds(cell, limit)
-
-
-def _parameters(definition: Mapping[str, Any]) -> dict[str, float]:
-    """All numbers that a solver was given by name, fixed and free."""
-    found: dict[str, float] = {}
-    for table in ("material", "parameters"):
-        given = definition.get(table)
-        if isinstance(given, Mapping):
-            found |= {str(n): float(v) for n, v in given.items() if _is_number(v)}
-    return found
-
-
-def _is_number(value: Any) -> bool:
-    return (
-        isinstance(value, (int, float))
-        and not isinstance(value, bool)
-        and abs(value) <= 1e308  # A whole number may be too large to be converted.
-    )
-
-
-def _seed(value: Any) -> int | None:
-    whole = isinstance(value, int) and not isinstance(value, bool) and abs(value) < 2**63
-    return value if whole else None
 
 
 def _text(value: Any) -> str:

@@ -293,9 +293,8 @@ def _widened(parameter: Parameter, evaluations: Iterable[Evaluation]) -> Paramet
 def _material(runs: Iterable[RunRecord], free: Iterable[str]) -> dict[str, float]:
     """Fixed material parameters, as the definition of a built-in test has them."""
     for record in runs:
-        material = record.definition.get("material")
-        if isinstance(material, dict):
-            return {name: float(v) for name, v in material.items() if name not in free}
+        if "test" in record.definition.model:
+            return {n: v for n, v in record.definition.parameters.items() if n not in free}
     return {}
 
 

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import hashlib
-import json
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, fields
 from typing import Any, Literal, cast, get_args
 
 from grainfit.evaluation import Response, Stage
+from grainfit.run_definition import RunDefinition
 
 RunStatus = Literal["running", "finished", "failed"]
 
@@ -23,7 +22,7 @@ class RunRecord:
         Identity of the run and name of the test that it is a run of.
     status : {"running", "finished", "failed"}
         A run that is not there was never started or did not end.
-    definition : mapping
+    definition : RunDefinition
         All that decides the outcome, as `Solver.definition` gave it.
     responses : mapping of str to Response
         Empty unless finished.
@@ -40,7 +39,7 @@ class RunRecord:
     identity: str
     test: str
     status: RunStatus
-    definition: Mapping[str, Any]
+    definition: RunDefinition
     responses: Mapping[str, Response] = field(default_factory=dict)
     reason: str = ""
     kind: str = ""
@@ -56,7 +55,9 @@ class RunRecord:
 
     def to_json(self) -> dict[str, Any]:
         """Return plain data that `from_json` reads."""
-        return asdict(self)
+        own = {field.name: getattr(self, field.name) for field in fields(self)}
+        responses = {name: asdict(found) for name, found in self.responses.items()}
+        return {**own, "definition": self.definition.to_json(), "responses": responses}
 
     @classmethod
     def from_json(cls, data: Mapping[str, Any]) -> RunRecord:
@@ -74,7 +75,7 @@ class RunRecord:
             for name, found in _mapping(data["responses"]).items()
         }
         read = {
-            "definition": _mapping(data["definition"]),
+            "definition": RunDefinition.from_json(_mapping(data["definition"])),
             "responses": responses,
             "seconds": float(data["seconds"]),
             "ended": float(data["ended"]),
@@ -150,20 +151,3 @@ def _mapping(value: Any) -> Mapping[str, Any]:
     if not isinstance(value, Mapping):
         raise TypeError(f"{value!r} does not map names to values")
     return value
-
-
-def run_identity(definition: Mapping[str, Any]) -> str:
-    """Return the identity of a run: equal definitions have equal identities, others do not.
-
-    Parameters
-    ----------
-    definition : mapping
-        JSON-serialisable, as `Solver.definition` returns it. The order of keys does not count.
-
-    Returns
-    -------
-    str
-        32 hexadecimal digits.
-    """
-    canonical = json.dumps(definition, sort_keys=True, separators=(",", ":"), allow_nan=False)
-    return hashlib.sha256(canonical.encode()).hexdigest()[:32]

@@ -3,10 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import Any
 
 import sqlalchemy as sql
 
-SCHEMA_VERSION = 3
+from grainfit.run_definition import RunDefinition
+
+SCHEMA_VERSION = 4
+#: Oldest version that can be read without being brought up to date.
+OLDEST_READABLE = 3
 
 metadata = sql.MetaData()
 about = sql.Table("about", metadata, sql.Column("schema_version", sql.Integer, primary_key=True))
@@ -17,6 +22,8 @@ runs = sql.Table(
     sql.Column("test", sql.Text, nullable=False),
     sql.Column("status", sql.String(16), nullable=False, index=True),
     sql.Column("definition", sql.JSON, nullable=False),
+    # Which runs could be reused for a problem is asked by it.
+    sql.Column("model_hash", sql.String(32), nullable=False, server_default="", index=True),
     sql.Column("responses", sql.JSON, nullable=False),
     sql.Column("reason", sql.Text, nullable=False),
     sql.Column("kind", sql.String(16), nullable=False),
@@ -65,7 +72,13 @@ _MIGRATIONS: Mapping[int, tuple[str, ...]] = {
         "WHERE earlier.started <= calibrations.started)",
     ),
     2: ("ALTER TABLE calibrations ADD COLUMN about JSON NOT NULL DEFAULT '{}'",),
+    3: (
+        "ALTER TABLE runs ADD COLUMN model_hash VARCHAR(32) NOT NULL DEFAULT ''",
+        "CREATE INDEX ix_runs_model_hash ON runs (model_hash)",
+    ),
 }
+#: Rows that are read and written at a time.
+_CHUNK = 500
 
 
 def version_of(connection: sql.Connection) -> int | None:
@@ -89,6 +102,28 @@ def bring_up_to_date(connection: sql.Connection) -> int:
     while version in _MIGRATIONS:
         for statement in _MIGRATIONS[version]:
             connection.execute(sql.text(statement))
+        if version == 3:
+            _hash_models(connection)
         version += 1
         connection.execute(about.update().values(schema_version=version))
     return version
+
+
+def _hash_models(connection: sql.Connection) -> None:
+    """Fill in the hashes of models, which version 3 did not keep."""
+    rows = connection.execute(sql.select(runs.c.identity, runs.c.definition)).all()
+    hashes = [{"of": row.identity, "found": _model_hash(row.definition)} for row in rows]
+    here = runs.c.identity == sql.bindparam("of")
+    for start in range(0, len(hashes), _CHUNK):
+        connection.execute(
+            runs.update().where(here).values(model_hash=sql.bindparam("found")),
+            hashes[start : start + _CHUNK],
+        )
+
+
+def _model_hash(definition: Any) -> str:
+    try:
+        return RunDefinition.from_json(definition).model_hash
+    except (AttributeError, TypeError, ValueError):
+        # A damaged row is named when it is read; it must not keep the others from that.
+        return ""

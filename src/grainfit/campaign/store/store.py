@@ -21,8 +21,8 @@ from sqlalchemy.exc import ArgumentError, IntegrityError, NoSuchModuleError, SQL
 from sqlalchemy.pool import StaticPool
 
 from grainfit.campaign.store import schema
-from grainfit.campaign.store.records import CalibrationRecord, RequestRecord, RunRecord
-from grainfit.campaign.store.schema import SCHEMA_VERSION
+from grainfit.campaign.store.records import CalibrationRecord, RequestRecord, RunRecord, RunStatus
+from grainfit.campaign.store.schema import OLDEST_READABLE, SCHEMA_VERSION
 from grainfit.campaign.store.schema import calibrations as _calibrations
 from grainfit.campaign.store.schema import requests as _requests
 from grainfit.campaign.store.schema import runs as _runs
@@ -39,7 +39,9 @@ _RENEW = (
 _CHUNK = 500
 #: Key of the lock under which the tables of a shared database are made.
 _SCHEMA_LOCK = 7_203_114
-_RECORD_COLUMNS = [column for column in _runs.c if column.name not in ("owner", "beat")]
+_RECORD_COLUMNS = [
+    column for column in _runs.c if column.name not in ("model_hash", "owner", "beat")
+]
 _CALIBRATION_COLUMNS = [column for column in _calibrations.c if column.name != "number"]
 _Record = TypeVar("_Record")
 
@@ -94,6 +96,7 @@ class RunStore:
         url = _database_url(url)
         self._where = _place(url)
         self._file: _File | None = None
+        self._version = SCHEMA_VERSION
         options: dict[str, Any] = {"pool_pre_ping": True}
         if url == sql.make_url("sqlite://"):
             options = {"poolclass": StaticPool, "connect_args": {"check_same_thread": False}}
@@ -154,23 +157,24 @@ class RunStore:
             if connection.dialect.name == "postgresql":
                 connection.execute(sql.select(sql.func.pg_advisory_xact_lock(_SCHEMA_LOCK)))
             version = schema.bring_up_to_date(connection)
-        self._require_version(version)
+        self._require_version(version, SCHEMA_VERSION)
 
     def _check_version(self) -> None:
         with self._reading() as connection:
             version = schema.version_of(connection)
         if version is None:
             raise StoreError(f"the run store {self._where} is empty: nothing was run yet.")
-        self._require_version(version)
+        self._require_version(version, OLDEST_READABLE)
 
-    def _require_version(self, version: int) -> None:
+    def _require_version(self, version: int, oldest: int) -> None:
+        self._version = version
         if version > SCHEMA_VERSION:
             raise StoreError(
                 f"the run store {self._where} has schema version {version}, this grainfit "
                 f"reads version {SCHEMA_VERSION}. Use the grainfit version that wrote it, or "
                 "another work folder."
             )
-        if version < SCHEMA_VERSION:
+        if version < oldest:
             raise StoreError(
                 f"the run store {self._where} has the older schema version {version}. Start "
                 "'grainfit run' in its work folder once: that brings it up to date."
@@ -285,12 +289,27 @@ class RunStore:
             rows = connection.execute(sql.select(_runs.c.identity, _runs.c.status))
             return {row.identity: row.status for row in rows}
 
-    def runs(self, status: str | None = None) -> list[RunRecord]:
+    def runs(self, status: RunStatus | None = None) -> list[RunRecord]:
         """Return all runs, or those of a status, in the order in which they ended."""
-        query = sql.select(*_RECORD_COLUMNS).order_by(_runs.c.ended, _runs.c.identity)
+        return self._runs(status)
+
+    def _runs(
+        self, status: RunStatus | None, *conditions: sql.ColumnElement[bool]
+    ) -> list[RunRecord]:
         if status is not None:
-            query = query.where(_runs.c.status == status)
-        return self._read(query, RunRecord.from_json)
+            conditions = (*conditions, _runs.c.status == status)
+        query = sql.select(*_RECORD_COLUMNS).where(*conditions)
+        ordered = query.order_by(_runs.c.ended, _runs.c.identity)
+        return self._read(ordered, RunRecord.from_json)
+
+    def runs_of(
+        self, model_hashes: Collection[str], status: RunStatus | None = None
+    ) -> list[RunRecord]:
+        """Return the runs of some models, of a status if one is given, in the order of `runs`."""
+        if self._version < SCHEMA_VERSION:
+            known = self.runs(status)
+            return [record for record in known if record.definition.model_hash in model_hashes]
+        return self._runs(status, _runs.c.model_hash.in_(list(model_hashes)))
 
     # Claims, where several processes share a store ---------------------------------------------
 
@@ -482,7 +501,11 @@ def _path(folder: Path) -> Path:
 
 
 def _row(record: RunRecord) -> dict[str, Any]:
-    row = record.to_json() | {"owner": "", "beat": 0}
+    row = record.to_json() | {
+        "model_hash": record.definition.model_hash,
+        "owner": "",
+        "beat": 0,
+    }
     # What a solver prints may be anything; not every database takes a zero byte for text.
     for name in ("reason", "log_tail"):
         row[name] = row[name].replace("\0", " ").encode(errors="replace").decode()

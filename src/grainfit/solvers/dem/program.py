@@ -73,13 +73,12 @@ class DeckSolver(Solver):
         """Names of the test's responses."""
         return tuple(self.test.response_units)
 
-    def definition(self, parameters: Mapping[str, float], seed: int) -> dict[str, Any]:
-        """Return solver, version, ranks, test, all 14 material parameters and the seed."""
-        return {**self._common, "material": self.all_parameters(parameters), "seed": seed}
+    def model(self) -> Mapping[str, Any]:
+        """Return solver, version, ranks and test."""
+        return self._model
 
     @cached_property
-    def _common(self) -> dict[str, Any]:
-        """What the definitions of all runs share; thousands are compared when a store is read."""
+    def _model(self) -> Mapping[str, Any]:
         return {
             "solver": self.name,
             "version": self.version(),
@@ -88,7 +87,7 @@ class DeckSolver(Solver):
             "test": self.test.definition(),
         }
 
-    def all_parameters(self, parameters: Mapping[str, float]) -> dict[str, float]:
+    def run_parameters(self, parameters: Mapping[str, float]) -> dict[str, float]:
         """Return all 14 material parameters, given the values of the free ones.
 
         Raises
@@ -113,7 +112,7 @@ class DeckSolver(Solver):
         RunFailedError
             The program failed, the simulation went wrong, or a response cannot be measured.
         """
-        material = self.all_parameters(parameters)
+        material = self.run_parameters(parameters)
         with recorded_faults(workspace):
             deck = self.test.write_deck(workspace.folder, self.name, material, seed)
             self._simulate(deck, workspace)

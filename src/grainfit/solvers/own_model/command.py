@@ -28,6 +28,7 @@ from grainfit.solvers.own_model.model_input import (
     INCLUDE_NAME,
     JSON_NAME,
     Templates,
+    require_distinct,
     template_context,
     write_parameters,
 )
@@ -163,8 +164,8 @@ class Command(Solver):
             lines.append(f"{path}:{evaluation.function}   ({where}, in a Python process)")
         return tuple(lines)
 
-    def definition(self, parameters: Mapping[str, float], seed: int) -> dict[str, Any]:
-        """Return the contents of all files, the command, all parameters and the seed.
+    def run_parameters(self, parameters: Mapping[str, float]) -> dict[str, float]:
+        """Return the values of all parameters, free and fixed.
 
         Raises
         ------
@@ -172,16 +173,18 @@ class Command(Solver):
             A value is not finite, or nothing in the model mentions a free parameter.
         """
         values = self._values(parameters)
-        template_context(values, seed)
+        require_distinct(values)
         self._require_mentioned(parameters)
+        return values
+
+    def model(self) -> Mapping[str, Any]:
+        """Return the command and the contents of all files."""
         return {
             "solver": self.name,
             "command": list(self._command),
             "templates": list(self._templates),
             "responses": self._responses if self._evaluate is None else None,
             **self._contents,
-            "parameters": values,
-            "seed": int(seed),
         }
 
     def run(

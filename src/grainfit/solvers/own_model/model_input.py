@@ -44,7 +44,7 @@ def template_context(values: Mapping[str, float], seed: int) -> dict[str, Any]:
     InputError
         Two names cannot be told apart by a template or a solver, or one is reserved.
     """
-    _require_distinct(values)
+    require_distinct(values)
     root = SimpleNamespace()
     for name, value in values.items():
         *sections, key = name.split(".")
@@ -55,7 +55,8 @@ def template_context(values: Mapping[str, float], seed: int) -> dict[str, Any]:
     return {**vars(root), _ALL: dict(values), _SEED: seed}
 
 
-def _require_distinct(values: Mapping[str, float]) -> None:
+def require_distinct(values: Mapping[str, float]) -> None:
+    """Raise `InputError` unless templates and solvers can tell all names apart."""
     faults = []
     seen: dict[str, str] = {}
     for name in values:

@@ -120,14 +120,13 @@ class PythonCallable(Solver):
         path = self._function.path.resolve()
         return (f"{path}:{self._function.function}   (within grainfit itself)",)
 
-    def definition(self, parameters: Mapping[str, float], seed: int) -> dict[str, Any]:
-        """Return the function's identity, the parameters and the seed."""
-        return {
-            "solver": self.name,
-            "function": self._function_identity,
-            "parameters": finite_parameters(parameters),
-            "seed": int(seed),
-        }
+    def model(self) -> Mapping[str, Any]:
+        """Return the function's identity."""
+        return {"solver": self.name, "function": self._function_identity}
+
+    def run_parameters(self, parameters: Mapping[str, float]) -> dict[str, float]:
+        """Return the parameters, having seen that they are finite."""
+        return finite_parameters(parameters)
 
     @functools.cached_property
     def _function_identity(self) -> Any:

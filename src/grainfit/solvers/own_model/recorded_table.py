@@ -89,22 +89,24 @@ class RecordedTable(Solver):
         """Names of the responses in the table."""
         return self._responses
 
-    def definition(self, parameters: Mapping[str, float], seed: int) -> dict[str, Any]:
-        """Return the contents of the table (as a hash), how it is read, parameters and seed.
+    def model(self) -> Mapping[str, Any]:
+        """Return the contents of the table (as a hash) and how it is read."""
+        return {
+            "solver": self.name,
+            "table": self._hash,
+            "nearest": self._nearest,
+            "tolerance": self._tolerance,
+        }
+
+    def run_parameters(self, parameters: Mapping[str, float]) -> dict[str, float]:
+        """Return the parameters, having seen that they are those of the table.
 
         Raises
         ------
         InputError
             A parameter is not in the table, is missing, or has no finite value.
         """
-        return {
-            "solver": self.name,
-            "table": self._hash,
-            "nearest": self._nearest,
-            "tolerance": self._tolerance,
-            "parameters": self._values(parameters),
-            "seed": int(seed),
-        }
+        return self._values(parameters)
 
     def run(
         self, parameters: Mapping[str, float], seed: int, workspace: Workspace

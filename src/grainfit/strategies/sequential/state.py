@@ -134,7 +134,7 @@ class SearchState:
 
     def _scatter(self) -> str:
         return ", ".join(
-            f"{noise:.2g} in {target.name} (tolerance {target.accepted_deviation:.2g})"
+            f"{noise:.2g} in {target.name} (tolerance {target.tolerance:.2g})"
             for noise, target in zip(self.metamodels.noise, self.problem.targets, strict=True)
         )
 

@@ -176,7 +176,7 @@ def _response_row(context: ReportContext, target: Target) -> ResponseRow:
     result = context.reading.result
     response = result.responses.get(target.name) if result else None
     label = context.response_label(target.name)
-    tolerance = target.accepted_deviation
+    tolerance = target.tolerance
     measured = {"measured": number(target.value, 6), "tolerance": number(tolerance, 3)}
     if response is None:
         return ResponseRow(

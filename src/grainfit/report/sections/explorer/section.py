@@ -31,7 +31,7 @@ def explorer(context: ReportContext) -> Section:
                 "name": target.name,
                 "label": context.response_label(target.name),
                 "value": target.value,
-                "tolerance": target.accepted_deviation,
+                "tolerance": target.tolerance,
             }
             for target in metamodels.problem.targets
         ],
@@ -95,7 +95,7 @@ def _response(context: ReportContext, metamodels: Metamodels, index: int) -> Map
         "unit": label.unit,
         "plot_unit": str(escape(label.unit)),
         "target": target.value,
-        "tolerance": target.accepted_deviation,
+        "tolerance": target.tolerance,
         # Half of the gauge: all runs are on it.
         "reach": max(abs(run.responses[target.name].value - target.value) for run in runs),
         # The page factorises itself: the factors of 150 runs would be some megabytes.

@@ -128,7 +128,7 @@ def heap_runs(
 def read_heap(run: HeapRun) -> Heap | None:
     """Read a heap; None when it is not there any more, or damaged."""
     try:
-        test = heap_test(run.record.definition["test"])
+        test = heap_test(run.record.definition.model["test"])
         heap = on_plate(read_dump(run.folder / "heap.dump"), test.setup.plate_radius)
     except (NotMeasurableError, OSError, KeyError, TypeError, ValueError, AttributeError):
         return None
@@ -177,7 +177,7 @@ def picture(run: HeapRun) -> str | None:
 
 
 def _is_heap(record: RunRecord) -> bool:
-    test = record.definition.get("test")
+    test = record.definition.model.get("test")
     return isinstance(test, Mapping) and test.get("type") == HeapTest.type
 
 

@@ -168,7 +168,7 @@ def _strip(context: ReportContext, runs: list[HeapRun], target: Target | None) -
         StripHeap(
             number=run.number,
             angle=number(run.angle, 3),
-            met=target is not None and abs(run.angle - target.value) <= target.accepted_deviation,
+            met=target is not None and abs(run.angle - target.value) <= target.tolerance,
             drawing=heap.drawing(),
             values=[_named_value(context, run, name) for name in names],
         )

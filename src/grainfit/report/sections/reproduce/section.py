@@ -52,7 +52,7 @@ def _solvers(runs: Iterable[RunRecord]) -> list[str]:
     """Which solver made the runs, in which version, for which test."""
     found: dict[str, None] = {}
     for run in runs:
-        solver, release = run.definition.get("solver"), run.definition.get("version")
+        solver, release = run.definition.model.get("solver"), run.definition.model.get("version")
         words = f"{solver or 'unknown'} {release}" if release else f"{solver or 'unknown'}"
         found[plain(f"{words} (test {run.test})")] = None
     return list(found)

@@ -86,5 +86,5 @@ def _response(context: ReportContext, target: Target) -> Mapping[str, Any]:
         "html": str(label.html),
         "unit": label.unit,
         "target": target.value,
-        "tolerance": target.accepted_deviation,
+        "tolerance": target.tolerance,
     }

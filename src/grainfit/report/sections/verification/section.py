@@ -76,7 +76,7 @@ def _other_verifications(context: ReportContext) -> int:
 def _row(context: ReportContext, target: Target, verified: Verified) -> VerifiedRow:
     label = context.response_label(target.name)
     mean = f"{rounded(verified.mean, verified.half_width)} ± {number(verified.half_width, 2)}"
-    wanted = f"{number(target.value, 6)} ± {number(target.accepted_deviation, 3)}"
+    wanted = f"{number(target.value, 6)} ± {number(target.tolerance, 3)}"
     words = (
         f"their mean is {with_unit(mean, label.unit)}, "
         f"and {with_unit(wanted, label.unit)} was measured"
