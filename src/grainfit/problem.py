@@ -12,8 +12,8 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from grainfit.contact_models.registry import MATERIAL_PARAMETERS
 from grainfit.errors import Fault, InputError
-from grainfit.materials.parameters import MATERIAL_PARAMETERS
 from grainfit.materials.time_step import RayleighTimeStep
 
 #: Relative tolerance of a target for which neither an uncertainty nor a tolerance is given.

@@ -15,11 +15,12 @@ from exported_beads import FIXED, SIZES
 import grainfit
 from grainfit.bulk_tests.heap import HeapTest
 from grainfit.cards import MaterialCard, render
+from grainfit.contact_models.contact import Contact
+from grainfit.contact_models.epsd.model import rolling_spring_of
 from grainfit.contact_models.hertz_mindlin.model import (
     EffectiveModuli,
     hertz_stiffness,
     particle_moduli,
-    rolling_between_particles,
     tangential_stiffness,
 )
 from grainfit.solvers.base import Workspace
@@ -271,7 +272,8 @@ def test_yade_computes_with_the_values_of_its_card(
             math.atan(values[f"particle_{body}.sliding_friction"]),
         ]
     moduli = particle_moduli(values, "particle")
-    spring = rolling_between_particles(values, RADIUS, RADIUS, nasty_card.gravity)
+    contact = Contact.between(values, RADIUS, RADIUS, nasty_card.gravity)
+    spring = rolling_spring_of(contact, contact.value("rolling_damping"))
     rolling_friction = values["particle_particle.rolling_friction"]
     assert found["particles"] == {
         "kno": pytest.approx(4 / 3 * moduli.young * math.sqrt(RADIUS / 2)),

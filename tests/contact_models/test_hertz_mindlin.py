@@ -1,16 +1,16 @@
-"""Contact coefficients against closed forms."""
+"""Hertz and Mindlin stiffness against closed forms."""
 
 import math
 
 import pytest
 
 from grainfit.contact_models.hertz_mindlin.model import (
-    EffectiveModuli,
     effective_moduli,
     hertz_overlap,
     hertz_stiffness,
+    impact_overlap,
+    impact_time,
     particle_moduli,
-    rolling_spring,
     tangential_damping_ratio,
     tangential_stiffness,
 )
@@ -65,26 +65,13 @@ def test_both_directions_have_the_same_damping_ratio():
     assert tangential_damping_ratio(MODULI) ** 2 == pytest.approx(2 * (1 - 0.22) / (2 - 0.22))
 
 
-@pytest.mark.parametrize("friction", [0.1, 0.67, 2.0])
-def test_rolling_spring_reaches_the_full_torque_at_the_angle_of_epsd(friction):
-    # Ai et al. (2011): full mobilisation at theta = overlap / (2.25 mu_r R*), torque mu_r R* F_n.
-    weight = 0.0108
-    force = 5 * weight
-    overlap = hertz_overlap(force, MODULI, RADIUS)
-    spring = rolling_spring(MODULI, RADIUS, weight, 4e-8, friction, 0.25)
-    angle = overlap / (2.25 * friction * RADIUS)
-    torque = spring.stiffness * (RADIUS * angle) * RADIUS
-    assert torque == pytest.approx(friction * RADIUS * force)
+def test_an_elastic_impact_turns_all_kinetic_energy_into_strain():
+    overlap = impact_overlap(0.3, 1e-3, MODULI, RADIUS)
+    strain = 8 / 15 * MODULI.young * math.sqrt(RADIUS) * overlap**2.5
+    assert strain == pytest.approx(0.5 * 1e-3 * 0.3**2)
 
 
-def test_rolling_damping_of_one_is_critical():
-    inertia = 4e-8
-    spring = rolling_spring(MODULI, RADIUS, 0.0108, inertia, 0.67, 1.0)
-    torsional_stiffness = spring.stiffness * RADIUS**2
-    torsional_damping = spring.damping * RADIUS**2
-    assert torsional_damping == pytest.approx(2 * math.sqrt(inertia * torsional_stiffness))
-
-
-def test_no_rolling_friction_means_no_spring_and_no_dashpot():
-    spring = rolling_spring(EffectiveModuli(1e6, 1e5), RADIUS, 0.01, 4e-8, 0.0, 0.25)
-    assert (spring.stiffness, spring.damping) == (0.0, 0.0)
+def test_the_time_of_an_impact_is_johnsons():
+    # Johnson (1985), eq. 11.24: 2.94 times largest overlap over speed.
+    overlap = impact_overlap(0.3, 1e-3, MODULI, RADIUS)
+    assert impact_time(0.3, 1e-3, MODULI, RADIUS) == pytest.approx(2.94 * overlap / 0.3, rel=2e-3)

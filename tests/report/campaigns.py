@@ -23,8 +23,8 @@ from grainfit.calibration.provenance import Provenance
 from grainfit.campaign.campaign import Campaign, CampaignOptions
 from grainfit.campaign.store.store import RunStore
 from grainfit.campaign.work_folder import RESULT_NAME, hold
+from grainfit.contact_models.registry import MATERIAL_PARAMETERS
 from grainfit.evaluation import Proposal, Stage
-from grainfit.materials.parameters import MATERIAL_PARAMETERS
 from grainfit.solvers.own_model.python_callable import PythonCallable
 from grainfit.strategies.answer import Answer
 from grainfit.strategies.base import insertion_seed

@@ -22,8 +22,8 @@ from grainfit.analysis import (
     pareto_front,
     sample_posterior,
 )
+from grainfit.contact_models.registry import MATERIAL_PARAMETERS
 from grainfit.evaluation import Evaluation, Proposal, Response
-from grainfit.materials.parameters import MATERIAL_PARAMETERS
 from grainfit.materials.time_step import RayleighTimeStep
 from grainfit.metamodels.metamodels import Metamodels, can_be_fitted
 from grainfit.problem import Parameter, Problem, Target

@@ -20,9 +20,9 @@ import grainfit
 from grainfit.analysis import Analysis
 from grainfit.bulk_tests.heap import HeapTest
 from grainfit.campaign.store.records import RunRecord
+from grainfit.contact_models.registry import MATERIAL_PARAMETERS
 from grainfit.evaluation import Evaluation, Proposal, Response, Stage
 from grainfit.formatting import number, rounded
-from grainfit.materials.parameters import MATERIAL_PARAMETERS
 from grainfit.materials.sizes import ParticleSizes
 from grainfit.measurement.drawing import simplified
 from grainfit.report.section import ReportContext, Section

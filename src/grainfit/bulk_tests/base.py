@@ -39,7 +39,7 @@ class BulkTest(ABC):
         solver : str
             ``"lammps"`` or ``"liggghts"``.
         material : mapping of str to float
-            All 14 parameters by dotted name.
+            Material parameters by dotted name; those with a default may be missing.
         seed : int
             Insertion seed.
         """

@@ -16,9 +16,9 @@ from grainfit.calibration_file.kinds import Quantity, suggest
 from grainfit.calibration_file.places import Findings, Place
 from grainfit.campaign.cluster.executor import is_available
 from grainfit.campaign.cluster.options import ClusterOptions
+from grainfit.contact_models.registry import MATERIAL_PARAMETERS
 from grainfit.errors import Fault, InputError
 from grainfit.evaluation import response_name
-from grainfit.materials.parameters import MATERIAL_PARAMETERS
 from grainfit.materials.time_step import RayleighTimeStep
 from grainfit.problem import Problem
 from grainfit.solvers.base import Solver

@@ -12,8 +12,9 @@ from grainfit.calibration_file.parameters import Diameters, FixedOrFree, OwnPara
 from grainfit.calibration_file.places import Findings, Place
 from grainfit.calibration_file.tables import Key, Named, Table, Values
 from grainfit.calibration_file.tests_section import HEAP_OPTIONS, Tests
+from grainfit.contact_models.registry import MATERIAL_PARAMETERS
 from grainfit.errors import InputError
-from grainfit.materials.parameters import MATERIAL_PARAMETERS, MaterialParameter
+from grainfit.materials.parameters import MaterialParameter
 from grainfit.problem import Parameter
 from grainfit.strategies.registry import PREFERENCES, STRATEGIES
 
@@ -30,15 +31,6 @@ _RESERVED = (
     *MATERIAL_SECTIONS,
     *(name.replace(".", "_") for name in MATERIAL_PARAMETERS),
 )
-_EXAMPLES = {
-    "youngs_modulus": '"0.36 MPa"',
-    "poissons_ratio": "0.22",
-    "density": '"2100 kg/m^3"',
-    "sliding_friction": "0.18",
-    "rolling_friction": "{ min = 0.2, max = 1.0 }",
-    "restitution": "0.8",
-    "rolling_damping": "0.25",
-}
 
 STRATEGY = (
     Key("name", Choice(STRATEGIES), "How runs are chosen.", example='"sequential"'),
@@ -78,13 +70,13 @@ STRATEGY = (
 
 
 def _material_key(parameter: MaterialParameter) -> Key:
-    key = parameter.name.partition(".")[2]
     unit = f", {parameter.unit}" if parameter.unit else ""
+    default = "" if parameter.default is None else f" {parameter.default:g} by default."
     return Key(
-        key,
+        parameter.key,
         FixedOrFree(parameter),
-        f"{parameter.description}{unit}: a value, or {{ min, max }} when free.",
-        example=_EXAMPLES[key],
+        f"{parameter.description}{unit}: a value, or {{ min, max }} when free.{default}",
+        example=parameter.example,
     )
 
 
@@ -201,8 +193,9 @@ def _tests(document: dict[str, Any]) -> list[tuple[int, dict[str, Any]]]:
 
 
 def _note_missing_material(values: Values, place: Place) -> None:
+    optional = {name for name, known in MATERIAL_PARAMETERS.items() if known.default is not None}
     for section in MATERIAL_SECTIONS:
-        keys = _material_table(section).keys
+        keys = [k for k in _material_table(section).keys if f"{section}.{k.name}" not in optional]
         if section not in values:
             names = ", ".join(key.name for key in keys)
             place.at(section).fault("is missing.", f"The heap test needs [{section}] with {names}.")

@@ -55,7 +55,7 @@ def _note_bad_bounds(values: Values, place: Place) -> bool:
 
 @dataclass(frozen=True)
 class FixedOrFree(Kind):
-    """One of the 14 material parameters: a quantity when fixed, an interval when free."""
+    """A material parameter: a quantity when fixed, an interval when free."""
 
     parameter: MaterialParameter
 

@@ -10,8 +10,8 @@ from grainfit.bulk_tests.heap.bulk_test import estimate_cost
 from grainfit.calibration.verification import ROUNDS, usual_verification_runs
 from grainfit.calibration_file.build import CalibrationSetup
 from grainfit.campaign.cluster.executor import describe_cluster, executed_by
+from grainfit.contact_models.registry import MATERIAL_PARAMETERS
 from grainfit.errors import GrainfitError, InputError
-from grainfit.materials.parameters import MATERIAL_PARAMETERS
 from grainfit.problem import Parameter, Problem, Target
 from grainfit.solvers.base import Solver
 from grainfit.solvers.dem.program import DeckSolver

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from datetime import UTC, datetime
 
 from grainfit.bulk_tests.heap import HeapTest
+from grainfit.contact_models.registry import MATERIAL_PARAMETERS
 from grainfit.errors import StoreError
 from grainfit.materials.card import CardParameter, CardResponse, MaterialCard, Origin, Program
-from grainfit.materials.parameters import MATERIAL_PARAMETERS
 from grainfit.materials.sizes import ParticleSizes
 from grainfit.materials.time_step import RayleighTimeStep
 from grainfit.result import ResponseResult

@@ -97,7 +97,7 @@ class MaterialCard:
     status : str
         ``calibrated``, or how it ended otherwise.
     parameters : tuple of CardParameter
-        The free ones and those that were given, those of `grainfit.materials.parameters` first.
+        The free ones and those that were given, those of `grainfit.contact_models.registry` first.
     responses : tuple of CardResponse
         In the order of the targets.
     sizes : ParticleSizes, optional

@@ -1,14 +1,18 @@
-"""The 14 parameters of one particulate medium and one wall, and the sizes of its particles."""
+"""Material parameters: how they are declared, and those of the two bodies of a contact.
+
+The parameters of the contact itself are declared by the contact models; all of them together are
+in `grainfit.contact_models.registry`.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 
 @dataclass(frozen=True)
 class MaterialParameter:
-    """What a DEM material parameter is called, measured in, and can physically be.
+    """Name, unit, physical limits and default of a DEM material parameter.
 
     Parameters
     ----------
@@ -18,6 +22,12 @@ class MaterialParameter:
         For axis labels and help; the unit is SI, ``""`` when dimensionless.
     lowest, highest : float
         Physical limits (inclusive) that no interval may leave.
+    default : float, optional
+        Value of a material that says nothing of it, at which the parameter has no effect. A
+        parameter without a default must be given. At its default it is no part of a run's
+        identity, so that a new parameter leaves all earlier runs as they are.
+    example : str
+        A good value, as TOML.
     """
 
     name: str
@@ -26,37 +36,75 @@ class MaterialParameter:
     description: str
     lowest: float
     highest: float
+    default: float | None = None
+    example: str = ""
+
+    @property
+    def section(self) -> str:
+        """Section of the calibration file."""
+        return self.name.partition(".")[0]
+
+    @property
+    def key(self) -> str:
+        """Key in its section."""
+        return self.name.partition(".")[2]
 
 
-_BODY = (
-    ("youngs_modulus", "E", "Pa", "Young's modulus", 1e3, 1e13),
-    ("poissons_ratio", "ν", "", "Poisson's ratio", 0.0, 0.4999),
-    ("density", "ρ", "kg/m^3", "density of the solid", 1.0, 3e4),
+#: Sections in the order of the calibration file: their words in a description, index of symbols.
+SECTIONS = {
+    "particle": ("particle", "p"),
+    "wall": ("wall", "w"),
+    "particle_particle": ("particle-particle", "pp"),
+    "particle_wall": ("particle-wall", "pw"),
+}
+BODIES = ("particle", "wall")
+CONTACTS = ("particle_particle", "particle_wall")
+
+
+def declare(
+    sections: Iterable[str],
+    key: str,
+    symbol: str,
+    unit: str,
+    description: str,
+    limits: tuple[float, float],
+    default: float | None = None,
+    example: str = "",
+) -> tuple[MaterialParameter, ...]:
+    """Declare the same parameter in several sections, see `MaterialParameter`.
+
+    Examples
+    --------
+    >>> [p.symbol for p in declare(CONTACTS, "restitution", "e", "", "restitution", (0.01, 1.0))]
+    ['e_pp', 'e_pw']
+    """
+    return tuple(
+        MaterialParameter(
+            f"{section}.{key}",
+            f"{symbol}_{SECTIONS[section][1]}",
+            unit,
+            f"{SECTIONS[section][0]} {description}",
+            *limits,
+            default,
+            example,
+        )
+        for section in sections
+    )
+
+
+#: Elasticity and density of particles and walls.
+BODY_PARAMETERS = (
+    *declare(
+        BODIES, "youngs_modulus", "E", "Pa", "Young's modulus", (1e3, 1e13), example='"0.36 MPa"'
+    ),
+    *declare(BODIES, "poissons_ratio", "ν", "", "Poisson's ratio", (0.0, 0.4999), example="0.22"),
+    *declare(
+        BODIES,
+        "density",
+        "ρ",
+        "kg/m^3",
+        "density of the solid",
+        (1.0, 3e4),
+        example='"2100 kg/m^3"',
+    ),
 )
-_CONTACT = (
-    ("sliding_friction", "μ", "", "sliding friction coefficient", 0.0, 10.0),
-    ("rolling_friction", "μ_r", "", "rolling friction coefficient", 0.0, 10.0),
-    ("restitution", "e", "", "coefficient of restitution", 0.01, 1.0),
-    ("rolling_damping", "η_r", "", "viscous rolling damping ratio", 0.0, 1.0),
-)
-
-
-def _all_parameters() -> dict[str, MaterialParameter]:
-    sections = {
-        "particle": ("particle", "p", _BODY),
-        "wall": ("wall", "w", _BODY),
-        "particle_particle": ("particle-particle", "pp", _CONTACT),
-        "particle_wall": ("particle-wall", "pw", _CONTACT),
-    }
-    parameters = {}
-    for section, (words, index, rows) in sections.items():
-        for key, symbol, unit, description, lowest, highest in rows:
-            name = f"{section}.{key}"
-            parameters[name] = MaterialParameter(
-                name, f"{symbol}_{index}", unit, f"{words} {description}", lowest, highest
-            )
-    return parameters
-
-
-#: The 14 material parameters by dotted name, in the order of the calibration file.
-MATERIAL_PARAMETERS: Mapping[str, MaterialParameter] = _all_parameters()

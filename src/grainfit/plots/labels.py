@@ -7,8 +7,8 @@ from html import escape
 
 from markupsafe import Markup
 
+from grainfit.contact_models.registry import MATERIAL_PARAMETERS
 from grainfit.formatting import plain, unit_for_people
-from grainfit.materials.parameters import MATERIAL_PARAMETERS
 from grainfit.work_folder.saved_calibration import SavedCalibration
 
 _RESPONSES = {

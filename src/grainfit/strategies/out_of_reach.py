@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import minimize
 
-from grainfit.materials.parameters import MATERIAL_PARAMETERS
+from grainfit.contact_models.registry import MATERIAL_PARAMETERS
 from grainfit.metamodels.designs import maximin_latin_hypercube
 from grainfit.metamodels.metamodels import Metamodels
 from grainfit.problem import Parameter, Problem, Target

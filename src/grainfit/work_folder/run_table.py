@@ -13,8 +13,8 @@ from typing import Any, get_args
 
 from grainfit.campaign.store.records import RunRecord, RunStatus
 from grainfit.campaign.store.store import RunStore
+from grainfit.contact_models.registry import MATERIAL_PARAMETERS
 from grainfit.errors import Fault, InputError
-from grainfit.materials.parameters import MATERIAL_PARAMETERS
 from grainfit.units import UnitError, to_unit
 
 Cell = str | int | float | datetime | None

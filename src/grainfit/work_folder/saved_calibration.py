@@ -14,10 +14,10 @@ from grainfit.campaign.campaign import evaluation_of
 from grainfit.campaign.store.records import CalibrationRecord, RequestRecord, RunRecord
 from grainfit.campaign.store.store import STORE_NAME, RunStore, not_a_work_folder
 from grainfit.campaign.work_folder import RESULT_NAME, is_held, read_record, run_folder
+from grainfit.contact_models.registry import MATERIAL_PARAMETERS
 from grainfit.errors import Fault, GrainfitError, InputError, StoreError
 from grainfit.evaluation import Evaluation, Proposal
 from grainfit.formatting import counted
-from grainfit.materials.parameters import MATERIAL_PARAMETERS
 from grainfit.materials.time_step import RayleighTimeStep
 from grainfit.problem import Parameter, Problem, Target
 from grainfit.result import Result, Status, damaged_result

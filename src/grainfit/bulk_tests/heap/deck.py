@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import hashlib
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -15,7 +14,11 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 from grainfit.bulk_tests.heap.setup import HeapSetup
 from grainfit.bulk_tests.shared import mesh
 from grainfit.bulk_tests.shared.packing import Column, random_column
-from grainfit.contact_models.hertz_mindlin import model as contact
+from grainfit.contact_models.base import ContactLaw
+from grainfit.contact_models.contact import Contact, particle_mass
+from grainfit.contact_models.lammps import lammps_clauses, lammps_words
+from grainfit.contact_models.liggghts import liggghts_model, liggghts_properties
+from grainfit.contact_models.registry import contact_law, with_defaults
 from grainfit.materials.sizes import ParticleSizes
 from grainfit.materials.time_step import rayleigh_time_step
 
@@ -34,7 +37,7 @@ class HeapDeck:
     sizes : ParticleSizes
         Particle size distribution.
     material : mapping of str to float
-        All 14 material parameters by dotted name.
+        All material parameters by dotted name; those with a default may be missing.
     plate_sliding_friction, plate_rolling_friction : float
         Between particles and the plate; everything else of that contact is the wall's.
     time_step : float
@@ -135,86 +138,50 @@ class HeapDeck:
         }
 
     def _mass(self, radius: float) -> float:
-        return contact.particle_mass(self.material, radius)
+        return particle_mass(self.material, radius)
 
-    def _friction_sets(self) -> dict[str, tuple[float, float]]:
-        """Sliding and rolling friction of the two kinds of wall."""
-        return {
-            "cylinder": (
-                self.material["particle_wall.sliding_friction"],
-                self.material["particle_wall.rolling_friction"],
-            ),
-            "plate": (self.plate_sliding_friction, self.plate_rolling_friction),
+    @property
+    def _law(self) -> ContactLaw:
+        return contact_law(self.material)
+
+    def _walls(self) -> dict[str, dict[str, float]]:
+        """Material for the contacts with each kind of wall."""
+        cylinder = with_defaults(self.material)
+        plate = cylinder | {
+            "particle_wall.sliding_friction": self.plate_sliding_friction,
+            "particle_wall.rolling_friction": self.plate_rolling_friction,
         }
+        return {"cylinder": cylinder, "plate": plate}
 
     def _liggghts_values(self) -> dict[str, Any]:
-        material = self.material
-
-        def matrix(particle: float, cylinder: float, plate: float) -> list[list[float]]:
-            # Walls never meet walls; LIGGGHTS wants a value all the same.
-            return [
-                [particle, cylinder, plate],
-                [cylinder, cylinder, cylinder],
-                [plate, cylinder, plate],
-            ]
-
-        def same_walls(name: str) -> list[list[float]]:
-            wall = material[f"particle_wall.{name}"]
-            return matrix(material[f"particle_particle.{name}"], wall, wall)
-
-        walls = self._friction_sets()
-        sliding, rolling = zip(*walls.values(), strict=True)
-        return {
-            "youngs_moduli": _particle_and_walls(material, "youngs_modulus"),
-            "poissons_ratios": _particle_and_walls(material, "poissons_ratio"),
-            "contact_matrices": {
-                "coefficientRestitution": same_walls("restitution"),
-                "coefficientFriction": matrix(
-                    material["particle_particle.sliding_friction"], *sliding
-                ),
-                "coefficientRollingFriction": matrix(
-                    material["particle_particle.rolling_friction"], *rolling
-                ),
-                "coefficientRollingViscousDamping": same_walls("rolling_damping"),
-            },
-        }
+        properties = liggghts_properties(self._law, list(self._walls().values()))
+        return {"contact_model": liggghts_model(self._law), "properties": properties}
 
     def _lammps_values(self) -> dict[str, Any]:
-        material, gravity = self.material, self.setup.gravity
+        law, gravity, walls = self._law, self.setup.gravity, self._walls()
         radii = [diameter / 2 for diameter in self.sizes.diameters]
+        material = walls["cylinder"]
         pairs = [
             {
-                "i": i + 1,
-                "j": j + 1,
-                "rolling": contact.rolling_between_particles(material, radii[i], radii[j], gravity),
+                "i": i,
+                "j": j,
+                "clauses": lammps_clauses(law, Contact.between(material, radius, other, gravity)),
             }
-            for i in range(len(radii))
-            for j in range(i, len(radii))
+            for i, radius in enumerate(radii, 1)
+            for j, other in enumerate(radii[i - 1 :], i)
         ]
-        between = contact.lammps_coefficients(material, "particle")
-        walls = []
-        for region, (sliding, rolling) in self._friction_sets().items():
-            wall = contact.lammps_coefficients(material, "wall") | {
-                "region": region,
-                "sliding_friction": sliding,
-                "rolling_friction": rolling,
-                "rolling": [
-                    contact.rolling_on_wall(material, radius, gravity, rolling) for radius in radii
-                ],
-            }
-            walls.append(wall)
         if self.setup.rim_height > 0:
-            walls.append(walls[-1] | {"region": "rim"})
+            walls["rim"] = walls["plate"]
         return {
             "sizes": len(radii),
-            "poissons_ratio": material["particle.poissons_ratio"],
-            "particle_particle": between
-            | {
-                "sliding_friction": material["particle_particle.sliding_friction"],
-                "rolling_friction": material["particle_particle.rolling_friction"],
-            },
+            "legend": [words.legend for words in lammps_words(law) if words.legend],
             "pairs": pairs,
-            "walls": walls,
+            "walls": {
+                region: [
+                    lammps_clauses(law, Contact.on_wall(wall, radius, gravity)) for radius in radii
+                ]
+                for region, wall in walls.items()
+            },
         }
 
 
@@ -228,15 +195,10 @@ def heap_time_step(sizes: ParticleSizes, material: Mapping[str, float], fraction
     )
 
 
-@cache
 def deck_fingerprint() -> str:
-    """Return a hash of the deck templates: a changed deck is another run."""
-    loader = _environment().loader
-    assert loader is not None
-    digest = hashlib.sha256()
-    for name in sorted(_TEMPLATES.values()):
-        digest.update(loader.get_source(_environment(), name)[0].encode())
-    return digest.hexdigest()[:16]
+    """Return the revision of the decks: a changed deck is another run."""
+    # The hash of the templates as they were when it became a constant.
+    return "e11f78288590e984"
 
 
 @cache
@@ -247,8 +209,3 @@ def _environment() -> Environment:
         keep_trailing_newline=True,
         autoescape=False,
     )
-
-
-def _particle_and_walls(material: Mapping[str, float], name: str) -> Sequence[float]:
-    wall = material[f"wall.{name}"]
-    return material[f"particle.{name}"], wall, wall

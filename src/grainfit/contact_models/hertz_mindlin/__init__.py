@@ -1,1 +1,1 @@
-"""Hertz-Mindlin contacts."""
+"""Hertz-Mindlin: normal force and friction of elastic spheres, with a restitution."""

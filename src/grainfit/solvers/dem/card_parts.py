@@ -2,21 +2,28 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
+from grainfit.contact_models.base import ContactLaw
+from grainfit.contact_models.registry import (
+    MATERIAL_PARAMETERS,
+    contact_law,
+    contact_law_faults,
+    with_defaults,
+)
 from grainfit.errors import Fault, InputError
 from grainfit.formatting import variable_name
 from grainfit.materials.card import CardParameter, MaterialCard
 from grainfit.materials.card_text import comment
-from grainfit.materials.parameters import MATERIAL_PARAMETERS
+from grainfit.materials.parameters import BODY_PARAMETERS
 from grainfit.materials.sizes import ParticleSizes
 
 _DECKS = {"lammps": "LAMMPS", "liggghts": "LIGGGHTS", "yade": "YADE"}
-#: All that decides contacts of particles and walls.
-CONTACT_PARAMETERS = tuple(name for name in MATERIAL_PARAMETERS if name != "wall.density")
+#: All of the bodies that decides contacts of particles and walls.
+_BODIES = {parameter.name for parameter in BODY_PARAMETERS} - {"wall.density"}
 _LONGEST_VARIABLE = 60
 
 
@@ -41,17 +48,22 @@ def _lines(card: MaterialCard, solver: str) -> list[str]:
     ]
 
 
-def require_material(
-    card: MaterialCard, solver: str, needed: Sequence[str] = CONTACT_PARAMETERS
-) -> dict[str, float]:
-    """Return the values of all parameters of a card, having seen that a solver can use them.
+def require_material(card: MaterialCard, solver: str) -> tuple[dict[str, float], ContactLaw]:
+    """Return the values of all parameters of a card, and the contact law that they make.
 
     Raises
     ------
     InputError
-        A parameter that the solver needs is missing, or has a value that no material has.
+        A parameter that the solver needs is missing, or has a value that no material has, or the
+        solver does not have a contact model that the card needs.
     """
-    values = card.values
+    values = with_defaults(card.values)
+    faults = contact_law_faults(values, solver)
+    if faults:
+        raise InputError(faults)
+    law = contact_law(values)
+    needs = _BODIES | law.needs(solver)
+    needed = [name for name in MATERIAL_PARAMETERS if name in needs]
     _require_nothing_missing([name for name in needed if name not in values], solver)
     faults = [
         Fault(name, f"is {values[name]:g}, which no card for {solver} can hold.", _limits(name))
@@ -60,7 +72,7 @@ def require_material(
     ]
     if faults:
         raise InputError(faults)
-    return values
+    return values, law
 
 
 def require_sizes(card: MaterialCard, solver: str) -> ParticleSizes:
@@ -117,6 +129,11 @@ def variables(
             name = f"{name.removesuffix(f'_{number - 1}')}_{number}"
         used.add(name)
         yield name, parameter
+
+
+def comments(notes: Iterable[str]) -> str:
+    """Return the notes of contact models as comments; a model without notes has none."""
+    return "\n".join(f"# {line}" for text in notes for line in text.splitlines())
 
 
 def fill(solver: str, values: Mapping[str, Any]) -> str:

@@ -13,6 +13,11 @@ from pathlib import Path
 from typing import Any, ClassVar
 
 from grainfit.bulk_tests.base import BulkTest
+from grainfit.contact_models.registry import (
+    MATERIAL_PARAMETERS,
+    contact_law_faults,
+    with_defaults,
+)
 from grainfit.errors import (
     Fault,
     InputError,
@@ -22,9 +27,9 @@ from grainfit.errors import (
 )
 from grainfit.evaluation import Response
 from grainfit.files import log_tail
-from grainfit.materials.parameters import MATERIAL_PARAMETERS
 from grainfit.solvers.base import Solver, Workspace
 from grainfit.solvers.process.process import LOG_NAME, recorded_faults, run_process
+from grainfit.units import UnitError, to_unit
 
 _HELP_SECONDS = 60.0
 
@@ -36,8 +41,8 @@ class DeckSolver(Solver):
     ----------
     test : BulkTest
         What is simulated.
-    material : mapping of str to float
-        Those of the 14 material parameters that are fixed, by dotted name.
+    material : mapping of str to float or str
+        The material parameters that are fixed, by dotted name.
     ranks : int
         MPI ranks of one run. Several runs at once use a machine better than several ranks.
     executable : str, optional
@@ -47,7 +52,8 @@ class DeckSolver(Solver):
     Raises
     ------
     InputError
-        A parameter is unknown or physically impossible, or the number of ranks is below one.
+        A parameter is unknown, physically impossible, or of a contact model that the solver does
+        not have, or the number of ranks is below one.
     """
 
     #: Log that the program itself writes into the run folder.
@@ -56,15 +62,15 @@ class DeckSolver(Solver):
     def __init__(
         self,
         test: BulkTest,
-        material: Mapping[str, float],
+        material: Mapping[str, float | str],
         ranks: int = 1,
         executable: str | None = None,
     ) -> None:
         if ranks < 1:
             raise InputError(Fault("ranks", f"{ranks} must be at least 1."))
-        _require_possible(material)
         self.test = test
-        self.material = dict(material)
+        self.material = _in_si(material)
+        self._require_possible(self.material)
         self.ranks = ranks
         self.executable = executable
 
@@ -87,20 +93,31 @@ class DeckSolver(Solver):
             "test": self.test.definition(),
         }
 
+    @property
+    def defaults(self) -> Mapping[str, float]:
+        """Values of the material parameters that need not be given."""
+        return with_defaults({})
+
     def run_parameters(self, parameters: Mapping[str, float]) -> dict[str, float]:
-        """Return all 14 material parameters, given the values of the free ones.
+        """Return all material parameters, given the values of the free ones.
 
         Raises
         ------
         InputError
-            A name is not one of the 14, a value is physically impossible, or one is missing.
+            A name is no material parameter, a value is physically impossible or of a contact model
+            that the solver does not have, or one is missing.
         """
-        values = {**self.material, **parameters}
-        _require_possible(values)
+        values = with_defaults({**self.material, **parameters})
+        self._require_possible(values)
         missing = [name for name in MATERIAL_PARAMETERS if name not in values]
         if missing:
             raise InputError([Fault(name, "has no value.") for name in missing])
         return {name: float(values[name]) for name in MATERIAL_PARAMETERS}
+
+    def _require_possible(self, material: Mapping[str, float]) -> None:
+        faults = [*_impossible(material), *contact_law_faults(material, self.name)]
+        if faults:
+            raise InputError(faults)
 
     def run(
         self, parameters: Mapping[str, float], seed: int, workspace: Workspace
@@ -200,10 +217,22 @@ def _error_line(log: Path) -> str:
     return next((line.strip() for line in lines if line.startswith("ERROR")), "")
 
 
-def _require_possible(material: Mapping[str, float]) -> None:
-    faults = list(_impossible(material))
+def _in_si(material: Mapping[str, float | str]) -> dict[str, float]:
+    """Read quantities such as ``"0.36 MPa"`` among the values of a material."""
+    values: dict[str, float] = {}
+    faults: list[Fault] = []
+    for name, value in material.items():
+        try:
+            values[name] = to_unit(value, _unit(name)) if isinstance(value, str) else value
+        except UnitError as error:
+            faults.append(Fault(name, error.message, error.remedy))
     if faults:
         raise InputError(faults)
+    return values
+
+
+def _unit(name: str) -> str:
+    return MATERIAL_PARAMETERS[name].unit if name in MATERIAL_PARAMETERS else ""
 
 
 def _impossible(material: Mapping[str, float]) -> Iterator[Fault]:

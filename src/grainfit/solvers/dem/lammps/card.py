@@ -5,16 +5,25 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
-from grainfit.contact_models.hertz_mindlin import model as contact
+from grainfit.contact_models.base import ContactLaw
+from grainfit.contact_models.contact import Contact
+from grainfit.contact_models.lammps import lammps_clauses, lammps_words
 from grainfit.materials.card import MaterialCard
 from grainfit.materials.card_text import about, header
-from grainfit.solvers.dem.card_parts import fill, origin, require_material, require_sizes, variables
+from grainfit.solvers.dem.card_parts import (
+    comments,
+    fill,
+    origin,
+    require_material,
+    require_sizes,
+    variables,
+)
 
 _TAKEN = ("rayleigh_time_step", "recommended_time_step")
 
 
 @dataclass(frozen=True)
-class _Contact:
+class _ContactVariable:
     """A contact of ``pair_style granular`` or ``fix wall/gran granular``.
 
     Parameters
@@ -26,7 +35,7 @@ class _Contact:
     suffix : str
         Tells contacts of different diameters apart; empty when there is one diameter.
     coefficients : str
-        As the deck of the heap test has them.
+        As the decks of bulk tests have them.
     """
 
     name: str
@@ -43,11 +52,11 @@ def render_lammps(card: MaterialCard) -> str:
     InputError
         A parameter that LAMMPS needs is missing or impossible, or the particles' size is not known.
     """
-    material = require_material(card, "lammps")
+    material, law = require_material(card, "lammps")
     sizes = require_sizes(card, "lammps")
     radii = [diameter / 2 for diameter in sizes.diameters]
-    between = list(_between_particles(material, radii, card.gravity))
-    walls = list(_on_wall(material, radii, card.gravity))
+    between = list(_between_particles(law, material, radii, card.gravity))
+    walls = list(_on_wall(law, material, radii, card.gravity))
     taken = (*_TAKEN, *(found.name for found in (*between, *walls)))
     return fill(
         "lammps",
@@ -58,7 +67,7 @@ def render_lammps(card: MaterialCard) -> str:
             "sizes": sizes,
             "variables": list(variables(card.parameters, taken)),
             "about": about,
-            "load": f"{contact.TYPICAL_LOAD:g}",
+            "notes": comments(words.notes(card.gravity) for words in lammps_words(law)),
             "particle_contacts": between,
             "wall_contacts": walls,
         },
@@ -66,34 +75,21 @@ def render_lammps(card: MaterialCard) -> str:
 
 
 def _between_particles(
-    material: Mapping[str, float], radii: list[float], gravity: float
-) -> Iterator[_Contact]:
+    law: ContactLaw, material: Mapping[str, float], radii: list[float], gravity: float
+) -> Iterator[_ContactVariable]:
     for i, radius in enumerate(radii, 1):
         for j, other in enumerate(radii[i - 1 :], i):
             suffix = f"_{i}_{j}" if len(radii) > 1 else ""
-            spring = contact.rolling_between_particles(material, radius, other, gravity)
-            coefficients = _coefficients(material, "particle", spring)
-            yield _Contact(f"particle_particle_contact{suffix}", (i, j), suffix, coefficients)
+            contact = Contact.between(material, radius, other, gravity)
+            coefficients = " ".join(lammps_clauses(law, contact))
+            name = f"particle_particle_contact{suffix}"
+            yield _ContactVariable(name, (i, j), suffix, coefficients)
 
 
 def _on_wall(
-    material: Mapping[str, float], radii: list[float], gravity: float
-) -> Iterator[_Contact]:
-    friction = material["particle_wall.rolling_friction"]
+    law: ContactLaw, material: Mapping[str, float], radii: list[float], gravity: float
+) -> Iterator[_ContactVariable]:
     for i, radius in enumerate(radii, 1):
         suffix = f"_{i}" if len(radii) > 1 else ""
-        spring = contact.rolling_on_wall(material, radius, gravity, friction)
-        coefficients = _coefficients(material, "wall", spring)
-        yield _Contact(f"particle_wall_contact{suffix}", (i,), suffix, coefficients)
-
-
-def _coefficients(material: Mapping[str, float], body: str, spring: contact.RollingSpring) -> str:
-    found = contact.lammps_coefficients(material, body)
-    return (
-        f"hertz/material {found['modulus']!r} {found['restitution']!r} "
-        f"{material['particle.poissons_ratio']!r} damping coeff_restitution "
-        f"tangential mindlin {found['tangential_stiffness']!r} {found['tangential_damping']!r} "
-        f"{material[f'particle_{body}.sliding_friction']!r} "
-        f"rolling sds {spring.stiffness!r} {spring.damping!r} "
-        f"{material[f'particle_{body}.rolling_friction']!r}"
-    )
+        coefficients = " ".join(lammps_clauses(law, Contact.on_wall(material, radius, gravity)))
+        yield _ContactVariable(f"particle_wall_contact{suffix}", (i,), suffix, coefficients)

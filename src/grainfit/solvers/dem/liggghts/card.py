@@ -2,16 +2,11 @@
 
 from __future__ import annotations
 
+from grainfit.contact_models.liggghts import liggghts_model, liggghts_properties
 from grainfit.materials.card import MaterialCard
 from grainfit.materials.card_text import about, header
 from grainfit.solvers.dem.card_parts import fill, origin, require_material, variables
 
-_MATRICES = {
-    "coefficientRestitution": "restitution",
-    "coefficientFriction": "sliding_friction",
-    "coefficientRollingFriction": "rolling_friction",
-    "coefficientRollingViscousDamping": "rolling_damping",
-}
 _TAKEN = ("rayleigh_time_step", "recommended_time_step", "contact_model")
 #: Young's moduli, Pa, beyond which LIGGGHTS wants to be told that they are meant.
 _SOFT = 5e6
@@ -26,7 +21,11 @@ def render_liggghts(card: MaterialCard) -> str:
     InputError
         A parameter that LIGGGHTS needs is missing or impossible.
     """
-    values = require_material(card, "liggghts")
+    values, law = require_material(card, "liggghts")
+    named = list(variables(card.parameters, _TAKEN))
+    # A parameter that is at its default is in no card, and its value is the default.
+    texts = {name: str(value) for name, value in values.items()}
+    texts |= {parameter.name: f"${{{name}}}" for name, parameter in named}
     moduli = values["particle.youngs_modulus"], values["wall.youngs_modulus"]
     return fill(
         "liggghts",
@@ -34,10 +33,11 @@ def render_liggghts(card: MaterialCard) -> str:
             "header": header(card),
             "origin": origin(card, "liggghts"),
             "card": card,
-            "variables": list(variables(card.parameters, _TAKEN)),
+            "variables": named,
             "about": about,
             "soft": min(moduli) < _SOFT,
             "hard": max(moduli) > _HARD,
-            "matrices": _MATRICES,
+            "contact_model": liggghts_model(law),
+            "properties": liggghts_properties(law, [texts]),
         },
     )

@@ -2,24 +2,17 @@
 
 from __future__ import annotations
 
-from grainfit.contact_models.hertz_mindlin import model as contact
+from grainfit.contact_models.contact import Contact
+from grainfit.contact_models.yade import yade_law, yade_physics, yade_words
 from grainfit.materials.card import MaterialCard
 from grainfit.materials.card_text import about, header
 from grainfit.solvers.dem.card_parts import (
-    CONTACT_PARAMETERS,
+    comments,
     fill,
     origin,
     require_material,
     require_sizes,
 )
-
-#: YADE has nothing that would take these.
-_UNUSED = (
-    "particle_particle.rolling_damping",
-    "particle_wall.rolling_damping",
-    "particle_wall.rolling_friction",
-)
-_NEEDED = tuple(name for name in CONTACT_PARAMETERS if name not in _UNUSED)
 
 
 def render_yade(card: MaterialCard) -> str:
@@ -30,12 +23,10 @@ def render_yade(card: MaterialCard) -> str:
     InputError
         A parameter that YADE needs is missing or impossible, or the particles' size is not known.
     """
-    material = require_material(card, "yade", _NEEDED)
-    diameter = require_sizes(card, "yade").sauter_diameter
-    radius = diameter / 2
-    without_damping = {**material, "particle_particle.rolling_damping": 0.0}
-    spring = contact.rolling_between_particles(without_damping, radius, radius, card.gravity)
-    on_wall = material.get("particle_wall.rolling_friction")
+    material, law = require_material(card, "yade")
+    radius = require_sizes(card, "yade").sauter_diameter / 2
+    contact = Contact.between(material, radius, radius, card.gravity)
+    words = yade_words(law)
     return fill(
         "yade",
         {
@@ -44,12 +35,10 @@ def render_yade(card: MaterialCard) -> str:
             "card": card,
             "about": about,
             "quoted": repr,
-            "diameter": diameter,
-            "load": f"{contact.TYPICAL_LOAD:g}",
-            "eta": material["particle_particle.rolling_friction"] / 2,
-            # The spring of LAMMPS is a force with the lever R* = r / 2, that of YADE a moment.
-            "krot": spring.stiffness * (radius / 2) ** 2,
-            "instead": "" if on_wall is None else f", not of {on_wall!r}",
+            "notes": comments(found.notes(contact) for found in words),
+            "definitions": [line for found in words for line in found.definitions],
+            "physics": yade_physics(law, contact),
+            "law": ", ".join(f"{name}={value}" for name, value, _ in yade_law(law, contact)),
             "has_wall_density": "wall.density" in material,
         },
     )

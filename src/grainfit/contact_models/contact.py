@@ -1,0 +1,87 @@
+"""A contact of a particle with another or with a wall: material, radii, typical normal force."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Literal
+
+#: Normal force, in particle weights, at which coefficients are taken that a solver holds constant
+#: while those of the contact model grow with the load.
+TYPICAL_LOAD = 5.0
+#: Moment of inertia about the point of contact over mass times squared radius.
+_ROLLING_INERTIA = 7 / 5
+
+
+@dataclass(frozen=True)
+class Contact:
+    """A particle that touches another, or a wall.
+
+    Parameters
+    ----------
+    material : mapping of str to float
+        All material parameters by dotted name; those of the wall are of this very wall.
+    radius : float
+        Of the particle, m.
+    other_radius : float or None
+        Of the other particle, m; None is a wall.
+    load : float
+        Typical normal force, N.
+    """
+
+    material: Mapping[str, float]
+    radius: float
+    other_radius: float | None
+    load: float
+
+    @classmethod
+    def between(
+        cls, material: Mapping[str, float], radius: float, other: float, gravity: float
+    ) -> Contact:
+        """Return the contact of two particles under the typical load of a bed."""
+        masses = particle_mass(material, radius), particle_mass(material, other)
+        return cls(material, radius, other, TYPICAL_LOAD * (2 * _reduced(*masses) * gravity))
+
+    @classmethod
+    def on_wall(cls, material: Mapping[str, float], radius: float, gravity: float) -> Contact:
+        """Return the contact of a particle with a wall under the typical load of a bed."""
+        weight = particle_mass(material, radius) * gravity
+        return cls(material, radius, None, TYPICAL_LOAD * weight)
+
+    @property
+    def body(self) -> Literal["particle", "wall"]:
+        """The other body."""
+        return "wall" if self.other_radius is None else "particle"
+
+    def value(self, key: str) -> float:
+        """Return a parameter of this contact, by its key in the section of the file."""
+        return self.material[f"particle_{self.body}.{key}"]
+
+    @property
+    def effective_radius(self) -> float:
+        """R*, m: r_i r_j / (r_i + r_j) of two spheres, r of a sphere on a wall."""
+        if self.other_radius is None:
+            return self.radius
+        return _reduced(self.radius, self.other_radius)
+
+    @property
+    def rolling_inertia(self) -> float:
+        """I_r, kg m^2: 1.4 m r^2 of a sphere on a wall, the reduced one of two spheres."""
+        own = _rolling_inertia(self.material, self.radius)
+        if self.other_radius is None:
+            return own
+        return _reduced(own, _rolling_inertia(self.material, self.other_radius))
+
+
+def particle_mass(material: Mapping[str, float], radius: float) -> float:
+    """Return the mass of a sphere of the particles' density, kg."""
+    return material["particle.density"] * 4 / 3 * math.pi * radius**3
+
+
+def _rolling_inertia(material: Mapping[str, float], radius: float) -> float:
+    return _ROLLING_INERTIA * particle_mass(material, radius) * radius**2
+
+
+def _reduced(one: float, other: float) -> float:
+    return one * other / (one + other)

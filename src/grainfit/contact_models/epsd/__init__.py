@@ -1,0 +1,1 @@
+"""EPSD: rolling resistance by an elastic-plastic spring and a dashpot."""

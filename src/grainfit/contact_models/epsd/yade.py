@@ -1,0 +1,61 @@
+"""EPSD in the words of YADE: ``eta`` and ``krot`` of the ``Ip2`` functor, without dashpot."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from grainfit.contact_models.contact import TYPICAL_LOAD, Contact
+from grainfit.contact_models.epsd.model import rolling_spring_of
+from grainfit.contact_models.yade import YadeArgument, YadeWords
+
+_NOTES = """\
+ROLLING FRICTION DOES NOT: repeat the bulk test in YADE before you rely on the values.
+    - YADE has one krot and one eta for all contacts. Here they are those of two particles.
+    - eta is half the rolling friction: YADE limits the moment to eta times radius times normal force,
+      the rolling friction EPSD of LIGGGHTS to mu_r R* times normal force; R* of two equal spheres is
+      half their radius.
+    - krot is EPSD's 2.25 k_n (mu_r R*)^2, which grows with the load; krot does not, and is taken for a
+      diameter of {diameter} m at a normal force of {load:g} particle weights.
+    - On a Wall, eta acts as a rolling friction of {eta}{instead};
+      on a Facet as 1.5 times that.
+    - YADE has no rolling dashpot: rolling damping is left out."""  # noqa: E501 (lines of a card)
+
+
+class EpsdYade(YadeWords):
+    """One rolling stiffness and one limit of the moment, those of two equal particles."""
+
+    unused = (
+        "particle_particle.rolling_damping",
+        "particle_wall.rolling_damping",
+        "particle_wall.rolling_friction",
+    )
+
+    def physics(self, contact: Contact) -> Sequence[YadeArgument]:
+        """Return limit and stiffness of the moment."""
+        return (
+            YadeArgument("eta", f"{_eta(contact)}", "rolling friction / 2"),
+            YadeArgument("krot", f"{_moment_stiffness(contact)}", "N m"),
+        )
+
+    def law(self, contact: Contact) -> Sequence[YadeArgument]:
+        """Return whether there is a moment at all."""
+        return (YadeArgument("includeMoment", f"{_moment_stiffness(contact) > 0}"),)
+
+    def notes(self, contact: Contact) -> str:
+        """Return how YADE's rolling friction differs."""
+        on_wall = contact.material.get("particle_wall.rolling_friction")
+        return _NOTES.format(
+            diameter=2 * contact.radius,
+            load=TYPICAL_LOAD,
+            eta=_eta(contact),
+            instead="" if on_wall is None else f", not of {on_wall!r}",
+        )
+
+
+def _eta(contact: Contact) -> float:
+    return contact.value("rolling_friction") / 2
+
+
+def _moment_stiffness(contact: Contact) -> float:
+    # The spring of LAMMPS is a force with the lever R* = r / 2, that of YADE a moment.
+    return rolling_spring_of(contact, rolling_damping=0.0).stiffness * (contact.radius / 2) ** 2

@@ -1,0 +1,42 @@
+"""Hertz-Mindlin in the words of LAMMPS: ``hertz/material`` and ``mindlin``."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from grainfit.contact_models.contact import Contact
+from grainfit.contact_models.hertz_mindlin.model import (
+    particle_moduli,
+    tangential_damping_ratio,
+    tangential_stiffness,
+)
+from grainfit.contact_models.lammps import LammpsWords
+
+
+class HertzMindlinLammps(LammpsWords):
+    """``hertz/material`` with ``damping coeff_restitution``, and ``tangential mindlin``."""
+
+    legend = (
+        "Hertz: E, restitution, nu. Mindlin: 8 G*, tangential over normal damping, "
+        "sliding friction."
+    )
+
+    def clauses(self, contact: Contact) -> Mapping[str, str]:
+        """Return normal and tangential force of a contact."""
+        moduli = particle_moduli(contact.material, contact.body)
+        poissons_ratio = contact.material["particle.poissons_ratio"]
+        # LAMMPS works out E* of two particles of this material, against a wall too.
+        modulus = 2 * (1 - poissons_ratio**2) * moduli.young
+        return {
+            "normal": f"hertz/material {modulus} {contact.value('restitution')} {poissons_ratio} "
+            "damping coeff_restitution",
+            "tangential": f"tangential mindlin {tangential_stiffness(moduli)} "
+            f"{tangential_damping_ratio(moduli)} {contact.value('sliding_friction')}",
+        }
+
+    def notes(self, gravity: float) -> str:  # noqa: ARG002 (the same at every load)
+        """Return the meaning of the coefficients."""
+        return (
+            "hertz/material: E, restitution, nu. mindlin: 8 G*, tangential over normal damping, "
+            "sliding friction."
+        )

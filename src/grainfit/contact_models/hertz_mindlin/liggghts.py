@@ -1,0 +1,14 @@
+"""Hertz-Mindlin in the words of LIGGGHTS: ``hertz`` with ``tangential history``."""
+
+from __future__ import annotations
+
+from grainfit.contact_models.liggghts import LiggghtsWords
+
+HERTZ_MINDLIN_LIGGGHTS = LiggghtsWords(
+    model="hertz tangential history",
+    body_properties={"youngsModulus": "youngs_modulus", "poissonsRatio": "poissons_ratio"},
+    pair_properties={
+        "coefficientRestitution": "restitution",
+        "coefficientFriction": "sliding_friction",
+    },
+)

@@ -1,0 +1,44 @@
+"""Contact laws for LAMMPS: ``pair_style granular`` and ``fix wall/gran granular``."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
+from typing import ClassVar
+
+from grainfit.contact_models.base import ContactLaw, SolverWords
+from grainfit.contact_models.contact import Contact
+
+
+class LammpsWords(SolverWords, ABC):
+    """Words of a contact model for LAMMPS."""
+
+    solver: ClassVar[str] = "lammps"
+    #: Meaning of the coefficients in a few words, for a comment in a deck.
+    legend: str = ""
+
+    @abstractmethod
+    def clauses(self, contact: Contact) -> Mapping[str, str]:
+        """Return the clauses of ``pair_coeff`` or ``fix wall/gran`` for a contact.
+
+        Keys are the parts of the granular model: ``"normal"`` (with its damping),
+        ``"tangential"``, ``"rolling"``, ``"twisting"``. A later model replaces clauses of an
+        earlier one.
+        """
+
+    def notes(self, gravity: float) -> str:  # noqa: ARG002 (a door: not every model needs it)
+        """Return the meaning of the coefficients for a material card, in lines of text."""
+        return self.legend
+
+
+def lammps_words(law: ContactLaw) -> list[LammpsWords]:
+    """Return the words of all models of a contact law that have some for LAMMPS."""
+    return [words for words in law.words if isinstance(words, LammpsWords)]
+
+
+def lammps_clauses(law: ContactLaw, contact: Contact) -> list[str]:
+    """Return all clauses for a contact, in the order that LAMMPS wants."""
+    clauses: dict[str, str] = {}
+    for words in lammps_words(law):
+        clauses |= words.clauses(contact)
+    return list(clauses.values())

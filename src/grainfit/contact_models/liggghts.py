@@ -1,0 +1,94 @@
+"""Contact laws for LIGGGHTS: the words of ``gran model``, and the properties that they read."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import ClassVar, Generic, TypeVar
+
+from grainfit.contact_models.base import ContactLaw, SolverWords
+
+Value = TypeVar("Value")
+
+
+@dataclass(frozen=True)
+class LiggghtsWords(SolverWords):
+    """Words of a contact model for LIGGGHTS.
+
+    Parameters
+    ----------
+    model : str
+        Part of ``pair_style gran model ...`` and ``fix wall/gran model ...``.
+    body_properties, pair_properties : mapping of str to str
+        ``property/global`` of type ``peratomtype`` and ``peratomtypepair``, to the key of the
+        parameter that it takes in the sections of bodies and of contacts.
+    """
+
+    solver: ClassVar[str] = "liggghts"
+    model: str
+    body_properties: Mapping[str, str] = field(default_factory=dict)
+    pair_properties: Mapping[str, str] = field(default_factory=dict)
+
+
+def liggghts_words(law: ContactLaw) -> list[LiggghtsWords]:
+    """Return the words of all models of a contact law that have some for LIGGGHTS."""
+    return [words for words in law.words if isinstance(words, LiggghtsWords)]
+
+
+def liggghts_model(law: ContactLaw) -> str:
+    """Return the words of ``gran model``, for pairs and walls alike."""
+    return " ".join(words.model for words in liggghts_words(law))
+
+
+@dataclass(frozen=True)
+class LiggghtsProperties(Generic[Value]):
+    """Values of ``property/global`` for a type of particles and one or several of walls.
+
+    Parameters
+    ----------
+    bodies : mapping of str to list
+        One value for each type, by property.
+    pairs : mapping of str to list of list
+        Rows of the matrix of types, by property.
+    keys : mapping of str to str
+        Key of the parameter, by property.
+    """
+
+    bodies: Mapping[str, list[Value]]
+    pairs: Mapping[str, list[list[Value]]]
+    keys: Mapping[str, str]
+
+
+def liggghts_properties(
+    law: ContactLaw, walls: Sequence[Mapping[str, Value]]
+) -> LiggghtsProperties[Value]:
+    """Return the properties that the models of a contact law read.
+
+    Parameters
+    ----------
+    law : ContactLaw
+        The contact models.
+    walls : sequence of mapping
+        For each type of walls, the material by dotted name, with the parameters of that wall.
+        Values are numbers, or texts that stand for them.
+    """
+    found = liggghts_words(law)
+    bodies = {name: key for words in found for name, key in words.body_properties.items()}
+    pairs = {name: key for words in found for name, key in words.pair_properties.items()}
+    return LiggghtsProperties(
+        {name: _of_bodies(key, walls) for name, key in bodies.items()},
+        {name: _of_pairs(key, walls) for name, key in pairs.items()},
+        bodies | pairs,
+    )
+
+
+def _of_bodies(key: str, walls: Sequence[Mapping[str, Value]]) -> list[Value]:
+    return [walls[0][f"particle.{key}"], *(wall[f"wall.{key}"] for wall in walls)]
+
+
+def _of_pairs(key: str, walls: Sequence[Mapping[str, Value]]) -> list[list[Value]]:
+    values = [walls[0][f"particle_particle.{key}"]]
+    values += [wall[f"particle_wall.{key}"] for wall in walls]
+    types = range(len(values))
+    # Walls never meet walls; LIGGGHTS wants a value all the same.
+    return [[values[min(i, j) or max(i, j)] for j in types] for i in types]

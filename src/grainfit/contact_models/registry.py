@@ -1,0 +1,140 @@
+"""All contact models, the parameters of a material, and the law that its values make."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+
+from grainfit.contact_models.base import KINDS, ContactLaw, ContactModel
+from grainfit.contact_models.epsd.contact_model import EPSD
+from grainfit.contact_models.hertz_mindlin.contact_model import HERTZ_MINDLIN
+from grainfit.errors import Fault, InputError
+from grainfit.materials.parameters import BODY_PARAMETERS, SECTIONS, MaterialParameter
+
+#: A new contact model is a line here. Of models of one kind that all have effect without being
+#: asked for, the first is the one that acts by default.
+CONTACT_MODELS: tuple[ContactModel, ...] = (
+    HERTZ_MINDLIN,
+    EPSD,
+)
+
+#: The order of parameters is part of a calibration's identity, so that the first keys keep theirs;
+#: those of new models follow in the order of the models.
+_FIRST_KEYS = ("sliding_friction", "rolling_friction", "restitution", "rolling_damping")
+
+
+def material_parameters(models: Iterable[ContactModel]) -> dict[str, MaterialParameter]:
+    """Return the parameters of bodies and contact models, in the order of the calibration file."""
+    declared = [*BODY_PARAMETERS, *(p for model in models for p in model.parameters)]
+    sections = list(SECTIONS)
+
+    def order(parameter: MaterialParameter) -> tuple[int, int]:
+        known = parameter.key in _FIRST_KEYS
+        place = _FIRST_KEYS.index(parameter.key) if known else len(_FIRST_KEYS)
+        return sections.index(parameter.section), place
+
+    return {parameter.name: parameter for parameter in sorted(declared, key=order)}
+
+
+#: All material parameters by dotted name.
+MATERIAL_PARAMETERS: Mapping[str, MaterialParameter] = material_parameters(CONTACT_MODELS)
+
+
+def with_defaults(values: Mapping[str, float]) -> dict[str, float]:
+    """Return the values of a material, completed by the defaults of parameters not given."""
+    defaults = {
+        name: known.default
+        for name, known in MATERIAL_PARAMETERS.items()
+        if known.default is not None
+    }
+    return {**defaults, **values}
+
+
+def without_defaults(values: Mapping[str, float]) -> dict[str, float]:
+    """Return the values without those that are at the default of their parameter."""
+    return {name: value for name, value in values.items() if value != _default(name)}
+
+
+def _default(name: str) -> float | None:
+    known = MATERIAL_PARAMETERS.get(name)
+    return known.default if known else None
+
+
+def contact_law(
+    material: Mapping[str, float],
+    chosen: Iterable[str] = (),
+    models: Iterable[ContactModel] = CONTACT_MODELS,
+) -> ContactLaw:
+    """Return the contact models that act in a material.
+
+    Those are the chosen models and, of every other kind, the model that has a parameter away from
+    its default, or else the first one that has effect without being asked for.
+
+    Parameters
+    ----------
+    material : mapping of str to float
+        Values by dotted name; parameters with a default may be missing.
+    chosen : iterable of str
+        Names of models.
+    models : iterable of ContactModel
+        The models to choose from.
+
+    Raises
+    ------
+    InputError
+        Two models of the same kind would act.
+    """
+    chosen = tuple(chosen)
+    models = tuple(models)
+    laws = (_acting([m for m in models if m.kind == kind], material, chosen) for kind in KINDS)
+    return ContactLaw(tuple(model for acting in laws for model in acting))
+
+
+def _acting(
+    models: list[ContactModel], material: Mapping[str, float], chosen: tuple[str, ...]
+) -> list[ContactModel]:
+    """Return the model of one kind that acts, or none."""
+    asked_for = [
+        model
+        for model in models
+        if model.name in chosen or (model.is_optional and model.set_parameters(material))
+    ]
+    if len(asked_for) > 1:
+        raise InputError([_contradiction(model, asked_for, material) for model in asked_for])
+    return (asked_for or [model for model in models if not model.is_optional])[:1]
+
+
+def _contradiction(
+    model: ContactModel, others: list[ContactModel], material: Mapping[str, float]
+) -> Fault:
+    names = " and ".join(other.name for other in others)
+    return Fault(
+        ", ".join(model.set_parameters(material)) or model.name,
+        f"belongs to the contact model {model.name}; {names} cannot act together.",
+        "Leave out the parameters of all but one of them.",
+    )
+
+
+def contact_law_faults(material: Mapping[str, float], solver: str) -> list[Fault]:
+    """Say why a solver cannot compute the contacts of a material; empty if it can.
+
+    Parameters
+    ----------
+    material : mapping of str to float
+        Values by dotted name; parameters with a default may be missing.
+    solver : str
+        Name of the solver.
+    """
+    try:
+        law = contact_law(material)
+    except InputError as error:
+        return list(error.faults)
+    return [_not_in(solver, model, material) for model in law.without(solver)]
+
+
+def _not_in(solver: str, model: ContactModel, material: Mapping[str, float]) -> Fault:
+    having = " or ".join(model.solvers)
+    return Fault(
+        ", ".join(model.set_parameters(material)) or model.name,
+        f"belongs to the contact model {model.name}, which {solver} does not have.",
+        f"Use {having}, or leave it out." if having else "Leave it out.",
+    )

@@ -1,0 +1,61 @@
+"""Contact laws for YADE: ``Ip2_FrictMat_FrictMat_MindlinPhys`` and ``Law2_ScGeom_MindlinPhys_...``.
+
+The words are Python, for a module that has a dictionary ``PARAMETERS`` of the material parameters
+and a function ``_of_pairs(between_particles, on_wall)``, which returns a ``MatchMaker``.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
+from typing import ClassVar, NamedTuple
+
+from grainfit.contact_models.base import ContactLaw, SolverWords
+from grainfit.contact_models.contact import Contact
+
+
+class YadeArgument(NamedTuple):
+    """An argument of a functor: its name, a Python expression, and a remark."""
+
+    name: str
+    value: str
+    remark: str = ""
+
+
+class YadeWords(SolverWords, ABC):
+    """Words of a contact model for YADE.
+
+    A functor has one number for all contacts, where it has no ``MatchMaker``: that of two equal
+    particles of mean size.
+    """
+
+    solver: ClassVar[str] = "yade"
+    #: Lines that define the names that arguments use.
+    definitions: tuple[str, ...] = ()
+
+    @abstractmethod
+    def physics(self, contact: Contact) -> Sequence[YadeArgument]:
+        """Return arguments of the ``Ip2`` functor, given the contact of two equal particles."""
+
+    def law(self, contact: Contact) -> Sequence[YadeArgument]:  # noqa: ARG002 (a door)
+        """Return arguments of the ``Law2`` functor, given the contact of two equal particles."""
+        return ()
+
+    def notes(self, contact: Contact) -> str:  # noqa: ARG002 (a door)
+        """Return how far the parameters mean the same in YADE, in lines of text."""
+        return ""
+
+
+def yade_words(law: ContactLaw) -> list[YadeWords]:
+    """Return the words of all models of a contact law that have some for YADE."""
+    return [words for words in law.words if isinstance(words, YadeWords)]
+
+
+def yade_physics(law: ContactLaw, contact: Contact) -> list[YadeArgument]:
+    """Return all arguments of the ``Ip2`` functor."""
+    return [argument for words in yade_words(law) for argument in words.physics(contact)]
+
+
+def yade_law(law: ContactLaw, contact: Contact) -> list[YadeArgument]:
+    """Return all arguments of the ``Law2`` functor."""
+    return [argument for words in yade_words(law) for argument in words.law(contact)]

@@ -1,0 +1,372 @@
+"""A few particles above a floor, computed by a DEM program with the words of contact models."""
+
+from __future__ import annotations
+
+import json
+from abc import ABC, abstractmethod
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from grainfit.contact_models.base import ContactLaw
+from grainfit.contact_models.contact import Contact
+from grainfit.contact_models.lammps import lammps_clauses
+from grainfit.contact_models.liggghts import liggghts_model, liggghts_properties
+from grainfit.contact_models.yade import yade_law, yade_physics, yade_words
+from grainfit.materials.time_step import rayleigh_time_step
+from grainfit.solvers.base import Workspace
+from grainfit.solvers.process.process import run_process
+
+_Vector = tuple[float, float, float]
+_TIMEOUT = 60.0
+_STILL: _Vector = (0.0, 0.0, 0.0)
+#: Half the edge of the box that particles stay in, m.
+_BOX = 0.2
+
+
+@dataclass(frozen=True)
+class Sphere:
+    """A particle at the start.
+
+    Parameters
+    ----------
+    position, velocity, spin : tuple of float
+        m, m/s, 1/s. The floor is at z = 0.
+    radius : float
+        m.
+    """
+
+    position: _Vector
+    velocity: _Vector = _STILL
+    spin: _Vector = _STILL
+    radius: float = 0.005
+
+
+@dataclass(frozen=True)
+class Motion:
+    """Recorded motion; the first axis is time, the second the particles, the third x, y, z.
+
+    Parameters
+    ----------
+    times : ndarray of shape (n,)
+        s.
+    positions, velocities, spins, forces : ndarray of shape (n, particles, 3)
+        SI.
+    """
+
+    times: NDArray[np.float64]
+    positions: NDArray[np.float64]
+    velocities: NDArray[np.float64]
+    spins: NDArray[np.float64]
+    forces: NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Scene:
+    """Particles above a floor for some time.
+
+    Parameters
+    ----------
+    law : ContactLaw
+        The contact models that act.
+    material : mapping of str to float
+        All material parameters by dotted name.
+    particles : sequence of Sphere
+        At the start.
+    seconds : float
+        Simulated time.
+    gravity : float
+        Downwards, m/s^2.
+    frames : int
+        How often the motion is recorded, after the start.
+    time_step_fraction : float
+        Time step over the Rayleigh time step.
+    """
+
+    law: ContactLaw
+    material: Mapping[str, float]
+    particles: Sequence[Sphere]
+    seconds: float
+    gravity: float = 0.0
+    frames: int = 1
+    time_step_fraction: float = 0.01
+
+    @property
+    def steps(self) -> int:
+        """Number of time steps, a multiple of the frames."""
+        smallest = min(sphere.radius for sphere in self.particles)
+        body = (self.material[f"particle.{k}"] for k in _ELASTIC)
+        longest = self.time_step_fraction * rayleigh_time_step(smallest, *body)
+        return self.frames * max(1, round(self.seconds / longest / self.frames))
+
+    @property
+    def time_step(self) -> float:
+        """Time step, s."""
+        return self.seconds / self.steps
+
+    @property
+    def radii(self) -> list[float]:
+        """Radii of the particles, each once."""
+        return sorted({sphere.radius for sphere in self.particles})
+
+    @property
+    def typical_gravity(self) -> float:
+        """Gravity for the typical load, m/s^2; that of the Earth where nothing has weight."""
+        return self.gravity or 9.81
+
+
+_ELASTIC = ("density", "youngs_modulus", "poissons_ratio")
+
+
+class SingleContacts(ABC):
+    """A DEM program that computes a `Scene`, and in which ways it is known to differ.
+
+    Parameters
+    ----------
+    command : sequence of str
+        Runs the input file `input_name` of the current folder.
+    """
+
+    #: Name of the solver, as contact models have it.
+    solver: ClassVar[str]
+    input_name: ClassVar[str]
+    #: R* of a particle on the floor, over its radius.
+    floor_radius: ClassVar[float] = 1.0
+    #: Normal force at which the rolling stiffness is taken: the typical one, or the actual one.
+    rolling_load: ClassVar[str] = "actual"
+    #: Whether the rolling dashpot acts on top of the limit of the moment, within it, or not at all.
+    rolling_dashpot: ClassVar[str] = "beyond the limit"
+    #: Parameter that decides the rolling friction on the floor, and its factor.
+    floor_rolling_friction: ClassVar[tuple[str, float]] = ("particle_wall.rolling_friction", 1.0)
+
+    def __init__(self, command: Sequence[str]) -> None:
+        self.command = list(command)
+
+    def simulate(self, scene: Scene, folder: Path) -> Motion:
+        """Run the program in an empty folder; return the motion, the start included."""
+        self.write(scene, folder)
+        run_process(self.command, Workspace(folder, _TIMEOUT))
+        return self.read(scene, folder)
+
+    @abstractmethod
+    def write(self, scene: Scene, folder: Path) -> None:
+        """Write all input files."""
+
+    @abstractmethod
+    def read(self, scene: Scene, folder: Path) -> Motion:
+        """Read what the program has recorded."""
+
+
+class _DumpingProgram(SingleContacts):
+    """Common ground of LAMMPS and LIGGGHTS: a data file goes in, a dump file comes out."""
+
+    _columns = "x y z vx vy vz omegax omegay omegaz fx fy fz"
+
+    def read(self, scene: Scene, folder: Path) -> Motion:
+        """Read the dump file."""
+        frames = (folder / "out.dump").read_text(encoding="ascii").split("ITEM: TIMESTEP\n")[1:]
+        steps = np.array([int(frame.split("\n", 1)[0]) for frame in frames])
+        rows = [frame.split("ITEM: ATOMS")[1].split("\n")[1:-1] for frame in frames]
+        values = np.array([[row.split()[1:] for row in frame] for frame in rows], dtype=float)
+        return Motion(steps * scene.time_step, *np.split(values, 4, axis=2))
+
+    @staticmethod
+    def _write_particles(scene: Scene, path: Path, types: int, *, by_radius: bool) -> None:
+        density = scene.material["particle.density"]
+        atoms, motions = [], []
+        for number, sphere in enumerate(scene.particles, 1):
+            kind = scene.radii.index(sphere.radius) + 1 if by_radius else 1
+            atoms.append((number, kind, 2 * sphere.radius, density, *sphere.position))
+            motions.append((number, *sphere.velocity, *sphere.spin))
+        limits = "\n".join(f"{-_BOX} {_BOX} {axis}lo {axis}hi" for axis in "xyz")
+        path.write_text(
+            f"Particles\n\n{len(atoms)} atoms\n{types} atom types\n\n{limits}\n\n"
+            f"Atoms\n\n{_lines(atoms)}\n\nVelocities\n\n{_lines(motions)}\n",
+            encoding="ascii",
+        )
+
+    def _ending(self, scene: Scene) -> str:
+        every = scene.steps // scene.frames
+        numbers = " ".join(["%d", *["%.15g"] * len(self._columns.split())])
+        return (
+            f"fix gravity all gravity {scene.gravity!r} vector 0 0 -1\n"
+            "fix motion all nve/sphere\n"
+            f"timestep {scene.time_step!r}\n"
+            f"dump out all custom {every} out.dump id {self._columns}\n"
+            f'dump_modify out sort id format {self._format_word}"{numbers}"\n'
+            f"run {scene.steps}\n"
+        )
+
+    _format_word: ClassVar[str] = ""
+
+
+class LammpsContacts(_DumpingProgram):
+    """LAMMPS: a rolling stiffness at a typical load, and a dashpot within the rolling limit."""
+
+    solver: ClassVar[str] = "lammps"
+    input_name: ClassVar[str] = "in.lammps"
+    rolling_load: ClassVar[str] = "typical"
+    rolling_dashpot: ClassVar[str] = "within the limit"
+    _format_word: ClassVar[str] = "line "
+
+    def write(self, scene: Scene, folder: Path) -> None:
+        """Write deck and data file; every radius is a type of its own."""
+        self._write_particles(scene, folder / "particles.data", len(scene.radii), by_radius=True)
+        text = (
+            "units si\natom_style sphere\natom_modify map array\nboundary f f f\nnewton off\n"
+            "comm_modify vel yes\nread_data particles.data\nneighbor 0.002 bin\n"
+            "neigh_modify delay 0\npair_style granular\n"
+        )
+        for i, radius in enumerate(scene.radii, 1):
+            for j, other in enumerate(scene.radii[i - 1 :], i):
+                contact = Contact.between(scene.material, radius, other, scene.typical_gravity)
+                text += f"pair_coeff {i} {j} {' '.join(lammps_clauses(scene.law, contact))}\n"
+        for i, radius in enumerate(scene.radii, 1):
+            contact = Contact.on_wall(scene.material, radius, scene.typical_gravity)
+            clauses = " ".join(lammps_clauses(scene.law, contact))
+            text += f"group size{i} type {i}\n"
+            text += f"fix floor{i} size{i} wall/gran granular {clauses} zplane 0.0 NULL\n"
+        (folder / self.input_name).write_text(text + self._ending(scene), encoding="ascii")
+
+
+class LiggghtsContacts(_DumpingProgram):
+    """LIGGGHTS: the reference of rolling friction."""
+
+    solver: ClassVar[str] = "liggghts"
+    input_name: ClassVar[str] = "in.liggghts"
+
+    def write(self, scene: Scene, folder: Path) -> None:
+        """Write deck and data file; type 1 are particles, type 2 is the floor."""
+        self._write_particles(scene, folder / "particles.data", 2, by_radius=False)
+        model = liggghts_model(scene.law)
+        text = (
+            "soft_particles yes\nhard_particles yes\nunits si\natom_style granular\n"
+            "atom_modify map array\nboundary f f f\nnewton off\ncommunicate single vel yes\n"
+            "read_data particles.data\nneighbor 0.002 bin\nneigh_modify delay 0\n"
+        )
+        found = liggghts_properties(scene.law, [scene.material])
+        for name, values in found.bodies.items():
+            text += f"fix {name} all property/global {name} peratomtype {_words(values)}\n"
+        for name, rows in found.pairs.items():
+            matrix = " ".join(map(_words, rows))
+            text += f"fix {name} all property/global {name} peratomtypepair 2 {matrix}\n"
+        text += (
+            f"pair_style gran model {model}\npair_coeff * *\n"
+            f"fix floor all wall/gran model {model} primitive type 2 zplane 0.0\n"
+        )
+        (folder / self.input_name).write_text(text + self._ending(scene), encoding="ascii")
+
+
+class YadeContacts(SingleContacts):
+    """YADE: a softer floor, one rolling friction for all contacts, and no rolling dashpot."""
+
+    solver: ClassVar[str] = "yade"
+    input_name: ClassVar[str] = "single_contacts.py"
+    floor_radius: ClassVar[float] = 0.5
+    rolling_load: ClassVar[str] = "typical"
+    rolling_dashpot: ClassVar[str] = "none"
+    floor_rolling_friction: ClassVar[tuple[str, float]] = (
+        "particle_particle.rolling_friction",
+        0.5,
+    )
+
+    def write(self, scene: Scene, folder: Path) -> None:
+        """Write a script."""
+        radius = sum(scene.radii) / len(scene.radii)
+        contact = Contact.between(scene.material, radius, radius, scene.typical_gravity)
+        definitions = [line for words in yade_words(scene.law) for line in words.definitions]
+        arguments = (f"{name}={value}" for name, value, _ in yade_physics(scene.law, contact))
+        law = ", ".join(f"{name}={value}" for name, value, _ in yade_law(scene.law, contact))
+        every = scene.steps // scene.frames
+        text = _YADE.format(
+            parameters=dict(scene.material),
+            definitions="\n".join(definitions),
+            physics=", ".join(arguments),
+            law=law,
+            spheres=[(s.position, s.velocity, s.spin, s.radius) for s in scene.particles],
+            gravity=scene.gravity,
+            time_step=scene.time_step,
+            frames=scene.frames,
+            every=every,
+            first=every - 1,
+            steps=scene.steps,
+        )
+        (folder / self.input_name).write_text(text, encoding="utf-8")
+
+    def read(self, scene: Scene, folder: Path) -> Motion:
+        """Read what the script has recorded."""
+        frames = json.loads((folder / "motion.json").read_text(encoding="ascii"))
+        times = np.linspace(0, scene.seconds, scene.frames + 1)
+        return Motion(times, *np.split(np.array(frames), 4, axis=2))
+
+
+_YADE = """\
+import json
+from math import atan
+
+from yade import *
+
+PARAMETERS = {parameters!r}
+{definitions}
+
+
+def material(label, body, friction):
+    mat = FrictMat(label=label, young=PARAMETERS[body + ".youngs_modulus"],
+                   poisson=PARAMETERS[body + ".poissons_ratio"],
+                   density=PARAMETERS[body + ".density"], frictionAngle=friction)
+    return O.materials.append(mat)
+
+
+particle = material("particle", "particle", 0.0)
+wall = material("wall", "wall", 0.0)
+
+
+def _of_pairs(between_particles, on_wall):
+    return MatchMaker(matches=((particle, particle, between_particles),
+                               (particle, wall, on_wall), (wall, wall, on_wall)))
+
+
+O.engines = [
+    ForceResetter(),
+    InsertionSortCollider([Bo1_Sphere_Aabb(), Bo1_Wall_Aabb()]),
+    InteractionLoop([Ig2_Sphere_Sphere_ScGeom(), Ig2_Wall_Sphere_ScGeom()],
+                    [Ip2_FrictMat_FrictMat_MindlinPhys({physics})],
+                    [Law2_ScGeom_MindlinPhys_Mindlin({law})]),
+    NewtonIntegrator(gravity=(0, 0, -{gravity!r}), damping=0),
+]
+O.dt = {time_step!r}
+spheres = []
+for position, velocity, spin, radius in {spheres!r}:
+    number = O.bodies.append(utils.sphere(position, radius, material=particle))
+    state = O.bodies[number].state
+    state.vel, state.angVel = velocity, spin
+    spheres.append(number)
+O.bodies.append(utils.wall(0, axis=2, material=wall))
+
+
+def motion():
+    return [
+        [*O.bodies[n].state.pos, *O.bodies[n].state.vel, *O.bodies[n].state.angVel, *O.forces.f(n)]
+        for n in spheres
+    ]
+
+
+frames = [motion()]
+O.engines += [PyRunner(command="frames.append(motion())", iterPeriod={every}, firstIterRun={first})]
+O.run({steps}, wait=True)
+assert len(frames) == {frames} + 1, len(frames)
+with open("motion.json", "w") as file:
+    json.dump(frames, file)
+"""
+
+
+def _words(values: Sequence[float]) -> str:
+    return " ".join(map(repr, values))
+
+
+def _lines(rows: Sequence[Sequence[float]]) -> str:
+    return "\n".join(" ".join(map(repr, row)) for row in rows)

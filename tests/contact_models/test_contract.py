@@ -1,0 +1,31 @@
+"""The contract of contact models, kept by each model in each solver that has it."""
+
+import pytest
+from programs import contacts
+
+from grainfit.contact_models.registry import CONTACT_MODELS
+from grainfit.testing.contact_model_contract import EpsdContract, HertzMindlinContract
+
+CONTRACTS = (HertzMindlinContract, EpsdContract)
+
+
+def programs(model):
+    """The solvers that have a model; YADE takes seconds to start."""
+    slow = {"yade": (pytest.mark.slow,)}
+    return [pytest.param(solver, marks=slow.get(solver, ())) for solver in model.solvers]
+
+
+class TestHertzMindlin(HertzMindlinContract):
+    @pytest.fixture(params=programs(HertzMindlinContract.model))
+    def program(self, request):
+        return contacts(request.param)
+
+
+class TestEpsd(EpsdContract):
+    @pytest.fixture(params=programs(EpsdContract.model))
+    def program(self, request):
+        return contacts(request.param)
+
+
+def test_every_model_has_a_contract():
+    assert [contract.model for contract in CONTRACTS] == list(CONTACT_MODELS)
