@@ -21,7 +21,7 @@ from typing import Any
 import numpy as np
 from scipy import stats
 
-from grainfit.bulk_tests.heap import HeapTest
+from grainfit.bulk_tests.heap import Heap
 from grainfit.materials.sizes import ParticleSizes
 from grainfit.solvers.base import Workspace
 from grainfit.solvers.dem.lammps.program import Lammps
@@ -70,20 +70,20 @@ def difference(one: Sequence[float], other: Sequence[float]) -> dict[str, Any]:
 
 
 def compare(material: Mapping[str, float], seeds: Sequence[int]) -> dict[str, Any]:
-    test = HeapTest(ParticleSizes((0.010,)))
+    test = Heap(ParticleSizes((0.010,)))
     results = {name: run_seeds(kind(test, material), seeds) for name, kind in SOLVERS.items()}
     return {
         response: {
             **{name: summarise(values[response]) for name, values in results.items()},
             "difference": difference(*(values[response] for values in results.values())),
         }
-        for response in test.response_units
+        for response in test.responses
     }
 
 
 def print_table(report: Mapping[str, Any]) -> None:
     for response, parts in report.items():
-        print(f"{response} [{HeapTest.response_units[response]}]")
+        print(f"{response} [{Heap.responses[response].unit}]")
         for name in SOLVERS:
             part = parts[name]
             low, high = part["interval"]

@@ -20,14 +20,15 @@ PACKAGE = "grainfit"
 #: of the package; rooms of one floor do not know each other.
 FLOORS: tuple[tuple[str, ...], ...] = (
     ("errors",),
-    ("units", "formatting", "files"),
-    ("materials", "tables"),
+    ("checks", "units", "formatting", "files"),
+    ("options", "tables"),
+    ("materials",),
     ("contact_models",),
     ("evaluation", "problem", "run_definition"),
     ("result",),
     ("measurement",),
     ("bulk_tests", "metamodels"),
-    ("solvers", "strategies"),
+    ("solvers", "strategies", "tests"),
     ("campaign",),
     ("calibration", "analysis"),
     ("calibration_file",),

@@ -4,7 +4,8 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from grainfit import plots
+    from grainfit import plots as plots
+    from grainfit import tests as tests
     from grainfit.analysis import Analysis, analyse
     from grainfit.calibration.calibrate import calibrate
     from grainfit.calibration.progress import Progress
@@ -72,7 +73,7 @@ _HOMES = {
 
 
 #: Rooms that are used by their name.
-_ROOMS = ("plots",)
+_ROOMS = ("plots", "tests")
 #: Functions that are called otherwise at home, where they would hide a function of Python.
 _OTHER_NAMES = {"open": "open_calibration"}
 

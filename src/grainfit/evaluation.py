@@ -7,6 +7,8 @@ from dataclasses import dataclass, field
 from typing import Literal
 
 Stage = Literal["design", "optimisation", "verification"]
+#: Column of a response's standard error in tables of runs: after the name of the response.
+ERROR_SUFFIX = ".standard_error"
 
 
 @dataclass(frozen=True)

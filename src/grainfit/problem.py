@@ -6,12 +6,12 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from functools import cached_property
-from numbers import Real
 from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from grainfit.checks import as_number
 from grainfit.contact_models.registry import MATERIAL_PARAMETERS
 from grainfit.errors import Fault, InputError
 from grainfit.materials.time_step import RayleighTimeStep
@@ -21,16 +21,6 @@ DEFAULT_RELATIVE_TOLERANCE = 0.02
 
 Scale = Literal["linear", "log"]
 _TARGET_WIDTHS = ("uncertainty", "tolerance")
-
-
-def _number(value: object) -> float:
-    """The value as a plain float; NaN when it is no real number."""
-    if not isinstance(value, Real) or isinstance(value, bool):
-        return math.nan
-    try:
-        return float(value)
-    except OverflowError:
-        return math.nan
 
 
 def _shown(value: object) -> str:
@@ -77,7 +67,7 @@ def _share(given: Any, value: Any) -> Any:
     from grainfit.units import percentage
 
     share = percentage(given)
-    return given if share is None else share * _number(value)
+    return given if share is None else share * as_number(value)
 
 
 @dataclass(frozen=True)
@@ -136,7 +126,7 @@ class Parameter:
 
 
 def _interval_faults(parameter: Parameter) -> Sequence[Fault]:
-    name, low, high = parameter.name, _number(parameter.minimum), _number(parameter.maximum)
+    name, low, high = parameter.name, as_number(parameter.minimum), as_number(parameter.maximum)
     if not name or not isinstance(name, str):
         return [Fault("parameter", "has no name.", "Give it one.")]
     if parameter.scale not in ("linear", "log"):
@@ -239,7 +229,7 @@ def _target_faults(target: Target) -> Sequence[Fault]:
     if not target.name or not isinstance(target.name, str):
         return [Fault("target", "has no name.", "Name the response that it is a target of.")]
     faults = []
-    if not 0 < _number(target.value) < math.inf:
+    if not 0 < as_number(target.value) < math.inf:
         faults.append(
             Fault(
                 f"{target.name}.value",
@@ -250,7 +240,7 @@ def _target_faults(target: Target) -> Sequence[Fault]:
     for key in ("uncertainty", "tolerance", "weight"):
         given = getattr(target, key)
         left_out = given is None and key != "weight"
-        if not left_out and not 0 < _number(given) < math.inf:
+        if not left_out and not 0 < as_number(given) < math.inf:
             faults.append(
                 Fault(
                     f"{target.name}.{key}", f"is {_shown(given)}.", "It must be a number above 0."
@@ -314,7 +304,7 @@ class Problem:
                 Fault(name, f"is given as a {words} more than once.", "Keep one of them.")
                 for name in sorted({name for name in names if names.count(name) > 1})
             ]
-        if not 0 <= _number(self.rayleigh_weight) < math.inf:
+        if not 0 <= as_number(self.rayleigh_weight) < math.inf:
             given = _shown(self.rayleigh_weight)
             faults.append(Fault("rayleigh_weight", f"is {given}.", "It must be 0 or above."))
         if self.rayleigh is not None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from grainfit.bulk_tests.heap import HeapTest
+from grainfit.bulk_tests.heap import Heap
 from grainfit.materials.sizes import ParticleSizes
 from grainfit.materials.time_step import RayleighTimeStep
 from grainfit.problem import Parameter, Problem, Target
@@ -72,7 +72,7 @@ CASES = tuple(Case(width, seed) for width in WIDTHS for seed in SEEDS)
 
 def make_solver() -> Liggghts:
     """LIGGGHTS with Hertz-Mindlin and EPSD on the heap test, with the values of table 1."""
-    return Liggghts(HeapTest(ParticleSizes((DIAMETER,))), GLASS_BEADS)
+    return Liggghts(Heap(ParticleSizes((DIAMETER,))), GLASS_BEADS)
 
 
 def around(name: str, width: float) -> Parameter:

@@ -7,7 +7,7 @@ import re
 import numpy as np
 import pytest
 
-from grainfit.bulk_tests.heap import HeapTest, estimate_cost
+from grainfit.bulk_tests.heap import Heap
 from grainfit.errors import InputError, NotMeasurableError, RunFailedError
 from grainfit.materials.sizes import ParticleSizes
 
@@ -18,13 +18,13 @@ SOLVERS = ("lammps", "liggghts")
 
 def option_faults(sizes=MONOSIZE, **options):
     with pytest.raises(InputError) as caught:
-        HeapTest(sizes, **options)
+        Heap(sizes, **options)
     return [fault.key for fault in caught.value.faults]
 
 
 class TestDefaults:
     def test_beads_of_10_mm_have_the_geometry_of_the_study(self):
-        setup = HeapTest(MONOSIZE).setup
+        setup = Heap(MONOSIZE).setup
         assert setup.particle_count == 1500
         assert setup.cylinder_radius == pytest.approx(0.06)
         assert setup.plate_radius == pytest.approx(0.16)
@@ -34,7 +34,7 @@ class TestDefaults:
         assert setup.lift_height == pytest.approx(0.10)
 
     def test_other_sizes_follow_by_froudes_law(self):
-        setup, large = HeapTest(MONOSIZE).setup, HeapTest(ParticleSizes((0.040,))).setup
+        setup, large = Heap(MONOSIZE).setup, Heap(ParticleSizes((0.040,))).setup
         assert large.particle_count == setup.particle_count
         assert large.plate_radius == pytest.approx(4 * setup.plate_radius)
         froude = setup.lift_speed**2 / (setup.gravity * setup.cylinder_radius)
@@ -45,13 +45,13 @@ class TestDefaults:
         assert large.check_interval == pytest.approx(2 * setup.check_interval)
 
     def test_lower_gravity_slows_the_test_down(self):
-        setup, moon = HeapTest(MONOSIZE).setup, HeapTest(MONOSIZE, gravity=9.81 / 4).setup
+        setup, moon = Heap(MONOSIZE).setup, Heap(MONOSIZE, gravity=9.81 / 4).setup
         assert moon.lift_speed == pytest.approx(setup.lift_speed / 2)
         assert moon.settling_time_limit == pytest.approx(2 * setup.settling_time_limit)
 
     @pytest.mark.parametrize("sizes", [MONOSIZE, BIDISPERSE])
     def test_particles_fill_any_cylinder_beyond_the_strike_off_height(self, sizes):
-        test = HeapTest(sizes, cylinder_radius=0.09, strike_off_height=0.2)
+        test = Heap(sizes, cylinder_radius=0.09, strike_off_height=0.2)
         shares = zip(sizes.number_fractions, sizes.diameters, strict=True)
         solid = test.setup.particle_count * sum(s * math.pi / 6 * d**3 for s, d in shares)
         # Random close packing without walls is 0.64.
@@ -85,7 +85,7 @@ class TestImpossibleTests:
     )
     def test_negative_friction_and_rim_are_refused(self, name):
         assert option_faults(**{name: -0.1}) == [name]
-        HeapTest(MONOSIZE, **{name: 0.0})
+        Heap(MONOSIZE, **{name: 0.0})
 
     def test_every_fault_is_named_at_once(self):
         assert option_faults(gravity=0, lift_speed=-1, views=2.5) == [
@@ -133,7 +133,7 @@ class TestImpossibleTests:
 
 class TestDefinition:
     def test_is_json_and_equal_for_equal_tests(self):
-        one, other = HeapTest(MONOSIZE), HeapTest(MONOSIZE, cylinder_radius=0.06)
+        one, other = Heap(MONOSIZE), Heap(MONOSIZE, cylinder_radius=0.06)
         assert json.dumps(one.definition()) == json.dumps(other.definition())
 
     @pytest.mark.parametrize(
@@ -147,15 +147,15 @@ class TestDefinition:
         ],
     )
     def test_whatever_decides_the_outcome_is_in_it(self, change):
-        changed = HeapTest(**{"sizes": MONOSIZE, **change})
-        assert changed.definition() != HeapTest(MONOSIZE).definition()
+        changed = Heap(**{"sizes": MONOSIZE, **change})
+        assert changed.definition() != Heap(MONOSIZE).definition()
 
 
 class TestDeck:
     @pytest.mark.parametrize("sizes", [MONOSIZE, BIDISPERSE])
     @pytest.mark.parametrize("solver", SOLVERS)
     def test_is_complete_and_reproducible(self, tmp_path, solver, sizes, glass_beads):
-        test = HeapTest(sizes, rim_height=0.01)
+        test = Heap(sizes, rim_height=0.01)
         files = []
         for number in (1, 2):
             folder = tmp_path / str(number)
@@ -172,12 +172,12 @@ class TestDeck:
 
     @pytest.mark.parametrize("solver", SOLVERS)
     def test_both_solvers_start_from_the_same_particles(self, tmp_path, solver, glass_beads):
-        HeapTest(BIDISPERSE).write_deck(tmp_path, solver, glass_beads, seed=5)
+        Heap(BIDISPERSE).write_deck(tmp_path, solver, glass_beads, seed=5)
         rows = (tmp_path / "particles.data").read_text().split("Atoms\n\n")[1].split("\n")
         particles = np.array([[float(word) for word in row.split()] for row in rows if row])
         from grainfit.bulk_tests.shared.packing import random_column
 
-        setup = HeapTest(BIDISPERSE).setup
+        setup = Heap(BIDISPERSE).setup
         column = random_column(BIDISPERSE, setup.particle_count, setup.cylinder_radius, 5)
         assert particles[:, 4:] == pytest.approx(column.positions, abs=1e-12)
         assert particles[:, 2].tolist() == [BIDISPERSE.diameters[i] for i in column.size_indices]
@@ -193,17 +193,17 @@ class TestDeck:
             )
             return found.group(1).split()
 
-        assert matrix(HeapTest(MONOSIZE)) == ["0.4321", "0.005", "0.4321"]
-        assert matrix(HeapTest(MONOSIZE, plate_rolling_friction=0.1)) == ["0.4321", "0.005", "0.1"]
+        assert matrix(Heap(MONOSIZE)) == ["0.4321", "0.005", "0.4321"]
+        assert matrix(Heap(MONOSIZE, plate_rolling_friction=0.1)) == ["0.4321", "0.005", "0.1"]
 
     def test_all_that_matters_of_the_material_reaches_the_decks(self, tmp_path, glass_beads):
         # The density of a wall that does not move is the one of the 14 that nothing depends on.
         for solver in SOLVERS:
-            plain = HeapTest(MONOSIZE).write_deck(tmp_path, solver, glass_beads, 1).read_text()
+            plain = Heap(MONOSIZE).write_deck(tmp_path, solver, glass_beads, 1).read_text()
             particles = (tmp_path / "particles.data").read_text()
             for name in glass_beads:
                 changed = {**glass_beads, name: glass_beads[name] * 0.9}
-                deck = HeapTest(MONOSIZE).write_deck(tmp_path, solver, changed, 1).read_text()
+                deck = Heap(MONOSIZE).write_deck(tmp_path, solver, changed, 1).read_text()
                 same = (deck, (tmp_path / "particles.data").read_text()) == (plain, particles)
                 assert same == (name == "wall.density"), name
 
@@ -220,29 +220,29 @@ class TestMeasure:
         with pytest.raises(
             RunFailedError, match=r"did not come to rest in the fill stage.*0\.012 J"
         ):
-            HeapTest(MONOSIZE).measure(tmp_path)
+            Heap(MONOSIZE).measure(tmp_path)
 
     def test_an_explosion_is_said(self, tmp_path):
         stages = ["STAGE fill at_rest 2000 1500 1e-05", "STAGE lift unstable 2500 1400 8.9e+12"]
         self.write_run(tmp_path, stages)
         with pytest.raises(RunFailedError, match="unstable in the lift stage"):
-            HeapTest(MONOSIZE).measure(tmp_path)
+            Heap(MONOSIZE).measure(tmp_path)
 
     @pytest.mark.parametrize("energy", ["nan", "-nan", "inf"])
     def test_an_energy_that_is_no_number_is_an_explosion_too(self, tmp_path, energy):
         self.write_run(tmp_path, [f"STAGE heap restless 9000 1500 {energy}"])
         with pytest.raises(RunFailedError, match=r"unstable in the heap stage .*(nan|inf) J"):
-            HeapTest(MONOSIZE).measure(tmp_path)
+            Heap(MONOSIZE).measure(tmp_path)
 
     def test_particles_that_break_out_are_counted(self, tmp_path):
         self.write_run(tmp_path, ["STAGE fill broken 2000 1490 1e-05"])
         with pytest.raises(RunFailedError, match="10 of 1500 particles broke out"):
-            HeapTest(MONOSIZE).measure(tmp_path)
+            Heap(MONOSIZE).measure(tmp_path)
 
     def test_a_run_that_stops_half_way_is_said(self, tmp_path):
         self.write_run(tmp_path, ["STAGE fill at_rest 2000 1500 1e-05"])
         with pytest.raises(RunFailedError, match=r"ended early \(stages done: fill\)"):
-            HeapTest(MONOSIZE).measure(tmp_path)
+            Heap(MONOSIZE).measure(tmp_path)
 
     def write_dump(self, path, positions, radius=0.005):
         rows = [
@@ -266,7 +266,7 @@ class TestMeasure:
         self.write_dump(tmp_path / "settled.dump", bed)
         self.write_dump(tmp_path / "heap.dump", bed[bed[:, 2] < 0.006])
         with pytest.raises(NotMeasurableError):
-            HeapTest(MONOSIZE).measure(tmp_path)
+            Heap(MONOSIZE).measure(tmp_path)
         assert (tmp_path / "heap.png").read_bytes().startswith(b"\x89PNG")
         assert (tmp_path / "heap.vtk").read_bytes().startswith(b"# vtk DataFile")
 
@@ -275,23 +275,23 @@ class TestMeasure:
         self.write_dump(tmp_path / "settled.dump", bed)
         self.write_dump(tmp_path / "heap.dump", bed)
         with pytest.raises(RunFailedError, match=r"overlap grossly, by 15 %"):
-            HeapTest(MONOSIZE).measure(tmp_path)
+            Heap(MONOSIZE).measure(tmp_path)
 
     def test_a_folder_without_dumps_is_not_measurable(self, tmp_path):
         with pytest.raises(NotMeasurableError, match=r"settled\.dump"):
-            HeapTest(MONOSIZE).measure(tmp_path)
+            Heap(MONOSIZE).measure(tmp_path)
 
 
 class TestCost:
     def test_time_step_is_the_stated_share_of_the_rayleigh_time_step(self, glass_beads):
-        cost = estimate_cost(HeapTest(MONOSIZE), "lammps", glass_beads)
+        cost = Heap(MONOSIZE).estimate_cost("lammps", glass_beads)
         assert cost.time_step == pytest.approx(0.12 * 0.002054, rel=1e-3)
 
     def test_stiffer_particles_cost_more(self, glass_beads):
         stiff = {**glass_beads, "particle.youngs_modulus": 100 * 3.6e5}
-        test = HeapTest(MONOSIZE)
+        test = Heap(MONOSIZE)
         soft_cost, stiff_cost = (
-            estimate_cost(test, "lammps", material) for material in (glass_beads, stiff)
+            test.estimate_cost("lammps", material) for material in (glass_beads, stiff)
         )
         assert stiff_cost.steps == pytest.approx(10 * soft_cost.steps, rel=0.01)
         assert stiff_cost.wall_seconds == pytest.approx(10 * soft_cost.wall_seconds, rel=0.01)

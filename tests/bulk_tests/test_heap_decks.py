@@ -4,7 +4,7 @@ import hashlib
 
 import pytest
 
-from grainfit.bulk_tests.heap import HeapTest
+from grainfit.bulk_tests.heap import Heap
 from grainfit.materials.sizes import ParticleSizes
 from grainfit.testing.materials import GLASS_BEADS
 
@@ -42,5 +42,5 @@ DECKS = {
     ],
 )
 def test_decks_are_unchanged(solver, name, sizes, material, options, tmp_path):
-    deck = HeapTest(sizes, **options).write_deck(tmp_path, solver, material, seed=3)
+    deck = Heap(sizes, **options).write_deck(tmp_path, solver, material, seed=3)
     assert hashlib.sha256(deck.read_bytes()).hexdigest()[:16] == DECKS[f"{solver}, {name}"]

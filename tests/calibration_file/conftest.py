@@ -6,8 +6,8 @@ from pathlib import Path
 import pytest
 
 from grainfit.calibration_file.load import load_calibration_file
-from grainfit.calibration_file.places import FileFault
 from grainfit.errors import InputError
+from grainfit.options.places import FileFault
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 

@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 
 from grainfit.calibration_file.load import load_calibration_file
-from grainfit.calibration_file.places import FileFault
 from grainfit.errors import InputError
+from grainfit.options.places import FileFault
 
 FaultsOf = Callable[..., list[FileFault]]
 
@@ -201,7 +201,7 @@ DIAMETER = 'diameter = "10 mm"'
         (SOLVER, SOLVER + '\nplate_radius = "1 mm"', "test[0].plate_radius", "0.001", "wider"),
         # strategy
         (ANGLE, ANGLE + "\n[strategy]\nmax_run = 3", "strategy.max_run", "", '"max_runs"'),
-        (ANGLE, ANGLE + "\n[strategy]\nseed = -1", "strategy.seed", "-1", "from 0"),
+        (ANGLE, ANGLE + "\n[strategy]\nseed = -1", "strategy.seed", "-1", "at least 0"),
         (
             ANGLE,
             ANGLE + '\n[strategy]\nname = "staged"\nprefer = "accuracy"',

@@ -10,15 +10,17 @@ from pathlib import Path
 
 import pytest
 
-from grainfit.bulk_tests.heap import HeapTest
+from grainfit.bulk_tests.heap import Heap
+from grainfit.bulk_tests.registry import BUILT_IN
 from grainfit.calibration_file.content import CalibrationFile, StrategyOptions
 from grainfit.calibration_file.load import load_calibration_file
 from grainfit.calibration_file.starter import starter_file
-from grainfit.calibration_file.tests_section import HEAP_OPTIONS, HEAP_TARGETS
+from grainfit.calibration_file.tests_section import layout_of_test
 from grainfit.campaign.cluster.options import ClusterOptions
 from grainfit.contact_models.registry import MATERIAL_PARAMETERS
 from grainfit.materials.sizes import ParticleSizes
 from grainfit.problem import Parameter, Target
+from grainfit.solvers.registry import types_of_test
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 GLASS_BEADS = (EXAMPLES / "glass_beads" / "calibration.toml").read_text(encoding="utf-8")
@@ -240,18 +242,20 @@ def test_every_option_of_the_starter_file_is_good(tmp_path: Path, option: str) -
 
 
 def test_the_defaults_in_the_starter_file_are_those_of_the_heap_test() -> None:
-    setup = HeapTest(ParticleSizes((0.010,))).setup
+    setup = Heap(ParticleSizes((0.010,))).setup
     text = starter_file()
     for key in ("cylinder_radius", "strike_off_height", "plate_radius", "rim_height"):
         assert f'# {key} = "{getattr(setup, key) * 1000:g} mm"' in text
     assert f'# lift_speed = "{setup.lift_speed:g} m/s"' in text
 
 
-def test_the_file_knows_the_heap_test() -> None:
-    options = {f.name for f in dataclasses.fields(HeapTest) if f.init} - {"sizes"}
-    assert {key.name for key in HEAP_OPTIONS} == options
-    units = {key.name: key.kind.unit for key in HEAP_TARGETS.keys}
-    assert units == HeapTest.response_units
+def test_the_file_knows_every_bulk_test() -> None:
+    for name, test in BUILT_IN.items():
+        keys = {key.name: key for key in layout_of_test(types_of_test()[name]).keys}
+        options = {f.name for f in dataclasses.fields(test) if f.init} - {"sizes"}
+        assert options <= set(keys)
+        targets = {key.name: key.kind.unit for key in keys["targets"].kind.keys}
+        assert targets == {response: info.unit for response, info in test.responses.items()}
 
 
 def test_the_file_knows_every_material_parameter() -> None:

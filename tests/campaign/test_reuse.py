@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 import grainfit as gf
-from grainfit.bulk_tests.heap import HeapTest
+from grainfit.bulk_tests.heap import Heap
 from grainfit.calibration_file.build import build_calibration
 from grainfit.calibration_file.load import load_calibration_file
 from grainfit.campaign.reuse import most_telling, runs_of
@@ -45,7 +45,7 @@ def test_runs_of_the_heap_test_are_recognised_and_those_of_other_materials_are_n
     values = setup.problem.from_unit([0.3, 0.8])
     same = run(solver, values, 7)
     stiffer = Lammps(solver.test, solver.material | {"particle.youngs_modulus": 1e7})
-    bigger = Lammps(HeapTest(ParticleSizes((0.012,))), solver.material)
+    bigger = Lammps(Heap(ParticleSizes((0.012,))), solver.material)
     others = [run(other, values, 7) for other in (stiffer, bigger)]
     [found] = runs_of(setup.problem, {test: solver}, [*others, same])
     assert found.proposal == Proposal(values, 7, "design")

@@ -15,7 +15,7 @@ from typing import Any
 import pytest
 
 import grainfit
-from grainfit.bulk_tests.heap import HeapTest
+from grainfit.bulk_tests.heap import Heap
 from grainfit.campaign.reuse import models_of, runs_of
 from grainfit.campaign.store.records import RunRecord
 from grainfit.campaign.store.schema import SCHEMA_VERSION
@@ -114,7 +114,7 @@ def test_a_heap_has_the_identity_it_had(
     data = heap_record(name)
     # Another version of the program makes another run; which one is installed does not matter.
     monkeypatch.setattr(program, "version", lambda _self: data["definition"]["version"])
-    test = HeapTest(ParticleSizes((0.010,)), strike_off_height=0.06, bulk_density_top=0.05)
+    test = Heap(ParticleSizes((0.010,)), strike_off_height=0.06, bulk_density_top=0.05)
     fixed = {n: v for n, v in GLASS_BEADS.items() if n != "particle.density"}
     solver = program(test, fixed)  # type: ignore[call-arg]
 

@@ -9,7 +9,7 @@ import pytest
 from exported_beads import FIXED, NASTY, PROBLEM, SIZES, QuickHeap
 
 import grainfit
-from grainfit.bulk_tests.heap import HeapTest
+from grainfit.bulk_tests.heap import Heap
 from grainfit.calibration.provenance import Provenance
 from grainfit.cards import CardParameter, MaterialCard, material_card
 
@@ -20,7 +20,7 @@ def beads(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("beads.grainfit")
     result = grainfit.calibrate(
         PROBLEM,
-        QuickHeap(HeapTest(SIZES, time_step_fraction=0.1), FIXED),
+        QuickHeap(Heap(SIZES, time_step_fraction=0.1), FIXED),
         workdir=folder,
         name="glass beads",
         provenance=Provenance("beads.toml", "", FIXED),

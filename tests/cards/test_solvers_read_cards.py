@@ -13,7 +13,7 @@ import pytest
 from exported_beads import FIXED, SIZES
 
 import grainfit
-from grainfit.bulk_tests.heap import HeapTest
+from grainfit.bulk_tests.heap import Heap
 from grainfit.cards import MaterialCard, render
 from grainfit.contact_models.contact import Contact
 from grainfit.contact_models.epsd.model import rolling_spring_of
@@ -158,7 +158,7 @@ def deck(text: str, names: list[str]) -> str:
 
 
 def start(solver_type: type[DeckSolver], folder: Path) -> None:
-    solver = solver_type(HeapTest(SIZES), FIXED)
+    solver = solver_type(Heap(SIZES), FIXED)
     run_process(solver._command(Path("in.test")), Workspace(folder, 60.0))
 
 

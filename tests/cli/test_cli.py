@@ -218,7 +218,7 @@ def test_help_and_status_do_not_wait_for_libraries_that_they_do_not_need(tmp_pat
         "app(sys.argv[1:], standalone_mode=False)\n"
         "print(*sorted({name.partition('.')[0] for name in sys.modules}))"
     )
-    slow = {"jinja2", "numpy", "pint", "PIL", "plotly", "scipy"}
+    slow = {"jinja2", "numpy", "pandas", "pint", "PIL", "plotly", "scipy"}
     for arguments in (["--help"], ["new", "x.toml"], ["status", "work"]):
         done = subprocess.run(
             [sys.executable, "-c", program, *arguments],

@@ -29,7 +29,8 @@ from grainfit.solvers.own_model.command import Command
 from grainfit.solvers.own_model.python_callable import PythonCallable
 from grainfit.work_folder.prune import disk_use, prune_runs
 from grainfit.work_folder.run_import import FIRST_SEED, Imported, import_runs
-from grainfit.work_folder.run_table import RunTable
+from grainfit.work_folder.run_selection import select_runs
+from grainfit.work_folder.run_table import runs_table
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 
@@ -220,13 +221,13 @@ def test_the_list_shows_the_latest_runs_and_how_many_more_there_are(tmp_path: Pa
     ],
 )
 def test_conditions_select_runs_in_any_unit(conditions: list[str], numbers: list[int]) -> None:
-    table = RunTable([*(record(n) for n in range(1, 10)), failed(10)])
+    runs = runs_table([*(record(n) for n in range(1, 10)), failed(10)])
     where = [*conditions, "angle_of_repose > 0"]
-    assert [row.record for row in table.select(where=where)] == [record(n) for n in numbers]
+    assert list(select_runs(runs, where=where).index) == [record(n).identity for n in numbers]
 
 
 def test_all_faults_of_the_conditions_are_named_at_once() -> None:
-    table = RunTable([record(1), failed(2)])
+    runs = runs_table([record(1), failed(2)])
     where = [
         "__import__('os').abort()",
         "particle.densty > 3",
@@ -236,7 +237,7 @@ def test_all_faults_of_the_conditions_are_named_at_once() -> None:
         "reason = x",
     ]
     with pytest.raises(InputError) as caught:
-        table.select(status="bad", test="heap", where=where)
+        select_runs(runs, status="bad", test="heap", where=where)
     text = str(caught.value)
     assert len(caught.value.faults) == len(where) + 2
     assert "\"__import__('os').abort()\" is not a condition" in text
@@ -249,13 +250,14 @@ def test_all_faults_of_the_conditions_are_named_at_once() -> None:
 def test_a_unit_is_not_guessed_for_responses_of_own_models() -> None:
     own = record(1, definition=RunDefinition({"solver": "command"}, {"x": 1.0}, 1))
     with pytest.raises(InputError, match="compared as it is"):
-        RunTable([own]).select(where=["angle_of_repose > 1 rad"])
-    assert RunTable([own]).select(where=["angle_of_repose > 1"])
+        select_runs(runs_table([own]), where=["angle_of_repose > 1 rad"])
+    assert len(select_runs(runs_table([own]), where=["angle_of_repose > 1"]))
 
 
-def shown(table: RunTable, width: int) -> list[str]:
+def shown(records: list[RunRecord], width: int) -> list[str]:
     console = Console(file=io.StringIO(), width=width)
-    print_runs(console, table, table.rows, 30)
+    runs = runs_table(records)
+    print_runs(console, runs, runs, 30)
     return console.file.getvalue().splitlines()  # type: ignore[attr-defined]
 
 
@@ -267,7 +269,7 @@ def test_the_list_fits_into_a_terminal_without_cutting_a_number() -> None:
         definition = RunDefinition({"solver": "x"}, values, 899999990 + number)
         return record(number, definition=definition)
 
-    *lines, note, total = shown(RunTable([*(wide(n) for n in range(1, 4)), failed(4, "no")]), 80)
+    *lines, note, total = shown([*(wide(n) for n in range(1, 4)), failed(4, "no")], 80)
     assert max(map(len, lines)) <= 80
     assert "…" not in "".join(lines)
     assert "899999991" in "".join(lines)
@@ -349,11 +351,11 @@ def test_an_export_is_whole_or_not_there(tmp_path: Path, monkeypatch: pytest.Mon
 def test_a_parameter_and_a_response_of_the_same_name_keep_their_columns() -> None:
     definition = RunDefinition({}, {"x": 1.0, "status": 2.0}, 1)
     clash = record(1, definition=definition, responses={"x": Response(3.0)})
-    [row] = RunTable([clash]).rows
-    assert row.cells["x"] == 1.0
-    assert row.cells["parameter.status"] == 2.0
-    assert row.cells["status"] == "finished"
-    assert row.cells["response.x"] == 3.0
+    [row] = runs_table([clash]).to_dict("records")
+    assert row["x"] == 1.0
+    assert row["parameter.status"] == 2.0
+    assert row["status"] == "finished"
+    assert row["response.x"] == 3.0
 
 
 # --- import ---------------------------------------------------------------------------------------
@@ -382,6 +384,35 @@ def test_the_next_calibration_learns_from_imported_runs(sand: Path) -> None:
     again = grainfit("runs", "import", sand, "theirs.csv", "--workdir", "theirs")
     assert f"Imported 0 runs of the test python; {total} were there already." in again.stdout
     assert "A calibration that was started in this folder before goes on without" in again.stdout
+
+
+def test_an_exported_table_can_be_calibrated_on_and_imported_as_it_is(sand: Path) -> None:
+    model = MODEL.replace('["friction"] + noise}', '["friction"] + noise, 0.25 + abs(noise))}')
+    model = model.replace('"angle": 20', '"angle": (20')
+    sand.with_name("model.py").write_text(model)
+    grainfit("run", sand, "--no-report", "--workdir", "theirs")
+    grainfit("runs", "export", "theirs", "theirs.csv", "--status", "finished")
+    grainfit("runs", "import", sand, "theirs.csv", "--workdir", "imported")
+    made = {r.identity: r.responses for r in stored(Path("theirs"))}
+    assert {r.identity: r.responses for r in stored(Path("imported"))} == made
+    how = 'type = "python"\nfunction = "model.py:drum"'
+    table = 'type = "table"\nfile = "theirs.csv"\nnearest = true'
+    file = sand.with_name("table.toml")
+    file.write_text(FILE.replace(how, table).replace("blades = 4\n", ""))
+    grainfit("run", file, "--no-report", "--workdir", "looked_up")
+    looked_up = [r.responses["angle"] for r in stored(Path("looked_up"))]
+    known = [found["angle"] for found in made.values()]
+    assert len(looked_up) > 5
+    assert all(response in known for response in looked_up)
+    assert len({response.standard_error for response in looked_up}) > 5
+    text = Path("theirs.csv").read_text()
+    Path("old.csv").write_text(text.replace("angle.standard_error", "angle_std_error"))
+    file.write_text(file.read_text().replace("theirs.csv", "old.csv"))
+    remedy = r"column angle_std_error: is how version 0.1.0 named .* Name it angle.standard_error."
+    with pytest.raises(InputError, match=remedy):
+        grainfit("run", file, "--no-report", "--workdir", "old")
+    with pytest.raises(InputError, match=remedy):
+        grainfit("runs", "import", sand, "old.csv", "--workdir", "old")
 
 
 def test_importing_a_table_again_changes_only_what_was_corrected_in_it(sand: Path) -> None:

@@ -17,7 +17,7 @@ from pathlib import Path
 import pytest
 
 import grainfit as gf
-from grainfit.bulk_tests.heap import HeapTest
+from grainfit.bulk_tests.heap import Heap
 from grainfit.campaign.cluster import parsl_executor as parsl_jobs
 from grainfit.campaign.cluster.executor import cluster_executor
 from grainfit.campaign.cluster.options import ClusterOptions
@@ -37,7 +37,7 @@ pytestmark = pytest.mark.slow
 
 ONE_JOB = ClusterOptions(walltime=600.0)
 #: A third of the usual beads: a heap that takes a second or two.
-SMALL = HeapTest(
+SMALL = Heap(
     ParticleSizes((0.010,)),
     cylinder_radius=0.04,
     strike_off_height=0.08,

@@ -5,13 +5,13 @@ import shutil
 
 import pytest
 
-from grainfit.bulk_tests.heap import HeapTest
+from grainfit.bulk_tests.heap import Heap
 from grainfit.materials.sizes import ParticleSizes
 from grainfit.solvers.dem.lammps.program import Lammps
 from grainfit.solvers.dem.liggghts.program import Liggghts
 from grainfit.testing.single_contacts import LammpsContacts, LiggghtsContacts, YadeContacts
 
-_TEST = HeapTest(ParticleSizes((0.010,)))
+_TEST = Heap(ParticleSizes((0.010,)))
 
 
 def contacts(solver):

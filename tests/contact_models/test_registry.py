@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 
 import pytest
 
-from grainfit.bulk_tests.heap import HeapTest
+from grainfit.bulk_tests.heap import Heap
 from grainfit.contact_models import registry
 from grainfit.contact_models.base import ContactModel
 from grainfit.contact_models.contact import Contact
@@ -180,7 +180,7 @@ def test_values_at_their_default_are_added_and_left_out_again():
 
 @pytest.mark.usefixtures("cohesive")
 def test_a_new_contact_model_leaves_the_runs_of_other_materials_as_they_are():
-    test = HeapTest(ParticleSizes((0.010,)))
+    test = Heap(ParticleSizes((0.010,)))
     for solver in (Lammps(test, GLASS_BEADS), Liggghts(test, GLASS_BEADS)):
         assert solver.definition({}, 1).parameters == GLASS_BEADS
     sticky = Lammps(test, GLASS_BEADS).definition({"particle_wall.surface_energy": 0.1}, 1)
@@ -196,4 +196,4 @@ def test_a_solver_refuses_a_model_that_it_does_not_have():
     )
     assert contact_law_faults(STICKY_BEADS, "lammps") == []
     with pytest.raises(InputError, match="which liggghts does not have"):
-        Liggghts(HeapTest(ParticleSizes((0.010,))), STICKY_BEADS)
+        Liggghts(Heap(ParticleSizes((0.010,))), STICKY_BEADS)

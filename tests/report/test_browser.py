@@ -27,7 +27,7 @@ pytestmark = pytest.mark.skipif(chromium.EXECUTABLE is None, reason="Chromium is
 
 SECTIONS = (
     "answer",
-    "heap",
+    "particles",
     "convergence",
     "surfaces",
     "explorer",
@@ -129,7 +129,7 @@ CUT = """() => {
 
 #: Controls and explanations that the keyboard does not come to.
 UNREACHED = """() => [
-    ...document.querySelectorAll("a, abbr, button, input, select, summary, canvas.heap-3d"),
+    ...document.querySelectorAll("a, abbr, button, input, select, summary, canvas.particles-3d"),
 ]
     .filter((one) => one.checkVisibility() && one.tabIndex < 0)
     .filter((one) => !one.closest(".modebar, button > *, label > *, summary > *"))

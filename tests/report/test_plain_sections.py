@@ -18,7 +18,7 @@ from PIL import Image
 
 import grainfit
 from grainfit.analysis import Analysis
-from grainfit.bulk_tests.heap import HeapTest
+from grainfit.bulk_tests.heap import Heap
 from grainfit.campaign.store.records import RunRecord
 from grainfit.contact_models.registry import MATERIAL_PARAMETERS
 from grainfit.evaluation import Evaluation, Proposal, Response, Stage
@@ -28,8 +28,8 @@ from grainfit.measurement.drawing import simplified
 from grainfit.report.section import ReportContext, Section
 from grainfit.report.sections.answer.section import answer, verdict
 from grainfit.report.sections.convergence.section import convergence
-from grainfit.report.sections.heap.heaps import heap_runs, read_heap
-from grainfit.report.sections.heap.section import heap
+from grainfit.report.sections.particles.section import particles
+from grainfit.report.sections.particles.shown_runs import read_view, shown_runs
 from grainfit.report.sections.reproduce.section import reproduce
 from grainfit.report.sections.runs.section import runs
 from grainfit.report.sections.verification.section import verification
@@ -321,7 +321,7 @@ def write_dump(path: Path, centres: np.ndarray[Any, Any]) -> None:
 def heaps(tmp_path: Path) -> ReportContext:
     """A calibration whose runs left heaps of 15 to 30 degrees behind."""
     known = context(folder=tmp_path)
-    test = HeapTest(ParticleSizes((0.010,))).definition()
+    test = Heap(ParticleSizes((0.010,))).definition()
     records = {
         identity: replace(record, definition=RunDefinition({"test": test}, {}, 1))
         for identity, record in known.reading.records.items()
@@ -336,7 +336,7 @@ def heaps(tmp_path: Path) -> ReportContext:
 
 
 def test_the_heap_is_that_of_a_typical_verification_run(heaps: ReportContext) -> None:
-    section = heap(heaps)
+    section = particles(heaps)
     shown = text(section)
     # Their mean is 21.925 degrees.
     assert "nearest to their mean: run 5." in shown
@@ -346,22 +346,26 @@ def test_the_heap_is_that_of_a_typical_verification_run(heaps: ReportContext) ->
     strip = re.findall(r"<figcaption><strong>([\d.]+)°", str(section.html))
     assert strip == ["15", "21.8", "30"]
     assert len(section.html) < 60_000
-    assert section.data["heap-1"]["plate"] > 0
+    assert section.data["particles-1"]["rings"][0][0] > 0
 
 
 def test_the_drawn_outline_is_that_of_the_heap(heaps: ReportContext) -> None:
-    runs_of_test = heap_runs(heaps.reading.evaluations, heaps.reading.records, heaps.reading.folder)
-    found = read_heap(runs_of_test["heap"][1])
+    runs_of_test = shown_runs(
+        heaps.reading.evaluations, heaps.reading.records, heaps.reading.folder
+    )
+    found = read_view(runs_of_test["heap"][1])
     assert found is not None
     path = found.drawing().path
     heights = [-float(y) for y in re.findall(r",(-?\d+)", path)]
     # A particle's diameter is 20 pixels.
     top = (found.particles.positions[:, 2] + found.particles.radii).max()
     assert max(heights) == pytest.approx(top / 0.010 * 20, abs=2)
-    measured = found.measured()
-    assert measured is not None
-    assert measured.value == pytest.approx(30, abs=2.5)
-    assert len(found.fitted_drawing(measured, 22.0).wanted) == 2
+    measured = found.measured_drawing(22.0)
+    assert re.fullmatch(r"mean of \d+ fitted flanks from all sides", measured.words)
+    for flank in measured.drawing.fitted:
+        rise, run = flank.y2 - flank.y1, flank.x2 - flank.x1
+        assert abs(np.degrees(np.arctan(rise / run))) == pytest.approx(30, abs=2.5)
+    assert len(measured.drawing.wanted) == 2
 
 
 def test_simplified_outlines_stay_near_the_whole_ones() -> None:
@@ -377,29 +381,31 @@ def test_the_picture_takes_the_place_of_particles_that_are_gone(heaps: ReportCon
         dump.unlink()
     pictured = heaps.reading.folder / "runs" / RUNS[4].runs["heap"] / "heap.png"
     Image.new("RGB", (4, 4)).save(pictured)
-    section = heap(heaps)
+    section = particles(heaps)
     assert 'src="data:image/png;base64,' in section.html
     assert "Its particles were not kept" in text(section)
     pictured.write_text("<svg onload=alert(1)>")
-    assert "No heap to show" in text(heap(heaps))
+    assert "No heap to show" in text(particles(heaps))
 
 
 @pytest.mark.parametrize("damage", ["ITEM: TIMESTEP\n", "\x00", "ITEM: ATOMS id x\n1 nan\n"])
 def test_damaged_folders_and_records_are_passed_over(heaps: ReportContext, damage: str) -> None:
     for dump in list(heaps.reading.folder.rglob("heap.dump"))[1:]:
         dump.write_text(damage)
-    text(heap(heaps))
+    text(particles(heaps))
     broken = {
         identity: replace(
             record, definition=RunDefinition({"test": {"type": "heap", "setup": 3}}, {}, 1)
         )
         for identity, record in heaps.reading.records.items()
     }
-    assert "No heap to show" in text(heap(context(folder=heaps.reading.folder, records=broken)))
+    assert "No heap to show" in text(
+        particles(context(folder=heaps.reading.folder, records=broken))
+    )
 
 
 def test_without_a_heap_test_the_section_says_so() -> None:
-    assert "this calibration has no run of the heap test" in text(heap(context()))
+    assert "this calibration has no run of the heap test" in text(particles(context()))
 
 
 # --- Convergence and verification -----------------------------------------------------------------

@@ -9,7 +9,7 @@ import shutil
 
 import pytest
 
-from grainfit.bulk_tests.heap import HeapTest
+from grainfit.bulk_tests.heap import Heap
 from grainfit.contact_models.hertz_mindlin.model import hertz_overlap, particle_moduli
 from grainfit.materials.sizes import ParticleSizes
 from grainfit.measurement.particles import read_dump
@@ -50,7 +50,7 @@ each_solver = pytest.mark.parametrize(
 
 def simulate(solver_type, folder, particles, seconds, rolling_damping=0.25, **options):
     """Let particles (position, velocity, angular velocity) move; return their final motion."""
-    test = HeapTest(ParticleSizes((2 * RADIUS,)), time_step_fraction=0.01, **options)
+    test = Heap(ParticleSizes((2 * RADIUS,)), time_step_fraction=0.01, **options)
     material = {**MATERIAL, "particle_wall.rolling_damping": rolling_damping}
     solver = solver_type(test, material)
     deck = test.write_deck(folder, solver.name, material, seed=1)

@@ -6,7 +6,7 @@ import shutil
 
 import pytest
 
-from grainfit.bulk_tests.heap import HeapTest
+from grainfit.bulk_tests.heap import Heap
 from grainfit.materials.sizes import ParticleSizes
 from grainfit.solvers.dem.lammps.program import Lammps
 from grainfit.solvers.dem.liggghts.program import Liggghts
@@ -16,7 +16,7 @@ from grainfit.testing.solver_contract import ProcessSolverContract
 FREE = ("particle.density", "particle_particle.rolling_friction")
 FIXED = {name: value for name, value in GLASS_BEADS.items() if name not in FREE}
 BEADS = ParticleSizes((0.010,))
-SMALL = HeapTest(
+SMALL = Heap(
     BEADS,
     cylinder_radius=0.03,
     strike_off_height=0.08,
@@ -38,7 +38,7 @@ class HeapContract(ProcessSolverContract):
 
     @pytest.fixture
     def endless(self):
-        return self.program(HeapTest(BEADS, particle_count=6000, cylinder_radius=0.1), FIXED)
+        return self.program(Heap(BEADS, particle_count=6000, cylinder_radius=0.1), FIXED)
 
 
 @pytest.mark.slow

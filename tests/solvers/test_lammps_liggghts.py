@@ -10,7 +10,7 @@ import time
 
 import pytest
 
-from grainfit.bulk_tests.heap import HeapTest
+from grainfit.bulk_tests.heap import Heap
 from grainfit.contact_models.registry import MATERIAL_PARAMETERS
 from grainfit.errors import InputError, RunFailedError, SolverNotFoundError
 from grainfit.materials.sizes import ParticleSizes
@@ -21,7 +21,7 @@ from grainfit.solvers.dem.liggghts.program import Liggghts
 from grainfit.testing.materials import GLASS_BEADS
 
 MONOSIZE = ParticleSizes((0.010,))
-STUDY = HeapTest(MONOSIZE)
+STUDY = Heap(MONOSIZE)
 #: A third of the study's particles.
 SMALL_GEOMETRY = {
     "cylinder_radius": 0.04,
@@ -29,7 +29,7 @@ SMALL_GEOMETRY = {
     "bulk_density_top": 0.07,
     "plate_radius": 0.12,
 }
-SMALL = HeapTest(MONOSIZE, **SMALL_GEOMETRY)
+SMALL = Heap(MONOSIZE, **SMALL_GEOMETRY)
 needs_liggghts = pytest.mark.skipif(
     shutil.which("liggghts") is None, reason="LIGGGHTS is not installed"
 )
@@ -187,7 +187,7 @@ class TestRealHeaps:
     @each_solver
     def test_bidisperse_particles_pack_denser(self, solver_type, tmp_path):
         sizes = ParticleSizes((0.012, 0.007), (0.6, 0.4))
-        result = run(solver_type, tmp_path, HeapTest(sizes, **SMALL_GEOMETRY))
+        result = run(solver_type, tmp_path, Heap(sizes, **SMALL_GEOMETRY))
         # One size gives 1311 kg/m^3 in this cylinder, with a standard deviation of 8 (six runs).
         assert 1335 < result["bulk_density"] < 1500
         assert 10 < result["angle_of_repose"] < 30
@@ -201,9 +201,7 @@ class TestRealHeaps:
 
     @each_solver
     def test_a_heap_without_friction_rolls_away(self, solver_type, tmp_path):
-        test = HeapTest(
-            MONOSIZE, **SMALL_GEOMETRY, plate_sliding_friction=0, plate_rolling_friction=0
-        )
+        test = Heap(MONOSIZE, **SMALL_GEOMETRY, plate_sliding_friction=0, plate_rolling_friction=0)
         nothing = {name: 0.0 for name in GLASS_BEADS if name.endswith("_friction")}
         with pytest.raises(RunFailedError, match="angle of repose") as caught:
             run(solver_type, tmp_path, test, **nothing)
@@ -212,7 +210,7 @@ class TestRealHeaps:
 
     @each_solver
     def test_a_bed_that_is_not_at_rest_in_time_is_said(self, solver_type, tmp_path):
-        test = HeapTest(MONOSIZE, **SMALL_GEOMETRY, settling_time_limit=0.01)
+        test = Heap(MONOSIZE, **SMALL_GEOMETRY, settling_time_limit=0.01)
         lively = {"particle_particle.restitution": 0.95, "particle_wall.restitution": 0.95}
         with pytest.raises(RunFailedError, match="come to rest in the fill stage") as caught:
             run(solver_type, tmp_path, test, **lively)
@@ -222,13 +220,13 @@ class TestRealHeaps:
     @needs_liggghts
     def test_a_bed_that_its_rolling_dashpots_keep_awake_is_said(self, tmp_path):
         # Twice the safe time step at a high rolling friction: never at rest, and no solver error.
-        test = HeapTest(MONOSIZE, **SMALL_GEOMETRY, time_step_fraction=0.25)
+        test = Heap(MONOSIZE, **SMALL_GEOMETRY, time_step_fraction=0.25)
         with pytest.raises(RunFailedError, match="come to rest in the fill stage within 2"):
             run(Liggghts, tmp_path, test, **{"particle_particle.rolling_friction": 1.1})
 
     @each_solver
     def test_a_time_step_too_large_is_said_not_measured(self, solver_type, tmp_path):
-        test = HeapTest(MONOSIZE, **SMALL_GEOMETRY, time_step_fraction=1.0)
+        test = Heap(MONOSIZE, **SMALL_GEOMETRY, time_step_fraction=1.0)
         with pytest.raises(RunFailedError, match="time_step_fraction") as caught:
             run(solver_type, tmp_path, test)
         assert caught.value.kind == "simulation"

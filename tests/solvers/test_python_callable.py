@@ -111,6 +111,8 @@ def test_forms_of_a_response(tmp_path, found, expected):
         ({"a": "1.0"}, "response a .* '1.0'"),
         ({"a": None}, "response a .* None"),
         ({"a": True}, "response a .* True"),
+        ({"a": 10**400}, "response a .* 1000"),
+        ({"a": (1.0, 10**400)}, "standard error of response a .* 1000"),
         ({"a": 1j}, "response a .* 1j"),
         ({"a": (1.0, -0.1)}, "standard error of response a .* -0.1"),
         ({"a": (1.0, float("nan"))}, "standard error of response a .* nan"),

@@ -11,7 +11,7 @@ from grainfit.solvers.base import Workspace
 from grainfit.solvers.own_model.recorded_table import RecordedTable
 from grainfit.testing.solver_contract import SolverContract
 
-HEADER = "comment,density,friction,seed,angle,angle_std_error"
+HEADER = "comment,density,friction,seed,angle,angle.standard_error"
 
 
 def write(folder, *lines, header=HEADER, encoding="utf-8"):
@@ -191,7 +191,7 @@ def test_cells_that_are_no_numbers_are_named_by_line_and_column(tmp_path):
         "line 3, column density: is '1,000', not a number. Use a decimal point.",
         "line 3, column angle: is nan. Leave failed runs out.",
         "line 5, column friction: is '', not a number. Use a decimal point.",
-        "line 5, column angle_std_error: is -0.5; a standard error is not negative.",
+        "line 5, column angle.standard_error: is -0.5; a standard error is not negative.",
     ]
 
 
@@ -202,6 +202,25 @@ def test_lines_of_other_lengths(tmp_path):
 
     assert "line 3: has 3 cells, and the header 6" in lines[0]
     assert "line 4: has 7 cells" in lines[1]
+
+
+def test_standard_error_under_its_former_name(tmp_path):
+    header = HEADER.replace(".standard_error", "_std_error")
+    path = write(tmp_path, "a,1000,0.1,1,20,0.5", header=header)
+
+    assert [line.partition(".csv: ")[2] for line in faults_of(path)] == [
+        "column angle_std_error: is how version 0.1.0 named the standard error of angle. "
+        "Name it angle.standard_error."
+    ]
+
+
+def test_runs_of_a_table_of_version_0_1_0_are_the_same_runs():
+    rows = [{"x": 1.0, "angle": 2.0, "angle.standard_error": 0.5, "seed": 1}]
+    found = RecordedTable(rows, ["x"], ["angle"]).definition({"x": 1.0}, 1)
+
+    # Of the same rows with angle_std_error, by version 0.1.0.
+    hash_then = "e8d8f46dd7f820dc0c92b7850338682aa43ab56bed81b417af59ebd608561813"
+    assert found.model["table"] == hash_then
 
 
 def test_run_recorded_twice(tmp_path):

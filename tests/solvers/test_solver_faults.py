@@ -17,7 +17,7 @@ from pathlib import Path
 
 import pytest
 
-from grainfit.bulk_tests.heap import HeapTest
+from grainfit.bulk_tests.heap import Heap
 from grainfit.errors import RunFailedError
 from grainfit.materials.sizes import ParticleSizes
 from grainfit.solvers.base import Workspace
@@ -71,7 +71,7 @@ def failure(solver, folder: Path, timeout: float = 60.0) -> RunFailedError:
 
 def heap(solver_type, **options):
     changes = options.pop("material", {})
-    test = HeapTest(ParticleSizes((0.010,)), **SMALL_HEAP, **options)
+    test = Heap(ParticleSizes((0.010,)), **SMALL_HEAP, **options)
     return solver_type(test, {**GLASS_BEADS, **changes})
 
 

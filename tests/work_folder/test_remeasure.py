@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from grainfit.bulk_tests.heap import HeapTest
+from grainfit.bulk_tests.heap import Heap
 from grainfit.campaign.store.store import RunRecord
 from grainfit.errors import InputError, NotMeasurableError
 from grainfit.materials.sizes import ParticleSizes
@@ -28,7 +28,7 @@ ITEM: ATOMS id type x y z radius mass
 
 
 def definition() -> dict[str, Any]:
-    return json.loads(json.dumps(HeapTest(ParticleSizes((0.010,))).definition()))  # type: ignore[no-any-return]
+    return json.loads(json.dumps(Heap(ParticleSizes((0.010,))).definition()))  # type: ignore[no-any-return]
 
 
 def write_record(folder: Path, test: Any) -> None:

@@ -48,6 +48,38 @@ def test_a_work_folder_tells_all_of_its_calibration(tmp_path: Path) -> None:
     assert reading.workers == 2
 
 
+def test_the_runs_of_a_calibration_are_a_data_frame(tmp_path: Path) -> None:
+    def with_error(parameters: dict[str, float], seed: int) -> dict[str, tuple[float, float]]:
+        if parameters["particle.density"] > 2700:
+            raise ValueError("too dense")
+        return {"angle": (simulate(parameters, seed)["angle"], 0.05)}
+
+    grainfit.calibrate(PROBLEM, with_error, workdir=tmp_path)
+    saved = SavedCalibration.open(tmp_path)
+    runs = saved.runs()
+    assert runs.index.name == "identity"
+    assert set(runs.index) == saved.records.keys()
+    assert runs.attrs["units"] == {
+        "seconds": "s",
+        "particle.density": "kg/m^3",
+        "angle": "deg",
+        "angle.standard_error": "deg",
+    }
+    finished, failed = (runs[runs["status"] == status] for status in ("finished", "failed"))
+    assert len(finished) + len(failed) == len(runs)
+    assert (finished["angle.standard_error"] == 0.05).all()
+    assert failed["angle"].isna().all()
+    assert set(failed["kind"]) == {"evaluation"}
+    assert all("too dense" in reason for reason in failed["reason"])
+    for evaluation in saved.evaluations:
+        [identity] = evaluation.runs.values()
+        row = runs.loc[identity]
+        assert row["seed"] == evaluation.proposal.seed
+        assert row["particle.density"] == evaluation.proposal.parameters["particle.density"]
+        if "angle" in evaluation.responses:
+            assert row["angle"] == evaluation.responses["angle"].value
+
+
 def test_intervals_hold_what_was_asked_for_beyond_a_bound_that_was_moved(tmp_path: Path) -> None:
     narrow = grainfit.Problem([grainfit.Parameter("particle.density", 2000, 2300)], PROBLEM.targets)
     grainfit.calibrate(narrow, simulate, workdir=tmp_path, extend_intervals=True)

@@ -1,30 +1,155 @@
-"""What a bulk test is: decks in, responses out.
+"""Bulk tests: options in, decks out, responses measured on what a run left.
 
-A bulk test knows its geometry, how to write a solver's input into a run folder, and how to measure
-what the solver left there. It knows nothing of campaigns, and it never starts a solver itself.
+A bulk test declares its options and responses, writes a solver's input into a run folder, measures
+what the solver left there, estimates the cost of a run, and shows a run in a report. It knows
+nothing of campaigns, and it never starts a solver itself. Everything else follows from these
+declarations: the keys of ``[[test]]`` in the calibration file, JSON Schema, checks, tables in the
+documentation, units of tables of runs, and labels of plots.
 """
 
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
+from dataclasses import InitVar, dataclass
+from functools import cache
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Self
 
+from grainfit.bulk_tests.run_cost import RunCost
+from grainfit.bulk_tests.view import RunView, Shown
+from grainfit.contact_models.registry import MATERIAL_PARAMETERS
+from grainfit.errors import Fault, InputError
 from grainfit.evaluation import Response
+from grainfit.materials.diameters import Diameters
+from grainfit.materials.sizes import ParticleSizes
+from grainfit.options.fields import Amount, option_keys, read_options
+from grainfit.options.tables import Key
+
+#: Gravity on Earth, m/s^2, and the share of the Rayleigh time step at which beds come to rest.
+GRAVITY = 9.81
+TIME_STEP_FRACTION = 0.12
+#: A run that takes this much longer than estimated hangs, however slow and busy the machine is.
+_PATIENCE = 100.0
+_PATIENCE_SECONDS = 600.0
+_DIAMETER = Key("diameter", Diameters(), "Particle diameter.", example='"10 mm"')
 
 
+@dataclass(frozen=True)
+class ResponseInfo:
+    """What a bulk test yields.
+
+    Parameters
+    ----------
+    unit : str
+        SI unit, degrees for angles.
+    symbol : str
+        As in ``"ρ_b"``, what follows the first ``_`` being the index.
+    description : str
+        Name, colon, explanation.
+    example : str
+        A target, as TOML.
+    """
+
+    unit: str
+    symbol: str
+    description: str
+    example: str
+
+    @property
+    def words(self) -> str:
+        """The description as the beginning of a sentence."""
+        return self.description[:1].upper() + self.description[1:]
+
+
+@dataclass(frozen=True)
+class Conditions:
+    """Conditions under which a test uses a material: a material card states them."""
+
+    sizes: ParticleSizes
+    gravity: float
+    time_step_fraction: float
+
+
+@dataclass(frozen=True)
 class BulkTest(ABC):
-    """A laboratory test of a bulk solid, ready to be simulated."""
+    """A laboratory test of a bulk solid, ready to be simulated.
+
+    A subclass is a frozen dataclass whose fields are its options, each declared by
+    `grainfit.options.fields.option`. Quantities are given as numbers in SI units or with a unit.
+
+    Parameters
+    ----------
+    sizes : ParticleSizes, optional
+        Particle size distribution.
+    diameter : float, str or list, optional
+        Instead of sizes: ``"10 mm"``, or a list of ``{"value": ..., "mass_fraction": ...}``.
+
+    Raises
+    ------
+    InputError
+        The test is impossible; names every option at fault.
+    """
 
     #: Name in the calibration file, ``type = "..."``.
     type: ClassVar[str]
-    #: Names and units of the responses that it yields.
-    response_units: ClassVar[Mapping[str, str]]
+    #: A few words beside the name, such as ``"lifted cylinder"``.
+    title: ClassVar[str]
+    #: Responses by name.
+    responses: ClassVar[Mapping[str, ResponseInfo]]
+    #: DEM programs that it writes decks for.
+    solvers: ClassVar[tuple[str, ...]]
+    #: Material parameters that its runs depend on, by dotted name.
+    material_parameters: ClassVar[tuple[str, ...]] = tuple(MATERIAL_PARAMETERS)
+    #: What a report shows of its runs; None when that is nothing.
+    shown: ClassVar[Shown | None] = None
+    #: Raised whenever the procedure, its decks or its evaluation change the outcome of a run.
+    revision: ClassVar[int] = 1
 
-    @abstractmethod
+    sizes: ParticleSizes = None  # type: ignore[assignment]  # given as diameter instead
+    diameter: InitVar[Amount | list[dict[str, Amount]] | None] = None
+
+    def __post_init__(self, diameter: Amount | list[dict[str, Amount]] | None) -> None:
+        object.__setattr__(self, "sizes", _sizes(self.sizes, diameter))
+        given = {key.name: getattr(self, key.name) for key in self.option_keys()}
+        for name, value in read_options(self.option_keys(), given).items():
+            object.__setattr__(self, name, value)
+        self.prepare()
+
+    def prepare(self) -> None:
+        """Work out what follows from the options; raise `InputError` when they are impossible."""
+
+    @classmethod
+    def option_keys(cls) -> tuple[Key, ...]:
+        """Return the options, with kind, default in words, help and example."""
+        return _option_keys(cls)
+
     def definition(self) -> dict[str, Any]:
-        """Return all of the test that decides a run's outcome (geometry, procedure), as JSON."""
+        """Return all of the test that decides a run's outcome, as JSON."""
+        return {
+            "type": self.type,
+            "revision": self.revision,
+            "diameters": list(self.sizes.diameters),
+            "mass_fractions": list(self.sizes.mass_fractions),
+            **{key.name: getattr(self, key.name) for key in self.option_keys()},
+        }
+
+    @classmethod
+    def from_definition(cls, definition: Mapping[str, Any]) -> Self:
+        """Make the test again from the definition in the record of a run.
+
+        Raises
+        ------
+        KeyError, TypeError, ValueError, AttributeError
+            The definition is not one, or not whole.
+        """
+        sizes = ParticleSizes(tuple(definition["diameters"]), tuple(definition["mass_fractions"]))
+        return cls(sizes, **{key.name: definition[key.name] for key in cls.option_keys()})
+
+    @property
+    @abstractmethod
+    def conditions(self) -> Conditions:
+        """Conditions under which the test uses the material."""
 
     @abstractmethod
     def write_deck(
@@ -37,7 +162,7 @@ class BulkTest(ABC):
         folder : Path
             The run's own folder.
         solver : str
-            ``"lammps"`` or ``"liggghts"``.
+            One of `solvers`.
         material : mapping of str to float
             Material parameters by dotted name; those with a default may be missing.
         seed : int
@@ -50,6 +175,62 @@ class BulkTest(ABC):
 
         Raises
         ------
+        RunFailedError
+            The simulation did not go as the test must.
         NotMeasurableError
             A response has no value there, with the reason.
         """
+
+    @abstractmethod
+    def estimate_cost(self, solver: str, material: Mapping[str, float], ranks: int = 1) -> RunCost:
+        """Estimate the cost of one run.
+
+        Parameters
+        ----------
+        solver : str
+            One of `solvers`.
+        material : mapping of str to float
+            At least density, Young's modulus and Poisson's ratio of the particles.
+        ranks : int
+            MPI ranks of the run.
+        """
+
+    def default_timeout(self, cost: RunCost) -> float:
+        """Return the wall time after which a run of this cost hangs, s."""
+        return _PATIENCE_SECONDS + _PATIENCE * cost.wall_seconds
+
+    def view(self, folder: Path) -> RunView:
+        """Read the end of a run, to be drawn; for tests that have `shown`.
+
+        Raises
+        ------
+        NotMeasurableError, OSError
+            It is not there, or damaged.
+        """
+        raise NotImplementedError(f"{self.type} shows nothing in {folder}")
+
+
+@cache
+def _option_keys(test: type[BulkTest]) -> tuple[Key, ...]:
+    return option_keys(test)
+
+
+def _sizes(sizes: ParticleSizes | None, diameter: Any) -> ParticleSizes:
+    if (sizes is None) == (diameter is None):
+        raise InputError(
+            Fault(
+                "diameter",
+                "is missing." if sizes is None else "is given beside sizes.",
+                'Give diameter="10 mm", or a ParticleSizes.',
+            )
+        )
+    if sizes is None:
+        read: ParticleSizes = read_options([_DIAMETER], {"diameter": diameter})["diameter"]
+        return _as_sizes(read)
+    return _as_sizes(sizes)
+
+
+def _as_sizes(sizes: Any) -> ParticleSizes:
+    if isinstance(sizes, ParticleSizes):
+        return sizes
+    raise InputError(Fault("sizes", f"is {sizes!r}.", 'Give diameter="10 mm", or a ParticleSizes.'))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor
 from contextlib import ExitStack, contextmanager
@@ -14,6 +15,7 @@ from threadpoolctl import threadpool_limits
 from grainfit.calibration.loop import CalibrationLoop, LoopOptions
 from grainfit.calibration.progress import Progress
 from grainfit.calibration.provenance import Provenance
+from grainfit.calibration.timeouts import default_timeouts
 from grainfit.calibration.verification import usual_verification_runs
 from grainfit.campaign.campaign import Campaign, CampaignOptions
 from grainfit.campaign.reuse import open_source, take_runs
@@ -93,7 +95,8 @@ def calibrate(
         Move a bound that keeps a target out of reach, within physical limits, and go on.
         Sequential strategy only.
     timeouts : mapping of str to float, optional
-        Longest wall time of one run by name of the test, s.
+        Longest wall time of one run by name of the test, s; ``math.inf`` for none. By default
+        that of the solver: for a bulk test 10 minutes plus 100 times the estimated time of a run.
     executor : concurrent.futures.Executor, optional
         What makes the runs, ``workers`` at a time: processes, or the nodes of a cluster. They must
         see the work folder by the same path. It is not shut down. Threads that wait for solver
@@ -172,7 +175,9 @@ def calibrate(
             take_runs(shared.store, problem, solvers, runs)
         if retry_failed:
             _forget_failed(runs, shared)
-        making = CampaignOptions(workers, timeouts or {}, executor, keep)
+        limits = default_timeouts(problem, solvers) | dict(timeouts or {})
+        limits = {test: seconds for test, seconds in limits.items() if seconds < math.inf}
+        making = CampaignOptions(workers, limits, executor, keep)
         campaign = Campaign(solvers, runs, folder, making, shared)
         stack.callback(campaign.close)
         result = CalibrationLoop(problem, chosen, campaign, runs, options).run()

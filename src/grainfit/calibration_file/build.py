@@ -3,38 +3,28 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import Any
 
-from grainfit.bulk_tests.heap import HeapTest
-from grainfit.bulk_tests.heap.bulk_test import estimate_cost
 from grainfit.calibration.provenance import Provenance
+from grainfit.calibration.timeouts import default_timeouts
 from grainfit.calibration_file.content import CalibrationFile, StrategyOptions, TestSpecification
-from grainfit.calibration_file.kinds import Quantity, suggest
-from grainfit.calibration_file.places import Findings, Place
 from grainfit.campaign.cluster.executor import is_available
 from grainfit.campaign.cluster.options import ClusterOptions
 from grainfit.contact_models.registry import MATERIAL_PARAMETERS
 from grainfit.errors import Fault, InputError
 from grainfit.evaluation import response_name
 from grainfit.materials.time_step import RayleighTimeStep
+from grainfit.options.kinds import Quantity, suggest
+from grainfit.options.places import Findings, Place
 from grainfit.problem import Problem
 from grainfit.solvers.base import Solver
-from grainfit.solvers.dem.lammps.program import Lammps
-from grainfit.solvers.dem.liggghts.program import Liggghts
-from grainfit.solvers.dem.program import DeckSolver
-from grainfit.solvers.own_model.command import Command
-from grainfit.solvers.own_model.python_callable import PythonCallable
-from grainfit.solvers.own_model.recorded_table import RecordedTable
-from grainfit.solvers.parameters_for import ParametersFor
+from grainfit.solvers.registry import types_of_test
+from grainfit.solvers.type_of_test import FileEntry
 from grainfit.units import is_unit
 
-_DECK_SOLVERS = {"lammps": Lammps, "liggghts": Liggghts}
-#: A run that takes this much longer than estimated hangs, however slow and busy the machine is.
-_PATIENCE = 100.0
-_PATIENCE_SECONDS = 600.0
 _RAYLEIGH = ("particle.density", "particle.youngs_modulus", "particle.poissons_ratio")
 
 
@@ -74,11 +64,11 @@ class CalibrationSetup:
     def timeouts(self) -> dict[str, float]:
         """Longest wall time of a run by name of the test, s, where there is one.
 
-        A heap test has one even when the file gives none: a solver that hangs must not stop the
+        A bulk test has one even when the file gives none: a solver that hangs must not stop the
         calibration for ever.
         """
         given = {t.name: t.options["timeout"] for t in self.file.tests if "timeout" in t.options}
-        return _default_timeouts(self) | given
+        return default_timeouts(self.problem, self.solvers) | given
 
     @property
     def cluster(self) -> ClusterOptions | None:
@@ -203,7 +193,7 @@ def build_calibration(file: CalibrationFile) -> CalibrationSetup:
     faults: list[Fault] = []
     for index, test in enumerate(file.tests):
         try:
-            solvers[test.name] = _SOLVERS[test.type](file, test)
+            solvers[test.name] = types_of_test()[test.type].make_solver(_entry(file, test))
         except InputError as error:
             faults += _faults_of_test(index, error)
     if faults:
@@ -233,60 +223,14 @@ def _rayleigh(file: CalibrationFile) -> RayleighTimeStep | None:
     return RayleighTimeStep(file.sizes.smallest_radius, fixed)
 
 
-def _default_timeouts(setup: CalibrationSetup) -> dict[str, float]:
-    middle = setup.problem.from_unit([0.5] * setup.problem.dimension)
-    material = {name: v for name, v in middle.items() if name in MATERIAL_PARAMETERS}
-    timeouts = {}
-    for name, solver in setup.solvers.items():
-        deck = solver.solver if isinstance(solver, ParametersFor) else solver
-        if isinstance(deck, DeckSolver) and isinstance(deck.test, HeapTest):
-            cost = estimate_cost(deck.test, deck.name, deck.run_parameters(material), deck.ranks)
-            timeouts[name] = _PATIENCE_SECONDS + _PATIENCE * cost.wall_seconds
-    return timeouts
-
-
-def _heap(file: CalibrationFile, test: TestSpecification) -> Solver:
-    options = dict(test.options)
-    options.pop("timeout", None)
-    make = _DECK_SOLVERS[options.pop("solver")]
-    ranks, executable = options.pop("ranks", 1), options.pop("executable", None)
-    assert file.sizes is not None, "a file with a heap test has been checked to have sizes"
-    material = {n: v for n, v in file.fixed.items() if n in MATERIAL_PARAMETERS}
-    solver = make(HeapTest(file.sizes, **options), material, ranks, executable)
-    if all(parameter.name in MATERIAL_PARAMETERS for parameter in file.parameters):
-        return solver
-    return ParametersFor(solver, takes=MATERIAL_PARAMETERS.__contains__)
-
-
-def _command(file: CalibrationFile, test: TestSpecification) -> Solver:
-    options = {key: value for key, value in test.options.items() if key != "timeout"}
-    return Command(**options, parameters=file.fixed, response_names=_responses(test))
-
-
-def _python(file: CalibrationFile, test: TestSpecification) -> Solver:
-    function = test.options["function"]
-    return ParametersFor(PythonCallable.from_file(function, _responses(test)), file.fixed)
-
-
-def _table(file: CalibrationFile, test: TestSpecification) -> Solver:
-    return RecordedTable(
-        test.options["file"],
-        [parameter.name for parameter in file.parameters],
-        _responses(test),
-        nearest=test.options.get("nearest", False),
+def _entry(file: CalibrationFile, test: TestSpecification) -> FileEntry:
+    return FileEntry(
+        test.options,
+        tuple(target.name for target in test.targets),
+        tuple(parameter.name for parameter in file.parameters),
+        file.fixed,
+        file.sizes,
     )
-
-
-_SOLVERS: dict[str, Callable[[CalibrationFile, TestSpecification], Solver]] = {
-    "heap": _heap,
-    "command": _command,
-    "python": _python,
-    "table": _table,
-}
-
-
-def _responses(test: TestSpecification) -> list[str]:
-    return [target.name for target in test.targets]
 
 
 def _faults_of_test(index: int, error: InputError) -> list[Fault]:

@@ -5,10 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from grainfit.calibration_file.files import note_not_there
-from grainfit.calibration_file.kinds import Choice, Kind, ListOf, Quantity, Schema, Text, Whole
-from grainfit.calibration_file.places import Place, show
-from grainfit.calibration_file.tables import Key, Values
 from grainfit.campaign.cluster.options import (
     LONGEST_WALLTIME,
     SCHEDULERS,
@@ -16,6 +12,10 @@ from grainfit.campaign.cluster.options import (
     ClusterOptions,
 )
 from grainfit.errors import InputError
+from grainfit.options.kinds import Choice, Kind, ListOf, Quantity, Schema, Text, Whole
+from grainfit.options.paths import note_not_there
+from grainfit.options.places import Place, show
+from grainfit.options.tables import Key, Values
 from grainfit.solvers.own_model.python_file import PythonFile
 
 

@@ -23,7 +23,7 @@ class TestSpecification:
     name : str
         As given, or else the type.
     type : str
-        ``"heap"``, ``"command"``, ``"python"`` or ``"table"``.
+        One of `grainfit.solvers.registry.types_of_test`.
     options : mapping of str to object
         Everything else that the file says of the test, by key; only what is given.
     targets : tuple of Target

@@ -2,19 +2,22 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Any
 
-from grainfit.bulk_tests.heap import HeapTest
+from grainfit.bulk_tests.base import BulkTest
+from grainfit.bulk_tests.registry import BUILT_IN, bulk_tests
 from grainfit.calibration_file.cluster import CLUSTER, cluster_options
 from grainfit.calibration_file.content import StrategyOptions
-from grainfit.calibration_file.kinds import Choice, Flag, Quantity, Text, Whole
-from grainfit.calibration_file.parameters import Diameters, FixedOrFree, OwnParameter
-from grainfit.calibration_file.places import Findings, Place
-from grainfit.calibration_file.tables import Key, Named, Table, Values
-from grainfit.calibration_file.tests_section import HEAP_OPTIONS, Tests
+from grainfit.calibration_file.parameters import FixedOrFree, OwnParameter
+from grainfit.calibration_file.tests_section import Tests
 from grainfit.contact_models.registry import MATERIAL_PARAMETERS
 from grainfit.errors import InputError
+from grainfit.materials.diameters import Diameters
 from grainfit.materials.parameters import MaterialParameter
+from grainfit.options.kinds import Choice, Flag, Quantity, Text, Whole
+from grainfit.options.places import Findings, Place
+from grainfit.options.tables import Key, Named, Table, Values
 from grainfit.problem import Parameter
 from grainfit.strategies.registry import PREFERENCES, STRATEGIES
 
@@ -85,7 +88,7 @@ def _homes() -> dict[str, str]:
     homes = {"diameter": "[particle]", "name": "the top of the file, above all sections"}
     homes |= {key.name: "[strategy]" for key in STRATEGY if key.name != "name"}
     homes |= {key.name: "[cluster]" for key in CLUSTER}
-    homes |= {key.name: "[[test]]" for key in HEAP_OPTIONS}
+    homes |= {key.name: "[[test]]" for test in BUILT_IN.values() for key in test.option_keys()}
     homes |= dict.fromkeys(("solver", "ranks", "timeout", "executable", "targets"), "[[test]]")
     for name in MATERIAL_PARAMETERS:
         section, _, key = name.partition(".")
@@ -160,13 +163,12 @@ def read_document(document: dict[str, Any], place: Place) -> Values:
     values: Values = LAYOUT.read(document, place)
     if "test" not in document:
         place.at("test").fault("is missing.", "Add a section [[test]] with type and targets.")
-    tests = _tests(document)
-    heaps = [(index, test) for index, test in tests if test.get("type") == "heap"]
-    if heaps:
-        _note_missing_material(values, place)
-        _note_impossible_heaps(heaps, values, place)
-        if len(heaps) == len(tests):
-            _note_useless_parameters(values, place)
+    simulated = _simulated(document)
+    if simulated:
+        _note_missing_material(simulated, values, place)
+        _note_impossible_tests(simulated, values, place)
+        if len(simulated) == len(document["test"]):
+            _note_useless_parameters(simulated, values, place)
     if not any(isinstance(value, Parameter) or value is None for value in _parameters(values)):
         place.fault(
             "there is no free parameter, so there is nothing to calibrate.",
@@ -185,51 +187,82 @@ def _parameters(values: Values) -> list[Any]:
     return found
 
 
-def _tests(document: dict[str, Any]) -> list[tuple[int, dict[str, Any]]]:
+@dataclass(frozen=True)
+class _Simulated:
+    """A bulk test of the file: its place in the list, its class, and its table."""
+
+    index: int
+    test: type[BulkTest]
+    table: dict[str, Any]
+
+
+def _simulated(document: dict[str, Any]) -> list[_Simulated]:
     tests = document.get("test")
     if not isinstance(tests, list):
         return []
-    return [(index, test) for index, test in enumerate(tests) if isinstance(test, dict)]
+    known = bulk_tests()
+    return [
+        _Simulated(index, known[table["type"]], table)
+        for index, table in enumerate(tests)
+        if isinstance(table, dict) and isinstance(table.get("type"), str) and table["type"] in known
+    ]
 
 
-def _note_missing_material(values: Values, place: Place) -> None:
-    optional = {name for name, known in MATERIAL_PARAMETERS.items() if known.default is not None}
+def _words(simulated: list[_Simulated]) -> str:
+    names = list(dict.fromkeys(one.test.type for one in simulated))
+    return f"the {' and the '.join(names)} test{'s' if len(names) > 1 else ''}"
+
+
+def _note_missing_material(simulated: list[_Simulated], values: Values, place: Place) -> None:
+    needed = {
+        name
+        for one in simulated
+        for name in one.test.material_parameters
+        if MATERIAL_PARAMETERS[name].default is None
+    }
     for section in MATERIAL_SECTIONS:
-        keys = [k for k in _material_table(section).keys if f"{section}.{k.name}" not in optional]
-        if section not in values:
+        keys = [
+            key
+            for key in _material_table(section).keys
+            if key.name == "diameter" or f"{section}.{key.name}" in needed
+        ]
+        if section not in values and keys:
             names = ", ".join(key.name for key in keys)
-            place.at(section).fault("is missing.", f"The heap test needs [{section}] with {names}.")
-        elif values[section] is not None:
+            words = _words(simulated)
+            verb = "need" if words.endswith("s") else "needs"
+            place.at(section).fault(
+                "is missing.", f"{words.capitalize()} {verb} [{section}] with {names}."
+            )
+        elif values.get(section) is not None:
             for key in keys:
                 if key.name not in values[section]:
                     key.note_missing(place.at(section))
 
 
-def _note_useless_parameters(values: Values, place: Place) -> None:
+def _note_useless_parameters(simulated: list[_Simulated], values: Values, place: Place) -> None:
+    words = _words(simulated)
+    verb = "have" if words.endswith("s") else "has"
     for name in values.get("parameters") or ():
         place.at("parameters", name).fault(
-            "is used by no test: the heap test has the material parameters only.",
+            f"is used by no test: {words} {verb} the material parameters only.",
             "Remove it, or add a [[test]] of your own model.",
         )
 
 
-def _note_impossible_heaps(
-    heaps: list[tuple[int, dict[str, Any]]], values: Values, place: Place
-) -> None:
+def _note_impossible_tests(simulated: list[_Simulated], values: Values, place: Place) -> None:
     """Note geometries that cannot be; only the test itself can tell, from sizes and options."""
     sizes = (values.get("particle") or {}).get("diameter")
     if sizes is None:
         return
-    layout = Table(HEAP_OPTIONS)
-    names = [key.name for key in HEAP_OPTIONS]
-    for index, test in heaps:
-        given = {name: test[name] for name in names if name in test}
+    for one in simulated:
+        keys = one.test.option_keys()
+        given = {key.name: one.table[key.name] for key in keys if key.name in one.table}
         # Faults of the single options are noted already.
-        options = layout.read(given, Place(Findings(place.findings.folder)))
+        options = Table(keys).read(given, Place(Findings(place.findings.folder)))
         if None in options.values():
             continue
         try:
-            HeapTest(sizes, **options)
+            one.test(sizes, **options)
         except InputError as error:
             for fault in error.faults:
-                place.at("test", index, fault.key).fault(fault.message, fault.remedy)
+                place.at("test", one.index, fault.key).fault(fault.message, fault.remedy)

@@ -6,7 +6,7 @@ import contextlib
 import re
 import tomllib
 
-from grainfit.calibration_file.places import KeyPath
+from grainfit.options.places import KeyPath
 
 _STRING = re.compile(
     r'"""(?:\\.|[^\\])*?"{3,5}|\'\'\'.*?\'{3,5}|"(?:\\.|[^"\\\n])*"|\'[^\'\n]*\'', re.DOTALL

@@ -11,8 +11,8 @@ from typing import Any
 from grainfit.calibration_file.content import CalibrationFile, StrategyOptions
 from grainfit.calibration_file.layout import MATERIAL_SECTIONS, read_document
 from grainfit.calibration_file.line_numbers import key_lines
-from grainfit.calibration_file.places import FileFault, Findings, Place
 from grainfit.errors import InputError
+from grainfit.options.places import FileFault, Findings, Place
 from grainfit.problem import Parameter
 
 _LARGEST_FILE = 1_000_000

@@ -5,17 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-from grainfit.bulk_tests.heap import HeapTest
-from grainfit.bulk_tests.heap.bulk_test import estimate_cost
 from grainfit.calibration.verification import ROUNDS, usual_verification_runs
 from grainfit.calibration_file.build import CalibrationSetup
 from grainfit.campaign.cluster.executor import describe_cluster, executed_by
-from grainfit.contact_models.registry import MATERIAL_PARAMETERS
 from grainfit.errors import GrainfitError, InputError
 from grainfit.problem import Parameter, Problem, Target
 from grainfit.solvers.base import Solver
-from grainfit.solvers.dem.program import DeckSolver
-from grainfit.solvers.parameters_for import ParametersFor
 from grainfit.strategies.registry import make_strategy
 
 
@@ -55,7 +50,7 @@ def describe_plan(setup: CalibrationSetup) -> Plan:
             # Before the check: it is shown whatever else is wrong.
             executes += [f"test {test}: {line}" for line in solver.executes()]
             solver.check()
-            lines.append(_ready_line(test, solver))
+            lines.append(f"Test {test}: {solver.readiness()}")
             lines += _cost_lines(solver, setup.problem)
         except GrainfitError as error:
             problems.append(f"Test {test}: {error}")
@@ -79,13 +74,6 @@ def describe_plan(setup: CalibrationSetup) -> Plan:
     )
 
 
-def _ready_line(test: str, solver: Solver) -> str:
-    deck_solver = solver.solver if isinstance(solver, ParametersFor) else solver
-    if isinstance(deck_solver, DeckSolver) and deck_solver.executable is not None:
-        return f"Test {test}: {solver.name} is there; the first run asks it for its version."
-    return f"Test {test}: {solver.name} {solver.version()}".rstrip() + " is ready."
-
-
 def _rayleigh_lines(problem: Problem) -> Iterator[str]:
     if problem.rayleigh is not None:
         smallest, largest = problem.rayleigh.limits(problem.intervals)
@@ -93,20 +81,9 @@ def _rayleigh_lines(problem: Problem) -> Iterator[str]:
 
 
 def _cost_lines(solver: Solver, problem: Problem) -> Iterator[str]:
-    if isinstance(solver, ParametersFor):
-        solver = solver.solver
-    if not (isinstance(solver, DeckSolver) and isinstance(solver.test, HeapTest)):
-        return
-    middle = problem.from_unit([0.5] * problem.dimension)
-    material = solver.run_parameters(
-        {name: value for name, value in middle.items() if name in MATERIAL_PARAMETERS}
-    )
-    cost = estimate_cost(solver.test, solver.name, material, solver.ranks)
-    yield (
-        f"  In the middle of the intervals: {solver.test.setup.particle_count} particles, time "
-        f"step {cost.time_step:.3g} s ({solver.test.time_step_fraction:.0%} of the Rayleigh time "
-        f"step), about {cost.steps:,} steps, about {cost.wall_seconds:.0f} s a run."
-    )
+    cost = solver.estimate_cost(problem.from_unit([0.5] * problem.dimension))
+    if cost is not None:
+        yield f"  In the middle of the intervals: {cost}."
 
 
 def _run_lines(setup: CalibrationSetup) -> Iterator[str]:

@@ -8,11 +8,11 @@ import statistics
 from dataclasses import dataclass
 from typing import Any
 
-from grainfit.calibration_file.kinds import Kind, ListOf, Quantity, Schema, Text, note_wrong_kind
 from grainfit.calibration_file.parameters import own_quantity
-from grainfit.calibration_file.places import Place, show
-from grainfit.calibration_file.tables import Key, Table, Values
 from grainfit.formatting import plain
+from grainfit.options.kinds import Kind, ListOf, Quantity, Schema, Text, note_wrong_kind
+from grainfit.options.places import Place, show
+from grainfit.options.tables import Key, Table, Values
 from grainfit.problem import Target
 from grainfit.units import percentage
 

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass
 from datetime import UTC, datetime
 
-from grainfit.bulk_tests.heap import HeapTest
+from grainfit.bulk_tests.base import GRAVITY, TIME_STEP_FRACTION, Conditions
+from grainfit.bulk_tests.registry import recreate_test
 from grainfit.contact_models.registry import MATERIAL_PARAMETERS
-from grainfit.errors import StoreError
+from grainfit.errors import InputError, StoreError
 from grainfit.materials.card import CardParameter, CardResponse, MaterialCard, Origin, Program
 from grainfit.materials.sizes import ParticleSizes
 from grainfit.materials.time_step import RayleighTimeStep
@@ -38,21 +38,19 @@ def make_card(
     answer = read_answer(reading)
     # A start that came to no end leaves the result of the one before.
     status = reading.state if answer.status == "calibrated" else answer.status
-    conditions = _heap_conditions(reading)
+    conditions = _conditions(reading)
     origin: Origin = "calibrated" if status == "calibrated" else "not calibrated"
     parameters = tuple(_parameters(reading, answer.parameters, origin, intervals))
     sizes = _sizes(reading, conditions)
     rayleigh = _rayleigh_time_step(parameters, sizes)
-    fraction = min(
-        (found.time_step_fraction for found in conditions), default=HeapTest.time_step_fraction
-    )
+    fraction = min((found.time_step_fraction for found in conditions), default=TIME_STEP_FRACTION)
     return MaterialCard(
         name=reading.name,
         status=status,
         parameters=parameters,
         responses=tuple(_response(name, found) for name, found in answer.responses.items()),
         sizes=sizes,
-        gravity=conditions[0].gravity if conditions else HeapTest.gravity,
+        gravity=conditions[0].gravity if conditions else GRAVITY,
         rayleigh_time_step=rayleigh,
         recommended_time_step=None if rayleigh is None else fraction * rayleigh,
         time_step_fraction=fraction,
@@ -107,37 +105,22 @@ def _response(name: str, found: ResponseResult) -> CardResponse:
     )
 
 
-@dataclass(frozen=True)
-class _Conditions:
-    """What a heap test says of how the material was used."""
-
-    sizes: ParticleSizes
-    gravity: float
-    time_step_fraction: float
-
-
-def _heap_conditions(reading: SavedCalibration) -> list[_Conditions]:
-    """Conditions of the heap tests among the runs, in their order, each once."""
-    tests = (record.definition.model.get("test") for record in reading.records.values())
+def _conditions(reading: SavedCalibration) -> list[Conditions]:
+    """Conditions of the bulk tests among the runs, in their order, each once."""
+    definitions = {
+        record.definition.model_hash: record.definition for record in reading.records.values()
+    }
     try:
-        found = [
-            _Conditions(
-                ParticleSizes(tuple(test["diameters"]), tuple(test["mass_fractions"])),
-                float(test["setup"]["gravity"]),
-                float(test["time_step_fraction"]),
-            )
-            for test in tests
-            if isinstance(test, Mapping) and test.get("type") == HeapTest.type
-        ]
-    except (KeyError, TypeError, ValueError) as error:
+        tests = [recreate_test(definition) for definition in definitions.values()]
+    except InputError as error:
         raise StoreError(
-            f"a run of the heap test in {str(reading.folder)!r} is defined in another way than "
-            f"this version of grainfit does: {error}."
+            f"a run in {str(reading.folder)!r} is defined in another way than this version of "
+            f"grainfit does: {error}"
         ) from error
-    return list(dict.fromkeys(found))
+    return list(dict.fromkeys(test.conditions for test in tests if test is not None))
 
 
-def _sizes(reading: SavedCalibration, conditions: list[_Conditions]) -> ParticleSizes | None:
+def _sizes(reading: SavedCalibration, conditions: list[Conditions]) -> ParticleSizes | None:
     if conditions:
         return conditions[0].sizes
     rayleigh = reading.problem.rayleigh

@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 if TYPE_CHECKING:
+    import pandas as pd
+
     from grainfit.campaign.store.records import RunRecord
-    from grainfit.work_folder.run_table import RunRow, RunTable
 
 _DISK_SECONDS = 0.2
 
@@ -58,10 +59,10 @@ def list_runs(
     from grainfit.cli import runs_console as show
     from grainfit.work_folder.prune import disk_use
 
-    table, rows = _selected(source, status, test, where, sort)
+    runs, selected = _selected(source, status, test, where, sort)
     used = None if "://" in source else disk_use(Path(source), _DISK_SECONDS)
     disk = f"Run folders take {show.size(used)}." if used else ""
-    show.print_runs(show.runs_console(), table, rows, limit, disk)
+    show.print_runs(show.runs_console(), runs, selected, limit, disk)
 
 
 @runs_app.command("show")
@@ -94,12 +95,13 @@ def export(
 ) -> None:
     """Write a line for each run to a CSV or Parquet file, in SI units, angles in degrees."""
     from grainfit.cli.runs_console import runs_console
+    from grainfit.formatting import counted
     from grainfit.work_folder.run_export import export_runs, writer_for
 
     writer_for(file)
-    table, rows = _selected(source, status, test, where, sort)
-    export_runs(file, table.columns, rows)
-    words = "1 run" if len(rows) == 1 else f"{len(rows)} runs"
+    _, selected = _selected(source, status, test, where, sort)
+    export_runs(file, selected)
+    words = counted(len(selected), "run")
     runs_console().print(f"Wrote {words} to {file}", highlight=False, markup=False)
 
 
@@ -160,13 +162,15 @@ def prune(
 
 def _selected(
     source: str, status: str | None, test: str | None, where: list[str] | None, sort: str
-) -> tuple[RunTable, list[RunRow]]:
+) -> tuple[pd.DataFrame, pd.DataFrame]:
+    """Return all runs, and those selected, in order."""
     from grainfit.campaign.reuse import open_source
-    from grainfit.work_folder.run_table import RunTable
+    from grainfit.work_folder.run_selection import select_runs, sort_runs
+    from grainfit.work_folder.run_table import runs_table
 
     with open_source(source, "") as store:
-        table = RunTable(store.runs())
-    return table, table.sort(table.select(status, test, where or ()), sort)
+        runs = runs_table(store.runs())
+    return runs, sort_runs(select_runs(runs, status, test, where or ()), sort)
 
 
 def _find(source: str, identity: str) -> RunRecord:

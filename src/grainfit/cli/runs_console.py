@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from datetime import datetime
 from pathlib import Path
 
+import pandas as pd
 from rich import box
 from rich.cells import cell_len
 from rich.console import Console, JustifyMethod
@@ -15,10 +16,10 @@ from rich.table import Table
 from rich.text import Text
 
 from grainfit.campaign.store.records import RunRecord
-from grainfit.formatting import plain, plain_lines
+from grainfit.formatting import counted, plain, plain_lines
 from grainfit.work_folder.prune import Pruned
 from grainfit.work_folder.run_import import Imported
-from grainfit.work_folder.run_table import Cell, RunRow, RunTable
+from grainfit.work_folder.run_table import runs_table
 
 #: So many digits of an identity tell runs apart, and `grainfit runs show` takes them.
 SHORT_IDENTITY = 7
@@ -37,42 +38,42 @@ def runs_console() -> Console:
 
 
 def print_runs(
-    console: Console, table: RunTable, rows: Sequence[RunRow], limit: int, disk: str = ""
+    console: Console, runs: pd.DataFrame, selected: pd.DataFrame, limit: int, disk: str = ""
 ) -> None:
-    """Print a line for each of the first rows, and how many more there are.
+    """Print a line for each of the first selected runs, and how many more there are.
 
-    What is the same in all rows is left out, and so are the columns that do not fit.
+    Parameters that are the same in all runs are left out, and so are the columns that do not fit.
     """
-    shown = rows[:limit]
-    if shown:
-        columns, left_out = _columns_that_fit(table, rows, shown, console.width)
+    shown = selected[:limit]
+    if len(shown):
+        columns, left_out = _columns_that_fit(runs, selected, shown, console.width)
         console.print(_as_rich(columns, shown, console.width))
         if left_out:
             words = f"No room for {', '.join(left_out)}: widen the terminal, or export them."
             console.print(Text(plain(words)), soft_wrap=True)
-    more = len(rows) - len(shown)
-    failed = sum(row.record.status == "failed" for row in rows)
-    parts = [_count(len(rows), "run"), *([f"{failed} failed"] if failed else [])]
-    if len(rows) < len(table.rows):
-        parts.append(f"of {len(table.rows)} that there are")
+    more = len(selected) - len(shown)
+    failed = (selected["status"] == "failed").sum()
+    parts = [counted(len(selected), "run"), *([f"{failed} failed"] if failed else [])]
+    if len(selected) < len(runs):
+        parts.append(f"of {len(runs)} that there are")
     if more > 0:
-        parts.append(f"{more} more than shown: --limit {len(rows)} shows all")
+        parts.append(f"{more} more than shown: --limit {len(selected)} shows all")
     console.print(Text(", ".join(parts) + "."), soft_wrap=True)
     if disk:
         console.print(Text(plain(disk)), soft_wrap=True)
 
 
 def _columns_that_fit(
-    table: RunTable, rows: Sequence[RunRow], shown: Sequence[RunRow], width: int
+    runs: pd.DataFrame, selected: pd.DataFrame, shown: pd.DataFrame, width: int
 ) -> tuple[list[str], list[str]]:
     """Return the columns to show, and the parameters and responses that there is no room for."""
     first = ["identity", "test", "seed", "seconds"]
-    if len(_values(table.rows, "test")) == 1:
+    if runs["test"].nunique() == 1:
         first.remove("test")
-    last = [] if _values(table.rows, "status") == {"finished"} else ["status"]
+    last = [] if (runs["status"] == "finished").all() else ["status"]
     # What is fixed is the same in all runs, and says nothing here.
-    varied = [name for name in table.parameters if len(_values(table.rows, name)) > 1]
-    responses = [name for name in table.responses if _values(rows, name) != {None}]
+    varied = [name for name in runs.attrs["parameters"] if runs[name].nunique(dropna=False) > 1]
+    responses = [name for name in runs.attrs["responses"] if selected[name].notna().any()]
     left_out: list[str] = []
     while (varied or responses) and _width(first + varied + responses, shown, last) > width:
         # The last of the longer list: some of both stay in sight.
@@ -81,48 +82,43 @@ def _columns_that_fit(
     return first + varied + responses + last, left_out
 
 
-def _width(columns: Sequence[str], rows: Sequence[RunRow], last: Sequence[str]) -> int:
-    widths = [_column_width(name, rows) for name in columns]
+def _width(columns: Sequence[str], shown: pd.DataFrame, last: Sequence[str] = ()) -> int:
+    widths = [_column_width(name, shown) for name in columns]
     return sum(widths) + _GAP * (len(widths) - 1) + (_GAP + _LEAST_STATUS) * len(last)
 
 
-def _column_width(name: str, rows: Sequence[RunRow]) -> int:
+def _column_width(name: str, shown: pd.DataFrame) -> int:
     heading = max(map(len, _heading(name).split("\n")))
-    return max(heading, *(cell_len(_shown(name, row.cells.get(name))) for row in rows))
+    return max(heading, *map(cell_len, _texts(name, shown)))
 
 
-def _values(rows: Sequence[RunRow], name: str) -> set[Cell]:
-    return {row.cells.get(name) for row in rows}
-
-
-def _as_rich(columns: Sequence[str], rows: Sequence[RunRow], width: int) -> Table:
+def _as_rich(columns: Sequence[str], shown: pd.DataFrame, width: int) -> Table:
     # With the column of its separator, the gap is of two.
     table = Table(box=box.SIMPLE, show_edge=False, pad_edge=False, padding=(0, _GAP - 1, 0, 0))
-    left = width - _width([name for name in columns if name != "status"], rows, ()) - _GAP
+    left = width - _width([name for name in columns if name != "status"], shown) - _GAP
     for name in columns:
         justify: JustifyMethod = "left" if name in ("identity", "test", "status") else "right"
         table.add_column(Text(_heading(name)), justify=justify, no_wrap=True)
-    for row in rows:
-        cells = {name: Text(_shown(name, row.cells.get(name))) for name in columns}
-        if "status" in cells:
-            cells["status"] = Text(_status(row.record))
-            cells["status"].truncate(max(left, _LEAST_STATUS), overflow="ellipsis")
-        table.add_row(*cells.values(), style="red" if row.record.status == "failed" else "")
+    cells = {name: list(map(Text, _texts(name, shown))) for name in columns}
+    for status in cells.get("status", ()):
+        status.truncate(max(left, _LEAST_STATUS), overflow="ellipsis")
+    for status, *row in zip(shown["status"], *cells.values(), strict=True):
+        table.add_row(*row, style="red" if status == "failed" else "")
     return table
 
 
-def _status(record: RunRecord) -> str:
-    return plain(f"{record.status}: {record.reason}" if record.reason else record.status)
-
-
-def _shown(name: str, cell: Cell) -> str:
-    if cell is None:
-        return ""
+def _texts(name: str, shown: pd.DataFrame) -> list[str]:
+    """Return the cells of a column as they are shown."""
     if name == "identity":
-        return plain(str(cell))[:SHORT_IDENTITY]
-    if name == "seconds" and isinstance(cell, float):
-        return f"{cell:.1f}"
-    return f"{cell:.5g}" if isinstance(cell, float) else plain(str(cell))
+        return [plain(identity)[:SHORT_IDENTITY] for identity in shown.index]
+    if name == "status":
+        pairs = zip(shown["status"], shown["reason"], strict=True)
+        return [plain(f"{status}: {reason}" if reason else status) for status, reason in pairs]
+    digits = ".1f" if name == "seconds" else ".5g"
+    return [
+        "" if pd.isna(cell) else f"{cell:{digits}}" if isinstance(cell, float) else plain(str(cell))
+        for cell in shown[name]
+    ]
 
 
 def _heading(name: str) -> str:
@@ -137,9 +133,9 @@ def _heading(name: str) -> str:
 
 def print_record(console: Console, record: RunRecord, folder: Path | None) -> None:
     """Print all that is known of a run."""
-    [row] = RunTable([record]).rows
-    for name, cell in row.cells.items():
-        if cell not in (None, ""):
+    [row] = runs_table([record]).reset_index().to_dict("records")
+    for name, cell in row.items():
+        if cell != "" and not pd.isna(cell):
             shown = cell.isoformat(timespec="seconds") if isinstance(cell, datetime) else cell
             _line(console, f"{name} = {shown}")
     if folder is not None:
@@ -160,7 +156,7 @@ def print_imported(console: Console, imported: Imported, folder: Path) -> None:
     replaced = f", {imported.replaced} corrected" if imported.replaced else ""
     _line(
         console,
-        f"Imported {_count(imported.new, 'run')} of the test {imported.test}{replaced}; "
+        f"Imported {counted(imported.new, 'run')} of the test {imported.test}{replaced}; "
         f"{imported.known} were there already.",
     )
     for notice in imported.notices:
@@ -168,13 +164,13 @@ def print_imported(console: Console, imported: Imported, folder: Path) -> None:
     _line(
         console,
         f"A calibration that starts in {folder} can learn from "
-        f"{_count(imported.usable, 'parameter set')}.",
+        f"{counted(imported.usable, 'parameter set')}.",
     )
 
 
 def print_pruned(console: Console, pruned: Pruned) -> None:
     """Print what pruning freed."""
-    _line(console, f"Freed {size(pruned.freed)} in {_count(pruned.folders, 'run folder')}.")
+    _line(console, f"Freed {size(pruned.freed)} in {counted(pruned.folders, 'run folder')}.")
     for fault in pruned.faults:
         console.print(Text(plain(f"not all of {fault}"), style="red"), soft_wrap=True)
 
@@ -193,10 +189,6 @@ def size(number: int) -> str:
             break
         value /= 1000
     return f"{value:.1f} {prefix}B" if prefix else f"{number} bytes"
-
-
-def _count(number: int, what: str) -> str:
-    return f"{number} {what}" if number == 1 else f"{number} {what}s"
 
 
 def _line(console: Console, text: str) -> None:

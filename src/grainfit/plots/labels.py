@@ -7,14 +7,10 @@ from html import escape
 
 from markupsafe import Markup
 
+from grainfit.bulk_tests.registry import response_info
 from grainfit.contact_models.registry import MATERIAL_PARAMETERS
 from grainfit.formatting import plain, unit_for_people
 from grainfit.work_folder.saved_calibration import SavedCalibration
-
-_RESPONSES = {
-    "bulk_density": ("ρ_b", "bulk density: mass of the bed over its volume, voids included"),
-    "angle_of_repose": ("α", "angle of repose: inclination of the heap's flanks"),
-}
 
 
 @dataclass(frozen=True)
@@ -85,7 +81,8 @@ def parameter_label(name: str, unit: str = "") -> Label:
 def response_label(name: str, unit: str = "") -> Label:
     """Return the label of a response; with several tests it is called ``test.response``."""
     test, _, last = name.rpartition(".")
-    symbol, description = _RESPONSES.get(last, (name, ""))
+    info = response_info(last)
+    symbol, description = (name, "") if info is None else (info.symbol, info.description)
     if test and symbol != name:
         symbol = name
     return Label(name, symbol, unit_for_people(unit), description)

@@ -25,7 +25,7 @@ def render(template: str, **values: Any) -> Markup:
     Parameters
     ----------
     template : str
-        File in ``templates`` or ``sections``, without ``.html.jinja``, such as ``heap/page``.
+        File in ``templates`` or ``sections``, without ``.html.jinja``, such as ``particles/page``.
     **values
         What it mentions.
     """

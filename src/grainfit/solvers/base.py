@@ -20,6 +20,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from grainfit.bulk_tests.run_cost import RunCost
 from grainfit.evaluation import Response
 from grainfit.run_definition import RunDefinition
 
@@ -132,3 +133,15 @@ class Solver(ABC):
             A program is not there.
         """
         return ()
+
+    def readiness(self) -> str:
+        """Say that it is ready, for people; called after `check`."""
+        return f"{self.name} {self.version()}".rstrip() + " is ready."
+
+    def estimate_cost(self, parameters: Mapping[str, float]) -> RunCost | None:  # noqa: ARG002
+        """Estimate the cost of a run; None where it cannot be known."""
+        return None
+
+    def default_timeout(self, parameters: Mapping[str, float]) -> float | None:  # noqa: ARG002
+        """Wall time after which a run hangs, s; None where that cannot be known."""
+        return None

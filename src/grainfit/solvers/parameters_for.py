@@ -1,10 +1,13 @@
-"""A solver that gets exactly the parameters that it takes"""
+"""A solver that gets exactly the parameters that it takes."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from typing import Any
 
+from typing_extensions import override
+
+from grainfit.bulk_tests.run_cost import RunCost
 from grainfit.evaluation import Response
 from grainfit.solvers.base import Solver, Workspace
 
@@ -35,40 +38,58 @@ class ParametersFor(Solver):
         self._takes = takes
 
     @property
+    @override
     def response_names(self) -> tuple[str, ...] | None:
-        """Names of the responses."""
         return self.solver.response_names
 
+    @override
     def model(self) -> Mapping[str, Any]:
         """Return the model of the solver."""
         return self.solver.model()
 
+    @override
     def run_parameters(self, parameters: Mapping[str, float]) -> dict[str, float]:
         """Return the parameters that the solver takes."""
         return self.solver.run_parameters(self._taken(parameters))
 
     @property
+    @override
     def defaults(self) -> Mapping[str, float]:
         """Defaults of the solver."""
         return self.solver.defaults
 
+    @override
     def run(
         self, parameters: Mapping[str, float], seed: int, workspace: Workspace
     ) -> dict[str, Response]:
-        """Simulate once; see `Solver.run`."""
         return self.solver.run(self._taken(parameters), seed, workspace)
 
+    @override
     def check(self) -> None:
-        """Raise when no run could ever succeed."""
         self.solver.check()
 
+    @override
     def version(self) -> str:
-        """Version of the program behind it."""
         return self.solver.version()
 
+    @override
     def executes(self) -> tuple[str, ...]:
-        """Say what a run executes."""
         return self.solver.executes()
+
+    @override
+    def readiness(self) -> str:
+        """Say that it is ready."""
+        return self.solver.readiness()
+
+    @override
+    def estimate_cost(self, parameters: Mapping[str, float]) -> RunCost | None:
+        """Estimate the cost of a run."""
+        return self.solver.estimate_cost(self._taken(parameters))
+
+    @override
+    def default_timeout(self, parameters: Mapping[str, float]) -> float | None:
+        """Wall time after which a run hangs, s."""
+        return self.solver.default_timeout(self._taken(parameters))
 
     def _taken(self, parameters: Mapping[str, float]) -> dict[str, float]:
         values = {**self._fixed, **parameters}

@@ -26,10 +26,12 @@ import threading
 import time
 from collections.abc import Iterator, Mapping
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import suppress
 from functools import partial
 from pathlib import Path
 from typing import Any
 
+import psutil
 import pytest
 
 from grainfit.errors import GrainfitError, RunFailedError
@@ -329,10 +331,8 @@ def _stay_in(folder: Path) -> list[int]:
 def _processes_in(folder: Path) -> list[int]:
     """Processes, other than this one, that still work in a folder."""
     found = []
-    for process in Path("/proc").glob("[0-9]*"):
-        try:
-            if (process / "cwd").readlink() == folder:
-                found.append(int(process.name))
-        except OSError:
-            continue
+    for process in psutil.process_iter():
+        with suppress(psutil.Error):
+            if process.cwd() == str(folder):
+                found.append(process.pid)
     return found

@@ -9,16 +9,21 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from grainfit.bulk_tests.heap import HeapTest
+from grainfit.bulk_tests.registry import bulk_tests
 from grainfit.calibration_file.build import CalibrationSetup
 from grainfit.calibration_file.content import TestSpecification
-from grainfit.calibration_file.kinds import Quantity, suggest
-from grainfit.calibration_file.places import Findings, Place
 from grainfit.errors import Fault, InputError
-from grainfit.evaluation import Response
-from grainfit.solvers.own_model.recorded_table import SEED_COLUMN, read_csv
+from grainfit.evaluation import ERROR_SUFFIX, Response
+from grainfit.options.kinds import Quantity, suggest
+from grainfit.options.places import Findings, Place
+from grainfit.solvers.own_model.csv_table import (
+    SEED_COLUMN,
+    note_old_error_column,
+    read_csv,
+    repeated_runs,
+)
 from grainfit.units import UnitError, is_unit, to_unit
-from grainfit.work_folder.run_table import COMMON_COLUMNS, ERROR_SUFFIX
+from grainfit.work_folder.run_table import COMMON_COLUMNS
 
 _HEADER = re.compile(r"(?P<name>[^\[\]]*?)\s*(?:\[(?P<unit>[^\[\]]*)\])?")
 _NO_UNIT = ("", "-", "–", "1")
@@ -109,7 +114,11 @@ class _Reader:
                 self._note(line, "", message, "Decimals have a point, not a comma.")
             else:
                 rows.append(self._row(line, cells))
-        self._note_repeated(rows)
+        self._faults += repeated_runs(
+            (f"line {row.line}", (*row.parameters.values(), row.seed))
+            for row in rows
+            if row.seed is not None and len(row.parameters) == len(self._free)
+        )
         self._raise()
         return rows, ignored
 
@@ -156,6 +165,9 @@ class _Reader:
     def _note_unknown(self, line: int, index: int, name: str, header: list[str]) -> None:
         if not name:
             self._note(line, f"column {index + 1}", "has no name.", "Name it, or remove it.")
+            return
+        if fault := note_old_error_column(name, self._responses, f"line {line}, column {name}"):
+            self._faults.append(fault)
             return
         known = [*self._free, *self._responses, SEED_COLUMN]
         known += [f"{response}{ERROR_SUFFIX}" for response in self._responses]
@@ -266,20 +278,6 @@ class _Reader:
         self._note(line, SEED_COLUMN, f"is {text!r}.", "A seed is a whole number, 0 or above.")
         return None
 
-    def _note_repeated(self, rows: list[TableRow]) -> None:
-        first: dict[tuple[float, ...], int] = {}
-        for row in rows:
-            if row.seed is None or len(row.parameters) < len(self._free):
-                continue
-            line = first.setdefault((*row.parameters.values(), row.seed), row.line)
-            if line != row.line:
-                self._note(
-                    row.line,
-                    "",
-                    f"has the same parameters and seed as line {line}.",
-                    "Keep one of them, or give them the seeds they were run with.",
-                )
-
     # --- faults ------------------------------------------------------------------------------
 
     def _note(self, line: int, what: str, message: str, remedy: str = "") -> None:
@@ -302,8 +300,9 @@ def _number(text: str) -> float | None:
 
 def _response_quantities(test: TestSpecification) -> dict[str, Quantity]:
     """Quantities that a test yields, by name."""
-    if test.type == "heap":
-        return {name: Quantity(unit) for name, unit in HeapTest.response_units.items()}
+    simulated = bulk_tests().get(test.type)
+    if simulated is not None:
+        return {name: Quantity(info.unit) for name, info in simulated.responses.items()}
     return {
         target.name: Quantity(target.unit if target.unit and is_unit(target.unit) else None)
         for target in test.targets

@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import fields
+from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
-from grainfit.bulk_tests.heap import HeapTest
+from grainfit.bulk_tests.base import BulkTest
+from grainfit.bulk_tests.registry import recreate_test
 from grainfit.campaign.work_folder import RECORD_NAME, read_record
 from grainfit.errors import Fault, InputError, NotMeasurableError
 from grainfit.evaluation import Response
-from grainfit.materials.sizes import ParticleSizes
 from grainfit.measurement.angle_of_repose import angle_of_repose
 from grainfit.measurement.particles import read_dump
 
@@ -42,16 +40,16 @@ def measure_path(path: Path) -> dict[str, Response]:
         raise InputError(
             Fault("", f"{str(path)!r} does not exist.", "Name a run folder or a dump.")
         )
-    heap = read_dump(path)
-    if len(heap) == 0:
+    particles = read_dump(path)
+    if len(particles) == 0:
         raise NotMeasurableError(f"{path}: its last frame has no particles.")
-    reach = float(np.hypot(heap.positions[:, 0], heap.positions[:, 1]).max())
-    angle = angle_of_repose(heap, ground=heap.diameter, plate_radius=reach)
+    reach = float(np.hypot(particles.positions[:, 0], particles.positions[:, 1]).max())
+    angle = angle_of_repose(particles, ground=particles.diameter, plate_radius=reach)
     return {"angle_of_repose": angle.response}
 
 
-def _test_of(folder: Path) -> HeapTest:
-    """Make the test anew that a run folder's record tells of."""
+def _test_of(folder: Path) -> BulkTest:
+    """Make the test again that a run folder's record defines."""
     record = read_record(folder)
     if record is None:
         raise InputError(
@@ -61,8 +59,13 @@ def _test_of(folder: Path) -> HeapTest:
                 "Name a folder below 'runs' of a work folder, or a dump.",
             )
         )
-    test = record.definition.model.get("test")
-    if not isinstance(test, Mapping) or test.get("type") != HeapTest.type:
+    try:
+        test = recreate_test(record.definition)
+    except InputError as error:
+        record_path = str(folder / RECORD_NAME)
+        faults = [replace(f, message=f"{record_path!r} {f.message}") for f in error.faults]
+        raise InputError(faults) from error
+    if test is None:
         raise InputError(
             Fault(
                 "",
@@ -70,34 +73,4 @@ def _test_of(folder: Path) -> HeapTest:
                 "Only built-in tests can be measured again.",
             )
         )
-    try:
-        return heap_test(test)
-    except KeyError as error:
-        reason = f"{error} is missing"
-    except (TypeError, ValueError, AttributeError) as error:
-        reason = str(error)
-    raise InputError(
-        Fault(
-            "",
-            f"{str(folder / RECORD_NAME)!r} does not define a heap test: {reason}.",
-            "It was edited, or written by another version of grainfit.",
-        )
-    )
-
-
-def heap_test(definition: Mapping[str, Any]) -> HeapTest:
-    """Make a test anew from its definition.
-
-    Raises
-    ------
-    KeyError, TypeError, ValueError, AttributeError
-        The definition is not one, or not whole.
-    """
-    known = {**definition["setup"], **definition}
-    options = {
-        option.name: known[option.name]
-        for option in fields(HeapTest)
-        if option.init and option.name != "sizes"
-    }
-    sizes = ParticleSizes(tuple(definition["diameters"]), tuple(definition["mass_fractions"]))
-    return HeapTest(sizes, **options)
+    return test

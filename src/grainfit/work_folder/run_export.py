@@ -2,21 +2,19 @@
 
 from __future__ import annotations
 
-import csv
-from collections.abc import Callable, Sequence
-from datetime import datetime
+from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+
+import pandas as pd
 
 from grainfit.errors import Fault, InputError
 from grainfit.files import in_place_of
-from grainfit.work_folder.run_table import COMMON_COLUMNS, Cell, RunRow
 
-Write = Callable[[Path, Sequence[str], Sequence[RunRow]], None]
+Write = Callable[[pd.DataFrame, Path], None]
 
 
 def writer_for(path: Path) -> Write:
-    """Return what writes runs to a file of this name, before any are read.
+    """Return a function that writes runs to a file of this name, before any are read.
 
     Raises
     ------
@@ -45,17 +43,15 @@ def writer_for(path: Path) -> Write:
     return _write_parquet
 
 
-def export_runs(path: Path, columns: Sequence[str], rows: Sequence[RunRow]) -> None:
+def export_runs(path: Path, runs: pd.DataFrame) -> None:
     """Write one line for each run, with SI units and angles in degrees; all of it or nothing.
 
     Parameters
     ----------
     path : Path
         Ends in ``.csv`` or ``.parquet``; is replaced when it is there.
-    columns : sequence of str
-        Which, in order.
-    rows : sequence of RunRow
-        The runs.
+    runs : pandas.DataFrame
+        As `runs_table` returns it.
 
     Raises
     ------
@@ -65,50 +61,24 @@ def export_runs(path: Path, columns: Sequence[str], rows: Sequence[RunRow]) -> N
     write = writer_for(path)
     try:
         with in_place_of(path) as place:
-            write(place, columns, rows)
+            write(runs.reset_index(), place)
     except OSError as error:
         raise InputError(
             Fault("", f"{str(path)!r} cannot be written: {error.strerror or error}.")
         ) from error
 
 
-def _write_csv(path: Path, columns: Sequence[str], rows: Sequence[RunRow]) -> None:
-    # A name that is not valid Unicode must not cost the whole table.
-    with path.open("w", newline="", encoding="utf-8", errors="backslashreplace") as file:
-        writer = csv.writer(file)
-        writer.writerow(columns)
-        writer.writerows([_as_text(row.cells.get(name)) for name in columns] for row in rows)
+def _write_csv(runs: pd.DataFrame, path: Path) -> None:
+    # The line ends of CSV's standard; with them, a reason of several lines is quoted however its
+    # lines end.
+    runs.to_csv(
+        path,
+        index=False,
+        compression=None,
+        lineterminator="\r\n",
+        date_format="%Y-%m-%dT%H:%M:%S+00:00",
+    )
 
 
-def _as_text(cell: Cell) -> str:
-    if cell is None:
-        return ""
-    if isinstance(cell, datetime):
-        return cell.isoformat(timespec="seconds")
-    return repr(cell) if isinstance(cell, float) else str(cell)
-
-
-def _write_parquet(path: Path, columns: Sequence[str], rows: Sequence[RunRow]) -> None:
-    import pyarrow
-    import pyarrow.parquet
-
-    kinds: dict[str, Any] = dict.fromkeys(COMMON_COLUMNS, pyarrow.string())
-    kinds["seed"] = pyarrow.int64()
-    kinds["seconds"] = pyarrow.float64()
-    kinds["ended"] = pyarrow.timestamp("ms", tz="UTC")
-    arrays = [
-        pyarrow.array(
-            [_valid(row.cells.get(name)) for row in rows],
-            kinds.get(name, pyarrow.float64()),
-            safe=False,
-        )
-        for name in columns
-    ]
-    table = pyarrow.Table.from_arrays(arrays, [str(_valid(name)) for name in columns])
-    pyarrow.parquet.write_table(table, path)
-
-
-def _valid(cell: Cell) -> Cell:
-    if not isinstance(cell, str):
-        return cell
-    return cell.encode("utf-8", "backslashreplace").decode()
+def _write_parquet(runs: pd.DataFrame, path: Path) -> None:
+    runs.to_parquet(path, engine="pyarrow", index=False)

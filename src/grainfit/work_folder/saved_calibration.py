@@ -16,7 +16,7 @@ from grainfit.campaign.store.store import STORE_NAME, RunStore, not_a_work_folde
 from grainfit.campaign.work_folder import RESULT_NAME, is_held, read_record, run_folder
 from grainfit.contact_models.registry import MATERIAL_PARAMETERS
 from grainfit.errors import Fault, GrainfitError, InputError, StoreError
-from grainfit.evaluation import Evaluation, Proposal
+from grainfit.evaluation import ERROR_SUFFIX, Evaluation, Proposal, response_name
 from grainfit.formatting import counted
 from grainfit.materials.time_step import RayleighTimeStep
 from grainfit.problem import Parameter, Problem, Target
@@ -25,6 +25,8 @@ from grainfit.tables import TextTable, as_html, as_text
 from grainfit.work_folder.status import read_result, state_of
 
 if TYPE_CHECKING:
+    import pandas as pd
+
     from grainfit.analysis import Analysis
 
 
@@ -136,6 +138,29 @@ class SavedCalibration:
             records |= {record.identity: record for record in kept if record is not None}
         with _naming(folder):
             return _saved(folder, calibration, state, requests, learnt, records)
+
+    def runs(self) -> pd.DataFrame:
+        """Return the runs that this calibration asked for and that have ended, one row for each.
+
+        Returns
+        -------
+        pandas.DataFrame
+            See `grainfit.work_folder.run_table.runs_table`; ``attrs["units"]`` has the units of the
+            problem too.
+        """
+        # The state of a calibration is shown without waiting for pandas.
+        from grainfit.work_folder.run_table import runs_table
+
+        table = runs_table(self.records.values())
+        units = {name: self.units[name] for name in table.columns if name in self.units}
+        targets = {target.name: target.unit for target in self.problem.targets if target.unit}
+        tests = table["test"].unique()
+        for name in table.attrs["responses"]:
+            found = {targets.get(response_name(test, name, len(tests))) for test in tests} - {None}
+            if len(found) == 1:
+                units |= dict.fromkeys((name, f"{name}{ERROR_SUFFIX}"), found.pop())
+        table.attrs["units"] = {**units, **table.attrs["units"]}
+        return table
 
     @property
     def why_nothing_agrees(self) -> str:

@@ -1,5 +1,5 @@
 """Heap test (lifted cylinder): bulk density and angle of repose."""
 
-from grainfit.bulk_tests.heap.bulk_test import HeapTest, RunCost, estimate_cost
+from grainfit.bulk_tests.heap.bulk_test import Heap
 
-__all__ = ["HeapTest", "RunCost", "estimate_cost"]
+__all__ = ["Heap"]

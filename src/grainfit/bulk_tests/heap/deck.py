@@ -195,12 +195,6 @@ def heap_time_step(sizes: ParticleSizes, material: Mapping[str, float], fraction
     )
 
 
-def deck_fingerprint() -> str:
-    """Return the revision of the decks: a changed deck is another run."""
-    # The hash of the templates as they were when it became a constant.
-    return "e11f78288590e984"
-
-
 @cache
 def _environment() -> Environment:
     return Environment(

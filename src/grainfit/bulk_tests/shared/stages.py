@@ -1,9 +1,10 @@
-"""What the deck says about its stages: whether a run went as a heap test must go."""
+"""Stages of a run as its deck reports them in the log, and whether all of them went well."""
 
 from __future__ import annotations
 
 import math
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -22,7 +23,7 @@ class Stage:
     Parameters
     ----------
     name : str
-        ``"fill"``, ``"lift"`` or ``"heap"``.
+        As in the deck, such as ``"fill"``.
     end : str
         ``"at_rest"``, ``"done"``, ``"restless"``, ``"unstable"`` or ``"broken"``.
     step : int
@@ -54,30 +55,36 @@ def read_stages(log: Path) -> list[Stage]:
     ]
 
 
-def require_complete(log: Path, particle_count: int, time_limit: float) -> list[Stage]:
-    """Raise `RunFailedError` unless every stage of a heap test went well; return the stages.
+def require_complete(
+    log: Path, names: Sequence[str], particle_count: int, time_limit: float, container: str
+) -> list[Stage]:
+    """Raise `RunFailedError` unless every stage of a run went well; return the stages.
 
     Parameters
     ----------
     log : Path
         The solver's log.
+    names : sequence of str
+        The stages of the test, in order.
     particle_count : int
         Particles that were rained in.
     time_limit : float
         Simulated time that a bed had for coming to rest, s.
+    container : str
+        Where particles may break out of.
     """
     stages = read_stages(log)
     for stage in stages:
-        reason = _what_went_wrong(stage, particle_count, time_limit)
+        reason = _what_went_wrong(stage, particle_count, time_limit, container)
         if reason:
             raise RunFailedError(f"{reason}: {_REMEDY}", log_tail(log))
-    if not stages or stages[-1].name != "heap":
+    if not stages or stages[-1].name != names[-1]:
         done = ", ".join(stage.name for stage in stages) or "none"
         raise RunFailedError(f"the simulation ended early (stages done: {done})", log_tail(log))
     return stages
 
 
-def _what_went_wrong(stage: Stage, particle_count: int, time_limit: float) -> str:
+def _what_went_wrong(stage: Stage, particle_count: int, time_limit: float, container: str) -> str:
     if not math.isfinite(stage.kinetic_energy):
         return (
             f"the simulation became unstable in the {stage.name} stage (kinetic energy "
@@ -97,6 +104,6 @@ def _what_went_wrong(stage: Stage, particle_count: int, time_limit: float) -> st
         return (
             f"the simulation became unstable in the {stage.name} stage: "
             f"{particle_count - stage.particles} of {particle_count} particles broke out of the "
-            "cylinder"
+            f"{container}"
         )
     return ""

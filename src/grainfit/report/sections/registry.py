@@ -8,7 +8,7 @@ from grainfit.report.section import ReportContext, Section
 from grainfit.report.sections.answer.section import answer
 from grainfit.report.sections.convergence.section import convergence
 from grainfit.report.sections.explorer.section import explorer
-from grainfit.report.sections.heap.section import heap
+from grainfit.report.sections.particles.section import particles
 from grainfit.report.sections.predicted.section import predicted
 from grainfit.report.sections.reproduce.section import reproduce
 from grainfit.report.sections.runs.section import runs
@@ -21,7 +21,7 @@ from grainfit.report.sections.verification.section import verification
 #: Each returns its section, or None when it has nothing to say.
 SECTIONS: Sequence[Callable[[ReportContext], Section | None]] = (
     answer,
-    heap,
+    particles,
     convergence,
     surfaces,
     explorer,

@@ -12,7 +12,10 @@ from functools import cached_property, lru_cache
 from pathlib import Path
 from typing import Any, ClassVar
 
+from typing_extensions import override
+
 from grainfit.bulk_tests.base import BulkTest
+from grainfit.bulk_tests.run_cost import RunCost
 from grainfit.contact_models.registry import (
     MATERIAL_PARAMETERS,
     contact_law_faults,
@@ -53,7 +56,7 @@ class DeckSolver(Solver):
     ------
     InputError
         A parameter is unknown, physically impossible, or of a contact model that the solver does
-        not have, or the number of ranks is below one.
+        not have, the number of ranks is below one, or the test has no deck for the program.
     """
 
     #: Log that the program itself writes into the run folder.
@@ -68,6 +71,9 @@ class DeckSolver(Solver):
     ) -> None:
         if ranks < 1:
             raise InputError(Fault("ranks", f"{ranks} must be at least 1."))
+        if self.name not in test.solvers:
+            message = f"{self.name} cannot simulate the {test.type} test."
+            raise InputError(Fault("solver", message, f"Use one of {', '.join(test.solvers)}."))
         self.test = test
         self.material = _in_si(material)
         self._require_possible(self.material)
@@ -75,10 +81,12 @@ class DeckSolver(Solver):
         self.executable = executable
 
     @property
+    @override
     def response_names(self) -> tuple[str, ...]:
         """Names of the test's responses."""
-        return tuple(self.test.response_units)
+        return tuple(self.test.responses)
 
+    @override
     def model(self) -> Mapping[str, Any]:
         """Return solver, version, ranks and test."""
         return self._model
@@ -94,10 +102,12 @@ class DeckSolver(Solver):
         }
 
     @property
+    @override
     def defaults(self) -> Mapping[str, float]:
         """Values of the material parameters that need not be given."""
         return with_defaults({})
 
+    @override
     def run_parameters(self, parameters: Mapping[str, float]) -> dict[str, float]:
         """Return all material parameters, given the values of the free ones.
 
@@ -119,6 +129,7 @@ class DeckSolver(Solver):
         if faults:
             raise InputError(faults)
 
+    @override
     def run(
         self, parameters: Mapping[str, float], seed: int, workspace: Workspace
     ) -> dict[str, Response]:
@@ -153,6 +164,7 @@ class DeckSolver(Solver):
             tail = error.log_tail or log_tail(own_log)
             raise RunFailedError(reason, tail, error.kind) from error
 
+    @override
     def check(self) -> None:
         """Raise `SolverNotFoundError` unless the program is there.
 
@@ -163,10 +175,29 @@ class DeckSolver(Solver):
         if self.executable is None:
             self.version()
 
+    @override
     def executes(self) -> tuple[str, ...]:
         """Say which command runs the decks; raises when a program of it is not there."""
         return (shlex.join(self._command(Path(f"in.{self.name}"))),)
 
+    @override
+    def readiness(self) -> str:
+        """Say that it is ready; one that was named is not started to find out."""
+        if self.executable is None:
+            return super().readiness()
+        return f"{self.name} is there; the first run asks it for its version."
+
+    @override
+    def estimate_cost(self, parameters: Mapping[str, float]) -> RunCost:
+        """Estimate the cost of a run."""
+        return self.test.estimate_cost(self.name, self.run_parameters(parameters), self.ranks)
+
+    @override
+    def default_timeout(self, parameters: Mapping[str, float]) -> float:
+        """Wall time after which a run hangs, s."""
+        return self.test.default_timeout(self.estimate_cost(parameters))
+
+    @override
     @abstractmethod
     def version(self) -> str:
         """Ask the program for its version.

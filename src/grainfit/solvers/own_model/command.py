@@ -16,6 +16,8 @@ from json import JSONDecodeError, loads
 from pathlib import Path
 from typing import Any
 
+from typing_extensions import override
+
 from grainfit.errors import Fault, GrainfitError, InputError, RunFailedError, SolverNotFoundError
 from grainfit.evaluation import Response
 from grainfit.files import log_tail
@@ -128,10 +130,11 @@ class Command(Solver):
         self._evaluation()
 
     @property
+    @override
     def response_names(self) -> tuple[str, ...] | None:
-        """Names of the responses, if they were given."""
         return self._response_names
 
+    @override
     def check(self) -> None:
         """Raise when no run could succeed; nothing of the user's is executed.
 
@@ -154,6 +157,7 @@ class Command(Solver):
             evaluation.check()
         self._require_program()
 
+    @override
     def executes(self) -> tuple[str, ...]:
         """Say which command runs, and which function evaluates the run."""
         where = f"in a copy of {self._model.path.resolve()}"
@@ -187,6 +191,7 @@ class Command(Solver):
             **self._contents,
         }
 
+    @override
     def run(
         self, parameters: Mapping[str, float], seed: int, workspace: Workspace
     ) -> dict[str, Response]:

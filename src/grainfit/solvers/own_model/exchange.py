@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
+from math import isfinite
 from numbers import Real
 from typing import Any
 
+from grainfit.checks import as_number
 from grainfit.errors import Fault, InputError, RunFailedError
 from grainfit.evaluation import Response
 
@@ -28,7 +29,7 @@ def finite_parameters(parameters: Mapping[str, float]) -> dict[str, float]:
     faults = [
         Fault(str(name), f"is {value!r}, not a finite number.", "Give a finite number.")
         for name, value in parameters.items()
-        if not _is_finite(value)
+        if not isfinite(as_number(value))
     ]
     if faults:
         raise InputError(faults)
@@ -87,7 +88,7 @@ def _response_name(name: Any, origin: str) -> str:
 def _response(name: str, found: Any, origin: str) -> Response:
     value, standard_error = _value_and_error(name, found, origin)
     for number, words in ((value, ""), (standard_error, "standard error of ")):
-        if not _is_finite(number):
+        if not isfinite(as_number(number)):
             raise _unusable(f"{words}response {name} from {origin} is {_short(number)}")
     if standard_error < 0:
         raise _unusable(f"standard error of response {name} from {origin} is {standard_error}")
@@ -104,11 +105,6 @@ def _value_and_error(name: str, found: Any, origin: str) -> tuple[Any, Any]:
     if isinstance(found, Real):
         return found, 0.0
     raise _unusable(f"response {name} from {origin} is {_short(found)}. {_RESPONSE_FORMS}")
-
-
-def _is_finite(value: Any) -> bool:
-    # A comparison that slipped in instead of a number is a mistake, not 0 or 1.
-    return isinstance(value, Real) and not isinstance(value, bool) and math.isfinite(value)
 
 
 def _short(found: Any) -> str:

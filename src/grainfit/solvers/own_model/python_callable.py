@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-import dis
+import ast
 import functools
 import hashlib
 import inspect
 import json
 import sys
+import textwrap
 import traceback
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
@@ -15,6 +16,7 @@ from types import CodeType
 from typing import Any
 
 import numpy as np
+from typing_extensions import override
 
 from grainfit.errors import Fault, GrainfitError, InputError, RunFailedError
 from grainfit.evaluation import Response
@@ -52,7 +54,7 @@ class PythonCallable(Solver):
         arguments of a `functools.partial`, and attributes of the object that it is or is a method
         of, as far as they are numbers, strings, None, NumPy arrays, or lists, tuples, dicts and
         sets of these. So a list that the function itself appends to makes it another function;
-        variables that it declares ``nonlocal`` and assigns to are left out. Globals, other
+        variables that its source declares ``nonlocal`` are left out. Globals, other
         functions and other objects are not seen: give an identity when they change.
 
     Raises
@@ -104,15 +106,17 @@ class PythonCallable(Solver):
         return cls(PythonFile(reference, folder), response_names, name)
 
     @property
+    @override
     def response_names(self) -> tuple[str, ...] | None:
-        """Names of the responses, if they were given."""
         return self._response_names
 
+    @override
     def check(self) -> None:
         """Raise `InputError` when a file is to define the function and does not."""
         if isinstance(self._function, PythonFile):
             self._function.check()
 
+    @override
     def executes(self) -> tuple[str, ...]:
         """Say which function of which file is called."""
         if not isinstance(self._function, PythonFile):
@@ -136,6 +140,7 @@ class PythonCallable(Solver):
             return self._function.identity()
         return _identity(self._function)
 
+    @override
     def run(
         self, parameters: Mapping[str, float], seed: int, workspace: Workspace
     ) -> dict[str, Response]:
@@ -201,7 +206,7 @@ def _held_data(layer: Any) -> dict[str, Any]:
     code = getattr(layer, "__code__", None)
     names = code.co_freevars if code is not None else ()
     cells = dict(zip(names, getattr(layer, "__closure__", None) or (), strict=False))
-    changing = _assigned(code) if code is not None else set()
+    changing = _declared_nonlocal(code) if code is not None else set()
     owner = getattr(layer, "__self__", None) if inspect.ismethod(layer) else None
     held = {
         "closure": {
@@ -214,15 +219,15 @@ def _held_data(layer: Any) -> dict[str, Any]:
     return {name: values for name, values in held.items() if values}
 
 
-def _assigned(code: CodeType) -> set[str]:
-    """Enclosing variables that the code assigns to: they are what it did, not what it is."""
-    found = {
-        str(step.argval)
-        for step in dis.get_instructions(code)
-        if step.opname in ("STORE_DEREF", "DELETE_DEREF") and step.argval in code.co_freevars
-    }
-    inner = [constant for constant in code.co_consts if isinstance(constant, CodeType)]
-    return found.union(*(_assigned(part) & set(code.co_freevars) for part in inner))
+def _declared_nonlocal(code: CodeType) -> set[str]:
+    """Enclosing variables that a function assigns to: they are what it did, not what it is."""
+    try:
+        tree = ast.parse(textwrap.dedent(inspect.getsource(code)))
+    except (OSError, SyntaxError):
+        # No source, or a lambda within a longer statement, which cannot assign to any.
+        return set()
+    found = (node.names for node in ast.walk(tree) if isinstance(node, ast.Nonlocal))
+    return {name for names in found for name in names}
 
 
 def _cell_contents(cell: Any) -> Any:

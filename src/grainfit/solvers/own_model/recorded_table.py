@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import hashlib
 import json
 import math
@@ -12,14 +11,20 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from typing_extensions import override
 
 from grainfit.errors import Fault, InputError, RunFailedError
-from grainfit.evaluation import Response
+from grainfit.evaluation import ERROR_SUFFIX, Response
 from grainfit.solvers.base import Solver, Workspace
+from grainfit.solvers.own_model.csv_table import (
+    OLD_ERROR_SUFFIX,
+    SEED_COLUMN,
+    note_old_error_column,
+    read_csv,
+    repeated_runs,
+)
 from grainfit.solvers.own_model.exchange import finite_parameters
 
-#: Column of the seed, where the table has one.
-SEED_COLUMN = "seed"
 _MOST_FAULTS = 20
 
 
@@ -39,8 +44,8 @@ class RecordedTable(Solver):
     parameters : sequence of str
         Columns of the parameters.
     responses : sequence of str
-        Columns of the responses. A column ``NAME_std_error`` holds the standard errors of
-        ``NAME``, if there is one.
+        Columns of the responses. A column ``NAME.standard_error`` holds the standard errors
+        of ``NAME``, if there is one.
     nearest : bool
         Take the nearest recorded run (in the unit cube that the table's ranges span) when there is
         none at the wanted parameters. Nothing is interpolated.
@@ -82,11 +87,11 @@ class RecordedTable(Solver):
         span = np.ptp(self._points, axis=0)
         # A column with one value only: deviations relative to that value.
         self._scale = np.where(span > 0, span, np.maximum(np.abs(self._points[0]), 1e-300))
-        self._hash = hashlib.sha256(json.dumps(rows, sort_keys=True).encode()).hexdigest()
+        self._hash = _hash(rows)
 
     @property
+    @override
     def response_names(self) -> tuple[str, ...]:
-        """Names of the responses in the table."""
         return self._responses
 
     def model(self) -> Mapping[str, Any]:
@@ -108,6 +113,7 @@ class RecordedTable(Solver):
         """
         return self._values(parameters)
 
+    @override
     def run(
         self, parameters: Mapping[str, float], seed: int, workspace: Workspace
     ) -> dict[str, Response]:
@@ -123,7 +129,8 @@ class RecordedTable(Solver):
             raise RunFailedError("stopped by the user", kind="cancelled")
         row = self._pick(self._replicates(values), int(seed))
         return {
-            name: Response(row[name], row.get(_error_column(name), 0.0)) for name in self._responses
+            name: Response(row[name], row.get(f"{name}{ERROR_SUFFIX}", 0.0))
+            for name in self._responses
         }
 
     def _values(self, parameters: Mapping[str, float]) -> dict[str, float]:
@@ -165,8 +172,13 @@ class RecordedTable(Solver):
         return recorded[0] if recorded else replicates[seed % len(replicates)]
 
 
-def _error_column(response: str) -> str:
-    return f"{response}_std_error"
+def _hash(rows: Sequence[Mapping[str, float]]) -> str:
+    named = [
+        # Under this name it was hashed by version 0.1.0: the runs of a table stay the same runs.
+        {name.replace(ERROR_SUFFIX, OLD_ERROR_SUFFIX): value for name, value in row.items()}
+        for row in rows
+    ]
+    return hashlib.sha256(json.dumps(named, sort_keys=True).encode()).hexdigest()
 
 
 def _listed(names: Sequence[str]) -> str:
@@ -187,15 +199,16 @@ def _read(
         numbered = [(f"row {i}", row) for i, row in enumerate(source, start=1)]
     if not numbered:
         raise InputError(Fault("", "holds no runs.", "Give at least one row."), file or "table")
-    optional = [SEED_COLUMN, *map(_error_column, responses)]
+    optional = [SEED_COLUMN, *(f"{response}{ERROR_SUFFIX}" for response in responses)]
     columns = [*parameters, *responses, *(name for name in optional if name in numbered[0][1])]
     _require_columns(numbered[0][1], (*parameters, *responses), file)
-    faults: list[Fault] = []
+    old = [note_old_error_column(name, responses, f"column {name}") for name in numbered[0][1]]
+    faults = [fault for fault in old if fault]
     rows = [
         {name: _number(row, name, place, faults) for name in columns} for place, row in numbered
     ]
     if not faults:
-        faults.extend(_repeated([place for place, _ in numbered], rows, parameters))
+        faults.extend(_recorded_twice([place for place, _ in numbered], rows, parameters))
     if faults:
         more = len(faults) - _MOST_FAULTS
         rest = [Fault("", f"and {more} more faults.")] if more > 0 else []
@@ -216,36 +229,6 @@ def _csv_rows(path: Path) -> list[tuple[str, Mapping[str, Any]]]:
     if faults:
         raise InputError(faults[:_MOST_FAULTS], str(path))
     return [(f"line {number}", dict(zip(header, line, strict=True))) for number, line in lines[1:]]
-
-
-def read_csv(path: Path) -> list[tuple[int, list[str]]]:
-    """Return the lines of a CSV file that are not blank, with their numbers; first its header.
-
-    Raises
-    ------
-    InputError
-        The file cannot be read, is no CSV file in UTF-8, or is empty.
-    """
-    try:
-        with path.open(newline="", encoding="utf-8-sig") as file:
-            reader = csv.reader(file, strict=True)
-            lines = [
-                (reader.line_num, [cell.strip() for cell in line])
-                for line in reader
-                if any(map(str.strip, line))
-            ]
-    except OSError as error:
-        raise InputError(
-            Fault("", f"cannot be read: {error.strerror}.", "Give the path of a CSV file."),
-            str(path),
-        ) from error
-    except (UnicodeDecodeError, csv.Error) as error:
-        raise InputError(
-            Fault("", f"is not a CSV file: {error}.", "Save the table as CSV in UTF-8."), str(path)
-        ) from error
-    if not lines:
-        raise InputError(Fault("", "is empty.", "Give a header and one line per run."), str(path))
-    return lines
 
 
 def _require_columns(row: Mapping[str, Any], wanted: tuple[str, ...], file: str) -> None:
@@ -270,23 +253,16 @@ def _number(row: Mapping[str, Any], name: str, place: str, faults: list[Fault]) 
         return math.nan
     if not math.isfinite(value):
         faults.append(Fault(where, f"is {value}.", "Leave failed runs out."))
-    elif name.endswith(_error_column("")) and value < 0:
+    elif name.endswith(ERROR_SUFFIX) and value < 0:
         faults.append(Fault(where, f"is {value}; a standard error is not negative."))
     return value
 
 
-def _repeated(
+def _recorded_twice(
     places: list[str], rows: list[dict[str, float]], parameters: tuple[str, ...]
 ) -> Iterator[Fault]:
-    """Yield runs recorded twice; only seeds tell replicates from copies."""
     if SEED_COLUMN not in rows[0]:
-        return
-    first: dict[tuple[float, ...], str] = {}
-    for place, row in zip(places, rows, strict=True):
-        key = (*(row[name] for name in parameters), row[SEED_COLUMN])
-        if first.setdefault(key, place) != place:
-            yield Fault(
-                place,
-                f"has the same parameters and seed as {first[key]}.",
-                "Keep one of them, or give them the seeds they were run with.",
-            )
+        return iter(())
+    columns = (*parameters, SEED_COLUMN)
+    keys = (tuple(row[name] for name in columns) for row in rows)
+    return repeated_runs(zip(places, keys, strict=True))

@@ -6,10 +6,11 @@ import os
 import signal
 import subprocess
 import time
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import NamedTuple
+
+import psutil
 
 from grainfit.errors import RunFailedError, SolverNotFoundError
 from grainfit.files import end_of_file, last_lines, log_tail, text_of
@@ -165,77 +166,50 @@ def end_process_group(leader: int) -> None:
             os.killpg(leader, number)
         except (ProcessLookupError, PermissionError):
             break
-        deadline = time.monotonic() + grace
-        while time.monotonic() < deadline and _is_alive(leader):
-            time.sleep(_POLL_SECONDS)
+        _wait_for_end([leader], grace)
         family |= _descendants(leader)
-    # A number may have been given to another process since.
-    left = [pid for pid, known in _processes(family).items() if known.born == family[pid]]
-    for pid in left:
-        with suppress(ProcessLookupError, PermissionError):
-            os.kill(pid, signal.SIGKILL)
-    deadline = time.monotonic() + _GRACE_SECONDS
-    while time.monotonic() < deadline and any(map(_is_alive, left)):
+    for process in family:
+        # Kills nothing when the number was given to another process since.
+        with suppress(psutil.Error):
+            process.kill()
+    _wait_for_end([process.pid for process in family if process.is_running()], _GRACE_SECONDS)
+
+
+def _descendants(pid: int) -> set[psutil.Process]:
+    """Return children, their children and so on."""
+    try:
+        return set(psutil.Process(pid).children(recursive=True))
+    except psutil.Error:
+        return set()
+
+
+def _wait_for_end(pids: Sequence[int], seconds: float) -> None:
+    # Not by psutil's own waiting: it collects children, whose exit codes are wanted elsewhere, and
+    # waits for processes that have ended and are collected by nobody.
+    deadline = time.monotonic() + seconds
+    while time.monotonic() < deadline and any(map(_is_alive, pids)):
         time.sleep(_POLL_SECONDS)
-
-
-class _Process(NamedTuple):
-    parent: int
-    #: In clock ticks since the machine was started.
-    born: int
-
-
-def _processes(pids: Iterable[int]) -> dict[int, _Process]:
-    found = {}
-    for pid in pids:
-        try:
-            status = Path(f"/proc/{pid}/stat").read_text(encoding="utf-8", errors="replace")
-        except OSError:
-            continue
-        words = status.rpartition(")")[2].split()
-        found[pid] = _Process(int(words[1]), int(words[19]))
-    return found
-
-
-def _descendants(pid: int) -> dict[int, int]:
-    """Return children, their children and so on, each with the time of its birth."""
-    everybody = _processes(int(path.name) for path in Path("/proc").glob("[0-9]*"))
-    found: dict[int, int] = {}
-    parents = {pid}
-    while parents:
-        children = {child for child, known in everybody.items() if known.parent in parents}
-        parents = children - found.keys()
-        found |= {child: everybody[child].born for child in parents}
-    return found
 
 
 def _is_alive(pid: int) -> bool:
     try:
-        status = Path(f"/proc/{pid}/stat").read_text(encoding="utf-8", errors="replace")
-    except OSError:
+        return bool(psutil.Process(pid).status() != psutil.STATUS_ZOMBIE)
+    except psutil.Error:
         return False
-    return status.rpartition(")")[2].split()[0] != "Z"
 
 
 def end_orphan(folder: Path) -> bool:
     """End the solvers that a killed calibration left running in this folder, if there are any.
 
-    They carry a mark in their environment: whoever else works in the folder, such as a person who
-    looks at it, is left alone.
+    They carry a mark in their environment: other processes that work in the folder, such as the
+    shell of a person who looks at it, are left alone.
     """
-    here = folder.resolve()
+    here = str(folder.resolve())
     leaders = set()
-    for process in Path("/proc").glob("[0-9]*"):
-        try:
-            if (process / "cwd").readlink() == here and _is_marked(process):
-                leaders.add(os.getpgid(int(process.name)))
-        except OSError:
-            continue
+    for process in psutil.process_iter():
+        with suppress(psutil.Error, OSError):
+            if process.cwd() == here and _MARK in process.environ():
+                leaders.add(os.getpgid(process.pid))
     for leader in leaders:
         end_process_group(leader)
     return bool(leaders)
-
-
-def _is_marked(process: Path) -> bool:
-    variables = (process / "environ").read_bytes().split(b"\0")
-    return any(variable.startswith(f"{_MARK}=".encode()) for variable in variables)

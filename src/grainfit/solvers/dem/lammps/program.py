@@ -8,6 +8,8 @@ import sysconfig
 from pathlib import Path
 from typing import ClassVar
 
+from typing_extensions import override
+
 from grainfit.errors import SolverNotFoundError
 from grainfit.solvers.dem.program import DeckSolver, program_help
 
@@ -23,14 +25,9 @@ class Lammps(DeckSolver):
     name = "lammps"
     _own_log: ClassVar[str] = "log.lammps"
 
+    @override
     def version(self) -> str:
-        """Ask LAMMPS for its version, like ``22 Jul 2025 - Update 4``.
-
-        Raises
-        ------
-        SolverNotFoundError
-            It does not run, is not LAMMPS, or lacks the GRANULAR package.
-        """
+        """Ask the program for its version, like ``22 Jul 2025 - Update 4``."""
         program = self._program()
         text = program_help(program, _INSTALL)
         found = re.search(r"Massively Parallel Simulator - (.+)", text)

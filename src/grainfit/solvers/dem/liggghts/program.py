@@ -8,6 +8,8 @@ import shutil
 from pathlib import Path
 from typing import ClassVar
 
+from typing_extensions import override
+
 from grainfit.errors import Fault, InputError, SolverNotFoundError
 from grainfit.solvers.dem.program import DeckSolver, program_help
 
@@ -21,6 +23,7 @@ class Liggghts(DeckSolver):
     name = "liggghts"
     _own_log: ClassVar[str] = "log.liggghts"
 
+    @override
     def check(self) -> None:
         """Raise `SolverNotFoundError` unless it is there, `InputError` for what it refuses."""
         super().check()
@@ -36,14 +39,9 @@ class Liggghts(DeckSolver):
         if faults:
             raise InputError(faults)
 
+    @override
     def version(self) -> str:
-        """Ask LIGGGHTS for its version, like ``LIGGGHTS-PUBLIC 3.8.0``.
-
-        Raises
-        ------
-        SolverNotFoundError
-            It does not run, or is not LIGGGHTS.
-        """
+        """Ask the program for its version, like ``LIGGGHTS-PUBLIC 3.8.0``."""
         program = self._program()
         found = re.search(r"LIGGGHTS \(Version ([^,)]+)", program_help(program, _INSTALL))
         if found is None:

@@ -1,4 +1,4 @@
-"""Tables of the calibration file: which keys there are, and what is wrong with a table."""
+"""Tables of options: their keys, and what is wrong with a table."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from grainfit.calibration_file.kinds import (
+from grainfit.options.kinds import (
     NAME_PATTERN,
     Kind,
     Schema,
@@ -16,7 +16,7 @@ from grainfit.calibration_file.kinds import (
     note_wrong_kind,
     suggest,
 )
-from grainfit.calibration_file.places import Place
+from grainfit.options.places import Place
 
 #: What was read of a table by key; None where the value was faulty.
 Values = dict[str, Any]
@@ -40,6 +40,8 @@ class Key:
         Whether its absence is a fault.
     example : str
         A good value, as TOML.
+    default : str
+        What holds without it, in words, where the description does not say so.
     """
 
     name: str
@@ -47,6 +49,7 @@ class Key:
     description: str
     required: bool = False
     example: str = ""
+    default: str = ""
 
     def note_missing(self, place: Place) -> None:
         """Note that this key is missing in the table at a place."""
@@ -55,7 +58,8 @@ class Key:
 
     def schema(self) -> Schema:
         """Return the JSON Schema of the value, with description and example."""
-        schema = {"description": self.description, **self.kind.schema()}
+        default = f" Default: {self.default}." if self.default else ""
+        schema = {"description": f"{self.description}{default}", **self.kind.schema()}
         if self.example:
             schema["examples"] = [tomllib.loads(f"value = {self.example}")["value"]]
         return schema

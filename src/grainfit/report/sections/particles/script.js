@@ -1,8 +1,8 @@
-// A heap that can be turned: shaded spheres, drawn from back to front.
+// Particles that can be turned: shaded spheres, drawn from back to front.
 (() => {
   "use strict";
 
-  const heaps = window.grainfitData("heap") ?? {};
+  const scenes = window.grainfitData("particles") ?? {};
   // From low to high, lighter and lighter (after cividis, Nuñez, Anderton & Renslow 2018).
   const STOPS = [
     [53, 85, 143], [93, 115, 150], [139, 141, 140], [194, 171, 112], [254, 232, 56],
@@ -42,8 +42,8 @@
     return Float32Array.from({ length: bytes.length / 2 }, (_, i) => view.getInt16(2 * i, true));
   };
 
-  const show = (canvas, heap) => {
-    const table = unpack(heap.particles);
+  const show = (canvas, scene) => {
+    const table = unpack(scene.particles);
     const count = table.length / 4;
     const order = Uint32Array.from({ length: count }, (_, i) => i);
     const away = new Float32Array(count);
@@ -80,8 +80,8 @@
       pen.clearRect(0, 0, width, height);
       pen.lineWidth = scale;
       pen.strokeStyle = theme["quiet-ink"];
-      for (const level of heap.rim > 0 ? [0, heap.rim] : [0]) {
-        const radius = heap.plate * zoom;
+      for (const [edge, level] of scene.rings) {
+        const radius = edge * zoom;
         pen.beginPath();
         pen.ellipse(middleX, middleY - level * ce * zoom, radius, radius * se, 0, 0, 2 * Math.PI);
         pen.stroke();
@@ -165,11 +165,11 @@
   const shown = new Map();
   const once = (canvas) => {
     if (!shown.has(canvas)) {
-      shown.set(canvas, show(canvas, heaps[canvas.dataset.heap]));
+      shown.set(canvas, show(canvas, scenes[canvas.dataset.particles]));
     }
   };
-  const canvases = [...document.querySelectorAll("canvas[data-heap]")].filter(
-    (canvas) => heaps[canvas.dataset.heap],
+  const canvases = [...document.querySelectorAll("canvas[data-particles]")].filter(
+    (canvas) => scenes[canvas.dataset.particles],
   );
   const watcher = new IntersectionObserver(
     (entries) => {

@@ -1,4 +1,4 @@
-"""Files, folders, programs and Python functions that a calibration file names."""
+"""Options that are functions in Python files of the user, ``"file.py:function"``."""
 
 from __future__ import annotations
 
@@ -6,44 +6,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from grainfit.calibration_file.kinds import Kind, Schema, Text
-from grainfit.calibration_file.places import Place, show
 from grainfit.errors import InputError
+from grainfit.options.kinds import Kind, Schema, Text
+from grainfit.options.paths import note_not_there
+from grainfit.options.places import Place, show
 from grainfit.solvers.own_model.model_folder import is_inside
 from grainfit.solvers.own_model.python_file import PythonFile
-
-
-@dataclass(frozen=True)
-class Located(Kind):
-    """A file or a folder; a relative path starts at the folder of the calibration file."""
-
-    is_folder: bool = False
-
-    def read(self, value: Any, place: Place) -> Path | None:
-        """Read a path to something that exists."""
-        text = Text().read(value, place)
-        if text is None:
-            return None
-        path = place.findings.folder / text
-        try:
-            exists = path.is_dir() if self.is_folder else path.is_file()
-        except (OSError, ValueError):
-            exists = False
-        if exists:
-            return path
-        note_not_there(text, place.findings.folder, place, "folder" if self.is_folder else "file")
-        return None
-
-    def schema(self) -> Schema:
-        """Return the JSON Schema of a path."""
-        return Text().schema()
-
-
-def note_not_there(text: str, folder: Path, place: Place, word: str = "file") -> None:
-    """Note that a file or a folder does not exist."""
-    place.fault(
-        f"is {show(text)}, but there is no such {word}.", f"Relative paths start at {folder}."
-    )
 
 
 @dataclass(frozen=True)
@@ -105,20 +73,3 @@ def find_function_inside(reference: str, folder: Path, place: Place) -> str | No
         )
         return None
     return find_function(reference, folder, place)
-
-
-@dataclass(frozen=True)
-class Program(Kind):
-    """A program: its name, when it is on the search path, or its path."""
-
-    def read(self, value: Any, place: Place) -> str | None:
-        """Read a program; a relative path with a slash starts at the calibration file."""
-        text = Text().read(value, place)
-        if text is None or "/" not in text:
-            return text
-        path = Located().read(text, place)
-        return None if path is None else str(path)
-
-    def schema(self) -> Schema:
-        """Return the JSON Schema of a program."""
-        return Text().schema()

@@ -1,4 +1,4 @@
-"""Where in the calibration file something is, and what is wrong there."""
+"""Places in the data that is being read, and the faults found there."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The kinds of value that a key of the calibration file can have.
+"""Kinds of option: what a value can be, in a calibration file and in Python.
 
 A kind does two things: it reads a value, noting every fault, and it describes the values that it
 accepts as JSON Schema. So the reader and the published schema cannot disagree on the keys.
@@ -14,7 +14,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
-from grainfit.calibration_file.places import Place, kind_of, show
+from grainfit.options.places import Place, kind_of, show
 from grainfit.units import UnitError, how_to_write, to_unit
 
 Schema = dict[str, Any]
@@ -24,10 +24,11 @@ _NAME_REMEDY = "Use up to 64 letters (a to z), digits and _, not starting with a
 _LONGEST_TEXT = 200
 # Between these, no product, square or ratio of two quantities overflows or vanishes.
 _SMALLEST, _LARGEST = 1e-30, 1e30
+_LARGEST_WHOLE = 2**31 - 1
 
 
 class Kind(ABC):
-    """What a value of the calibration file can be."""
+    """A kind of value: reads it, and describes it as JSON Schema."""
 
     @abstractmethod
     def read(self, value: Any, place: Place) -> Any:
@@ -135,17 +136,23 @@ class Whole(Kind):
     """A whole number."""
 
     lowest: int
-    highest: int = 2**31 - 1
+    highest: int = _LARGEST_WHOLE
 
     def read(self, value: Any, place: Place) -> int | None:
         """Read a whole number."""
         if not isinstance(value, int) or isinstance(value, bool):
             note_wrong_kind(value, place, "a whole number", f"For example {max(self.lowest, 4)}.")
         elif not self.lowest <= value <= self.highest:
-            place.fault(f"is {show(value)}.", f"It must be from {self.lowest} to {self.highest}.")
+            place.fault(f"is {show(value)}.", f"It must be {self.limits()}.")
         else:
             return value
         return None
+
+    def limits(self) -> str:
+        """Return the possible values in words."""
+        if self.highest == _LARGEST_WHOLE:
+            return f"at least {self.lowest}"
+        return f"from {self.lowest} to {self.highest}"
 
     def schema(self) -> Schema:
         """Return the JSON Schema of the whole numbers in range."""
@@ -184,7 +191,7 @@ class Quantity(Kind):
         elif self.above_zero and number <= 0:
             place.fault(f"is {show(value)}.", "It must be above 0.")
         elif not self.lowest <= number <= self.highest:
-            place.fault(f"is {show(value)}.", f"It must be {self._limits()}.")
+            place.fault(f"is {show(value)}.", f"It must be {self.limits()}.")
         else:
             return number
         return None
@@ -214,8 +221,12 @@ class Quantity(Kind):
     def _words(self) -> str:
         return f"a number or a quantity in {self.unit}" if self.unit else "a number"
 
-    def _limits(self) -> str:
+    def limits(self) -> str:
+        """Return the possible values in words."""
         unit = f" {self.unit}" if self.unit else ""
+        if self.above_zero:
+            most = f", and at most {self.highest:g}" if math.isfinite(self.highest) else ""
+            return f"above 0{most}{unit}"
         if math.isinf(self.highest):
             return f"at least {self.lowest:g}{unit}"
         return f"from {self.lowest:g} to {self.highest:g}{unit}"

@@ -1,0 +1,104 @@
+"""Registry of bulk tests: one line for each, and those of other packages.
+
+Another package adds tests with an entry point of the group ``grainfit.bulk_tests``, named like the
+test, whose value is its class.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from functools import cache
+from importlib.metadata import entry_points
+from typing import Any
+
+from grainfit.bulk_tests.base import BulkTest, ResponseInfo
+from grainfit.bulk_tests.heap import Heap as Heap
+from grainfit.errors import Fault, InputError
+from grainfit.run_definition import RunDefinition
+
+ENTRY_POINTS = "grainfit.bulk_tests"
+
+
+def _classes(names: Mapping[str, Any]) -> tuple[type[BulkTest], ...]:
+    return tuple(
+        found
+        for found in names.values()
+        if isinstance(found, type) and issubclass(found, BulkTest) and found is not BulkTest
+    )
+
+
+#: The built-in tests, by name: every test that is imported above.
+BUILT_IN: Mapping[str, type[BulkTest]] = {test.type: test for test in _classes(globals())}
+
+
+@cache
+def bulk_tests() -> Mapping[str, type[BulkTest]]:
+    """Return all tests by name, the built-in ones first.
+
+    Raises
+    ------
+    InputError
+        A test of another package cannot be loaded.
+    """
+    others = {point.name: point for point in entry_points(group=ENTRY_POINTS)}
+    return {**{name: _load(point) for name, point in others.items()}, **BUILT_IN}
+
+
+def _load(point: Any) -> type[BulkTest]:
+    try:
+        test = point.load()
+    except Exception as error:
+        raise _fault(point, f"cannot be loaded: {type(error).__name__}: {error}") from error
+    if not (isinstance(test, type) and issubclass(test, BulkTest)) or test.type != point.name:
+        raise _fault(point, f"is not a BulkTest whose type is {point.name!r}")
+    return test
+
+
+def _fault(point: Any, message: str) -> InputError:
+    return InputError(
+        Fault(
+            f"bulk test {point.name!r}",
+            f"{point.value} {message}.",
+            "Repair or remove the package that provides it.",
+        )
+    )
+
+
+def class_of_test(definition: RunDefinition) -> type[BulkTest] | None:
+    """Return the class of the test in the definition of a run; None for a model of the user."""
+    known = definition.model.get("test")
+    name = known.get("type") if isinstance(known, Mapping) else None
+    return bulk_tests().get(name) if isinstance(name, str) else None
+
+
+def recreate_test(definition: RunDefinition) -> BulkTest | None:
+    """Make the test of a run again from the run's definition; None for a model of the user.
+
+    Raises
+    ------
+    InputError
+        The definition is damaged, or of another version.
+    """
+    test = class_of_test(definition)
+    if test is None:
+        return None
+    try:
+        return test.from_definition(definition.model["test"])
+    except KeyError as error:
+        reason = f"{error} is missing"
+    except (TypeError, ValueError, AttributeError) as error:
+        reason = str(error)
+    raise InputError(
+        Fault(
+            "",
+            f"does not define a {test.type} test: {reason}.",
+            "It was edited, or written by another version of grainfit.",
+        )
+    )
+
+
+def response_info(name: str) -> ResponseInfo | None:
+    """Return what a response of a built-in or installed test is; None when no test has it."""
+    return next(
+        (test.responses[name] for test in bulk_tests().values() if name in test.responses), None
+    )

@@ -1,0 +1,38 @@
+"""Estimated cost of one DEM run."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class RunCost:
+    """Estimated cost of one run.
+
+    Parameters
+    ----------
+    time_step : float
+        Exact, s.
+    steps : int
+        Estimated number of time steps.
+    wall_seconds : float
+        Estimated wall time on an otherwise idle core.
+    particles : int, optional
+        Number of particles.
+    time_step_fraction : float, optional
+        Time step over the Rayleigh time step.
+    """
+
+    time_step: float
+    steps: int
+    wall_seconds: float
+    particles: int | None = None
+    time_step_fraction: float | None = None
+
+    def __str__(self) -> str:
+        particles = "particle" if self.particles == 1 else "particles"
+        words = "" if self.particles is None else f"{self.particles} {particles}, "
+        words += f"time step {self.time_step:.3g} s"
+        if self.time_step_fraction is not None:
+            words += f" ({self.time_step_fraction:.0%} of the Rayleigh time step)"
+        return f"{words}, about {self.steps:,} steps, about {self.wall_seconds:.0f} s a run"

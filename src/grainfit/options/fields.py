@@ -1,0 +1,96 @@
+"""Options as fields of a dataclass: one declaration for Python, file, schema and docs."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field, fields
+from pathlib import Path
+from typing import Any
+
+from grainfit.errors import InputError
+from grainfit.options.kinds import Kind
+from grainfit.options.places import Findings, Place
+from grainfit.options.tables import Key
+
+#: A number in SI units (degrees for angles), or a quantity with its unit, such as ``"10 mm"``.
+Amount = float | str
+
+_METADATA = "grainfit option"
+
+
+@dataclass(frozen=True)
+class _Declaration:
+    kind: Kind
+    description: str
+    default: str
+    example: str
+
+
+def option(
+    kind: Kind, description: str, *, example: str, default: Any = None, words: str = ""
+) -> Any:
+    """Declare an option as a field of a dataclass; it is given by keyword only.
+
+    Parameters
+    ----------
+    kind : Kind
+        Unit and limits, or the words to choose from.
+    description : str
+        One sentence or two, for schema, documentation and help.
+    example : str
+        A good value, as TOML.
+    default : object
+        Value of the field when it is not given; None when it follows from something else.
+    words : str
+        The default in words; the value itself when there is one.
+    """
+    words = words or f"{default} {getattr(kind, 'unit', '') or ''}".rstrip()
+    declaration = _Declaration(kind, description, words, example)
+    return field(default=default, kw_only=True, metadata={_METADATA: declaration})
+
+
+def option_keys(owner: type) -> tuple[Key, ...]:
+    """Return the options of a dataclass, in the order of its fields."""
+    declared = [(f.name, f.metadata.get(_METADATA)) for f in fields(owner)]
+    return tuple(
+        Key(name, it.kind, it.description, example=it.example, default=it.default)
+        for name, it in declared
+        if it is not None
+    )
+
+
+def read_options(keys: Iterable[Key], given: Mapping[str, Any]) -> dict[str, Any]:
+    """Read options given in Python: numbers, or texts with a unit.
+
+    Parameters
+    ----------
+    keys : iterable of Key
+        The options.
+    given : mapping of str to object
+        Values by name; None stands for the default, and stays.
+
+    Returns
+    -------
+    dict
+        All of the options; a plain number stays as it was given.
+
+    Raises
+    ------
+    InputError
+        Names every option at fault, with its value.
+    """
+    findings = Findings(Path())
+    values = {key.name: _read(key, given.get(key.name), findings) for key in keys}
+    if findings.faults:
+        raise InputError(findings.faults)
+    return values
+
+
+def _read(key: Key, value: Any, findings: Findings) -> Any:
+    if value is None:
+        return None
+    # Numbers of NumPy are numbers, too.
+    value = value.item() if hasattr(value, "item") else value
+    read = key.kind.read(value, Place(findings, (key.name,)))
+    # 1 and 1.0 are written differently into the identity of a run: keep what was given.
+    return value if read == value else read

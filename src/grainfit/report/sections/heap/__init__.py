@@ -1,1 +1,0 @@
-"""Section of the report: heap."""

@@ -1,0 +1,1 @@
+"""Section of the report: particles at the end of a bulk test."""

@@ -1,0 +1,234 @@
+"""Particles at the end of a bulk test: those of the answer, and across the parameters."""
+
+from __future__ import annotations
+
+import base64
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from statistics import fmean
+from typing import Any
+
+import numpy as np
+
+from grainfit.bulk_tests.registry import bulk_tests, class_of_test
+from grainfit.bulk_tests.view import RunView
+from grainfit.formatting import number, plain, unit_for_people, with_unit
+from grainfit.measurement.drawing import Drawing
+from grainfit.measurement.particles import Particles
+from grainfit.plots.labels import Label
+from grainfit.problem import Target
+from grainfit.report.rendering import render
+from grainfit.report.section import ReportContext, Section
+from grainfit.report.sections.particles.shown_runs import (
+    ShownRun,
+    first_readable,
+    picture,
+    shown_runs,
+    spread,
+    visible,
+)
+
+#: Runs in the strip, and parameters that are named below each.
+_STRIP = 6
+_NAMED = 3
+#: Positions are whole numbers of that many to the largest one.
+_STEPS = 32_000
+
+
+@dataclass(frozen=True)
+class StripRun:
+    """A run of the strip: how it looks, and the values of some parameters."""
+
+    number: int
+    value: str
+    met: bool
+    drawing: Drawing
+    values: Sequence[tuple[Label, str]]
+
+
+@dataclass(frozen=True)
+class SeenTest:
+    """All that is seen of one bulk test."""
+
+    key: str
+    title: str
+    noun: str
+    response: str
+    words: str
+    target: str
+    value: str
+    measured: str
+    drawing: Drawing | None
+    picture: str | None
+    particles: int
+    height: str
+    strip: Sequence[StripRun]
+    strip_width: int
+    strip_height: int
+    chosen: bool
+
+
+def particles(context: ReportContext) -> Section:
+    """Silhouette beside its target, the particles in three dimensions, and runs compared."""
+    reading = context.reading
+    tests = shown_runs(reading.evaluations, reading.records, reading.folder)
+    views, data = [], {}
+    for position, (test, runs) in enumerate(tests.items(), 1):
+        key = f"particles-{position}"
+        view, scene = _view(context, key, test if len(tests) > 1 else "", runs)
+        views.append(view)
+        if scene is not None:
+            data[key] = scene
+    drawn = [f"{name} test" for name, test in bulk_tests().items() if test.shown is not None]
+    nouns = dict.fromkeys(view.noun for view in views)
+    html = render(
+        "particles/page", views=views, begun=bool(reading.evaluations), drawn=" or ".join(drawn)
+    )
+    title = f"The {next(iter(nouns))}" if len(nouns) == 1 else "The particles"
+    return Section("particles", title, html, data=data)
+
+
+def _view(
+    context: ReportContext, key: str, title: str, runs: list[ShownRun]
+) -> tuple[SeenTest, dict[str, Any] | None]:
+    target = _target(context, runs)
+    candidates, words = _candidates(context, runs, target)
+    found = first_readable(candidates)
+    strip = _strip(context, runs, target)
+    seen = SeenTest(
+        key=key,
+        title=title,
+        noun=runs[0].shown.noun if runs else "particles",
+        response=_response(runs),
+        words=words,
+        target="" if target is None else _with_unit(runs, target.value, 6),
+        value="",
+        measured="",
+        drawing=None,
+        picture=None,
+        particles=0,
+        height="",
+        strip=strip,
+        strip_width=max((run.drawing.half_width for run in strip), default=1),
+        strip_height=max((run.drawing.height for run in strip), default=1),
+        chosen=len(context.parameters) > _NAMED,
+    )
+    if found is None:
+        images = (picture(run) for run in candidates[:5])
+        return replace(seen, picture=next((image for image in images if image), None)), None
+    run, view = found
+    value = _with_unit([run], run.value, 3)
+    return replace(_with_particles(seen, run, view, target), value=value), _scene(view)
+
+
+def _with_particles(
+    seen: SeenTest, run: ShownRun, view: RunView, target: Target | None
+) -> SeenTest:
+    measured = view.measured_drawing(None if target is None else target.value)
+    top = float((view.particles.positions[:, 2] + view.particles.radii).max())
+    return replace(
+        seen,
+        words=f"{seen.words}: run {run.number}",
+        measured=measured.words,
+        drawing=measured.drawing,
+        particles=len(view.particles),
+        height=_length(top),
+    )
+
+
+def _response(runs: list[ShownRun]) -> str:
+    """The response that is seen, in words."""
+    return plain(runs[0].shown.response.replace("_", " ")) if runs else ""
+
+
+def _with_unit(runs: list[ShownRun], value: float, digits: int) -> str:
+    """The value of the response that is seen, with its unit."""
+    test = class_of_test(runs[0].record.definition) if runs else None
+    unit = "" if test is None else test.responses[runs[0].shown.response].unit
+    return with_unit(number(value, digits), unit_for_people(unit))
+
+
+def _target(context: ReportContext, runs: list[ShownRun]) -> Target | None:
+    """The target of the response that is seen."""
+    names = {run.response for run in runs}
+    return next((target for target in context.targets if target.name in names), None)
+
+
+def _candidates(
+    context: ReportContext, runs: list[ShownRun], target: Target | None
+) -> tuple[list[ShownRun], str]:
+    """Runs to show, the most telling first, and what they are."""
+    answer = context.answer
+    response = _response(runs)
+    verified = [
+        run
+        for run in runs
+        if run.evaluation.proposal.stage == "verification"
+        and run.evaluation.proposal.parameters == answer
+    ]
+    if verified:
+        mean = fmean(run.value for run in verified)
+        words = f"Of the verification runs, the one whose {response} is nearest to their mean"
+        return sorted(verified, key=lambda run: abs(run.value - mean)), words
+    if answer:
+        point = context.reading.problem.to_unit(answer)
+
+        def distance(run: ShownRun) -> float:
+            at = context.reading.problem.to_unit(run.evaluation.proposal.parameters)
+            return float(np.linalg.norm(at - point))
+
+        return sorted(runs, key=distance), "The run whose parameters are nearest to the answer"
+    if target is not None:
+        value = target.value
+        words = f"The run whose {response} is nearest to the measured one so far"
+        return sorted(runs, key=lambda run: abs(run.value - value)), words
+    return runs[::-1], "The last run"
+
+
+def _strip(context: ReportContext, runs: list[ShownRun], target: Target | None) -> list[StripRun]:
+    names = _named(context, target)
+    return [
+        StripRun(
+            number=run.number,
+            value=_with_unit([run], run.value, 3),
+            met=target is not None and abs(run.value - target.value) <= target.tolerance,
+            drawing=view.drawing(),
+            values=[_named_value(context, run, name) for name in names],
+        )
+        for run, view in spread(runs, _STRIP)
+    ]
+
+
+def _named_value(context: ReportContext, run: ShownRun, name: str) -> tuple[Label, str]:
+    label = context.parameter_label(name)
+    value = run.evaluation.proposal.parameters[name]
+    return label, with_unit(number(value, 3), label.unit)
+
+
+def _named(context: ReportContext, target: Target | None) -> list[str]:
+    """The parameters that decide most about the response that is seen."""
+    names = [parameter.name for parameter in context.parameters]
+    sensitivity = context.analysis.sensitivity
+    if target is None or sensitivity is None or target.name not in sensitivity.responses:
+        return names[:_NAMED]
+    shares = np.asarray(sensitivity.total)[list(sensitivity.responses).index(target.name)]
+    order = dict(zip(sensitivity.names, shares.tolist(), strict=True))
+    return sorted(names, key=lambda name: -order.get(name, 0.0))[:_NAMED]
+
+
+def _scene(view: RunView) -> dict[str, Any]:
+    """What the page draws in three dimensions: positions and radii as small whole numbers."""
+    shown: Particles = visible(view.particles)
+    table = np.column_stack([shown.positions, shown.radii])
+    step = float(np.abs(table).max()) / _STEPS
+    packed = np.round(table / step).astype("<i2")
+    return {
+        "particles": base64.b64encode(packed.tobytes()).decode("ascii"),
+        "rings": [[radius / step, height / step] for radius, height in view.rings()],
+    }
+
+
+def _length(metres: float) -> str:
+    if metres >= 1:
+        return f"{number(metres, 3)} m"
+    return f"{number(1000 * metres, 3)} mm"

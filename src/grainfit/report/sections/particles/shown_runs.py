@@ -1,0 +1,148 @@
+"""Runs whose particles a report shows, as far as they are still there and whole."""
+
+from __future__ import annotations
+
+import base64
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from grainfit.bulk_tests.registry import class_of_test, recreate_test
+from grainfit.bulk_tests.view import RunView, Shown
+from grainfit.campaign.store.records import RunRecord
+from grainfit.campaign.work_folder import run_folder
+from grainfit.errors import InputError, NotMeasurableError
+from grainfit.evaluation import Evaluation, response_name
+from grainfit.measurement.particles import Particles
+
+#: More than that many particles are not all shown: those deep inside are left out.
+_MOST_PARTICLES = 20_000
+#: How deep below the surface a particle is seen, in diameters.
+_SEEN_DEPTH = 3.0
+#: A picture larger than that is none of ours.
+_LARGEST_PICTURE = 2_000_000
+_PNG = b"\x89PNG\r\n"
+
+
+@dataclass(frozen=True)
+class ShownRun:
+    """A finished run of a bulk test.
+
+    Parameters
+    ----------
+    number : int
+        Of its parameter set, as in the table of runs.
+    evaluation : Evaluation
+        What it was asked for.
+    record : RunRecord
+        The run.
+    shown : Shown
+        What its test leaves for a report.
+    response, value : str, float
+        The response that is seen: as it is called among the responses, and its value.
+    folder : Path
+        Where its files are, if they are.
+    """
+
+    number: int
+    evaluation: Evaluation
+    record: RunRecord
+    shown: Shown
+    response: str
+    value: float
+    folder: Path
+
+    @property
+    def has_particles(self) -> bool:
+        """Whether the particles were kept."""
+        return (self.folder / self.shown.particles).is_file()
+
+
+def visible(particles: Particles) -> Particles:
+    """Return the particles that can be seen from above and from the sides."""
+    if len(particles) <= _MOST_PARTICLES:
+        return particles
+    cells = np.floor(particles.positions[:, :2] / particles.diameter).astype(np.int64)
+    _, column = np.unique(cells, axis=0, return_inverse=True)
+    tops = np.full(column.max() + 1, -np.inf)
+    np.maximum.at(tops, column.ravel(), particles.positions[:, 2])
+    depth = tops[column.ravel()] - particles.positions[:, 2]
+    shown = particles.select(depth < _SEEN_DEPTH * particles.diameter)
+    return shown.select(np.argsort(np.argsort(-shown.positions[:, 2])) < _MOST_PARTICLES)
+
+
+def shown_runs(
+    evaluations: Iterable[Evaluation], runs: Mapping[str, RunRecord], folder: Path
+) -> dict[str, list[ShownRun]]:
+    """Find the finished runs of every bulk test that shows something, by name of the test."""
+    found: dict[str, list[ShownRun]] = {}
+    for number, evaluation in enumerate(evaluations, 1):
+        for test, identity in evaluation.runs.items():
+            record = runs.get(identity)
+            shown = None if record is None else _shown(record)
+            if record is None or shown is None:
+                continue
+            known = found.setdefault(test, [])
+            name = response_name(test, shown.response, len(evaluation.runs))
+            if name in evaluation.responses:
+                value = evaluation.responses[name].value
+                where = run_folder(folder, identity)
+                known.append(ShownRun(number, evaluation, record, shown, name, value, where))
+    return found
+
+
+def _shown(record: RunRecord) -> Shown | None:
+    test = class_of_test(record.definition)
+    return None if test is None else test.shown
+
+
+def read_view(run: ShownRun) -> RunView | None:
+    """Read the end of a run; None when it is not there any more, or damaged."""
+    try:
+        test = recreate_test(run.record.definition)
+        return None if test is None else test.view(run.folder)
+    except (InputError, NotMeasurableError, OSError):
+        return None
+
+
+def first_readable(runs: Iterable[ShownRun], tries: int = 5) -> tuple[ShownRun, RunView] | None:
+    """Return the first run whose end can be read."""
+    return next(_readable(runs, tries), None)
+
+
+def _readable(runs: Iterable[ShownRun], tries: int) -> Iterator[tuple[ShownRun, RunView]]:
+    kept = (run for run in runs if run.has_particles)
+    for run, _ in zip(kept, range(tries), strict=False):
+        view = read_view(run)
+        if view is not None:
+            yield run, view
+
+
+def spread(runs: Iterable[ShownRun], count: int) -> list[tuple[ShownRun, RunView]]:
+    """Read runs of different parameters, spread from the lowest response to the highest."""
+    one_each = {
+        tuple(run.evaluation.proposal.parameters.values()): run for run in runs if run.has_particles
+    }
+    kept = sorted(one_each.values(), key=lambda run: run.value)
+    if not kept:
+        return []
+    values = np.array([run.value for run in kept])
+    wanted = np.linspace(values[0], values[-1], count)
+    chosen = np.unique(np.abs(values - wanted[:, None]).argmin(axis=1))
+    return list(_readable((kept[i] for i in chosen), count))
+
+
+def picture(run: ShownRun) -> str | None:
+    """Return the picture that was kept of a run, as the address of an image in a page."""
+    path = run.folder / run.shown.picture
+    try:
+        if path.stat().st_size > _LARGEST_PICTURE:
+            return None
+        content = path.read_bytes()
+    except OSError:
+        return None
+    if not content.startswith(_PNG):
+        return None
+    return f"data:image/png;base64,{base64.b64encode(content).decode('ascii')}"

@@ -1,0 +1,72 @@
+"""Types of test that a DEM program simulates: every bulk test."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from functools import partial
+
+from grainfit.bulk_tests.base import BulkTest
+from grainfit.contact_models.registry import MATERIAL_PARAMETERS
+from grainfit.options.kinds import Choice, Whole
+from grainfit.options.paths import Program
+from grainfit.options.tables import Key
+from grainfit.solvers.base import Solver
+from grainfit.solvers.dem.program import DeckSolver
+from grainfit.solvers.parameters_for import ParametersFor
+from grainfit.solvers.type_of_test import TIMEOUT_KEY, FileEntry, TypeOfTest
+
+Programs = Mapping[str, type[DeckSolver]]
+
+
+def simulated(test: type[BulkTest], programs: Programs) -> TypeOfTest:
+    """Return the type of test in a calibration file whose runs simulate a bulk test."""
+    possible = tuple(name for name in programs if name in test.solvers)
+    return TypeOfTest(
+        test.type,
+        (*_program_keys(possible), *test.option_keys()),
+        partial(_solver, test, programs),
+        test,
+    )
+
+
+def _program_keys(possible: tuple[str, ...]) -> tuple[Key, ...]:
+    return (
+        Key(
+            "solver",
+            Choice(possible),
+            "DEM program that simulates the test.",
+            required=True,
+            example=f'"{possible[0]}"',
+        ),
+        Key(
+            "ranks",
+            Whole(1, 4096),
+            "MPI processes of one run. Several runs at a time use a machine better than several "
+            "ranks.",
+            default="1",
+        ),
+        Key(
+            "executable",
+            Program(),
+            "The program: a name on the search path, or a path. It is started by the first run "
+            "only, not by grainfit check.",
+            default="found by its usual name",
+        ),
+        replace(TIMEOUT_KEY, default="10 minutes plus 100 times the estimated time of a run"),
+    )
+
+
+def _solver(test: type[BulkTest], programs: Programs, entry: FileEntry) -> Solver:
+    names = [key.name for key in test.option_keys()]
+    options = {name: entry.options[name] for name in names if name in entry.options}
+    assert entry.sizes is not None, "a file with a simulated test has been checked to have sizes"
+    solver = programs[entry.options["solver"]](
+        test(entry.sizes, **options),
+        {name: value for name, value in entry.fixed.items() if name in MATERIAL_PARAMETERS},
+        entry.options.get("ranks", 1),
+        entry.options.get("executable"),
+    )
+    if all(name in MATERIAL_PARAMETERS for name in entry.free):
+        return solver
+    return ParametersFor(solver, takes=MATERIAL_PARAMETERS.__contains__)

@@ -1,0 +1,118 @@
+"""Types of test whose runs are made by a model of the user: command, function, recorded table."""
+
+from __future__ import annotations
+
+from grainfit.options.kinds import Flag, ListOf, Text
+from grainfit.options.paths import Located
+from grainfit.options.places import Place
+from grainfit.options.tables import Key, Values
+from grainfit.solvers.base import Solver
+from grainfit.solvers.own_model.command import Command
+from grainfit.solvers.own_model.function_reference import Function, find_function_inside
+from grainfit.solvers.own_model.python_callable import PythonCallable
+from grainfit.solvers.own_model.recorded_table import RecordedTable
+from grainfit.solvers.parameters_for import ParametersFor
+from grainfit.solvers.type_of_test import TIMEOUT_KEY, FileEntry, TypeOfTest
+
+
+def _check_command(values: Values, place: Place) -> None:
+    if "responses" in values and "evaluate" in values:
+        place.at("responses").fault(
+            "is given beside evaluate.",
+            "Keep the JSON file that your command writes, or the function that evaluates the run.",
+        )
+    folder, evaluate = values.get("folder"), values.get("evaluate")
+    if folder and evaluate:
+        values["evaluate"] = find_function_inside(evaluate, folder, place.at("evaluate"))
+
+
+def _command(entry: FileEntry) -> Solver:
+    options = {key: value for key, value in entry.options.items() if key != TIMEOUT_KEY.name}
+    return Command(**options, parameters=entry.fixed, response_names=entry.responses)
+
+
+def _python(entry: FileEntry) -> Solver:
+    function = PythonCallable.from_file(entry.options["function"], entry.responses)
+    return ParametersFor(function, entry.fixed)
+
+
+def _table(entry: FileEntry) -> Solver:
+    options = dict(entry.options)
+    return RecordedTable(options.pop("file"), entry.free, entry.responses, **options)
+
+
+COMMAND = TypeOfTest(
+    "command",
+    (
+        Key(
+            "folder",
+            Located(is_folder=True),
+            "Your model: its files are copied into the folder of every run.",
+            required=True,
+            example='"model"',
+        ),
+        Key(
+            "command",
+            ListOf(Text()),
+            "Program and arguments, started in the copy; {{ ... }} is filled in.",
+            required=True,
+            example='["lmp", "-in", "in.deck"]',
+        ),
+        Key(
+            "templates",
+            ListOf(Text()),
+            "Files of the folder, or patterns of them, that Jinja2 fills in; *.j2 by default.",
+            example='["*.j2"]',
+        ),
+        Key(
+            "responses",
+            Text(),
+            "JSON file that the command writes: responses by name; responses.json by default.",
+            example='"responses.json"',
+        ),
+        Key(
+            "evaluate",
+            Text(),
+            "Instead of responses: a function in a file of the folder that gets the folder of the "
+            "run and returns the responses by name.",
+            example='"evaluate.py:measure"',
+        ),
+        TIMEOUT_KEY,
+    ),
+    _command,
+    check=_check_command,
+)
+
+PYTHON = TypeOfTest(
+    "python",
+    (
+        Key(
+            "function",
+            Function(),
+            "Function that is called with the parameters by name and a seed, and returns the "
+            "responses by name.",
+            required=True,
+            example='"model.py:simulate"',
+        ),
+    ),
+    _python,
+)
+
+TABLE = TypeOfTest(
+    "table",
+    (
+        Key(
+            "file",
+            Located(),
+            "CSV file of recorded runs: one column for each free parameter and each response.",
+            required=True,
+            example='"runs.csv"',
+        ),
+        Key(
+            "nearest",
+            Flag(),
+            "Whether the nearest recorded run stands for one that was not recorded; false.",
+        ),
+    ),
+    _table,
+)
