@@ -21,7 +21,7 @@ PACKAGE = "grainfit"
 FLOORS: tuple[tuple[str, ...], ...] = (
     ("errors",),
     ("checks", "units", "formatting", "files"),
-    ("options",),
+    ("options", "tables"),
     ("materials",),
     ("contact_models",),
     ("evaluation", "problem", "run_definition"),
@@ -35,6 +35,7 @@ FLOORS: tuple[tuple[str, ...], ...] = (
     ("work_folder",),
     ("cards", "plots"),
     ("report",),
+    ("opened",),
     ("cli",),
 )
 #: Rooms that nothing imports, and that may import everything.

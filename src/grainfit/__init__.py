@@ -4,6 +4,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from grainfit import plots as plots
     from grainfit import tests as tests
     from grainfit.analysis import Analysis, analyse
     from grainfit.calibration.calibrate import calibrate
@@ -19,6 +20,8 @@ if TYPE_CHECKING:
     from grainfit.evaluation import Evaluation, Proposal, Response
     from grainfit.materials.sizes import ParticleSizes
     from grainfit.materials.time_step import RayleighTimeStep, rayleigh_time_step
+    from grainfit.opened import OpenedCalibration
+    from grainfit.opened import open_calibration as open  # noqa: A004
     from grainfit.problem import Parameter, Problem, Target
     from grainfit.report.page import write_report
     from grainfit.result import Result
@@ -35,6 +38,7 @@ __all__ = [
     "GrainfitError",
     "InputError",
     "NotMeasurableError",
+    "OpenedCalibration",
     "Parameter",
     "ParticleSizes",
     "Problem",
@@ -55,6 +59,8 @@ __all__ = [
     "Workspace",
     "analyse",
     "calibrate",
+    "open",
+    "plots",
     "rayleigh_time_step",
     "write_report",
 ]
@@ -64,8 +70,10 @@ _HOMES = {
     **dict.fromkeys(("Analysis", "analyse"), "analysis.analysis"),
     "calibrate": "calibration.calibrate",
     "ParticleSizes": "materials.sizes",
+    "OpenedCalibration": "opened",
     "Progress": "calibration.progress",
     "Result": "result",
+    "open": "opened",
     "write_report": "report.page",
     **dict.fromkeys(("Parameter", "Problem", "Target"), "problem"),
     **dict.fromkeys(("Evaluation", "Proposal", "Response"), "evaluation"),
@@ -79,12 +87,19 @@ _HOMES = {
 }
 
 
+#: Rooms that are used by their name.
+_ROOMS = ("plots", "tests")
+#: Functions that are called otherwise at home, where they would hide a function of Python.
+_OTHER_NAMES = {"open": "open_calibration"}
+
+
 def __getattr__(name: str) -> Any:
-    if name == "tests":
-        return import_module(f"{__name__}.tests")
+    if name in _ROOMS:
+        return import_module(f"{__name__}.{name}")
     if name not in _HOMES:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    return getattr(import_module(f"{__name__}.{_HOMES[name]}"), name)
+    home = import_module(f"{__name__}.{_HOMES[name]}")
+    return getattr(home, _OTHER_NAMES.get(name, name))
 
 
 def __dir__() -> list[str]:

@@ -11,12 +11,21 @@ from typing import Any, Literal
 
 from grainfit.errors import StoreError
 from grainfit.files import write_atomically
+from grainfit.formatting import probability
+from grainfit.tables import TextTable, as_html, as_text
 
 #: Half the width of a 95 % interval in standard errors.
 _NORMAL_QUANTILE = 1.96
 Status = Literal["calibrated", "out_of_tolerance", "unreachable", "interrupted"]
 Verdict = Literal["met", "in doubt", "missed", "not verified"]
 Bound = Literal["min", "max"]
+#: The status in words, for people.
+STATUS_WORDS: Mapping[Status, str] = {
+    "calibrated": "calibrated: every target is met within its tolerance",
+    "out_of_tolerance": "finished without meeting every target",
+    "unreachable": "out of reach within the given intervals",
+    "interrupted": "interrupted: start it again to go on",
+}
 #: Names of version 0.1.0 that are called otherwise now.
 _RENAMED = {
     "agreement": "probability_all_met",
@@ -99,6 +108,13 @@ class RunCounts:
     total: int = 0
     warm_start_runs: int = 0
 
+    def __str__(self) -> str:
+        learnt = f", learnt from {self.warm_start_runs} made before" if self.warm_start_runs else ""
+        return (
+            f"{self.total} = {self.design} design + {self.optimisation} optimisation + "
+            f"{self.verification} verification; {self.failed} failed, {self.reused} reused{learnt}"
+        )
+
 
 @dataclass(frozen=True)
 class RunSummary:
@@ -175,6 +191,39 @@ class Result:
     notices: tuple[str, ...] = ()
     history: tuple[RunSummary, ...] = ()
 
+    @property
+    def headline(self) -> str:
+        """Name and status in words."""
+        words = STATUS_WORDS[self.status]
+        return f"{self.name}: {words}" if self.name else words
+
+    def parameter_table(self) -> TextTable:
+        """Return the calibrated values with their units."""
+        rows = ((n, _with_unit(v, self.units.get(n, ""))) for n, v in self.parameters.items())
+        return TextTable(("parameter", "value"), tuple(rows))
+
+    def response_table(self) -> TextTable:
+        """Return each response: target, expected value, deviation and verdict."""
+        rows = (_response_cells(name, found) for name, found in self.responses.items())
+        caption = "± tolerance of the target, 95 % confidence of the expected response"
+        return TextTable(("response", "target", "expected", "deviation", ""), tuple(rows), caption)
+
+    def summary(self) -> tuple[str | TextTable, ...]:
+        """Return the sentences and tables that `print` and a notebook show."""
+        parts: list[str | TextTable] = [self.headline, *self.notices]
+        if self.parameters:
+            parts += [self.parameter_table(), self.response_table()]
+        if self.probability_all_met is not None:
+            chance = probability(self.probability_all_met).replace("\u00a0", " ")
+            parts.append(f"Probability that every target is met, by all runs: {chance}.")
+        return (*parts, f"DEM runs: {self.runs}.")
+
+    def __str__(self) -> str:
+        return as_text(self.summary())
+
+    def _repr_html_(self) -> str:
+        return as_html(self.summary())
+
     def to_dict(self) -> dict[str, Any]:
         """Return the result as plain data."""
         return asdict(self)
@@ -206,6 +255,22 @@ class Result:
             raise StoreError(f"{str(path)!r} cannot be read: {error.strerror}.") from error
         except (ValueError, RecursionError) as error:
             raise StoreError(damaged_result(path, str(error))) from error
+
+
+def _response_cells(name: str, response: ResponseResult) -> tuple[str, ...]:
+    expected, half_width = response.expected
+    kind = "" if response.is_verified else "predicted "
+    return (
+        name,
+        f"{response.target:.5g} ± {response.tolerance:.3g} {response.unit}".rstrip(),
+        f"{kind}{expected:.5g} ± {half_width:.2g}",
+        f"{response.deviation_percent:+.2f} %",
+        response.verdict,
+    )
+
+
+def _with_unit(value: float, unit: str) -> str:
+    return f"{value:.4g} {unit}".rstrip() if isfinite(value) else "-"
 
 
 def damaged_result(path: str | Path, why: str) -> str:

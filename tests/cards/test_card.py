@@ -22,9 +22,8 @@ from typer.testing import CliRunner
 
 import grainfit
 from grainfit.bulk_tests.heap import Heap
-from grainfit.cards import FORMATS, MaterialCard, material_card, render
+from grainfit.cards import FORMATS, MaterialCard, material_card, render, write_card
 from grainfit.cli.app import app
-from grainfit.cli.export import write_card
 from grainfit.contact_models.registry import MATERIAL_PARAMETERS
 from grainfit.errors import GrainfitError, InputError, StoreError
 

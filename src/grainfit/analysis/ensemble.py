@@ -44,6 +44,8 @@ class CubeSample:
     ----------
     points : ndarray, shape (n, d)
         In the unit cube.
+    chains : ndarray, shape (walkers, steps, d)
+        All steps from which the points are taken, the walkers of each ensemble in turn.
     converged : bool
         Whether the sample is as good as it was to be.
     convergence : str
@@ -53,6 +55,7 @@ class CubeSample:
     """
 
     points: Array
+    chains: Array
     converged: bool
     convergence: str
     effective_samples: float
@@ -137,6 +140,7 @@ def sample_cube(
     chosen = np.linspace(0, len(points) - 1, samples).round().astype(int)
     return CubeSample(
         points=points[chosen],
+        chains=np.moveaxis(kept.reshape(len(kept), -1, dimension), 0, 1),
         converged=check.reached(sufficient),
         convergence=check.in_words(kept.shape, steps, sufficient),
         effective_samples=min(check.effective_samples, float(samples)),

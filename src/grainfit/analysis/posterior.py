@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +15,7 @@ from threadpoolctl import threadpool_limits
 from grainfit.analysis.ensemble import sample_cube
 from grainfit.errors import Fault, InputError
 from grainfit.metamodels.metamodels import Metamodels
-from grainfit.problem import Target
+from grainfit.problem import Problem, Target
 
 Array = NDArray[np.float64]
 
@@ -42,6 +43,8 @@ class Posterior:
         What that rests on, in words.
     effective_samples : float
         Number of independent samples that would tell as much.
+    chains : ndarray, shape (walkers, steps, d)
+        All steps of the walkers of emcee from which the sample is taken, SI.
     """
 
     names: tuple[str, ...]
@@ -51,6 +54,7 @@ class Posterior:
     converged: bool
     convergence: str
     effective_samples: float
+    chains: Array = field(default_factory=lambda: np.empty((0, 0, 0)), repr=False)
 
     def interval(self, name: str, level: float = 0.95) -> tuple[float, float]:
         """Credible interval of a parameter, SI: as much probability is below as above it.
@@ -91,6 +95,41 @@ class Posterior:
         found = np.clip(ranks.T @ ranks, -1.0, 1.0)
         np.fill_diagonal(found, 1.0)
         return np.asarray(found)
+
+    def to_arviz(self) -> Any:
+        """Return the chains for ArviZ: every walker of emcee is a chain, every step a draw.
+
+        A ``/`` in the name of a parameter becomes ``_``, because ArviZ separates groups by it.
+
+        Returns
+        -------
+        arviz.InferenceData
+            With one variable for each parameter, SI; from ArviZ 1 on, the ``DataTree`` that took
+            its place.
+
+        Raises
+        ------
+        InputError
+            ArviZ is not installed.
+
+        Examples
+        --------
+        >>> import arviz  # doctest: +SKIP
+        >>> arviz.summary(saved.analyse().posterior.to_arviz())  # doctest: +SKIP
+        """
+        try:
+            import arviz
+        except ImportError as error:
+            remedy = "Install it: pip install 'grainfit[arviz]'."
+            raise InputError(Fault("", "ArviZ is not installed.", remedy)) from error
+        names = [name.replace("/", "_") for name in self.names]
+        variables = {name: self.chains[..., axis] for axis, name in enumerate(names)}
+        if arviz.__version__.startswith("0."):
+            data = arviz.from_dict(posterior=variables)
+        else:
+            data = arviz.from_dict({"posterior": variables})
+        data.posterior.attrs["inference_library"] = "emcee"
+        return data
 
     def _of(self, name: str) -> Array:
         if name not in self.names:
@@ -159,7 +198,19 @@ def sample_posterior(
         converged=sample.converged,
         convergence=sample.convergence,
         effective_samples=sample.effective_samples,
+        chains=_in_units(problem, sample.chains),
     )
+
+
+def _in_units(problem: Problem, points: Array) -> Array:
+    """Return points of the unit cube, shape (..., d), in SI units."""
+    columns = [
+        p.minimum * (p.maximum / p.minimum) ** points[..., axis]
+        if p.scale == "log"
+        else p.minimum + points[..., axis] * (p.maximum - p.minimum)
+        for axis, p in enumerate(problem.parameters)
+    ]
+    return np.stack(columns, axis=-1)
 
 
 def _log_likelihood(metamodels: Metamodels) -> Callable[[Array], Array]:

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor
-from contextlib import ExitStack
+from contextlib import ExitStack, contextmanager
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -56,6 +56,7 @@ def calibrate(
     retry_failed: bool = False,
     provenance: Provenance | None = None,
     on_progress: Callable[[Progress], None] | None = None,
+    progress: bool = False,
 ) -> Result:
     """Find the parameters at which the simulated responses meet their targets.
 
@@ -107,6 +108,8 @@ def calibrate(
         What a report says of where the calibration comes from.
     on_progress : callable, optional
         Called with `Progress` whenever something changes, and a few times a second.
+    progress : bool
+        Show a bar in the terminal (by standard error) or the notebook, and lines of text elsewhere.
 
     Returns
     -------
@@ -146,9 +149,10 @@ def calibrate(
     for solver in solvers.values():
         solver.check()
     verification_runs = verification_runs or usual_verification_runs(workers)
-    options = LoopOptions(name, workers, max_runs, verification_runs, on_progress, provenance)
     search = start_search(chosen, problem, len(solvers), seed, max_runs, verification_runs)
     with ExitStack() as stack:
+        tell = stack.enter_context(_shown(on_progress)) if progress else on_progress
+        options = LoopOptions(name, workers, max_runs, verification_runs, tell, provenance)
         # Metamodels are small; threads of linear algebra would only fight the solvers for cores.
         stack.enter_context(threadpool_limits(limits=1, user_api="blas"))
         # Runs happen in folders of their own: a relative path would mean another place there.
@@ -175,6 +179,21 @@ def calibrate(
         stack.callback(campaign.close)
         result = CalibrationLoop(problem, search, campaign, runs, options).run()
         return result if folder is None else _keep(result, folder / RESULT_NAME)
+
+
+@contextmanager
+def _shown(on_progress: Callable[[Progress], None] | None) -> Iterator[Callable[[Progress], None]]:
+    """Yield a function that shows the progress, and passes it on."""
+    from grainfit.calibration.live_progress import LiveProgress
+
+    with LiveProgress() as bar:
+
+        def tell(progress: Progress) -> None:
+            bar.update(progress)
+            if on_progress is not None:
+                on_progress(progress)
+
+        yield tell
 
 
 def _keep(result: Result, path: Path) -> Result:

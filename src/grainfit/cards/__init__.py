@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import replace
+from dataclasses import dataclass, fields, replace
 from pathlib import Path
 
 from grainfit.cards.csv_card import render_csv
 from grainfit.cards.from_calibration import make_card
 from grainfit.cards.json_card import render_json
 from grainfit.errors import Fault, InputError
+from grainfit.files import write_atomically
 from grainfit.materials.card import CardParameter, CardResponse, MaterialCard
 from grainfit.solvers.dem.lammps.card import render_lammps
 from grainfit.solvers.dem.liggghts.card import render_liggghts
@@ -21,9 +22,11 @@ __all__ = [
     "CardParameter",
     "CardResponse",
     "MaterialCard",
+    "WritableCard",
     "material_card",
     "render",
     "require_format",
+    "write_card",
 ]
 
 _RENDERERS: Mapping[str, Callable[[MaterialCard], str]] = {
@@ -37,10 +40,34 @@ _RENDERERS: Mapping[str, Callable[[MaterialCard], str]] = {
 FORMATS = tuple(_RENDERERS)
 
 
+@dataclass(frozen=True)
+class WritableCard(MaterialCard):
+    """A material card that writes itself for solvers and other programs."""
+
+    def write(self, to: str, path: str | Path) -> Path:
+        """Write the card to a file, in place of one that is there; all of it or nothing.
+
+        Parameters
+        ----------
+        to : {"liggghts", "lammps", "yade", "json", "csv"}
+            The format.
+        path : path
+            The file.
+
+        Raises
+        ------
+        InputError
+            There is no such format, the solver needs what the card does not have, or the file
+            cannot be written.
+        """
+        write_card(Path(path), render(self, to))
+        return Path(path)
+
+
 def material_card(
     source: str | Path | SavedCalibration,
     posterior: Mapping[str, tuple[float, float]] | None = None,
-) -> MaterialCard:
+) -> WritableCard:
     """Return the card of the calibration that was started last in a work folder.
 
     Parameters
@@ -70,10 +97,14 @@ def material_card(
     """
     reading = source if isinstance(source, SavedCalibration) else SavedCalibration.open(source)
     if posterior is not None:
-        return make_card(reading, posterior)
+        return _writable(make_card(reading, posterior))
     intervals, notes = _credible_intervals(reading)
     card = make_card(reading, intervals)
-    return replace(card, notices=(*card.notices, *notes))
+    return _writable(replace(card, notices=(*card.notices, *notes)))
+
+
+def _writable(card: MaterialCard) -> WritableCard:
+    return WritableCard(**{field.name: getattr(card, field.name) for field in fields(card)})
 
 
 def render(card: MaterialCard, to: str) -> str:
@@ -109,16 +140,29 @@ def require_format(to: str) -> Callable[[MaterialCard], str]:
     return _RENDERERS[to]
 
 
+def write_card(path: Path, text: str) -> None:
+    """Write a card to a file, in place of one that is there; all of it or nothing.
+
+    Raises
+    ------
+    InputError
+        The file cannot be written.
+    """
+    try:
+        write_atomically(path, text)
+    except OSError as error:
+        reason = error.strerror or error
+        raise InputError(Fault("", f"{str(path)!r} cannot be written: {reason}.")) from error
+
+
 def _credible_intervals(
     reading: SavedCalibration,
 ) -> tuple[dict[str, tuple[float, float]], tuple[str, ...]]:
     """Intervals by name of the free parameter, and what the reader should know of them."""
-    from grainfit.analysis import analyse
-
     answer = read_answer(reading).parameters
     if reading.why_nothing_agrees:
         return {}, (reading.why_nothing_agrees,)
-    analysis = analyse(reading.problem, reading.known, seed=reading.seed, answer=answer)
+    analysis = reading.analyse()
     if analysis.posterior is None:
         return {}, analysis.notes
     return {name: analysis.posterior.interval(name) for name in answer}, analysis.notes

@@ -117,6 +117,7 @@ def run(
     130 interrupted.
     """
     from grainfit.calibration.calibrate import calibrate
+    from grainfit.calibration.live_progress import LiveProgress
     from grainfit.campaign.cluster.executor import cluster_executor, missing_scheduler
     from grainfit.campaign.work_folder import default_workdir
 
@@ -130,7 +131,7 @@ def run(
             options["executor"] = stack.enter_context(cluster_executor(setup.cluster, folder))
         elif setup.file.cluster is not None and not local:
             _err.print(f"Cluster: {missing_scheduler(setup.file.cluster)}")
-        progress = stack.enter_context(show.LiveProgress(_err))
+        progress = stack.enter_context(LiveProgress(_err))
         result = calibrate(
             setup.problem,
             setup.solvers,

@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Mapping
 from math import isfinite
 from pathlib import Path
-from types import TracebackType
 from typing import TYPE_CHECKING
 
 from rich import box
 from rich.console import Console
-from rich.live import Live
 from rich.table import Table
 from rich.text import Text
 
@@ -19,83 +16,19 @@ from grainfit.errors import GrainfitError, InputError, RunFailedError
 from grainfit.formatting import duration, plain, probability
 
 if TYPE_CHECKING:
-    from grainfit.calibration.progress import Progress
     from grainfit.calibration_file.plan import Plan
     from grainfit.evaluation import Evaluation, Response
-    from grainfit.result import ResponseResult, Result
+    from grainfit.result import Result
+    from grainfit.tables import TextTable
     from grainfit.work_folder.status import WorkdirStatus
 
-_STATUS_WORDS = {
-    "calibrated": ("green", "calibrated: every target is met within its tolerance"),
-    "out_of_tolerance": ("yellow", "finished without meeting every target"),
-    "unreachable": ("red", "out of reach within the given intervals"),
-    "interrupted": ("yellow", "interrupted: start the same command again to go on"),
+_STATUS_COLOURS = {
+    "calibrated": "green",
+    "out_of_tolerance": "yellow",
+    "unreachable": "red",
+    "interrupted": "yellow",
 }
 _VERDICT_COLOURS = {"met": "green", "in doubt": "yellow", "missed": "red", "not verified": "yellow"}
-#: Without a terminal, a line of progress after this many seconds.
-_LINE_SECONDS = 15.0
-
-
-class LiveProgress:
-    """One live line of progress in a terminal, plain lines in a log file."""
-
-    def __init__(self, console: Console) -> None:
-        self._console = console
-        self._live = Live(console=console, refresh_per_second=4, transient=True)
-        self._last_line = ("", float("-inf"))
-        self._notices = 0
-        self._says_what_it_learns_from = True
-        self._started = time.monotonic()
-
-    def __enter__(self) -> LiveProgress:
-        if self._console.is_terminal:
-            self._live.start()
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self._live.stop()
-
-    def update(self, progress: Progress) -> None:
-        """Show where the calibration stands now."""
-        if self._says_what_it_learns_from and progress.warm_start_runs:
-            self._console.print(_text(_learnt_from(progress.warm_start_runs)), soft_wrap=True)
-            self._says_what_it_learns_from = False
-        for notice in progress.notices[self._notices :]:
-            self._console.print(_text(notice, "yellow"))
-        self._notices = len(progress.notices)
-        line = self._describe(progress)
-        if self._console.is_terminal:
-            self._live.update(Text(line))
-            return
-        stage, shown = self._last_line
-        now = time.monotonic()
-        if stage != progress.stage or now - shown > _LINE_SECONDS:
-            self._console.print(line, highlight=False, markup=False, soft_wrap=True)
-            self._last_line = (progress.stage, now)
-
-    def _describe(self, progress: Progress) -> str:
-        parts = [
-            f"{progress.stage}: {progress.done} done",
-            f"{progress.running} running",
-            f"{progress.failed} failed",
-            f"about {progress.left} to come",
-        ]
-        if progress.best_deviation is not None:
-            parts.append(f"best run within {progress.best_deviation:.1%}")
-        parts.append(f"{duration(time.monotonic() - self._started)} elapsed")
-        if progress.seconds_left is not None:
-            parts.append(f"about {duration(progress.seconds_left)} left")
-        return ", ".join(parts)
-
-
-def _learnt_from(origins: Mapping[str, int]) -> str:
-    places = (f"{origin or 'this work folder'} ({n})" for origin, n in origins.items())
-    return f"Learns from {sum(origins.values())} runs that were made before: {', '.join(places)}."
 
 
 def _table(*columns: str) -> Table:
@@ -119,17 +52,15 @@ def _number(value: float | None, unit: str = "") -> str:
 
 def print_result(console: Console, result: Result, folder: Path) -> None:
     """Print the outcome: parameters, responses against targets, time step, cost."""
-    colour, words = _STATUS_WORDS[result.status]
-    title = f"{result.name}: {words}" if result.name else words
-    console.print(_text(title, f"bold {colour}"))
+    console.print(_text(result.headline, f"bold {_STATUS_COLOURS[result.status]}"))
     for notice in result.notices:
         console.print(_text(f"  {notice}", "yellow"))
     for name, quality in result.metamodels.items():
         for warning in quality.warnings:
             console.print(_text(f"  metamodel of {name}: {warning}", "yellow"))
     if result.parameters:
-        console.print(_parameter_table(result))
-        console.print(_response_table(result))
+        console.print(_rich_table(result.parameter_table()))
+        console.print(_rich_table(result.response_table()))
         if result.probability_all_met is not None:
             console.print(
                 f"By all runs together, every expected response is within its tolerance with a "
@@ -137,12 +68,9 @@ def print_result(console: Console, result: Result, folder: Path) -> None:
                 highlight=False,
             )
         console.print(_time_step_line(result), highlight=False)
-    runs = result.runs
-    learnt = f", learnt from {runs.warm_start_runs} made before" if runs.warm_start_runs else ""
     console.print(
-        f"DEM runs: {runs.total} = {runs.design} design + {runs.optimisation} optimisation + "
-        f"{runs.verification} verification; {runs.failed} failed, {runs.reused} reused{learnt}. "
-        f"Wall time {duration(result.wall_seconds)}, workers busy {result.utilisation:.0%}.",
+        f"DEM runs: {result.runs}. Wall time {duration(result.wall_seconds)}, workers busy "
+        f"{result.utilisation:.0%}.",
         highlight=False,
     )
     console.print(
@@ -150,34 +78,14 @@ def print_result(console: Console, result: Result, folder: Path) -> None:
     )
 
 
-def _parameter_table(result: Result) -> Table:
-    table = _table("parameter", "value")
-    table.columns[1].justify = "right"
-    for name, value in result.parameters.items():
-        table.add_row(_text(name), _text(_number(value, result.units.get(name, ""))))
-    return table
-
-
-def _response_table(result: Result) -> Table:
-    table = _table("response", "target", "expected", "deviation", "")
+def _rich_table(shown: TextTable) -> Table:
+    table = _table(*shown.header)
     for column in table.columns[1:4]:
         column.justify = "right"
-    for name, response in result.responses.items():
-        table.add_row(*_response_cells(name, response))
-    table.caption = "± tolerance of the target, 95 % confidence of the expected response"
+    for *cells, last in shown.rows:
+        table.add_row(*map(_text, cells), _text(last, _VERDICT_COLOURS.get(last, "")))
+    table.caption = shown.caption or None
     return table
-
-
-def _response_cells(name: str, response: ResponseResult) -> tuple[Text, ...]:
-    expected, half_width = response.expected
-    kind = "" if response.is_verified else "predicted "
-    return (
-        _text(name),
-        _text(f"{response.target:.5g} ± {response.tolerance:.3g} {response.unit}".rstrip()),
-        _text(f"{kind}{expected:.5g} ± {half_width:.2g}"),
-        _text(f"{response.deviation_percent:+.2f} %"),
-        _text(response.verdict, _VERDICT_COLOURS[response.verdict]),
-    )
 
 
 def _time_step_line(result: Result) -> str:

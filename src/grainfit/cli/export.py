@@ -32,7 +32,7 @@ def export(
     ] = None,
 ) -> None:
     """Write a material card: calibrated and given values, how sure they are, and their origin."""
-    from grainfit.cards import material_card, require_format
+    from grainfit.cards import material_card, require_format, write_card
     from grainfit.formatting import plain
 
     render = require_format(to)
@@ -47,21 +47,3 @@ def export(
         console.print(Text(f"Wrote {plain(str(output))}"), soft_wrap=True)
     if not card.calibrated:
         console.print(Text(plain(card.verdict), style="bold red"), soft_wrap=True)
-
-
-def write_card(path: Path, text: str) -> None:
-    """Write a card to a file, in place of one that is there; all of it or nothing.
-
-    Raises
-    ------
-    InputError
-        The file cannot be written.
-    """
-    from grainfit.errors import Fault, InputError
-    from grainfit.files import write_atomically
-
-    try:
-        write_atomically(path, text)
-    except OSError as error:
-        reason = error.strerror or error
-        raise InputError(Fault("", f"{str(path)!r} cannot be written: {reason}.")) from error

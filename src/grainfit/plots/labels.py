@@ -10,6 +10,7 @@ from markupsafe import Markup
 from grainfit.bulk_tests.registry import response_info
 from grainfit.contact_models.registry import MATERIAL_PARAMETERS
 from grainfit.formatting import plain, unit_for_people
+from grainfit.work_folder.saved_calibration import SavedCalibration
 
 
 @dataclass(frozen=True)
@@ -85,3 +86,14 @@ def response_label(name: str, unit: str = "") -> Label:
     if test and symbol != name:
         symbol = name
     return Label(name, symbol, unit_for_people(unit), description)
+
+
+def label_of_parameter(saved: SavedCalibration, name: str) -> Label:
+    """Return the label of a free or fixed parameter of a calibration."""
+    return parameter_label(name, saved.units.get(name, ""))
+
+
+def label_of_response(saved: SavedCalibration, name: str) -> Label:
+    """Return the label of a response of a calibration."""
+    units = {target.name: target.unit for target in saved.problem.targets}
+    return response_label(name, units.get(name, ""))

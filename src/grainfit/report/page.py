@@ -12,7 +12,6 @@ from pathlib import Path
 from markupsafe import Markup
 from threadpoolctl import threadpool_limits
 
-from grainfit.analysis import analyse
 from grainfit.errors import StoreError
 from grainfit.files import write_atomically
 from grainfit.formatting import plain
@@ -27,7 +26,7 @@ _FIGURE_DIGITS = 6
 
 
 def write_report(
-    folder: str | Path,
+    source: str | Path | SavedCalibration,
     output: str | Path | None = None,
     *,
     on_progress: Callable[[str], None] | None = None,
@@ -39,8 +38,8 @@ def write_report(
 
     Parameters
     ----------
-    folder : path
-        The work folder.
+    source : path or SavedCalibration
+        The work folder, or what was read of it.
     output : path, optional
         Where to write; ``report.html`` in the folder by default.
     on_progress : callable, optional
@@ -59,16 +58,14 @@ def write_report(
     """
     tell = on_progress or (lambda _words: None)
     tell("reading the runs")
-    reading = SavedCalibration.open(folder)
+    reading = source if isinstance(source, SavedCalibration) else SavedCalibration.open(source)
     tell(f"analysing {len(reading.known)} parameter sets")
-    answer = reading.result.parameters if reading.result else None
+    analysis = reading.analyse()
+    tell("drawing")
     # Metamodels are small: threads of linear algebra would only wait for one another.
     with threadpool_limits(limits=1, user_api="blas"):
-        # The same seed as that of the material card: both state the same intervals.
-        analysis = analyse(reading.problem, reading.known, seed=reading.seed, answer=answer or None)
-        tell("drawing")
         page = render_page(ReportContext(reading, analysis))
-    path = Path(output) if output is not None else Path(folder) / REPORT_NAME
+    path = Path(output) if output is not None else reading.folder / REPORT_NAME
     _write(path, page)
     return path
 

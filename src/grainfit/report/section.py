@@ -15,31 +15,11 @@ from markupsafe import Markup
 
 from grainfit.analysis import Analysis, Posterior
 from grainfit.formatting import plain
-from grainfit.plots.labels import Label, parameter_label, response_label
+from grainfit.plots.figure import Figure
+from grainfit.plots.labels import Label, label_of_parameter, label_of_response
 from grainfit.problem import Parameter, Target
 from grainfit.report.rendering import render
 from grainfit.work_folder.saved_calibration import SavedCalibration
-
-
-@dataclass(frozen=True)
-class Figure:
-    """A figure of the page, drawn by Plotly when it comes into view.
-
-    Parameters
-    ----------
-    data, layout : sequence of mapping, mapping
-        As Plotly has them. Fonts, paper, grid and colours of text are the page's, which knows
-        whether it is light or dark: leave them out. Names in them are escaped (`Label.plot`).
-    description : str
-        What is seen, for those who do not see it.
-    height : int
-        In pixels.
-    """
-
-    data: tuple[Mapping[str, Any], ...]
-    layout: Mapping[str, Any]
-    description: str
-    height: int = 420
 
 
 @dataclass(frozen=True)
@@ -114,12 +94,11 @@ class ReportContext:
 
     def parameter_label(self, name: str) -> Label:
         """How a free or fixed parameter is called on the page."""
-        return parameter_label(name, self.reading.units.get(name, ""))
+        return label_of_parameter(self.reading, name)
 
     def response_label(self, name: str) -> Label:
         """How a response is called on the page."""
-        units = {target.name: target.unit for target in self.targets}
-        return response_label(name, units.get(name, ""))
+        return label_of_response(self.reading, name)
 
 
 def waiting(context: ReportContext, key: str, title: str, reason: str = "") -> Section:

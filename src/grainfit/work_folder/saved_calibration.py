@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, get_args
 
@@ -16,13 +17,17 @@ from grainfit.campaign.work_folder import RESULT_NAME, is_held, read_record, run
 from grainfit.contact_models.registry import MATERIAL_PARAMETERS
 from grainfit.errors import Fault, GrainfitError, InputError, StoreError
 from grainfit.evaluation import ERROR_SUFFIX, Evaluation, Proposal, response_name
+from grainfit.formatting import counted
 from grainfit.materials.time_step import RayleighTimeStep
 from grainfit.problem import Parameter, Problem, Target
 from grainfit.result import Result, Status, damaged_result
+from grainfit.tables import TextTable, as_html, as_text
 from grainfit.work_folder.status import read_result, state_of
 
 if TYPE_CHECKING:
     import pandas as pd
+
+    from grainfit.analysis import Analysis
 
 
 @dataclass(frozen=True)
@@ -169,6 +174,40 @@ class SavedCalibration:
         """The evaluations, and behind them those that were learnt from and not asked for too."""
         asked = set(map(_run_of, self.evaluations))
         return (*self.evaluations, *(e for e in self.learnt if _run_of(e) not in asked))
+
+    def analyse(self) -> Analysis:
+        """Return all that the runs tell: posterior, sensitivity, and more.
+
+        The same analysis as in the report and on the material card; it takes seconds and is made
+        once for each object.
+        """
+        return self._analysis
+
+    def summary(self) -> tuple[str | TextTable, ...]:
+        """Return the sentences and tables that `print` and a notebook show."""
+        failed = sum(bool(evaluation.failures) for evaluation in self.evaluations)
+        progress = (
+            f"{counted(len(self.evaluations), 'parameter set')} simulated, {failed} with a failed "
+            f"run; {self.running} under way. Work folder: {self.folder}"
+        )
+        faults = (f"Stopped by: {self.failure}" if self.failure else "", self.result_fault)
+        answer = self.result.summary()[1:] if self.result else ()
+        headline = f"{self.name or self.folder.name}: {self.state}"
+        return (headline, progress, *filter(None, faults), *answer)
+
+    def __str__(self) -> str:
+        return as_text(self.summary())
+
+    def _repr_html_(self) -> str:
+        return as_html(self.summary())
+
+    @cached_property
+    def _analysis(self) -> Analysis:
+        # Imported here: SciPy and emcee take a second, and status and exports need neither.
+        from grainfit.analysis import analyse
+
+        answer = self.result.parameters if self.result else None
+        return analyse(self.problem, self.known, seed=self.seed, answer=answer or None)
 
 
 def _run_of(evaluation: Evaluation) -> tuple[float, ...]:

@@ -8,9 +8,9 @@ from dataclasses import dataclass
 
 from grainfit.evaluation import Evaluation
 from grainfit.formatting import number, plain, plain_lines
+from grainfit.plots.convergence_figures import deviation_in_tolerances
 from grainfit.report.rendering import render
 from grainfit.report.section import ReportContext, Section
-from grainfit.report.sections.convergence.section import deviation_in_tolerances
 
 #: Of a run's identity, as `grainfit runs show` takes it.
 _SHORT = 7

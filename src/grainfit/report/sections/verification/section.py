@@ -10,11 +10,12 @@ from typing import Any
 from grainfit.calibration.verification import Verified, verified_responses
 from grainfit.evaluation import Evaluation
 from grainfit.formatting import number, rounded, with_unit
+from grainfit.plots.figure import Figure
 from grainfit.plots.labels import Label
 from grainfit.plots.style import BLUE, STAGES, tolerance_band, value_range
 from grainfit.problem import Target
 from grainfit.report.rendering import render
-from grainfit.report.section import Figure, ReportContext, Section
+from grainfit.report.section import ReportContext, Section
 
 #: Colour of the runs, as in the other figures.
 _SYMBOL, _COLOUR = STAGES["verification"]

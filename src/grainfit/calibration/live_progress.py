@@ -1,0 +1,111 @@
+"""Show the progress of a calibration: a bar in a terminal or notebook, lines in a log file."""
+
+from __future__ import annotations
+
+import importlib.util
+import time
+from collections.abc import Mapping
+from types import TracebackType
+
+from rich.console import Console
+from rich.progress import BarColumn, TextColumn
+from rich.progress import Progress as Bar
+from rich.table import Column
+from rich.text import Text
+
+from grainfit.calibration.progress import Progress
+from grainfit.formatting import duration, plain
+
+#: Without a terminal, a line of progress after this many seconds.
+_LINE_SECONDS = 15.0
+_BAR_WIDTH = 16
+
+
+class LiveProgress:
+    """A bar with the state in words in a terminal or a notebook, plain lines elsewhere.
+
+    Parameters
+    ----------
+    console : Console, optional
+        The place to show it; standard error, or the notebook, by default.
+    """
+
+    def __init__(self, console: Console | None = None) -> None:
+        self._console = console or Console(stderr=True)
+        self._is_live = _can_draw(self._console)
+        self._bar = Bar(
+            BarColumn(_BAR_WIDTH, table_column=Column(min_width=_BAR_WIDTH)),
+            TextColumn("{task.description}", markup=False, table_column=Column(overflow="fold")),
+            console=self._console,
+            refresh_per_second=4,
+            transient=True,
+        )
+        self._task = self._bar.add_task("", total=None)
+        self._last_line = ("", float("-inf"))
+        self._notices = 0
+        self._says_what_it_learns_from = True
+        self._started = time.monotonic()
+
+    def __enter__(self) -> LiveProgress:
+        if self._is_live:
+            self._bar.start()
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        if self._is_live:
+            self._bar.stop()
+
+    def update(self, progress: Progress) -> None:
+        """Show the present state of the calibration."""
+        if self._says_what_it_learns_from and progress.warm_start_runs:
+            self._print(_learnt_from(progress.warm_start_runs))
+            self._says_what_it_learns_from = False
+        for notice in progress.notices[self._notices :]:
+            self._print(notice, "yellow")
+        self._notices = len(progress.notices)
+        line = self._describe(progress)
+        if self._is_live:
+            total = progress.done + progress.left
+            self._bar.update(self._task, description=line, completed=progress.done, total=total)
+            return
+        stage, shown = self._last_line
+        now = time.monotonic()
+        if stage != progress.stage or now - shown > _LINE_SECONDS:
+            self._print(line)
+            self._last_line = (progress.stage, now)
+
+    def _print(self, words: str, style: str = "") -> None:
+        """Print words as they are: no markup, and no signs that a terminal would obey."""
+        shown = "\n".join(plain(line) for line in words.split("\n"))
+        self._console.print(Text(shown, style=style), soft_wrap=True)
+
+    def _describe(self, progress: Progress) -> str:
+        parts = [
+            f"{progress.stage}: {progress.done} done",
+            f"{progress.running} running",
+            f"{progress.failed} failed",
+            f"about {progress.left} to come",
+        ]
+        if progress.best_deviation is not None:
+            parts.append(f"best run within {progress.best_deviation:.1%}")
+        parts.append(f"{duration(time.monotonic() - self._started)} elapsed")
+        if progress.seconds_left is not None:
+            parts.append(f"about {duration(progress.seconds_left)} left")
+        return ", ".join(parts)
+
+
+def _can_draw(console: Console) -> bool:
+    """Return whether a bar can move: rich draws it in a notebook by ipywidgets."""
+    if console.is_jupyter:
+        return importlib.util.find_spec("ipywidgets") is not None
+    return console.is_interactive
+
+
+def _learnt_from(origins: Mapping[str, int]) -> str:
+    places = (f"{origin or 'this work folder'} ({n})" for origin, n in origins.items())
+    return f"Learns from {sum(origins.values())} runs that were made before: {', '.join(places)}."

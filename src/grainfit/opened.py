@@ -1,0 +1,85 @@
+"""A saved calibration with everything that is made from it: analysis, card, report."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from grainfit.work_folder.saved_calibration import SavedCalibration
+
+if TYPE_CHECKING:
+    from grainfit.cards import WritableCard
+
+
+@dataclass(frozen=True)
+class OpenedCalibration(SavedCalibration):
+    """A saved calibration that also makes its material card and its report.
+
+    The rooms of cards and reports are above that of work folders, which therefore knows neither.
+    """
+
+    def card(self) -> WritableCard:
+        """Return the material card.
+
+        Raises
+        ------
+        InputError
+            There is no answer yet.
+        StoreError
+            The result is damaged.
+
+        Examples
+        --------
+        >>> saved.card().write("liggghts", "beads.liggghts")  # doctest: +SKIP
+        """
+        from grainfit.cards import material_card
+
+        return material_card(self)
+
+    def report(self, path: str | Path | None = None) -> Path:
+        """Write the report and return its path; by default ``report.html`` in the work folder.
+
+        Raises
+        ------
+        StoreError
+            It cannot be written.
+        """
+        from grainfit.report.page import write_report
+
+        return write_report(self, path)
+
+
+def open_calibration(folder: str | Path) -> OpenedCalibration:
+    """Open the work folder of a calibration, also one that is running; nothing is changed.
+
+    Parameters
+    ----------
+    folder : path
+        The work folder.
+
+    Returns
+    -------
+    OpenedCalibration
+        The state at this moment: open it again to see the progress.
+
+    Raises
+    ------
+    StoreError
+        The folder is not a work folder, its store cannot be read, or nothing was ever calibrated
+        in it.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> import grainfit as gf
+    >>> problem = gf.Problem([gf.Parameter("friction", 0.1, 0.9)], [gf.Target("angle", 30.0)])
+    >>> simulate = lambda parameters, seed: {"angle": 60 * parameters["friction"]}
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     result = gf.calibrate(problem, simulate, workdir=folder)
+    ...     saved = gf.open(folder)
+    >>> saved.result == result
+    True
+    """
+    saved = SavedCalibration.open(folder)
+    return OpenedCalibration(**{field.name: getattr(saved, field.name) for field in fields(saved)})

@@ -1,0 +1,242 @@
+"""Convergence: runs approach the measurements, one after another."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from html import escape
+from itertools import accumulate
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from grainfit.evaluation import Evaluation
+from grainfit.formatting import plain, with_unit
+from grainfit.plots.arrange import arrange
+from grainfit.plots.expectation import Expectation, expectations_at_answer
+from grainfit.plots.figure import Figure, no_figure
+from grainfit.plots.labels import label_of_response
+from grainfit.plots.style import GREEN, STAGES, VERMILION, tolerance_band, value_range
+from grainfit.problem import Target
+from grainfit.work_folder.saved_calibration import SavedCalibration
+
+if TYPE_CHECKING:
+    from plotly.graph_objects import Figure as PlotlyFigure
+
+#: Deviations below this share of the tolerance are as good as none, and a log axis has no zero.
+_SMALLEST = 1e-3
+
+
+def convergence(saved: SavedCalibration) -> PlotlyFigure:
+    """Draw the largest deviation and every response over the number of the run.
+
+    Parameters
+    ----------
+    saved : SavedCalibration
+        The calibration, also one that is running.
+
+    Raises
+    ------
+    InputError
+        No run has ended yet.
+    """
+    figures = convergence_figures(saved)
+    if not figures:
+        raise no_figure("No run has ended.")
+    return arrange([[figure] for figure in figures.values()], "Convergence")
+
+
+def convergence_figures(saved: SavedCalibration) -> dict[str, Figure]:
+    """Return the figures by key: ``misfit``, and the number of each target; none without runs."""
+    if not saved.evaluations:
+        return {}
+    figures = {"misfit": _misfit_figure(saved)}
+    expected = expectations_at_answer(saved)
+    for index, target in enumerate(saved.problem.targets):
+        figures[str(index)] = _response_figure(saved, index, target, expected)
+    return figures
+
+
+def deviation_in_tolerances(targets: Sequence[Target], evaluation: Evaluation) -> float | None:
+    """Largest deviation of a run's responses in units of their tolerances; None if one lacks."""
+    if any(target.name not in evaluation.responses for target in targets):
+        return None
+    return max(
+        abs(evaluation.responses[target.name].value - target.value) / target.tolerance
+        for target in targets
+    )
+
+
+def _misfit_figure(saved: SavedCalibration) -> Figure:
+    evaluations = saved.evaluations
+    targets = saved.problem.targets
+    found = [deviation_in_tolerances(targets, evaluation) for evaluation in evaluations]
+    drawn = [None if value is None else max(value, _SMALLEST) for value in found]
+    best = list(accumulate((np.inf if value is None else value for value in drawn), min))
+    traces = [
+        *_points_by_stage(evaluations, drawn, "%{y:.3g} × tolerance"),
+        {
+            "type": "scatter",
+            "mode": "lines",
+            "name": "best so far",
+            "x": list(range(1, len(best) + 1)),
+            "y": best,
+            "line": {"shape": "hv", "color": VERMILION, "width": 2},
+            "hoverinfo": "skip",
+        },
+        _failures(evaluations, drawn),
+    ]
+    known = [value for value in drawn if value is not None] or [1.0]
+    low, high = np.log10(min(*known, 1.0)), np.log10(max(*known, 1.0))
+    layout = {
+        "xaxis": _run_axis(len(evaluations)),
+        "yaxis": {
+            "title": {"text": "largest deviation / tolerance"},
+            "type": "log",
+            "range": [float(low) - 0.2, float(high) + 0.2],
+            "dtick": 1 if high - low > 2 else "D2",
+        },
+        "yaxis2": _failure_axis(),
+        "shapes": [
+            {
+                "type": "line",
+                "xref": "paper",
+                "x0": 0,
+                "x1": 1,
+                "y0": 1,
+                "y1": 1,
+                "line": {"color": GREEN, "width": 1.5, "dash": "dot"},
+            }
+        ],
+    }
+    words = (
+        "Largest deviation of each run in units of its tolerance over the number of the run, "
+        "with the best one so far and a line at 1, below which all responses are within tolerance."
+    )
+    title = "Largest deviation in units of the tolerance"
+    return Figure(tuple(traces), layout, words, height=340, title=title)
+
+
+def _response_figure(
+    saved: SavedCalibration, index: int, target: Target, expected: Sequence[Expectation]
+) -> Figure:
+    evaluations = saved.evaluations
+    label = label_of_response(saved, target.name)
+    values = [
+        evaluation.responses[target.name].value if target.name in evaluation.responses else None
+        for evaluation in evaluations
+    ]
+    traces = [
+        *_expectation_traces(index, expected),
+        *_points_by_stage(evaluations, values, f"%{{y:.5g}} {escape(label.unit)}"),
+        _failures(evaluations, values),
+    ]
+    known = [value for value in values if value is not None]
+    layout = {
+        "xaxis": _run_axis(len(evaluations)),
+        "yaxis": {"title": {"text": label.axis}, "range": value_range(target, known)},
+        "yaxis2": _failure_axis(),
+        "shapes": tolerance_band(target, "y"),
+    }
+    words = (
+        f"{label.words} of each run over the number of the run, with the measured value "
+        f"{target.value:g} and its tolerance of {target.tolerance:g} as a band."
+    )
+    measured = f"{target.value:g} ± {target.tolerance:g}"
+    title = f"{label.plot}, measured {with_unit(measured, escape(label.unit))}"
+    return Figure(tuple(traces), layout, words, height=320, title=title)
+
+
+def _points_by_stage(
+    evaluations: Sequence[Evaluation], values: Sequence[float | None], hover: str
+) -> Iterator[dict[str, Any]]:
+    for stage, (symbol, colour) in STAGES.items():
+        numbers = [
+            number
+            for number, evaluation in enumerate(evaluations, 1)
+            if evaluation.proposal.stage == stage and values[number - 1] is not None
+        ]
+        if numbers:
+            yield {
+                "type": "scatter",
+                "mode": "markers",
+                "name": stage,
+                "x": numbers,
+                "y": [values[number - 1] for number in numbers],
+                "marker": {"symbol": symbol, "color": colour, "size": 8, "line": {"width": 1.5}},
+                "hovertemplate": f"run %{{x}}: {hover}<extra>{stage}</extra>",
+            }
+
+
+def _failures(evaluations: Sequence[Evaluation], values: Sequence[float | None]) -> dict[str, Any]:
+    """Runs without a value, at the lower edge of the figure."""
+    numbers = [number for number, value in enumerate(values, 1) if value is None]
+    reasons = [
+        "; ".join(evaluations[number - 1].failures.values()) or "it did not give this response"
+        for number in numbers
+    ]
+    return {
+        "type": "scatter",
+        "mode": "markers",
+        "name": "failed",
+        "visible": bool(numbers),
+        "x": numbers,
+        "y": [0.03] * len(numbers),
+        "yaxis": "y2",
+        "marker": {"symbol": "x", "color": VERMILION, "size": 8},
+        "text": [_wrapped(reason) for reason in reasons],
+        "hovertemplate": "run %{x} failed: %{text}<extra></extra>",
+    }
+
+
+def _wrapped(text: str, width: int = 60) -> str:
+    """The text in lines that fit into a figure, at most four."""
+    shown = plain(text)
+    lines = [shown[start : start + width] for start in range(0, len(shown), width)]
+    return "<br>".join(escape(line) for line in [*lines[:4], *(["…"] if lines[4:] else [])])
+
+
+def _run_axis(count: int) -> dict[str, Any]:
+    return {
+        "title": {"text": "number of the run"},
+        "range": [0, count + 1],
+        "rangemode": "nonnegative",
+        "zeroline": False,
+        "tickformat": "d",
+    }
+
+
+def _failure_axis() -> dict[str, Any]:
+    """An axis that is not seen, to put marks at the lower edge whatever is shown above."""
+    return {"overlaying": "y", "range": [0, 1], "visible": False, "fixedrange": True}
+
+
+def _expectation_traces(index: int, expected: Sequence[Expectation]) -> list[dict[str, Any]]:
+    """A line with its 95 % interval."""
+    if len(expected) < 2:
+        return []
+    numbers = [one.runs for one in expected]
+    means = np.array([one.means[index] for one in expected])
+    half = 1.96 * np.array([one.standard_errors[index] for one in expected])
+    band = {
+        "type": "scatter",
+        "mode": "lines",
+        "x": [*numbers, *numbers[::-1]],
+        "y": [*(means + half), *(means - half)[::-1]],
+        "fill": "toself",
+        "fillcolor": "rgba(213, 94, 0, 0.15)",
+        "line": {"width": 0},
+        "hoverinfo": "skip",
+        "showlegend": False,
+    }
+    line = {
+        "type": "scatter",
+        "mode": "lines",
+        "name": "expected at the answer",
+        "x": numbers,
+        "y": means,
+        "line": {"color": VERMILION, "width": 2},
+        "customdata": half,
+        "hovertemplate": "after %{x} runs: %{y:.5g} ± %{customdata:.2g}<extra>expected at the "
+        "answer</extra>",
+    }
+    return [band, line]

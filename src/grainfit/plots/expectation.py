@@ -1,0 +1,67 @@
+"""Responses expected at the answer after so many runs: metamodels of the first runs alone."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+from threadpoolctl import threadpool_limits
+
+from grainfit.evaluation import Evaluation
+from grainfit.metamodels.metamodels import Metamodels, can_be_fitted
+from grainfit.work_folder.saved_calibration import SavedCalibration
+
+#: Metamodels that are fitted to the first runs, and to how many of them at most: what a fit takes
+#: grows with the cube of that.
+_FITS = 8
+_MOST_FITTED = 120
+#: The same where as many were learnt from as well.
+_FEWEST_FITTED = 20
+
+
+@dataclass(frozen=True)
+class Expectation:
+    """Expected responses at the answer after so many runs.
+
+    Attributes
+    ----------
+    runs : int
+        Number of runs.
+    means, standard_errors : ndarray, shape (number of targets,)
+        Expected responses and their standard errors.
+    """
+
+    runs: int
+    means: NDArray[np.float64]
+    standard_errors: NDArray[np.float64]
+
+
+def checkpoints(saved: SavedCalibration) -> list[int]:
+    """Return the numbers of runs after which a metamodel is asked; none without an answer."""
+    most = min(len(saved.evaluations), max(_MOST_FITTED - len(saved.learnt), _FEWEST_FITTED))
+    has_answer = saved.result is not None and bool(saved.result.parameters)
+    if not has_answer or not can_be_fitted(saved.problem, _known_after(saved, most)):
+        return []
+    least = next(n for n in range(most + 1) if can_be_fitted(saved.problem, _known_after(saved, n)))
+    return sorted({round(float(n)) for n in np.geomspace(max(least, 1), most, _FITS)})
+
+
+def expectations_at_answer(saved: SavedCalibration) -> list[Expectation]:
+    """Return what was expected at the answer after each of the `checkpoints`."""
+    # Metamodels are small: threads of linear algebra would only wait for one another.
+    with threadpool_limits(limits=1, user_api="blas"):
+        return [_expectation(saved, count) for count in checkpoints(saved)]
+
+
+def _expectation(saved: SavedCalibration, count: int) -> Expectation:
+    assert saved.result is not None, "there are no checkpoints without an answer"
+    metamodels = Metamodels.fit(saved.problem, _known_after(saved, count))
+    means, variances = metamodels.predict(saved.problem.to_unit(saved.result.parameters))
+    return Expectation(count, means[0], np.sqrt(variances[0]))
+
+
+def _known_after(saved: SavedCalibration, count: int) -> Sequence[Evaluation]:
+    """Return the first runs that were asked for, and all that was learnt before these."""
+    return replace(saved, evaluations=saved.evaluations[:count]).known

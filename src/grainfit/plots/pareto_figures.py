@@ -1,0 +1,124 @@
+"""Pareto front: smallest misfit against Rayleigh time step."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+from grainfit.analysis import Analysis, ParetoFront
+from grainfit.metamodels.metamodels import Metamodels
+from grainfit.plots.arrange import arrange
+from grainfit.plots.figure import Figure, no_figure
+from grainfit.plots.style import BLUE, VERMILION
+from grainfit.problem import Problem
+from grainfit.work_folder.saved_calibration import SavedCalibration
+
+if TYPE_CHECKING:
+    from plotly.graph_objects import Figure as PlotlyFigure
+
+#: Beyond this ratio of the largest misfit to the smallest, a linear axis shows one of them only.
+_LARGEST_RATIO = 30.0
+_TOO_SMALL_FOR_LOGARITHMS = 1e-12
+_TIME_UNITS = ((1e-6, "ns", 1e9), (1e-3, "µs", 1e6), (1.0, "ms", 1e3))
+_TIME_NAMES = ("particle.density", "particle.youngs_modulus", "particle.poissons_ratio")
+
+
+def pareto(saved: SavedCalibration, analysis: Analysis | None = None) -> PlotlyFigure:
+    """Draw the smallest misfit that is possible at each Rayleigh time step.
+
+    Parameters
+    ----------
+    saved : SavedCalibration
+        The calibration.
+    analysis : Analysis, optional
+        One that was made already; ``saved.analyse()`` by default.
+
+    Raises
+    ------
+    InputError
+        There are too few runs for a metamodel, or the time step is the same for all parameters.
+    """
+    analysis = analysis or saved.analyse()
+    metamodels, front = analysis.metamodels, analysis.pareto
+    if metamodels is None:
+        raise no_figure(" ".join(analysis.notes))
+    if front is None or not len(front.time_steps):
+        raise no_figure(why_no_front(saved.problem))
+    return arrange([[pareto_figure(saved, metamodels, front)]], "Misfit and time step")
+
+
+def why_no_front(problem: Problem) -> str:
+    """Return why a problem has nothing to trade for a time step."""
+    if problem.rayleigh is None:
+        return (
+            "No Rayleigh time step is known of this problem, so there is nothing to trade: it "
+            "follows from the particles' radius, density, Young's modulus and Poisson's ratio."
+        )
+    return (
+        "Nothing that is free changes the Rayleigh time step: it is the same for all parameter "
+        f"sets. Where it matters, free one of {', '.join(_TIME_NAMES)}."
+    )
+
+
+def time_unit(largest: float) -> tuple[str, float]:
+    """Return a unit in which time steps are readable numbers, and how many of it are a second."""
+    return next(
+        ((unit, factor) for limit, unit, factor in _TIME_UNITS if largest < limit), ("s", 1.0)
+    )
+
+
+def pareto_figure(saved: SavedCalibration, metamodels: Metamodels, front: ParetoFront) -> Figure:
+    """Return the figure of a front that has points."""
+    unit, factor = time_unit(float(front.time_steps[-1]))
+    misfits = front.misfits
+    smallest = max(float(misfits.min()), _TOO_SMALL_FOR_LOGARITHMS)
+    times = (factor * front.time_steps).tolist()
+    data: list[Mapping[str, Any]] = [
+        {
+            "type": "scatter",
+            "mode": "lines+markers",
+            "name": "best compromises",
+            "x": times,
+            "y": misfits.tolist(),
+            "customdata": front.probability_all_met.tolist(),
+            "line": {"color": BLUE, "width": 1.5},
+            "marker": {"color": BLUE, "size": 10},
+            "hovertemplate": (
+                f"time step %{{x:.4g}} {unit}<br>misfit %{{y:.3g}}<br>"
+                "all responses agree: %{customdata:.0%}<extra></extra>"
+            ),
+        }
+    ]
+    answer = saved.result.parameters if saved.result else {}
+    answer_time = saved.problem.rayleigh_time_step(answer) if answer else None
+    if answer_time is not None:
+        point = metamodels.problem.to_unit(answer)
+        data.append(
+            {
+                "type": "scatter",
+                "mode": "markers",
+                "name": "the answer",
+                "x": [factor * answer_time],
+                "y": metamodels.misfit([point]).tolist(),
+                "marker": {"color": VERMILION, "size": 15, "symbol": "star"},
+                "hovertemplate": f"the answer: %{{x:.4g}} {unit}<extra></extra>",
+            }
+        )
+    return Figure(
+        data=tuple(data),
+        layout={
+            "xaxis": {"title": {"text": f"Rayleigh time step ({unit})"}, "zeroline": False},
+            "yaxis": {
+                "title": {"text": "misfit (squared tolerances)"},
+                "type": "log" if misfits.max() > _LARGEST_RATIO * smallest else "linear",
+                "rangemode": "tozero",
+            },
+            "hovermode": "closest",
+            "clickmode": "event",
+        },
+        description=(
+            "The smallest misfit that can be had at each Rayleigh time step: further right is "
+            "faster, further down is closer to the measurements."
+        ),
+        height=380,
+    )

@@ -1,0 +1,293 @@
+"""Posterior: distributions, correlations and narrowing of the parameters."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from grainfit.analysis import Analysis, Identifiability, Posterior
+from grainfit.analysis.identifiability import DETERMINED, OPEN
+from grainfit.formatting import number, plain
+from grainfit.plots.arrange import arrange, in_columns
+from grainfit.plots.figure import Figure, no_figure
+from grainfit.plots.labels import label_of_parameter
+from grainfit.plots.style import BLUE, ORANGE, QUIET, VERMILION
+from grainfit.problem import Parameter
+from grainfit.work_folder.saved_calibration import SavedCalibration
+
+if TYPE_CHECKING:
+    from plotly.graph_objects import Figure as PlotlyFigure
+
+_BINS = 30
+#: Of logarithms: a bound that is a power of ten is not missed.
+_ROUNDING = 1e-9
+#: More cells are too small for a number in each.
+_MOST_NUMBERS = 8
+_CELL = 44
+_BAR = 30
+_FRAME_HEIGHT = 100
+
+
+@dataclass(frozen=True)
+class PosteriorFigures:
+    """Figures of a posterior.
+
+    Attributes
+    ----------
+    narrowing : Figure
+        Share of each parameter's interval that is ruled out.
+    correlations : Figure or None
+        Rank correlations; None of a single parameter.
+    marginals : tuple of Figure
+        Distribution of each parameter.
+    """
+
+    narrowing: Figure
+    correlations: Figure | None
+    marginals: tuple[Figure, ...]
+
+
+def posterior(saved: SavedCalibration, analysis: Analysis | None = None) -> PlotlyFigure:
+    """Draw the parameter values that agree with the measurements, and their correlations.
+
+    Parameters
+    ----------
+    saved : SavedCalibration
+        The calibration.
+    analysis : Analysis, optional
+        One that was made already; ``saved.analyse()`` by default.
+
+    Raises
+    ------
+    InputError
+        There are too few runs for a posterior, or no parameter set agrees.
+    """
+    if saved.why_nothing_agrees:
+        raise no_figure(saved.why_nothing_agrees)
+    analysis = analysis or saved.analyse()
+    if analysis.posterior is None or analysis.identifiability is None:
+        raise no_figure(" ".join(analysis.notes))
+    figures = posterior_figures(saved, analysis.posterior, analysis.identifiability)
+    rows = in_columns(figures.marginals, _columns(len(figures.marginals)))
+    rows.append([figure for figure in (figures.narrowing, figures.correlations) if figure])
+    return arrange(rows, "Parameters that agree with the measurements")
+
+
+def posterior_figures(
+    saved: SavedCalibration, posterior: Posterior, found: Identifiability
+) -> PosteriorFigures:
+    """Return all figures of a posterior."""
+    several = len(posterior.names) > 1
+    return PosteriorFigures(
+        _narrowing_figure(saved, posterior, found.narrowing),
+        _correlation_figure(saved, posterior) if several else None,
+        tuple(_marginal_figure(saved, posterior, i) for i in range(len(posterior.names))),
+    )
+
+
+def _columns(marginals: int) -> int:
+    return 2 if marginals in (2, 4) else min(marginals, 3)
+
+
+def interval_in_words(posterior: Posterior, name: str) -> str:
+    """Return the 95 % interval of a parameter in words."""
+    low, high = posterior.interval(name)
+    return f"{number(low, 3)} to {number(high, 3)}"
+
+
+def _narrowing_figure(
+    saved: SavedCalibration, posterior: Posterior, narrowing: Mapping[str, float]
+) -> Figure:
+    # Plotly draws the first category at the bottom.
+    parameters = [p for p in reversed(saved.problem.parameters) if p.name in narrowing]
+    shares = [1.0 - narrowing[p.name] for p in parameters]
+    return Figure(
+        data=(
+            {
+                "type": "bar",
+                "orientation": "h",
+                "x": shares,
+                "y": list(range(len(parameters))),
+                "marker": {"color": [_color(narrowing[p.name]) for p in parameters]},
+                "text": [f"{share:.0%}" for share in shares],
+                "textposition": "outside",
+                "cliponaxis": False,
+                "customdata": [
+                    [
+                        interval_in_words(posterior, p.name),
+                        f"{number(p.minimum, 3)} to {number(p.maximum, 3)}",
+                    ]
+                    for p in parameters
+                ],
+                "hovertemplate": (
+                    "with 95 % probability from %{customdata[0]}<br>"
+                    "sought from %{customdata[1]}<extra></extra>"
+                ),
+            },
+        ),
+        layout={
+            "xaxis": {
+                "range": [0, 1.12],
+                "tickvals": [0, 0.25, 0.5, 0.75, 1],
+                "tickformat": ".0%",
+                "title": {"text": "share of the interval ruled out"},
+            },
+            "yaxis": {
+                "tickvals": list(range(len(parameters))),
+                "ticktext": [label_of_parameter(saved, p.name).plot for p in parameters],
+                "range": [-0.6, len(parameters) - 0.4],
+                "zeroline": False,
+            },
+        },
+        description="Share of each parameter's interval that the measurements rule out.",
+        height=_FRAME_HEIGHT + _BAR * len(parameters),
+        title="Ruled out by the measurements",
+    )
+
+
+def _color(narrowing: float) -> str:
+    if narrowing <= DETERMINED:
+        return BLUE
+    return VERMILION if narrowing >= OPEN else ORANGE
+
+
+def _correlation_figure(saved: SavedCalibration, posterior: Posterior) -> Figure:
+    names, found = posterior.names, posterior.correlations
+    labels = [label_of_parameter(saved, name).plot for name in names]
+    last = len(names) - 1
+    # Each pair once; that a parameter goes with itself tells nothing.
+    cells = [(row, column) for row in range(1, len(names)) for column in range(row)]
+    heat = {
+        "type": "heatmap",
+        "x": list(range(last)),
+        "y": list(range(1, last + 1)),
+        "z": [
+            [float(found[row, column]) if column < row else None for column in range(last)]
+            for row in range(1, last + 1)
+        ],
+        "text": [
+            [f"{labels[row]} and {labels[column]}" for column in range(last)]
+            for row in range(1, last + 1)
+        ],
+        "zmin": -1,
+        "zmax": 1,
+        # Seen through, so that numbers stand out on light and on dark paper.
+        "colorscale": [
+            [0, "rgba(213, 94, 0, 0.6)"],
+            [0.5, "rgba(136, 136, 136, 0.1)"],
+            [1, "rgba(0, 114, 178, 0.6)"],
+        ],
+        "colorbar": {"thickness": 12, "outlinewidth": 0, "tickvals": [-1, 0, 1]},
+        "xgap": 2,
+        "ygap": 2,
+        "hovertemplate": "%{text}: %{z:.2f}<extra></extra>",
+        "hoverongaps": False,
+    }
+    numbers = [
+        {"x": column, "y": row, "text": _signed(found[row, column]), "showarrow": False}
+        for row, column in cells
+    ]
+    return Figure(
+        data=(heat,),
+        layout={
+            "xaxis": {
+                "tickvals": heat["x"],
+                "ticktext": labels[:-1],
+                "showgrid": False,
+                "zeroline": False,
+            },
+            "yaxis": {
+                "tickvals": heat["y"],
+                "ticktext": labels[1:],
+                "showgrid": False,
+                "zeroline": False,
+                "autorange": "reversed",
+            },
+            "annotations": numbers if len(names) <= _MOST_NUMBERS else [],
+        },
+        description=(
+            "Rank correlations of the parameters among the sets that agree with the measurements."
+        ),
+        height=_FRAME_HEIGHT + max(_CELL * last, 2 * _CELL),
+        title="Rank correlations",
+    )
+
+
+def _signed(value: float) -> str:
+    return f"{value:+.2f}".replace("-", "−")
+
+
+def _marginal_figure(saved: SavedCalibration, posterior: Posterior, index: int) -> Figure:
+    parameter = next(p for p in saved.problem.parameters if p.name == posterior.names[index])
+    counts, edges = np.histogram(posterior.points[:, index], bins=_BINS, range=(0.0, 1.0))
+    values = [parameter.from_unit(float(edge)) for edge in edges]
+    heights = (counts / counts.max()).tolist()
+    layout: dict[str, Any] = {
+        "xaxis": _axis(saved, parameter),
+        "yaxis": {"range": [0, 1.08], "showticklabels": False, "ticks": "", "showgrid": False},
+        "showlegend": False,
+        "margin": {"l": 20, "r": 20, "t": 6, "b": 40},
+    }
+    if saved.result is not None and saved.result.parameters:
+        layout["shapes"] = [_line_at(saved.result.parameters[parameter.name])]
+    return Figure(
+        data=(
+            {
+                "type": "scatter",
+                "mode": "lines",
+                "x": values,
+                "y": [*heights, heights[-1]],
+                "line": {"shape": "hv", "color": BLUE, "width": 1.5},
+                "fill": "tozeroy",
+                "fillcolor": "rgba(0,114,178,0.35)",
+                "hovertemplate": "%{x:.4g}: %{y:.0%} as probable as the likeliest<extra></extra>",
+            },
+        ),
+        layout=layout,
+        description=(
+            f"How probable each value of {plain(parameter.name)} is, given the measurements; 95 % "
+            f"of the probability is from {interval_in_words(posterior, parameter.name)}."
+        ),
+        height=170,
+        title=f"95 % from {interval_in_words(posterior, parameter.name)}",
+    )
+
+
+def _axis(saved: SavedCalibration, parameter: Parameter) -> Mapping[str, Any]:
+    common = {
+        "title": {"text": label_of_parameter(saved, parameter.name).axis},
+        "zeroline": False,
+        "ticklabeloverflow": "allow",
+    }
+    if parameter.scale == "linear":
+        return {**common, "range": [parameter.minimum, parameter.maximum], "nticks": 5}
+    low, high = math.log10(parameter.minimum), math.log10(parameter.maximum)
+    powers = range(math.floor(low), math.floor(high + _ROUNDING) + 1)
+    factors = (1, 2, 5) if high - low < 2 else (1,)
+    ticks = [float(f"{factor}e{power}") for power in powers for factor in factors]
+    ticks = [t for t in ticks if low - _ROUNDING <= math.log10(t) <= high + _ROUNDING]
+    if len(ticks) < 2:
+        ticks = [parameter.minimum, parameter.maximum]
+    return {
+        **common,
+        "type": "log",
+        "range": [low, high],
+        "tickvals": ticks,
+        "ticktext": [number(tick, 3) for tick in ticks],
+    }
+
+
+def _line_at(value: float) -> Mapping[str, Any]:
+    return {
+        "type": "line",
+        "x0": value,
+        "x1": value,
+        "yref": "paper",
+        "y0": 0,
+        "y1": 1,
+        "line": {"color": QUIET, "width": 1.5, "dash": "dot"},
+    }
