@@ -14,7 +14,9 @@ from grainfit.metamodels.kriging import Kriging
 from grainfit.metamodels.metamodels import Metamodels
 from grainfit.report.sections.answer.section import seconds
 
-pytestmark = pytest.mark.skipif(contexts.NODE is None, reason="Node.js is not installed")
+pytestmark = pytest.mark.skipif(
+    contexts.NODE is None, reason="Node.js is not installed: apt-get install nodejs"
+)
 
 PREDICT = """
     const model = grainfitKriging.prepare(data.model);
