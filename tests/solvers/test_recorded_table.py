@@ -11,7 +11,7 @@ from grainfit.solvers.base import Workspace
 from grainfit.solvers.own_model.recorded_table import RecordedTable
 from grainfit.testing.solver_contract import SolverContract
 
-HEADER = "comment,density,friction,seed,angle,angle_std_error"
+HEADER = "comment,density,friction,seed,angle,angle.standard_error"
 
 
 def write(folder, *lines, header=HEADER, encoding="utf-8"):
@@ -70,6 +70,16 @@ def test_recorded_run_is_found_by_parameters_and_seed(table, tmp_path):
     assert look_up(table, tmp_path, 2, density=1000, friction=0.1) == Response(21.0, 0.5)
     assert look_up(table, tmp_path, 3, density=1000, friction=0.1) == Response(22.0, 0.25)
     assert look_up(table, tmp_path, 1, density=2000, friction=0.5) == Response(30.0, 0.5)
+
+
+def test_the_column_of_standard_errors_had_another_name_in_version_0_1_0(csv_file, tmp_path):
+    old = tmp_path / "old.csv"
+    old.write_text(csv_file.read_text().replace("angle.standard_error", "angle_std_error"))
+    table = RecordedTable(old, ["density", "friction"], ["angle"])
+    assert look_up(table, tmp_path, 3, density=1000, friction=0.1) == Response(22.0, 0.25)
+    # As 0.1.0 wrote it down.
+    identity = table.definition({"density": 1000.0, "friction": 0.1}, 1)
+    assert "99f6eaf4aa3dc677acc69fc69ec0520b168adbd3add938186f0e043aa4d68d59" in str(identity)
 
 
 def test_parameters_may_differ_by_rounding(table, tmp_path):
@@ -191,7 +201,7 @@ def test_cells_that_are_no_numbers_are_named_by_line_and_column(tmp_path):
         "line 3, column density: is '1,000', not a number. Use a decimal point.",
         "line 3, column angle: is nan. Leave failed runs out.",
         "line 5, column friction: is '', not a number. Use a decimal point.",
-        "line 5, column angle_std_error: is -0.5; a standard error is not negative.",
+        "line 5, column angle.standard_error: is -0.5; a standard error is not negative.",
     ]
 
 

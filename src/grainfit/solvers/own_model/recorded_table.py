@@ -20,6 +20,8 @@ from grainfit.solvers.own_model.exchange import finite_parameters
 
 #: Column of the seed, where the table has one.
 SEED_COLUMN = "seed"
+#: What columns of standard errors end in; the second is that of version 0.1.0.
+_ERROR_SUFFIXES = (".standard_error", "_std_error")
 _MOST_FAULTS = 20
 
 
@@ -39,8 +41,9 @@ class RecordedTable(Solver):
     parameters : sequence of str
         Columns of the parameters.
     responses : sequence of str
-        Columns of the responses. A column ``NAME_std_error`` holds the standard errors of
-        ``NAME``, if there is one.
+        Columns of the responses. A column ``NAME.standard_error``, as ``grainfit runs export``
+        writes it, holds the standard errors of ``NAME``, if there is one. ``NAME_std_error``, its
+        name in version 0.1.0, is read too.
     nearest : bool
         Take the nearest recorded run (in the unit cube that the table's ranges span) when there is
         none at the wanted parameters. Nothing is interpolated.
@@ -120,9 +123,7 @@ class RecordedTable(Solver):
         if workspace.cancelled.is_set():
             raise RunFailedError("stopped by the user", kind="cancelled")
         row = self._pick(self._replicates(values), int(seed))
-        return {
-            name: Response(row[name], row.get(_error_column(name), 0.0)) for name in self._responses
-        }
+        return {name: Response(row[name], _standard_error(row, name)) for name in self._responses}
 
     def _values(self, parameters: Mapping[str, float]) -> dict[str, float]:
         values = finite_parameters(parameters)
@@ -163,8 +164,12 @@ class RecordedTable(Solver):
         return recorded[0] if recorded else replicates[seed % len(replicates)]
 
 
-def _error_column(response: str) -> str:
-    return f"{response}_std_error"
+def _error_columns(response: str) -> list[str]:
+    return [f"{response}{suffix}" for suffix in _ERROR_SUFFIXES]
+
+
+def _standard_error(row: Mapping[str, float], response: str) -> float:
+    return next((row[name] for name in _error_columns(response) if name in row), 0.0)
 
 
 def _listed(names: Sequence[str]) -> str:
@@ -185,7 +190,7 @@ def _read(
         numbered = [(f"row {i}", row) for i, row in enumerate(source, start=1)]
     if not numbered:
         raise InputError(Fault("", "holds no runs.", "Give at least one row."), file or "table")
-    optional = [SEED_COLUMN, *map(_error_column, responses)]
+    optional = [SEED_COLUMN, *(name for response in responses for name in _error_columns(response))]
     columns = [*parameters, *responses, *(name for name in optional if name in numbered[0][1])]
     _require_columns(numbered[0][1], (*parameters, *responses), file)
     faults: list[Fault] = []
@@ -268,7 +273,7 @@ def _number(row: Mapping[str, Any], name: str, place: str, faults: list[Fault]) 
         return math.nan
     if not math.isfinite(value):
         faults.append(Fault(where, f"is {value}.", "Leave failed runs out."))
-    elif name.endswith(_error_column("")) and value < 0:
+    elif name.endswith(_ERROR_SUFFIXES) and value < 0:
         faults.append(Fault(where, f"is {value}; a standard error is not negative."))
     return value
 
