@@ -1,7 +1,7 @@
 """Faults that are inflicted on calibrations, and what they cost: runs lost, runs made again.
 
 Each row is one kind of fault, at random moments, with real processes and a real program that counts
-its own starts (see `tests/crash/crash_harness.py`). After each fault the calibration is started
+its own starts (see `grainfit.testing.crash_harness`). After each fault the calibration is started
 again; at its end, status, parameters, responses and history are compared with those of a
 calibration that nobody disturbed. With several workers the order in which runs come back decides
 what is asked next, and where the record of what was asked is destroyed there is none to follow:
@@ -26,9 +26,7 @@ from pathlib import Path
 
 from threadpoolctl import threadpool_limits
 
-sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "crash"))
-
-from crash_harness import (
+from grainfit.testing.crash_harness import (
     VARIANTS,
     Progress,
     Tally,

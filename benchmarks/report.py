@@ -11,17 +11,13 @@ from __future__ import annotations
 
 import argparse
 import json
-import sys
 import tempfile
 import time
 from pathlib import Path
 from statistics import median
 
-sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "report"))
-
 import campaigns
 import chromium
-
 from grainfit.report.page import write_report
 
 #: Written and opened in less than so many seconds, and smaller than so many megabytes.

@@ -1,5 +1,6 @@
 """What all tests share."""
 
+import signal
 from collections.abc import Iterator
 
 import pytest
@@ -11,6 +12,18 @@ def _one_thread_of_linear_algebra() -> Iterator[None]:
     """As in a calibration: threads on small matrices cost more than they give."""
     with threadpool_limits(limits=1, user_api="blas"):
         yield
+
+
+@pytest.fixture
+def ctrl_c() -> Iterator[None]:
+    """Let SIGINT interrupt this process and its children, as in a terminal.
+
+    A shell without job control starts what is in the background with SIGINT ignored, and so would
+    every child of the tests be.
+    """
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:

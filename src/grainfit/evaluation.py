@@ -115,7 +115,9 @@ class Response:
     value : float
         In SI units, except angles, which are in degrees.
     standard_error : float
-        Standard error of measuring *this* run; the scatter from seed to seed comes on top.
+        Standard error of this run's value, 0 if it is not known. The metamodels estimate from the
+        runs how much they scatter; what is stated tells them which runs scatter more than others
+        (a short average, a small heap), where the runs bear it out.
     """
 
     value: float

@@ -338,6 +338,7 @@ def test_something_that_cannot_simulate_is_refused() -> None:
         gf.calibrate(problem(), 42)  # type: ignore[arg-type]
 
 
+@pytest.mark.usefixtures("ctrl_c")
 def test_ctrl_c_ends_with_an_interrupted_result_and_a_restart_goes_on(tmp_path: Path) -> None:
     made = 0
 

@@ -17,7 +17,7 @@ EXAMPLES = Path(__file__).parents[2] / "examples" / "glass_beads"
 pytestmark = pytest.mark.slow
 
 needs_liggghts = pytest.mark.skipif(
-    shutil.which("liggghts") is None, reason="LIGGGHTS is not installed"
+    shutil.which("liggghts") is None, reason="LIGGGHTS is not installed: apt-get install liggghts"
 )
 
 

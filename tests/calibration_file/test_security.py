@@ -85,7 +85,7 @@ def sprung(tmp_path: Path) -> Trap:
     # Modules that grainfit itself imports.
     for name in ("numpy.py", "jinja2.py", "typer.py", "gpmp.py"):
         (tmp_path / name).write_text(code)
-    for name in ("trap", "mpiexec", "mpiexec.hydra", "lmp", "python3"):
+    for name in ("trap", "mpiexec", "mpiexec.hydra", "mpiexec.openmpi", "lmp", "python3"):
         (folder / name).write_text(f"#!/bin/sh\ntouch '{trace}'\n")
         (folder / name).chmod(0o755)
     (folder / "in.deck.j2").write_text(
@@ -121,11 +121,13 @@ def test_check_executes_nothing_of_the_file_and_shows_what_a_run_would(
     heaps = [HEAP.format(solver=solver) for solver in ("lammps", "liggghts")]
     path = written(tmp_path, MATERIAL, *heaps, OWN, FUNCTION)
     before = sorted(tmp_path.rglob("*"))
+    model = tmp_path / "model"
 
     done = subprocess.run(
         [sys.executable, "-m", "grainfit", "check", path.name],
         cwd=tmp_path,
-        env={**os.environ, "COLUMNS": "500"},
+        # What is looked up by name is found among the traps: no other MPI has to be installed.
+        env={**os.environ, "COLUMNS": "500", "PATH": f"{model}{os.pathsep}{os.environ['PATH']}"},
         capture_output=True,
         text=True,
         timeout=60,
@@ -138,10 +140,10 @@ def test_check_executes_nothing_of_the_file_and_shows_what_a_run_would(
     assert NAME in done.stdout
     assert "[red]°<b>" in done.stdout
     assert "\x1b" not in done.stdout
-    model = tmp_path / "model"
     shown = done.stdout.partition("A run will execute, with your rights and without a shell:")[2]
     for expected in (
         f"test lammps: {model}/mpiexec.hydra -n 2 {model}/trap -in in.lammps",
+        f"test liggghts: {model}/mpiexec.openmpi -n 2",
         f"{model}/trap -in in.liggghts",
         "test own: ./trap '{{ 9**(9**9) }}'",
         "'; ./trap'",

@@ -31,7 +31,7 @@ FORK = multiprocessing.get_context("fork")
 def server() -> Iterator[PostgresqlServer]:
     pytest.importorskip("psycopg")
     if program("initdb") is None:
-        pytest.skip("PostgreSQL is not installed")
+        pytest.skip("PostgreSQL is not installed: apt-get install postgresql")
     with postgresql_server() as server:
         yield server
 

@@ -214,7 +214,9 @@ def test_lammps_takes_the_contacts_of_every_pair_of_diameters(
     require_forces(card, printed(tmp_path / "solver.log"))
 
 
-@pytest.mark.skipif(shutil.which("liggghts") is None, reason="LIGGGHTS is not installed")
+@pytest.mark.skipif(
+    shutil.which("liggghts") is None, reason="LIGGGHTS is not installed: apt-get install liggghts"
+)
 def test_liggghts_computes_with_the_values_of_its_card(
     nasty_card: MaterialCard, tmp_path: Path
 ) -> None:
@@ -248,7 +250,9 @@ def test_liggghts_computes_with_the_values_of_its_card(
     require_forces(nasty_card, found)
 
 
-@pytest.mark.skipif(shutil.which("yade") is None, reason="YADE is not installed")
+@pytest.mark.skipif(
+    shutil.which("yade") is None, reason="YADE is not installed: apt-get install yade"
+)
 def test_yade_computes_with_the_values_of_its_card(
     nasty_card: MaterialCard, tmp_path: Path
 ) -> None:

@@ -12,6 +12,8 @@ import pytest
 
 from grainfit.campaign.store.store import RunStore
 from grainfit.campaign.work_folder import hold
+from grainfit.errors import StoreError
+from grainfit.work_folder.status import read_status
 
 MODEL = """
 import random
@@ -118,6 +120,15 @@ def test_budget_and_strategy_can_be_given_on_the_command_line(tmp_path: Path) ->
     assert "magic" in done.stderr
 
 
+def runs_made(folder: Path) -> int:
+    try:
+        return sum(read_status(folder).finished.values())
+    except StoreError:
+        # It is not there yet, or not complete.
+        return 0
+
+
+@pytest.mark.usefixtures("ctrl_c")
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_ctrl_c_exits_with_130_and_the_next_start_goes_on(
     tmp_path: Path, number: signal.Signals
@@ -130,11 +141,9 @@ def test_ctrl_c_exits_with_130_and_the_next_start_goes_on(
         stderr=subprocess.PIPE,
         text=True,
     )
-    store = tmp_path / "my sand.grainfit" / "runs.sqlite"
     deadline = time.monotonic() + 60
-    while not store.exists() and time.monotonic() < deadline:
+    while runs_made(tmp_path / "my sand.grainfit") < 2 and time.monotonic() < deadline:
         time.sleep(0.05)
-    time.sleep(0.5)
     process.send_signal(number)
     out, error = process.communicate(timeout=60)
     assert process.returncode == 130

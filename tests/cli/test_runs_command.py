@@ -25,8 +25,10 @@ from grainfit.errors import GrainfitError, InputError, SolverNotFoundError, Stor
 from grainfit.evaluation import Response
 from grainfit.problem import Parameter, Problem, Target
 from grainfit.run_definition import RunDefinition
+from grainfit.solvers.base import Workspace
 from grainfit.solvers.own_model.command import Command
 from grainfit.solvers.own_model.python_callable import PythonCallable
+from grainfit.solvers.own_model.recorded_table import RecordedTable
 from grainfit.work_folder.prune import disk_use, prune_runs
 from grainfit.work_folder.run_import import FIRST_SEED, Imported, import_runs
 from grainfit.work_folder.run_selection import select_runs
@@ -188,7 +190,7 @@ def test_what_stays_of_runs_is_said_in_the_file_or_on_the_command_line(sand: Pat
     with pytest.raises(InputError, match=r"strategy.keep: is 'nothing'"):
         load_calibration_file(sand)
     sand.write_text(FILE)
-    with pytest.raises(InputError, match=r"keep: is 'nothing'. Use \"all\" or \"results\""):
+    with pytest.raises(InputError, match=r"keep: is 'nothing'. Possible here: all, results"):
         grainfit("run", sand, "--keep", "nothing")
 
 
@@ -332,6 +334,18 @@ def test_csv_and_parquet_hold_the_same_runs_in_full_precision(tmp_path: Path) ->
     assert [row["seed"] for row in rows] == [1, 2, 3]
     grainfit("runs", "export", folder, tmp_path / "few.csv", "--status", "failed")
     assert len((tmp_path / "few.csv").read_text().splitlines()) == 1 + 2, "one run, of two lines"
+
+
+def test_a_table_of_exported_runs_gives_the_same_responses_and_errors(tmp_path: Path) -> None:
+    answers = [Response(20.0 + number / 3, 0.1 * number) for number in (1, 2, 3)]
+    runs = [record(n, responses={"angle_of_repose": r}) for n, r in enumerate(answers, 1)]
+    grainfit("runs", "export", work(tmp_path / "work", *runs), tmp_path / "runs.csv")
+    table = RecordedTable(tmp_path / "runs.csv", ["particle.density"], ["angle_of_repose"])
+    again = [
+        table.run({"particle.density": 1500.0 + 100 * n}, n, Workspace(tmp_path / "run"))
+        for n in (1, 2, 3)
+    ]
+    assert [found["angle_of_repose"] for found in again] == answers
 
 
 def test_an_export_is_whole_or_not_there(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

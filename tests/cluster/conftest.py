@@ -32,8 +32,12 @@ def free_ports() -> int:
 def _slurm() -> Iterator[Path]:
     """A Slurm of this process's own: tests of several processes do not disturb each other."""
     missing = [program for program in PROGRAMS if shutil.which(program) is None]
-    if missing or os.geteuid() != 0:
-        pytest.skip(f"Slurm is tested as root only, with {', '.join(PROGRAMS)} installed")
+    if missing:
+        pytest.skip(
+            f"Slurm ({', '.join(missing)}) is not installed: apt-get install slurm-wlm munge"
+        )
+    if os.geteuid() != 0:
+        pytest.skip("Slurm is started by root only: run the tests as root")
     # Not pytest's own folder: the path of a socket must be short.
     folder = Path(tempfile.mkdtemp(prefix="slurm-"))
     try:

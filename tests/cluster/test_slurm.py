@@ -300,6 +300,7 @@ def grainfit(folder: Path, *arguments: str, **environment: str) -> str:
     return done.stdout + done.stderr
 
 
+@pytest.mark.usefixtures("ctrl_c")
 def test_ctrl_c_ends_the_jobs_and_the_next_start_goes_on_anywhere(tmp_path: Path) -> None:
     folder = drum_folder(tmp_path / "drum")
     (folder / "sand.toml").write_text(FILE)

@@ -10,10 +10,18 @@ import time
 from pathlib import Path
 
 import pytest
-from crash_harness import PROGRAM, Tally, Trial, Variant, children, is_alive, small_disk
 
 from grainfit.campaign.reserve import RESERVE_NAME, Reserve
 from grainfit.campaign.store.store import RunStore
+from grainfit.testing.crash_harness import (
+    PROGRAM,
+    Tally,
+    Trial,
+    Variant,
+    children,
+    is_alive,
+    small_disk,
+)
 from grainfit.work_folder.status import read_status
 
 FILE = """

@@ -65,13 +65,30 @@ def test_standard_error_is_about_the_scatter_between_beds() -> None:
     assert 0.5 < stated / scatter < 3.0
 
 
-def test_denser_foot_of_a_bed_is_no_error() -> None:
-    """A straight trend over height, as the bed's own weight makes, leaves the error alone."""
+@pytest.mark.parametrize("power", [1, 2])
+def test_denser_foot_of_a_bed_is_no_error(power: int) -> None:
+    """A smooth trend over height, as the bed's own weight makes, leaves the error alone."""
     bed = random_bed(1)
-    heights = bed.positions[:, 2]
-    pressed = Particles(bed.positions, bed.radii, bed.masses * (1.1 - 0.2 * heights / 0.12))
+    heights = bed.positions[:, 2] / 0.12
+    pressed = Particles(bed.positions, bed.radii, bed.masses * (1.1 - 0.2 * heights**power))
     plain = bulk_density(bed, RADIUS, 0.02, 0.10).standard_error
     assert bulk_density(pressed, RADIUS, 0.02, 0.10).standard_error == pytest.approx(plain, rel=0.3)
+
+
+def test_standard_error_of_independent_layers_is_that_of_their_mean() -> None:
+    """Layers of equal spheres scatter in mass, each on its own, about a curve."""
+    random = np.random.default_rng(1)
+    places = lattice(layers=14, spacing=1.0).positions
+    layer = (places[:, 2] / DIAMETER).astype(int)
+    radii = np.full(len(places), DIAMETER / 2)
+    measured = []
+    for _ in range(200):
+        masses = 1 + 0.02 * random.standard_normal(14) - 0.08 * np.linspace(0, 1, 14) ** 2
+        bed = Particles(places, radii, masses[layer])
+        measured.append(bulk_density(bed, RADIUS, 2 * DIAMETER, 12 * DIAMETER))
+    scatter = np.std([m.value for m in measured])
+    stated = math.sqrt(np.mean([m.standard_error**2 for m in measured]))
+    assert stated == pytest.approx(scatter, rel=0.15)
 
 
 def tilted(bed: Particles) -> Particles:

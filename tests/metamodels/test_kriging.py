@@ -16,8 +16,10 @@ from scipy.spatial.distance import cdist
 from scipy.stats import binom, chi2, qmc
 
 from grainfit.errors import InputError
+from grainfit.metamodels.hyperparameters import HyperparameterPosterior
 from grainfit.metamodels.kriging import Kriging
-from grainfit.metamodels.predictor import Component, matern
+from grainfit.metamodels.noise_ratios import noise_ratios
+from grainfit.metamodels.predictor import Component, Contrasts, Trend, matern
 
 
 def design(n: int, d: int, seed: int) -> np.ndarray:
@@ -339,6 +341,92 @@ def test_known_noise_is_part_of_a_new_run() -> None:
     assert predicted.new_run_standard_deviation[0] == pytest.approx(
         not_told.predict([[0.5, 0.5]]).new_run_standard_deviation[0], rel=0.3
     )
+
+
+# Stated standard errors ---------------------------------------------------------------------
+
+
+def runs_of_two_kinds(seed: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Every other run scatters ten times as much as its neighbour."""
+    points = design(40, 2, seed)
+    errors = np.tile([0.05, 0.5], 20)
+    scatter = errors * np.random.default_rng(seed).standard_normal(40)
+    return points, response(points) + scatter, errors
+
+
+def test_stated_errors_that_the_runs_bear_out_give_the_better_runs_more_weight() -> None:
+    targets = design(50, 2, 100)
+
+    def error(metamodel: Kriging) -> float:
+        return float(np.sqrt(np.mean((metamodel.predict(targets).mean - response(targets)) ** 2)))
+
+    told, not_told = [], []
+    for seed in range(8):
+        points, values, errors = runs_of_two_kinds(seed)
+        told.append(error(Kriging.fit(points, values, standard_errors=errors)))
+        not_told.append(error(Kriging.fit(points, values)))
+    assert np.mean(told) < 0.6 * np.mean(not_told)
+
+
+@pytest.mark.parametrize("factor", [0.01, 0.5, 2.0, 1e6])
+def test_only_the_ratios_of_stated_errors_count(factor: float) -> None:
+    points, values, errors = runs_of_two_kinds(1)
+    right = Kriging.fit(points, values, standard_errors=errors)
+    wrong = Kriging.fit(points, values, standard_errors=factor * errors)
+    predicted, expected = (fitted.predict([[0.3, 0.6]]) for fitted in (wrong, right))
+    assert predicted.mean == pytest.approx(expected.mean, rel=1e-9)
+    assert predicted.variance_of_mean == pytest.approx(expected.variance_of_mean, rel=1e-6)
+
+
+@pytest.mark.parametrize("stated", [0.0, 0.1, 7.0])
+def test_stated_errors_that_are_equal_change_no_digit(stated: float) -> None:
+    points, values = noisy_runs(20, 0.2, 5)
+    with_errors = Kriging.fit(points, values, standard_errors=np.full(20, stated))
+    assert with_errors.to_plain() == Kriging.fit(points, values).to_plain()
+
+
+def test_stated_errors_that_the_runs_contradict_change_no_digit() -> None:
+    points, values, errors = runs_of_two_kinds(2)
+    contrary = Kriging.fit(points, values, standard_errors=errors[::-1])
+    assert contrary.to_plain() == Kriging.fit(points, values).to_plain()
+
+
+def test_a_run_that_states_no_error_counts_as_an_average_one() -> None:
+    points, values, errors = runs_of_two_kinds(3)
+    average = float(np.sqrt(np.mean(errors[2:] ** 2)))
+    silent, explicit = errors.copy(), errors.copy()
+    silent[:2], explicit[:2] = 0.0, average
+    plain = [
+        Kriging.fit(points, values, standard_errors=stated).to_plain()
+        for stated in (silent, explicit)
+    ]
+    np.testing.assert_allclose(plain[0]["noise_ratios"], plain[1]["noise_ratios"])
+
+
+def test_pending_runs_and_another_program_know_the_ratios_too() -> None:
+    points, values, errors = runs_of_two_kinds(4)
+    metamodel = Kriging.fit(points, values, standard_errors=errors)
+    targets = design(30, 2, 7)
+    mean, variance = evaluated(json.loads(json.dumps(metamodel.to_plain())), targets)
+    predicted = metamodel.predict(targets)
+    np.testing.assert_allclose(mean, predicted.mean, rtol=1e-9)
+    np.testing.assert_allclose(variance, predicted.variance_of_mean, rtol=1e-6)
+    pending = metamodel.condition_on_pending(targets[:3])
+    np.testing.assert_allclose(pending.predict(targets).mean, predicted.mean, rtol=1e-6)
+    assert (pending.predict(targets).variance_of_mean < predicted.variance_of_mean).all()
+    assert pending.to_plain()["noise_ratios"][-3:] == [1.0, 1.0, 1.0]
+
+
+def test_the_posterior_with_ratios_has_the_slope_that_it_states() -> None:
+    points, values, errors = runs_of_two_kinds(5)
+    contrasts = Contrasts.of(Trend.choose(points, True).matrix(points))
+    ratios = noise_ratios(errors)[-1]
+    posterior = HyperparameterPosterior(points, values, contrasts, np.full(40, 0.01), ratios)
+    at = np.array([0.5, 1.0, -0.5])
+    slope = [
+        (posterior(at + step)[0] - posterior(at - step)[0]) / 2e-5 for step in 1e-5 * np.eye(3)
+    ]
+    np.testing.assert_allclose(posterior(at)[1], slope, rtol=1e-5)
 
 
 # Few runs, many parameters, odd designs -----------------------------------------------------

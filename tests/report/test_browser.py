@@ -10,8 +10,6 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-import campaigns
-import chromium
 import numpy as np
 import pytest
 from playwright.sync_api import Browser, Page
@@ -19,11 +17,14 @@ from playwright.sync_api import TimeoutError as WaitedTooLong
 from pypdfium2 import PdfDocument
 from scipy.stats import norm
 
+from benchmarks import campaigns, chromium
 from grainfit.analysis import Analysis, analyse
 from grainfit.metamodels.metamodels import Metamodels
 from grainfit.report.page import write_report
 
-pytestmark = pytest.mark.skipif(chromium.EXECUTABLE is None, reason="Chromium is not installed")
+pytestmark = pytest.mark.skipif(
+    chromium.EXECUTABLE is None, reason="Chromium is not installed: apt-get install chromium"
+)
 
 SECTIONS = (
     "answer",

@@ -14,7 +14,9 @@ from grainfit.metamodels.kriging import Kriging
 from grainfit.metamodels.metamodels import Metamodels
 from grainfit.report.sections.answer.section import seconds
 
-pytestmark = pytest.mark.skipif(contexts.NODE is None, reason="Node.js is not installed")
+pytestmark = pytest.mark.skipif(
+    contexts.NODE is None, reason="Node.js is not installed: apt-get install nodejs"
+)
 
 PREDICT = """
     const model = grainfitKriging.prepare(data.model);
@@ -41,6 +43,13 @@ def model_of(name: str) -> Kriging:
     if name == "known noise":
         points, values = runs(20, 2, 10.0)
         return Kriging.fit(points, values, np.linspace(1.0, 100.0, 20))
+    if name == "stated errors":
+        points, values = runs(20, 2, 0.0)
+        errors = np.tile([3.0, 60.0], 10)
+        values = values + errors * np.random.default_rng(2).standard_normal(20)
+        model = Kriging.fit(points, values, standard_errors=errors)
+        assert model.to_plain()["noise_ratios"] is not None
+        return model
     n, d, noise = {
         "one parameter": (12, 1, 10.0),
         "without noise": (30, 2, 0.0),
@@ -58,6 +67,7 @@ def model_of(name: str) -> Kriging:
         "all equal",
         "repeated",
         "known noise",
+        "stated errors",
         "without noise",
         "five parameters",
         "fourteen parameters",

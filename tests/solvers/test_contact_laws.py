@@ -41,7 +41,8 @@ each_solver = pytest.mark.parametrize(
             Liggghts,
             id="liggghts",
             marks=pytest.mark.skipif(
-                shutil.which("liggghts") is None, reason="LIGGGHTS is not installed"
+                shutil.which("liggghts") is None,
+                reason="LIGGGHTS is not installed: apt-get install liggghts",
             ),
         ),
     ],

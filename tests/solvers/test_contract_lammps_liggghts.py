@@ -47,6 +47,8 @@ class TestLammps(HeapContract):
 
 
 @pytest.mark.slow
-@pytest.mark.skipif(shutil.which("liggghts") is None, reason="LIGGGHTS is not installed")
+@pytest.mark.skipif(
+    shutil.which("liggghts") is None, reason="LIGGGHTS is not installed: apt-get install liggghts"
+)
 class TestLiggghts(HeapContract):
     program = Liggghts

@@ -31,7 +31,7 @@ SMALL_GEOMETRY = {
 }
 SMALL = Heap(MONOSIZE, **SMALL_GEOMETRY)
 needs_liggghts = pytest.mark.skipif(
-    shutil.which("liggghts") is None, reason="LIGGGHTS is not installed"
+    shutil.which("liggghts") is None, reason="LIGGGHTS is not installed: apt-get install liggghts"
 )
 SOLVERS = [
     pytest.param(Lammps, id="lammps"),

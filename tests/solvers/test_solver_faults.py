@@ -38,7 +38,7 @@ SMALL_HEAP = {
     "plate_radius": 0.12,
 }
 needs_liggghts = pytest.mark.skipif(
-    shutil.which("liggghts") is None, reason="LIGGGHTS is not installed"
+    shutil.which("liggghts") is None, reason="LIGGGHTS is not installed: apt-get install liggghts"
 )
 each_solver = pytest.mark.parametrize(
     "solver_type",
@@ -186,13 +186,18 @@ LAUNCHERS = [
 ]
 
 
+def require(launcher: list[str]) -> None:
+    if shutil.which(launcher[0]) is None:
+        package = "openmpi-bin" if launcher[0].endswith("openmpi") else "mpich"
+        pytest.skip(f"{launcher[0]} is not installed: apt-get install {package}")
+
+
 @pytest.mark.parametrize("launcher", LAUNCHERS)
 @pytest.mark.parametrize(("number", "kind"), [("SEGV", "simulation"), ("KILL", "machine")])
 def test_rank_that_is_killed_is_told_from_the_ranks_that_the_launcher_ends(
     tmp_path, launcher, number, kind
 ):
-    if shutil.which(launcher[0]) is None:
-        pytest.skip(f"{launcher[0]} is not installed")
+    require(launcher)
     # A rank that dies while Hydra still starts the others leaves it without a word.
     crash = f"{{ sleep 0.3; kill -{number} $$; }}"
     rank = f"ulimit -c 0; [ ${{PMI_RANK:-$OMPI_COMM_WORLD_RANK}} = 1 ] && {crash}; sleep 60"
@@ -206,8 +211,7 @@ def test_rank_that_is_killed_is_told_from_the_ranks_that_the_launcher_ends(
 
 @pytest.mark.parametrize("launcher", LAUNCHERS)
 def test_launcher_that_cannot_start_the_solver(tmp_path, launcher):
-    if shutil.which(launcher[0]) is None:
-        pytest.skip(f"{launcher[0]} is not installed")
+    require(launcher)
     solver = Command(model(tmp_path), [*launcher, "-n", "2", "/no/such/solver"])
     error = failure(solver, tmp_path / "run")
 
@@ -347,7 +351,7 @@ def tiny_disk(tmp_path):
     disk.mkdir()
     mount = ["mount", "-t", "tmpfs", "-o", "size=512k", "tmpfs", str(disk)]
     if shutil.which("mount") is None or subprocess.run(mount, capture_output=True).returncode:
-        pytest.skip("mounting a file system is not permitted")
+        pytest.skip("mounting a file system is not permitted: run the tests as root")
     try:
         (disk / "run").mkdir()
         yield disk / "run"
@@ -542,8 +546,7 @@ def test_real_solver_whose_folder_is_removed(solver_type, tmp_path):
 @pytest.mark.slow
 @pytest.mark.parametrize("launcher", LAUNCHERS)
 def test_ranks_that_will_not_end_are_gone_when_the_run_is(tmp_path, launcher):
-    if shutil.which(launcher[0]) is None:
-        pytest.skip(f"{launcher[0]} is not installed")
+    require(launcher)
     rank = (
         "import os, signal, time; signal.signal(signal.SIGTERM, signal.SIG_IGN);"
         "open(f'rank {os.getpid()}', 'w').close(); time.sleep(600)"

@@ -48,10 +48,11 @@ def bulk_density(particles: Particles, radius: float, bottom: float, top: float)
     -----
     The volume is known exactly and so is the mass in it; uncertain is how well this stretch of the
     bed stands for the bed. The standard error is that of the mean of horizontal layers, each one
-    mass-weighted mean particle diameter thick, after a straight line over height is taken out:
-    that trend (the bed's own weight compresses it) is the same in every bed and no error.
-    Neighbouring layers share particles and so exchange mass, which makes the estimate a cautious
-    one: on 23 simulated beds of glass beads it was 5.6 kg/m^3, the scatter from seed to seed 3.8.
+    mass-weighted mean particle diameter thick, from the second differences of their masses: what
+    all beds have in common (layers at the plate, compression by the bed's own weight) changes
+    smoothly with height and is no error. On 24 simulated beds of glass beads it was 4.4 kg/m^3
+    (root mean square), and the scatter from seed to seed 4.3: nearly all of it is in it. A line
+    taken out instead leaves the layers at the plate in, and 5.5.
 
     Raises
     ------
@@ -79,11 +80,12 @@ def bulk_density(particles: Particles, radius: float, bottom: float, top: float)
 
 
 def _error_of_mean(values: NDArray[np.float64]) -> float:
-    """Standard error of the mean of values along a straight line."""
-    n = len(values)
-    place = np.arange(n)
-    residuals = values - np.polyval(np.polyfit(place, values, 1), place)
-    return math.sqrt(float(residuals @ residuals) / (n - 2) / n)
+    """Standard error of the mean of independent values along a smooth curve.
+
+    A second difference has six times the variance of a value.
+    """
+    curvature = np.diff(values, 2)
+    return math.sqrt(float(curvature @ curvature) / len(curvature) / 6 / len(values))
 
 
 def _masses_between(particles: Particles, planes: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -53,8 +54,9 @@ class HyperparameterPosterior:
     """Restricted likelihood, variance integrated out, times the priors.
 
     The covariance of the runs is a common variance times
-    ``(1 - u) ((1 - p) R / r + p I) + u N``: R the correlation, r its mean in the contrasts, so
-    that p is the share of noise in what the trend leaves; N the known noise and u its share.
+    ``(1 - u) ((1 - p) R / r + p W) + u N``: R the correlation, r its mean in the contrasts, so
+    that p is the share of noise in what the trend leaves; W the ratios of the runs' noise
+    variances to their mean, on the diagonal; N the known noise and u its share.
     """
 
     def __init__(
@@ -63,15 +65,22 @@ class HyperparameterPosterior:
         values: FloatArray,
         contrasts: Contrasts,
         known_noise: FloatArray,
+        noise_ratios: FloatArray | None = None,
     ) -> None:
         self.points = points
         self.contrasts = contrasts
         self.values = contrasts.complement.T @ values
-        self.projector = contrasts.complement @ contrasts.complement.T
+        complement = contrasts.complement
+        self.projector = complement @ complement.T
+        self.noise: FloatArray | None = None
+        self.noise_of_runs = self.projector
+        if noise_ratios is not None:
+            self.noise = (complement.T * noise_ratios) @ complement
+            self.noise_of_runs = complement @ self.noise @ complement.T
         residual_variance = float(self.values @ self.values) / len(self.values)
         self.known_share = min(float(known_noise.mean()) / residual_variance, _LARGEST_KNOWN_SHARE)
         relative = known_noise / known_noise.mean() if self.known_share > 0 else known_noise
-        self.known = self.known_share * (contrasts.complement.T * relative) @ contrasts.complement
+        self.known = self.known_share * (complement.T * relative) @ complement
         d = points.shape[1]
         median = RANGE_MEDIAN * math.sqrt(d)
         self.centre = np.append(np.full(d, math.log(median)), _NOISE_LOGIT_MEAN)
@@ -88,7 +97,10 @@ class HyperparameterPosterior:
         complement = self.contrasts.complement
         signal = (1.0 - noise_share) / mean_correlation
         covariance = complement.T @ correlation @ complement * signal
-        covariance[np.diag_indices_from(covariance)] += noise_share
+        if self.noise is None:
+            covariance[np.diag_indices_from(covariance)] += noise_share
+        else:
+            covariance += noise_share * self.noise
         covariance = (1.0 - self.known_share) * covariance + self.known
         return _Covariance(covariance, correlation, distance, ranges, noise_share, mean_correlation)
 
@@ -120,7 +132,7 @@ class HyperparameterPosterior:
             * own
             * noise_share
             * (1.0 - noise_share)
-            * (float(np.sum(sensitivity * self.projector)) - on_signal)
+            * (float(np.sum(sensitivity * self.noise_of_runs)) - on_signal)
         )
         offset = (theta - self.centre) / self.spread
         value = (
@@ -130,10 +142,19 @@ class HyperparameterPosterior:
         )
         return value, np.append(of_ranges, of_noise) + offset / self.spread
 
+    @cached_property
+    def _best(self) -> tuple[float, FloatArray]:
+        """Lowest value and its place: of three searches, from long, middling and short ranges."""
+        return min((self._search(shift) for shift in (0.0, -1.5, -3.0)), key=lambda found: found[0])
+
     def maximum(self) -> FloatArray:
-        """Best of three local searches: from long, middling and short ranges."""
-        best = min((self._search(shift) for shift in (0.0, -1.5, -3.0)), key=lambda found: found[0])
-        return best[1]
+        """Most probable hyperparameters."""
+        return self._best[1]
+
+    @property
+    def log_density(self) -> float:
+        """Logarithm of the posterior density at its maximum, up to a constant of the runs."""
+        return -self._best[0]
 
     def _search(self, shift: float) -> tuple[float, FloatArray]:
         """Lowest value and its place, from the best of some shares of noise."""

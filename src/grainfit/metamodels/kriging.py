@@ -25,6 +25,7 @@ from threadpoolctl import threadpool_limits
 
 from grainfit.errors import Fault, InputError
 from grainfit.metamodels.hyperparameters import RANGE_MEDIAN, HyperparameterPosterior
+from grainfit.metamodels.noise_ratios import most_probable, noise_ratios
 from grainfit.metamodels.predictor import (
     Component,
     Contrasts,
@@ -131,12 +132,12 @@ def _checked_values(values: ArrayLike, n: int) -> FloatArray:
     return checked
 
 
-def _checked_noise(noise_variance: ArrayLike | None, n: int) -> FloatArray:
-    if noise_variance is None:
+def _checked_noise(noise: ArrayLike | None, n: int, name: str = "noise_variance") -> FloatArray:
+    if noise is None:
         return np.zeros(n)
-    checked = _checked("noise_variance", noise_variance, (n,))
+    checked = _checked(name, noise, (n,))
     if (checked < 0).any():
-        raise InputError(Fault("noise_variance", f"has the negative value {checked.min():g}."))
+        raise InputError(Fault(name, f"has the negative value {checked.min():g}."))
     return checked
 
 
@@ -197,6 +198,7 @@ class Kriging:
         values: ArrayLike,
         noise_variance: ArrayLike | None = None,
         *,
+        standard_errors: ArrayLike | None = None,
         linear_trend: bool = True,
     ) -> Kriging:
         """Fit a metamodel to runs.
@@ -210,6 +212,10 @@ class Kriging:
         noise_variance : array_like, shape (n,), optional
             Known part of each response's variance (for example its measurement's squared
             standard error). The scatter from run to run is estimated and comes on top.
+        standard_errors : array_like, shape (n,), optional
+            Stated standard error of each response; 0 where none is stated. How large the scatter
+            is, is estimated from the runs; the stated errors only say which of them scatter more
+            than others, and only where the runs bear that out. Equal ones change nothing.
         linear_trend : bool
             Linear trend; otherwise, or with too few runs for it, a constant one.
 
@@ -235,6 +241,7 @@ class Kriging:
                 )
             )
         known_noise = _checked_noise(noise_variance, n)
+        candidates = noise_ratios(_checked_noise(standard_errors, n, "standard_errors"))
         trend = Trend.choose(points, linear_trend)
         contrasts = Contrasts.of(trend.matrix(points))
         offset = float(values.mean())
@@ -250,15 +257,19 @@ class Kriging:
         if exact:
             # Nothing can be estimated; the tiny scale keeps all variances above zero.
             median = np.full(d, RANGE_MEDIAN * math.sqrt(d))
-            sets = [Hyperparameters(median, 0.5, 0.5, 1.0)]
+            sets, ratios = [Hyperparameters(median, 0.5, 0.5, 1.0)], None
         else:
             # The matrices are small: threads only wait for one another, and for the DEM runs.
             with threadpool_limits(limits=1, user_api="blas"):
-                sets = HyperparameterPosterior(
-                    points, standardised, contrasts, known_noise
-                ).hyperparameters()
+                fits = [
+                    HyperparameterPosterior(points, standardised, contrasts, known_noise, ratios)
+                    for ratios in candidates
+                ]
+                best = most_probable([fit.log_density for fit in fits])
+                sets, ratios = fits[best].hyperparameters(), candidates[best]
+        data = (trend, points, standardised, known_noise, contrasts, ratios)
         return cls(
-            [Component(s, trend, points, standardised, known_noise, contrasts) for s in sets],
+            [Component(one, *data) for one in sets],
             offset=offset,
             scale=scale,
             degrees_of_freedom=contrasts.degrees_of_freedom,
@@ -573,13 +584,14 @@ class Kriging:
         -------
         dict
             ``offset``, ``scale``, ``inflation`` (numbers); ``points`` (n lists of d numbers),
-            ``values`` and ``known_noise`` of the runs (n), in units of the scale; and
-            ``components``, one dictionary for each set of hyperparameters: ``weight``,
-            ``signal_variance``, ``noise_variance`` (numbers); ``ranges`` (d); ``trend_columns``
-            (q - 1 indices of parameters, from 0). With factors also ``coefficients`` (n);
-            ``trend_coefficients`` (q); ``least_squares`` (q lists of n); ``trend_covariance`` (q
-            lists of q); ``triangle``, one flat list: n - q rows of an upper triangular matrix T of
-            n + q columns, one after the other, each from its diagonal on, so row i has n + q - i
+            ``values`` and ``known_noise`` of the runs (n), in units of the scale;
+            ``noise_ratios`` of the runs (n), or None where all are 1; and ``components``, one
+            dictionary for each set of hyperparameters: ``weight``, ``signal_variance``,
+            ``noise_variance`` (numbers); ``ranges`` (d); ``trend_columns`` (q - 1 indices of
+            parameters, from 0). With factors also ``coefficients`` (n); ``trend_coefficients``
+            (q); ``least_squares`` (q lists of n); ``trend_covariance`` (q lists of q);
+            ``triangle``, one flat list: n - q rows of an upper triangular matrix T of n + q
+            columns, one after the other, each from its diagonal on, so row i has n + q - i
             numbers.
 
         Notes
@@ -600,8 +612,10 @@ class Kriging:
         - the expected response is ``offset + scale m``, its variance ``scale^2 s``.
 
         The factors are those of universal Kriging: of the k of all points among themselves, with
-        ``noise_variance`` and ``known_noise`` added on the diagonal, and of the f of all points.
+        ``noise_variance`` times ``noise_ratios`` and ``known_noise`` added on the diagonal, and of
+        the f of all points.
         """
+        ratios = self._components[0].noise_ratios
         return {
             "offset": self._offset,
             "scale": self._scale,
@@ -609,6 +623,7 @@ class Kriging:
             "points": self._components[0].points.tolist(),
             "values": self._components[0].values.tolist(),
             "known_noise": self._components[0].known_noise.tolist(),
+            "noise_ratios": None if ratios is None else ratios.tolist(),
             "components": [component.to_plain(factors) for component in self._components],
         }
 

@@ -233,4 +233,9 @@ def _fit(problem: Problem, evaluations: Sequence[Evaluation], name: str) -> Krig
             f"{places} different places, and {needed} are needed for its metamodel.{because}"
         )
     points = np.array([problem.to_unit(e.proposal.parameters) for e in known])
-    return Kriging.fit(points, np.array([e.responses[name].value for e in known]))
+    responses = [e.responses[name] for e in known]
+    return Kriging.fit(
+        points,
+        np.array([response.value for response in responses]),
+        standard_errors=np.array([response.standard_error for response in responses]),
+    )

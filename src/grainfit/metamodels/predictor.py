@@ -125,15 +125,17 @@ class Component:
         values: FloatArray,
         known_noise: FloatArray,
         contrasts: Contrasts | None = None,
+        noise_ratios: FloatArray | None = None,
     ) -> None:
         self.hyperparameters = hyperparameters
         self.trend = trend
         self.points = points
         self.values = values
         self.known_noise = known_noise
+        self.noise_ratios = noise_ratios
         contrasts = contrasts or Contrasts.of(trend.matrix(points))
         covariance = self._covariance(points)
-        covariance[np.diag_indices_from(covariance)] += hyperparameters.noise_variance + known_noise
+        covariance[np.diag_indices_from(covariance)] += self._noise() + known_noise
         complement, least_squares = contrasts.complement, contrasts.least_squares
         factor = linalg.cholesky(complement.T @ covariance @ complement, lower=True)
         self._root = linalg.solve_triangular(factor, complement.T, lower=True)
@@ -143,6 +145,11 @@ class Component:
         self._trend_coefficients = least_squares @ (values - covariance @ self._coefficients)
         self._trend_covariance = least_squares @ across
         self._root_of_trend = self._root @ across
+
+    def _noise(self) -> FloatArray | float:
+        """Estimated variance of the noise of each run."""
+        variance = self.hyperparameters.noise_variance
+        return variance if self.noise_ratios is None else variance * self.noise_ratios
 
     def _covariance(self, points: FloatArray) -> FloatArray:
         ranges = self.hyperparameters.ranges
@@ -215,12 +222,15 @@ class Component:
         self, points: FloatArray, values: FloatArray, known_noise: FloatArray
     ) -> Component:
         """Add runs."""
+        ratios = self.noise_ratios
         return Component(
             self.hyperparameters,
             self.trend,
             np.vstack([self.points, points]),
             np.append(self.values, values),
             np.append(self.known_noise, known_noise),
+            # How well the added runs will be measured is not known: as the others on average.
+            noise_ratios=None if ratios is None else np.append(ratios, np.ones(len(points))),
         )
 
     def condition_on_pending(self, points: FloatArray, known_noise: FloatArray) -> Component:

@@ -153,6 +153,7 @@
       triangle,
       rotated,
       knownNoise: Float64Array.from(plain.known_noise),
+      noiseRatios: Float64Array.from({ length: n }, (_, r) => plain.noise_ratios?.[r] ?? 1),
       offset: plain.offset,
       scale: plain.scale,
       inflation: plain.inflation,
@@ -179,7 +180,7 @@
         }
         matrix[r * n + s] = matrix[s * n + r] = component.signal * correlation(squared);
       }
-      matrix[r * n + r] = component.signal + component.noise + model.knownNoise[r];
+      matrix[r * n + r] = component.signal + component.noise * model.noiseRatios[r] + model.knownNoise[r];
     }
     for (let r = 0; r < n; r++) rotate(model.reflectors, matrix.subarray(r * n, r * n + n));
     const along = new Float64Array(n);

@@ -26,17 +26,20 @@ from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
 from typing import Any
+from unittest.mock import patch
 
-import grainfit
 from grainfit.calibration import calibrate as calibration
 from grainfit.campaign.campaign import CampaignOptions
 from grainfit.campaign.store.records import RunRecord
 from grainfit.campaign.store.store import STORE_NAME, RunStore
 from grainfit.campaign.work_folder import PARTIAL_SUFFIX, read_record
-from grainfit.errors import StoreError
+from grainfit.errors import GrainfitError, StoreError
+from grainfit.problem import Parameter, Problem, Target
 from grainfit.result import Result
 from grainfit.solvers.own_model.command import Command
 from grainfit.solvers.own_model.python_callable import PythonCallable
+from grainfit.strategies.base import Strategy
+from grainfit.strategies.staged.strategy import Staged
 
 LOG_VARIABLE = "CRASH_LOG"
 SECONDS_VARIABLE = "CRASH_SECONDS"
@@ -54,7 +57,7 @@ awk -v friction="$1" -v seed="$2" 'BEGIN {
 }' > responses.json
 echo "ended $$ $1 $2" >> "$CRASH_LOG"
 """
-FRICTION = grainfit.Parameter("friction", 0.1, 0.9)
+FRICTION = Parameter("friction", 0.1, 0.9)
 #: A calibration that does not come back after so long hangs, s.
 _PATIENCE = 120.0
 _DISK_BYTES = 32 * 2**20
@@ -115,7 +118,7 @@ class Variant:
 
     name: str
     workers: int = 1
-    strategy: str | grainfit.Strategy = "sequential"
+    strategy: str | Strategy = "sequential"
     solver: str = "program"
     pool: bool = False
     tolerance: float = 1.0
@@ -137,7 +140,7 @@ VARIANTS = (
     # The first answer does not stand the verification, and the search goes on.
     Variant(
         "kill -9, staged, two answers",
-        strategy=grainfit.Staged(design_runs=5),
+        strategy=Staged(design_runs=5),
         tolerance=0.2,
         options={"seed": 2},
     ),
@@ -246,14 +249,13 @@ class Trial:
         os.environ[SECONDS_VARIABLE] = str(self.variant.seconds)
         os.environ[OUTPUT_VARIABLE] = str(self.variant.output)
         # A machine that fails here does so on purpose, and has recovered at once.
-        calibration.CampaignOptions = partial(  # type: ignore[misc, assignment]
-            CampaignOptions, retry_pauses=(0.0, 0.0)
-        )
-        target = grainfit.Target("angle", 27.0, tolerance=self.variant.tolerance)
+        at_once = partial(CampaignOptions, retry_pauses=(0.0, 0.0))
+        patch.object(calibration, "CampaignOptions", at_once).start()
+        target = Target("angle", 27.0, tolerance=self.variant.tolerance)
         try:
             with self._executor() as executor:
                 result = calibration.calibrate(
-                    grainfit.Problem([FRICTION], [target]),
+                    Problem([FRICTION], [target]),
                     self._solver(),
                     strategy=self.variant.strategy,
                     workers=self.variant.workers,
@@ -261,8 +263,8 @@ class Trial:
                     executor=executor,
                     **{**self.variant.options, **options},
                 )
-            ending = {"result": _essence(result)}
-        except grainfit.GrainfitError as error:
+            ending: dict[str, Any] = {"result": _essence(result)}
+        except GrainfitError as error:
             ending = {"error": type(error).__name__, "message": str(error)}
         except BaseException as error:
             ending = {"error": type(error).__name__, "message": traceback.format_exc()}
