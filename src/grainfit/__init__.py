@@ -5,10 +5,13 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from grainfit import plots as plots
+    from grainfit import solvers as solvers
     from grainfit import tests as tests
     from grainfit.analysis import Analysis, analyse
     from grainfit.calibration.calibrate import calibrate
     from grainfit.calibration.progress import Progress
+    from grainfit.calibration_file.build import CalibrationSetup
+    from grainfit.calibration_file.build import load_calibration as load
     from grainfit.errors import (
         GrainfitError,
         InputError,
@@ -34,6 +37,7 @@ if TYPE_CHECKING:
 __all__ = [
     "Analysis",
     "Answer",
+    "CalibrationSetup",
     "Evaluation",
     "GrainfitError",
     "InputError",
@@ -59,6 +63,7 @@ __all__ = [
     "Workspace",
     "analyse",
     "calibrate",
+    "load",
     "open",
     "plots",
     "rayleigh_time_step",
@@ -69,6 +74,7 @@ __all__ = [
 _HOMES = {
     **dict.fromkeys(("Analysis", "analyse"), "analysis.analysis"),
     "calibrate": "calibration.calibrate",
+    **dict.fromkeys(("CalibrationSetup", "load"), "calibration_file.build"),
     "ParticleSizes": "materials.sizes",
     "OpenedCalibration": "opened",
     "Progress": "calibration.progress",
@@ -88,9 +94,9 @@ _HOMES = {
 
 
 #: Rooms that are used by their name.
-_ROOMS = ("plots", "tests")
-#: Functions that are called otherwise at home, where they would hide a function of Python.
-_OTHER_NAMES = {"open": "open_calibration"}
+_ROOMS = ("plots", "solvers", "tests")
+#: Functions that have a longer name at home.
+_OTHER_NAMES = {"load": "load_calibration", "open": "open_calibration"}
 
 
 def __getattr__(name: str) -> Any:

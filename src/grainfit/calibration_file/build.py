@@ -3,17 +3,22 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Mapping
-from contextlib import suppress
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from contextlib import ExitStack, suppress
 from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import Any
 
+from grainfit.calibration.calibrate import calibrate
 from grainfit.calibration.options import CalibrationOptions
+from grainfit.calibration.progress import Progress
 from grainfit.calibration.provenance import Provenance
 from grainfit.calibration.timeouts import default_timeouts
 from grainfit.calibration_file.content import CalibrationFile, SearchOptions, TestSpecification
-from grainfit.campaign.cluster.executor import is_available
+from grainfit.calibration_file.load import load_calibration_file
+from grainfit.campaign.cluster.executor import cluster_executor, is_available
 from grainfit.campaign.cluster.options import ClusterOptions
+from grainfit.campaign.work_folder import default_workdir
 from grainfit.contact_models.registry import MATERIAL_PARAMETERS
 from grainfit.errors import Fault, InputError
 from grainfit.evaluation import response_name
@@ -22,9 +27,11 @@ from grainfit.options.fields import option_keys
 from grainfit.options.kinds import Quantity, suggest
 from grainfit.options.places import Findings, Place
 from grainfit.problem import Problem
+from grainfit.result import Result
 from grainfit.solvers.base import Solver
 from grainfit.solvers.registry import types_of_test
 from grainfit.solvers.type_of_test import FileEntry
+from grainfit.strategies.base import Strategy
 from grainfit.strategies.registry import changed
 from grainfit.units import is_unit
 
@@ -107,6 +114,69 @@ class CalibrationSetup:
         }
         return Provenance(self.file.path.name, text, fixed, units)
 
+    def calibrate(
+        self,
+        workdir: str | Path | None = None,
+        *,
+        strategy: str | Strategy | None = None,
+        runs_from: Sequence[str | Path] = (),
+        store: str | None = None,
+        retry_failed: bool = False,
+        on_progress: Callable[[Progress], None] | None = None,
+        progress: bool = False,
+        **given: Any,
+    ) -> Result:
+        """Calibrate as ``grainfit run`` does, with the file's time-outs and its cluster.
+
+        Parameters
+        ----------
+        workdir : path, optional
+            Where runs and results are kept; by default the file's name with ``.grainfit``, here.
+        strategy : str or Strategy, optional
+            Another strategy than the file's.
+        runs_from, store, retry_failed, on_progress, progress
+            See `grainfit.calibrate`.
+        **given : object
+            Options that replace those of the file, such as ``max_runs``, ``workers`` or ``seed``.
+
+        Returns
+        -------
+        Result
+            Also after Ctrl-C, with status ``interrupted``.
+
+        Raises
+        ------
+        InputError, SolverNotFoundError, RunFailedError, StoreError
+            See `grainfit.calibrate`.
+
+        Examples
+        --------
+        >>> import grainfit as gf
+        >>> gf.load("beads.toml").calibrate(progress=True)  # doctest: +SKIP
+        """
+        folder = Path(workdir) if workdir is not None else default_workdir(self.file.path)
+        named = strategy if isinstance(strategy, str) else None
+        options = self.options(named, **given)
+        if isinstance(strategy, Strategy):
+            options["strategy"] = strategy
+        with ExitStack() as stack:
+            if self.cluster is not None:
+                options["executor"] = stack.enter_context(cluster_executor(self.cluster, folder))
+            return calibrate(
+                self.problem,
+                self.solvers,
+                workdir=folder,
+                name=self.name,
+                timeouts=self.timeouts,
+                runs_from=runs_from,
+                store=store,
+                retry_failed=retry_failed,
+                provenance=self.provenance,
+                on_progress=on_progress,
+                progress=progress,
+                **options,
+            )
+
     def options(self, strategy: str | None = None, **given: Any) -> dict[str, Any]:
         """Return the arguments of `grainfit.calibrate` for the search; what is given here wins.
 
@@ -173,6 +243,29 @@ class CalibrationSetup:
             return Quantity(known.unit, known.lowest, known.highest)
         units = [p.unit for p in self.file.parameters if p.name == name and is_unit(p.unit)]
         return Quantity(units[0] if units and units[0] else None)
+
+
+def load_calibration(path: str | Path) -> CalibrationSetup:
+    """Read a calibration file and make it ready to run; nothing is executed.
+
+    Parameters
+    ----------
+    path : path
+        The calibration file.
+
+    Raises
+    ------
+    InputError
+        With every fault of the file, its key and its line.
+
+    Examples
+    --------
+    >>> import grainfit as gf
+    >>> setup = gf.load("beads.toml")  # doctest: +SKIP
+    >>> setup.problem.intervals  # doctest: +SKIP
+    {'particle.density': (1400.0, 2800.0)}
+    """
+    return build_calibration(load_calibration_file(Path(path)))
 
 
 def build_calibration(file: CalibrationFile) -> CalibrationSetup:

@@ -116,34 +116,25 @@ def run(
     Exit code: 0 calibrated, 1 bad input or a missing solver, 3 not every target is met or in reach,
     130 interrupted.
     """
-    from grainfit.calibration.calibrate import calibrate
     from grainfit.calibration.live_progress import LiveProgress
-    from grainfit.campaign.cluster.executor import cluster_executor, missing_scheduler
+    from grainfit.campaign.cluster.executor import missing_scheduler
     from grainfit.campaign.work_folder import default_workdir
 
     setup = replace(_build(file), local=local)
-    options = setup.options(strategy, **(search_options or {}))
     folder = workdir or default_workdir(file)
+    if setup.file.cluster is not None and setup.cluster is None and not local:
+        _err.print(f"Cluster: {missing_scheduler(setup.file.cluster)}")
     with ExitStack() as stack:
         if not no_report:
             stack.enter_context(_report_of_failure(folder))
-        if setup.cluster is not None:
-            options["executor"] = stack.enter_context(cluster_executor(setup.cluster, folder))
-        elif setup.file.cluster is not None and not local:
-            _err.print(f"Cluster: {missing_scheduler(setup.file.cluster)}")
-        progress = stack.enter_context(LiveProgress(_err))
-        result = calibrate(
-            setup.problem,
-            setup.solvers,
-            workdir=folder,
-            name=setup.name,
-            timeouts=setup.timeouts,
+        result = setup.calibrate(
+            folder,
+            strategy=strategy,
             runs_from=runs_from or (),
             store=store,
             retry_failed=retry_failed,
-            provenance=setup.provenance,
-            on_progress=progress.update,
-            **options,
+            on_progress=stack.enter_context(LiveProgress(_err)).update,
+            **(search_options or {}),
         )
     show.print_result(_out, result, folder)
     if not no_report:
