@@ -213,7 +213,7 @@ class SequentialSearch(Search):
         self._resumptions += possible
         return possible
 
-    # What is known ---------------------------------------------------------------------------
+    # Known runs ------------------------------------------------------------------------------
 
     @cached_property
     def _design(self) -> Array:
@@ -267,7 +267,7 @@ class SequentialSearch(Search):
     def _note(self, notices: Iterable[str]) -> None:
         self._notices += [notice for notice in notices if notice not in self._notices]
 
-    # What is asked ---------------------------------------------------------------------------
+    # Proposals -------------------------------------------------------------------------------
 
     def _propose(self, parameters: Mapping[str, float], stage: Stage) -> Proposal:
         number = len(self._asked) + 1
