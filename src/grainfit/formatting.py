@@ -1,4 +1,4 @@
-"""Numbers and units as people read them."""
+"""Format numbers, units and texts for readers."""
 
 from __future__ import annotations
 
@@ -8,18 +8,18 @@ from math import floor, inf, isfinite, log10
 _SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 #: Numbers between these are written without a power of ten.
 _FIXED = 1e-3, 1e5
-#: Of a value whose uncertainty is next to nothing.
+#: Digits of a value whose uncertainty is almost zero.
 _MOST_DIGITS = 6
 _UNITS = {"kg/m^3": "kg/m³", "deg": "°", "m^3": "m³", "m^2": "m²", "m/s^2": "m/s²"}
 
 
 def unit_for_people(unit: str) -> str:
-    """Return a unit as it is printed."""
+    """Return a unit as readers expect it."""
     return _UNITS.get(unit, plain(unit))
 
 
 def with_unit(shown: str, unit: str) -> str:
-    """Return a number, as it is shown, with a unit for people.
+    """Return a formatted number with its unit.
 
     Examples
     --------
@@ -37,7 +37,7 @@ def probability(value: float) -> str:
 
 
 def number(value: float | None, digits: int = 4) -> str:
-    """Return a number with so many significant digits, for people.
+    """Return a number with some significant digits, for readers.
 
     Examples
     --------
@@ -53,7 +53,7 @@ def number(value: float | None, digits: int = 4) -> str:
 
 
 def rounded(value: float | None, uncertainty: float | None) -> str:
-    """Return a value with the digits that mean something: down to two of its uncertainty.
+    """Return a value with its significant digits: down to two digits of its uncertainty.
 
     Examples
     --------
@@ -67,13 +67,13 @@ def rounded(value: float | None, uncertainty: float | None) -> str:
     magnitude = floor(log10(abs(value))) if value else floor(log10(uncertainty))
     decimals = min(1 - floor(log10(uncertainty)), _MOST_DIGITS - 1 - magnitude)
     if not value or _FIXED[0] <= abs(value) < _FIXED[1]:
-        # Adding zero: there is no minus zero for people.
+        # Adding zero turns minus zero into zero.
         return _with_power(f"{round(value, decimals) + 0.0:.{max(decimals, 0)}f}")
     return _with_power(f"{value:.{max(magnitude + decimals, 0)}e}")
 
 
 def _with_power(text: str) -> str:
-    """Return a number as Python prints it with a true minus and power of ten."""
+    """Return a number printed by Python with a typographic minus sign and power of ten."""
     mantissa, _, power = text.replace("-", "−").partition("e")
     if not power:
         return mantissa
@@ -82,7 +82,7 @@ def _with_power(text: str) -> str:
 
 
 def plain(text: str) -> str:
-    r"""Return a text as one line that does nothing to a terminal: what is not printed is escaped.
+    r"""Return a text as one line that is safe for a terminal: control characters are escaped.
 
     Examples
     --------
@@ -119,7 +119,7 @@ def duration(seconds: float) -> str:
 
 
 def counted(count: int, noun: str) -> str:
-    """Return how many there are of something.
+    """Return a count with its noun, singular or plural.
 
     Examples
     --------
@@ -130,5 +130,5 @@ def counted(count: int, noun: str) -> str:
 
 
 def variable_name(name: str) -> str:
-    """Name of a parameter as a solver's variable: ``particle.density``, ``particle_density``."""
+    """Return a parameter's name as a solver's variable: ``particle_density``."""
     return re.sub(r"\W", "_", name, flags=re.ASCII)

@@ -1,4 +1,4 @@
-"""What comes out of a calibration."""
+"""Result of a calibration."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from typing import Any, Literal
 
 from grainfit.errors import StoreError
 from grainfit.files import write_atomically
-from grainfit.formatting import probability
+from grainfit.formatting import counted, probability
 from grainfit.tables import TextTable, as_html, as_text
 
 #: Half the width of a 95 % interval in standard errors.
@@ -19,14 +19,14 @@ _NORMAL_QUANTILE = 1.96
 Status = Literal["calibrated", "out_of_tolerance", "unreachable", "interrupted"]
 Verdict = Literal["met", "in doubt", "missed", "not verified"]
 Bound = Literal["min", "max"]
-#: The status in words, for people.
+#: The status in words.
 STATUS_WORDS: Mapping[Status, str] = {
     "calibrated": "calibrated: every target is met within its tolerance",
     "out_of_tolerance": "finished without meeting every target",
     "unreachable": "out of reach within the given intervals",
-    "interrupted": "interrupted: start it again to go on",
+    "interrupted": "interrupted: start it again to continue",
 }
-#: Names of version 0.1.0 that are called otherwise now.
+#: Names of version 0.1.0 that have changed.
 _RENAMED = {
     "agreement": "probability_all_met",
     "std_error": "standard_error",
@@ -37,14 +37,14 @@ _RENAMED = {
 
 @dataclass(frozen=True)
 class ResponseResult:
-    """A response at the answer against its target.
+    """A response at the answer, compared with its target.
 
     Parameters
     ----------
     target, tolerance : float
         Measured value and largest accepted deviation.
     unit : str
-        Unit of all numbers here.
+        Unit of all these numbers.
     predicted, standard_error : float
         Expected response by the metamodel, and its standard error.
     verified_mean, verified_standard_error : float, optional
@@ -54,7 +54,7 @@ class ResponseResult:
     deviation_percent : float
         Deviation of the verified mean (before verification: of the prediction) from the target.
     within_tolerance : bool
-        Whether that deviation is accepted, and not in doubt.
+        Whether that deviation is accepted and not in doubt.
     """
 
     target: float
@@ -70,12 +70,12 @@ class ResponseResult:
 
     @property
     def is_verified(self) -> bool:
-        """Whether verification runs tell what is expected."""
+        """Whether the expected response comes from verification runs."""
         return self.verified_mean is not None and self.verified_interval is not None
 
     @property
     def verdict(self) -> Verdict:
-        """What comes of the target; in doubt if met by the verification runs alone, unsurely."""
+        """Verdict on the target; in doubt if only the mean of the verification runs meets it."""
         if not self.is_verified:
             return "not verified"
         if self.within_tolerance:
@@ -93,11 +93,11 @@ class ResponseResult:
 
 @dataclass(frozen=True)
 class RunCounts:
-    """DEM runs that the calibration rests on.
+    """Numbers of DEM runs of a calibration.
 
     ``reused`` of the ``total`` were known before this start (from an interrupted start or another
-    calibration) and were not simulated again; ``failed`` of them gave no responses. Besides these,
-    it could learn from ``warm_start_runs`` runs that were made before it for other calibrations.
+    calibration) and were not simulated again; ``failed`` of them gave no responses. In addition,
+    there was a warm start from ``warm_start_runs`` earlier runs of other calibrations.
     """
 
     design: int = 0
@@ -109,10 +109,11 @@ class RunCounts:
     warm_start_runs: int = 0
 
     def __str__(self) -> str:
-        learnt = f", learnt from {self.warm_start_runs} made before" if self.warm_start_runs else ""
+        earlier = self.warm_start_runs
+        warm = f", warm start from {counted(earlier, 'earlier run')}" if earlier else ""
         return (
             f"{self.total} = {self.design} design + {self.optimisation} optimisation + "
-            f"{self.verification} verification; {self.failed} failed, {self.reused} reused{learnt}"
+            f"{self.verification} verification; {self.failed} failed, {self.reused} reused{warm}"
         )
 
 
@@ -130,19 +131,19 @@ class RunSummary:
 
 @dataclass(frozen=True)
 class Result:
-    """The outcome of a calibration.
+    """Result of a calibration.
 
     Parameters
     ----------
     status : {"calibrated", "out_of_tolerance", "unreachable", "interrupted"}
-        ``calibrated``: the mean of the verification runs meets every target within tolerance, and
-        where they do not settle that by themselves, so does what all runs together make expected.
+        ``calibrated``: the mean of the verification runs meets every target within tolerance. If
+        these runs are not certain enough by themselves, so do the responses expected from all runs.
     parameters : mapping of str to float
         The calibrated values, SI. Empty when interrupted before there was an answer.
     responses : mapping of str to ResponseResult
         By name of the target.
     runs : RunCounts
-        How many DEM runs it took.
+        Numbers of DEM runs.
     rayleigh_time_step : float, optional
         Rayleigh time step of the calibrated material, s.
     rayleigh_time_step_before : float, optional
@@ -152,20 +153,20 @@ class Result:
     wall_seconds : float
         Duration of this start, s.
     utilisation : float
-        Share of the workers' time in which they simulated, in this start; 1 is all of it.
+        Share of the workers' time spent on simulations, in this start, from 0 to 1.
     probability_all_met : float, optional
-        Probability, by the metamodels of all runs, those of the verification included, that all
-        expected responses are within their tolerances.
+        Probability, by the metamodels of all runs including the verification, that all expected
+        responses are within their tolerances.
     name, identity, strategy, seed, version : str, str, str, int, str
-        What was calibrated, and how to repeat it.
+        Name of the calibration, and all that is needed to repeat it.
     units : mapping of str to str
         Units of the parameters.
     out_of_reach : sequence of OutOfReach
-        Targets that the intervals do not allow to meet.
+        Targets that cannot be met within the intervals.
     metamodels : mapping of str to MetamodelQuality
-        By name of the target.
+        Quality of the metamodels, by name of the target.
     notices : sequence of str
-        What the user should know.
+        Notices for the user.
     history : sequence of RunSummary
         Every parameter set that was simulated, in order.
     """
@@ -229,7 +230,7 @@ class Result:
         return asdict(self)
 
     def to_json(self, path: str | Path) -> None:
-        """Write the result to a JSON file, whole or not at all."""
+        """Write the result to a JSON file atomically."""
         write_atomically(
             Path(path),
             json.dumps(self.to_dict(), indent=2, ensure_ascii=False, allow_nan=False) + "\n",
@@ -242,7 +243,7 @@ class Result:
         Raises
         ------
         StoreError
-            There is no such file, or what is in it is no result: it was edited, or written by
+            There is no such file, or its content is not a result: it was edited, or written by
             another version of grainfit.
 
         Examples
@@ -274,10 +275,10 @@ def _with_unit(value: float, unit: str) -> str:
 
 
 def damaged_result(path: str | Path, why: str) -> str:
-    """Return words for a result that tells nothing any more."""
+    """Return the message for a result that can no longer be read."""
     return (
-        f"{str(path)!r} is damaged: {why}. Start the calibration again: it is written anew, and no "
-        "finished run is repeated."
+        f"{str(path)!r} is damaged: {why}. Start the calibration again: the file is written again, "
+        "and no finished run is repeated."
     )
 
 
@@ -315,7 +316,7 @@ def _with_current_keys(data: dict[str, Any]) -> dict[str, Any]:
 
 
 def _finite(text: str) -> float:
-    # A whole number may be larger than any number of a computer, too.
+    # A whole number may also be larger than any floating-point number.
     if not isfinite(value := float(text)):
         raise ValueError(f"{text[:20]} is not a finite number")
     return value
@@ -323,7 +324,7 @@ def _finite(text: str) -> float:
 
 @dataclass(frozen=True)
 class MetamodelQuality:
-    """How far a metamodel can be trusted, by leave-one-out.
+    """Quality of a metamodel, by leave-one-out.
 
     Parameters
     ----------
@@ -335,7 +336,7 @@ class MetamodelQuality:
     noise : float
         Estimated standard deviation of the response from seed to seed.
     warnings : tuple of str
-        Why it is not to be trusted, in words; empty when it is.
+        Reasons not to trust it, in words; empty when there are none.
     """
 
     q2: float | None
@@ -346,7 +347,7 @@ class MetamodelQuality:
 
 @dataclass(frozen=True)
 class OutOfReach:
-    """A target that the intervals do not allow to meet.
+    """A target that cannot be met within the intervals.
 
     Parameters
     ----------
@@ -355,13 +356,13 @@ class OutOfReach:
     value : float
         Its value.
     nearest, standard_error : float
-        Nearest expected response within the intervals, and how well it is known.
+        Nearest expected response within the intervals, and its standard error.
     jointly : bool
         The target could be met alone, but not together with the others.
     parameter, bound, bound_value : str, {"min", "max"}, float, optional
         The bound that is in the way.
     suggestion : float, optional
-        A bound that should do, by linear extrapolation; None when none is in sight.
+        A bound that should be enough, by linear extrapolation; None when there is none.
     """
 
     target: str
@@ -389,5 +390,5 @@ class OutOfReach:
             return f"{text} No single bound is in the way: free another parameter."
         text += f" The bound in the way is {self.parameter}.{self.bound} = {self.bound_value:g}"
         if self.suggestion is None:
-            return f"{text}, and no possible value beyond it would do: free another parameter."
+            return f"{text}, and no possible value beyond it is enough: free another parameter."
         return f"{text}; try {self.suggestion:g}."

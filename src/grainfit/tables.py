@@ -1,4 +1,4 @@
-"""Short tables and sentences as plain text and as HTML of a notebook."""
+"""Short tables and sentences as plain text, and as HTML for a notebook."""
 
 from __future__ import annotations
 
@@ -13,16 +13,16 @@ _GAP = "  "
 
 @dataclass(frozen=True)
 class TextTable:
-    """A table of texts: the first column is a name, and those after it are numbers with units.
+    """A table of texts: the first column has names, the others have numbers with units.
 
     Parameters
     ----------
     header : tuple of str
-        One for each column.
+        Column headings.
     rows : tuple of tuple of str
         Cells.
     caption : str
-        Below the table.
+        Text below the table.
     """
 
     header: tuple[str, ...]

@@ -122,8 +122,8 @@ def test_what_is_not_determined_comes_before_what_is(random: np.random.Generator
     assert found.narrowing[MODULUS.name] == pytest.approx(1.0, abs=0.02)
     assert found.narrowing[ROLLING.name] == pytest.approx(0.5, abs=0.02)
     assert [test.split(":")[0] for test in found.further_tests] == [
-        "To settle particle.youngs_modulus",
-        "To settle particle_particle.rolling_friction",
+        "To determine particle.youngs_modulus",
+        "To determine particle_particle.rolling_friction",
     ]
 
 
@@ -151,7 +151,7 @@ def test_a_parameter_that_bulk_tests_do_not_see_is_better_fixed(
     found = judged([ratio, OWN], *random.random((2, COUNT)))
     fixed, own = sorted(found.further_tests, reverse=True)
     assert fixed.startswith("wall.poissons_ratio hardly changes any common bulk test: take it out")
-    assert own == "To settle cohesion: add a target of a test that responds to it."
+    assert own == "To determine cohesion: add a target of a test that responds to it."
 
 
 def test_the_ends_of_a_narrow_interval_differ_in_what_is_shown(

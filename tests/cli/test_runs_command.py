@@ -128,7 +128,7 @@ def stored(folder: Path) -> list[RunRecord]:
 def test_a_calibration_says_which_runs_of_others_it_learns_from(sand: Path) -> None:
     first = grainfit("run", sand, "--no-report", "--seed", "2")
     assert "Learns from" not in first.stderr
-    assert "learnt from" not in first.stdout
+    assert "warm start" not in first.stdout
     made = json.loads(Path("sand.grainfit/result.json").read_text())["runs"]["total"]
     sand.write_text(FILE.replace("value = 36", "value = 38"))
     second = grainfit(
@@ -137,7 +137,7 @@ def test_a_calibration_says_which_runs_of_others_it_learns_from(sand: Path) -> N
     place = Path("sand.grainfit/runs.sqlite").absolute()
     line = f"Learns from {made} runs that were made before: {place} ({made})."
     assert second.stderr.count(line) == 1, second.stderr
-    assert f"learnt from {made} made before" in " ".join(second.stdout.split())
+    assert f"warm start from {made} earlier runs" in " ".join(second.stdout.split())
 
 
 def test_the_shared_store_can_be_named_by_the_environment(sand: Path, tmp_path: Path) -> None:

@@ -215,7 +215,7 @@ def test_a_moved_bound_stays_within_physical_limits() -> None:
     [miss] = search.answer().out_of_reach
     assert (miss.bound_value, miss.suggestion) == (1.0, None)
     assert f"{name}.max = 0.9 was in the way and has been moved to 1." in search.notices
-    assert "no possible value beyond it would do" in search.notices[-1]
+    assert "no possible value beyond it is enough" in search.notices[-1]
 
 
 # The Rayleigh time step ----------------------------------------------------------------------

@@ -1,4 +1,4 @@
-"""What the runs of a calibration tell beyond the answer: how sure it is, and what it hangs on."""
+"""Analysis of a calibration's runs: uncertainty, sensitivity, identifiability, Pareto front."""
 
 from grainfit.analysis.analysis import Analysis, analyse
 from grainfit.analysis.identifiability import Direction, Identifiability, assess_identifiability

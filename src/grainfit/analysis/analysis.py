@@ -1,4 +1,4 @@
-"""All that the runs of a calibration tell, at once."""
+"""Run all analyses of a calibration's runs at once."""
 
 from __future__ import annotations
 
@@ -27,34 +27,34 @@ Array = NDArray[np.float64]
 
 _RUNS_OF_FIRST_GUESS = 40
 _POINTS_OF_FIRST_GUESS = 1024
-#: Squares of the numbers of runs, times sets of hyperparameters, summed over the responses.
+#: Squared numbers of runs, times sets of hyperparameters, summed over the responses.
 _LARGEST_EFFORT = 400_000
-#: So many more cost as much as asking a metamodel at all.
+#: Fixed cost of a prediction, in the same unit.
 _EFFORT_OF_ASKING = 5_000
 _FEWEST_COMPONENTS = 2
 
 
 @dataclass(frozen=True)
 class Analysis:
-    """All that the runs of a calibration tell.
+    """Results of all analyses of a calibration's runs.
 
     Attributes
     ----------
     metamodels : Metamodels or None
-        Of the responses that enough runs yielded, with the problem of these (its targets may be
-        fewer); None when there is none.
+        Metamodels of the responses that enough runs yielded; their problem may have fewer
+        targets. None when there is none.
     quality : mapping of str to MetamodelQuality
-        How far each metamodel can be trusted, by name of the target.
+        Quality of each metamodel, by name of the target.
     posterior : Posterior or None
-        Parameter sets that are in line with the measurements.
+        Parameter sets that agree with the measurements.
     sensitivity : Sensitivity or None
-        What each response depends on.
+        Sensitivity of each response to each parameter.
     identifiability : Identifiability or None
-        What the tests determine and what they leave open.
+        Parameters that the tests determine, and those that they leave open.
     pareto : ParetoFront or None
-        What a larger time step costs.
+        Trade-off between time step and misfit.
     notes : tuple of str
-        What the reader should know, such as why a part is missing.
+        Notes for the reader, such as why a part is missing.
     """
 
     metamodels: Metamodels | None = None
@@ -73,18 +73,18 @@ def analyse(
     seed: int = 1,
     answer: Mapping[str, float] | None = None,
 ) -> Analysis:
-    """Analyse the runs of a calibration; too few of them are no error.
+    """Analyse the runs of a calibration; too few runs are not an error.
 
     Parameters
     ----------
     problem : Problem
         Parameters and targets.
     evaluations : sequence of Evaluation
-        All that is known, failed ones included.
+        All known runs, failed ones included.
     seed : int
         The same seed gives the same analysis.
     answer : mapping of str to float, optional
-        The calibrated values; of many runs, those near them count.
+        The calibrated values; if there are many runs, those near them are preferred.
 
     Returns
     -------
@@ -159,8 +159,8 @@ def _bearable(
 ) -> list[Evaluation]:
     """Return the runs nearest to the answer, and as many spread over the others.
 
-    By their parameters, never by what came of them: the runs that hit the targets best do so by
-    chance as well, and would make the noise look small and the answer right.
+    They are chosen by parameters, never by responses: runs that hit the targets best do so partly
+    by chance, and would make the noise look small and the answer right.
     """
     if len(evaluations) <= MOST_RUNS:
         return evaluations
@@ -182,7 +182,7 @@ def _bearable(
 
 
 def _first_guess(problem: Problem, evaluations: list[Evaluation], seed: int) -> Array:
-    """Best point of metamodels of a few runs; the middle of the cube where there are none."""
+    """Best point by metamodels of a few runs; the middle of the cube without metamodels."""
     few = evaluations[:: -(-len(evaluations) // _RUNS_OF_FIRST_GUESS)]
     metamodels = _fit(problem, few, [])
     if metamodels is None:
@@ -193,7 +193,7 @@ def _first_guess(problem: Problem, evaluations: list[Evaluation], seed: int) -> 
 
 
 def _fit(problem: Problem, evaluations: list[Evaluation], notes: list[str]) -> Metamodels | None:
-    """Metamodels of the responses for which it can be done."""
+    """Metamodels of the responses for which they can be fitted."""
     targets, models = [], []
     for target in problem.targets:
         alone = replace(problem, targets=(target,))
@@ -210,7 +210,7 @@ def _fit(problem: Problem, evaluations: list[Evaluation], notes: list[str]) -> M
 
 
 def _reduced(metamodels: Metamodels) -> Metamodels:
-    """The most probable sets of hyperparameters only, as many as can be borne."""
+    """Metamodels with only the most probable sets of hyperparameters, to limit the effort."""
     effort = sum(model.n**2 + _EFFORT_OF_ASKING for model in metamodels.models)
     components = max(_LARGEST_EFFORT // effort, _FEWEST_COMPONENTS)
     models: list[Kriging] = [model.reduced(components) for model in metamodels.models]

@@ -19,26 +19,26 @@ _ENSEMBLES = 2
 _WALKERS = 128
 _WALKERS_PER_PARAMETER = 4
 _FIRST_POINTS = 1024
-#: Share of the walkers that have to count for something when the density is sharpened.
+#: Effective share of the walkers that must remain with each sharpening of the density.
 _KEPT = 0.5
 _STEPS_WHILE_SHARPENING = 6
-#: Sharper than this many halvings of the walkers, nothing is sought that a metamodel could tell.
+#: No metamodel has a density that takes more sharpenings, each of which halves the walkers.
 _MOST_SHARPENINGS = 300
 _STEPS_BETWEEN_CHECKS = 50
-#: Of the steps; the walkers start from a sample of the density already, if a rough one.
+#: Share of the steps: few, because the walkers start from a rough sample of the density.
 _DISCARDED = 0.2
-#: So many autocorrelation times are summed up for one (Sokal): what is left out is below 1 %.
+#: Window of the sum (Sokal), in autocorrelation times: the rest of the sum is below 1 %.
 _WINDOW = 3.0
 _LARGEST_R_HAT = 1.01
 #: Independent samples: at 1000, ends of 95 % intervals are at 2.5 ± 0.5 % and 97.5 ± 0.5 %.
 _WANTED = 1000
-#: What will do when that takes too long: 100 for each half of an ensemble, as is customary.
+#: Enough when that takes too long: 100 for each half of an ensemble, as is customary.
 _SUFFICIENT = 400
 
 
 @dataclass(frozen=True)
 class CubeSample:
-    """Points that are distributed as a density says.
+    """Points distributed by a probability density.
 
     Attributes
     ----------
@@ -47,11 +47,11 @@ class CubeSample:
     chains : ndarray, shape (walkers, steps, d)
         All steps from which the points are taken, the walkers of each ensemble in turn.
     converged : bool
-        Whether the sample is as good as it was to be.
+        Whether the sample is good enough.
     convergence : str
-        What that rests on, in words.
+        Reasons for that, in words.
     effective_samples : float
-        Number of independent points that would tell as much.
+        Number of independent points with as much information.
     """
 
     points: Array
@@ -62,9 +62,9 @@ class CubeSample:
 
 
 class _WrappedDifferentialEvolution(emcee.moves.DEMove):  # type: ignore[misc]
-    """Moves along differences of walkers that leave the cube and come back on the other side.
+    """Moves along differences of walkers; those that leave the cube return on the other side.
 
-    The proposal stays symmetric, and where a parameter is not determined at all, none is lost.
+    The proposal stays symmetric, and none is lost along a parameter that is not determined at all.
     """
 
     def get_proposal(
@@ -75,7 +75,7 @@ class _WrappedDifferentialEvolution(emcee.moves.DEMove):  # type: ignore[misc]
 
 
 class _DensityOfOthers(emcee.moves.KDEMove):  # type: ignore[misc]
-    """Jumps to where other walkers are dense: along curved ridges, differences lead astray."""
+    """Jumps to regions dense with other walkers: differences fail along curved ridges."""
 
     def get_proposal(
         self, moved: Array, others: list[Array], random: np.random.RandomState
@@ -84,7 +84,7 @@ class _DensityOfOthers(emcee.moves.KDEMove):  # type: ignore[misc]
             with np.errstate(divide="ignore"):
                 proposed, factors = super().get_proposal(moved, others, random)
         except np.linalg.LinAlgError:
-            # The others lie in a plane: there is no density.
+            # The other walkers lie in a plane, so they have no density.
             return moved, np.zeros(len(moved))
         return proposed, factors
 
@@ -94,23 +94,22 @@ def sample_cube(
 ) -> CubeSample:
     """Sample a density over the unit cube.
 
-    Ensembles that know nothing of each other are started all over the cube and move while the
-    density is sharpened from a constant to what it is (so that narrow peaks are found, and all of
-    them), then at the density itself until there are enough independent samples and the
-    ensembles agree.
+    Independent ensembles start all over the cube and move while the density is sharpened from a
+    constant to its final form, so that all peaks are found, narrow ones too. Then they sample the
+    density itself until there are enough independent samples and the ensembles agree.
 
     Parameters
     ----------
     log_density : callable
-        Its logarithms at points within the cube.
+        Returns logarithms of the density at points within the cube.
     dimension : int
         Number of parameters.
     seed : int
         The same seed gives the same sample.
     samples : int
-        How many points to return.
+        Number of points to return.
     max_steps : int
-        Most steps of every walker at the density itself.
+        Most steps of each walker at the density itself.
 
     Returns
     -------
@@ -176,10 +175,10 @@ class _Ensemble:
         self._state = self._sampler.run_mcmc(self._state, steps, skip_initial_state_check=True)
 
     def _sharpen(self, points: Array, values: Array) -> tuple[Array, Array]:
-        """From an even spread to walkers that are distributed by the density, with its values.
+        """Turn evenly spread walkers into walkers distributed by the density; return its values.
 
         The density is raised to a power that grows from 0 to 1; with every increase, points are
-        drawn by what it changes.
+        drawn again by the change of their density.
         """
         power = 0.0
         enough = float(self._walkers)
@@ -202,7 +201,7 @@ class _Ensemble:
         return points, values
 
     def _draw(self, weights: Array) -> NDArray[np.intp]:
-        """Systematic resampling: each point as often as its weight says, but for one."""
+        """Systematic resampling: each point as often as its weight demands, rounded."""
         places = (np.arange(self._walkers) + self._random.random()) / self._walkers
         found = np.searchsorted(np.cumsum(weights), places)
         return np.minimum(found, len(weights) - 1)
@@ -243,7 +242,7 @@ def _largest_increase(values: Array, most: float, enough: float) -> float:
 
     if counting(most) >= enough:
         return most
-    # By logarithms: the first increase of a sharp density is many orders of magnitude below one.
+    # In logarithms: the first increase of a sharp density is many orders of magnitude below one.
     low, high = -300.0, math.log10(most)
     for _ in range(60):
         middle = (low + high) / 2
@@ -253,7 +252,7 @@ def _largest_increase(values: Array, most: float, enough: float) -> float:
 
 @dataclass(frozen=True)
 class _Convergence:
-    """How good a sample is: of the parameter for which it is worst."""
+    """Convergence of a sample, for its worst parameter."""
 
     effective_samples: float
     r_hat: float
@@ -291,9 +290,9 @@ class _Convergence:
 
 
 def _autocorrelation_times(chains: Array) -> tuple[Array, bool]:
-    """Integrated autocorrelation time of every parameter, in steps; and whether it has settled.
+    """Integrated autocorrelation time of every parameter, in steps; and True if it has converged.
 
-    The mean is that of all walkers, so that walkers that stay apart show.
+    The mean is over all walkers, so that walkers that stay apart are noticed.
     """
     steps = len(chains)
     centred = chains - chains.mean(axis=(0, 1, 2))

@@ -1,4 +1,4 @@
-"""Which common bulk test tells most of a material parameter.
+"""Recommend common bulk tests that determine a material parameter.
 
 References
 ----------
@@ -20,16 +20,16 @@ from collections.abc import Mapping
 
 _DROP_TEST = "a drop test (height to which a particle rebounds"
 
-#: What responds to a parameter and to little else, by the parameter's name.
+#: Tests that respond to one parameter and to little else, by the parameter's name.
 TESTS: Mapping[str, str] = {
     "particle_particle.sliding_friction": (
         "a shear test (direct or ring shear cell: angle of internal friction)"
     ),
     "particle_particle.rolling_friction": (
         "a rotating drum or a heap of another kind (dynamic or static angle of repose), at a "
-        "sliding friction that a shear test has settled"
+        "sliding friction that a shear test has determined"
     ),
-    "particle_particle.restitution": f"{_DROP_TEST} from a plate of its own material)",
+    "particle_particle.restitution": f"{_DROP_TEST} from a plate of the same material)",
     "particle_wall.sliding_friction": (
         "a wall shear test or an inclined plane (angle at which the material slides on the wall)"
     ),
@@ -46,7 +46,7 @@ TESTS: Mapping[str, str] = {
     ),
 }
 
-#: What hardly changes any common bulk test, and is better fixed.
+#: Values for parameters that hardly change any common bulk test and are better fixed.
 BETTER_FIXED: Mapping[str, str] = {
     "particle.poissons_ratio": "at a handbook's value",
     "wall.poissons_ratio": "at a handbook's value",
@@ -58,19 +58,19 @@ BETTER_FIXED: Mapping[str, str] = {
 
 
 def to_settle(name: str) -> str:
-    """Say in a sentence what would settle a parameter that is open."""
+    """Return a sentence with a test that would determine an open parameter."""
     if name in TESTS:
-        return f"To settle {name}: {TESTS[name]}."
+        return f"To determine {name}: {TESTS[name]}."
     if name in BETTER_FIXED:
         return (
             f"{name} hardly changes any common bulk test: take it out of the free parameters and "
             f"fix it {BETTER_FIXED[name]}."
         )
-    return f"To settle {name}: add a target of a test that responds to it."
+    return f"To determine {name}: add a target of a test that responds to it."
 
 
 def to_tell_apart(names: tuple[str, ...]) -> str:
-    """Say in a sentence what would tell parameters apart."""
+    """Return a sentence with tests that would tell parameters apart."""
     known = [f"{TESTS[name]} for {name}" for name in names if name in TESTS]
     whole = " and ".join(filter(None, [", ".join(names[:-1]), names[-1]]))
     if not known:

@@ -1,4 +1,4 @@
-"""What the tests determine, what they leave open, and what would settle it."""
+"""Identifiability: parameters that the tests determine, open ones, and tests to add."""
 
 from __future__ import annotations
 
@@ -18,39 +18,40 @@ from grainfit.problem import Parameter, Problem
 
 Array = NDArray[np.float64]
 
-#: Widths of 95 % intervals over that before the tests: up to here determined, from here on open.
+#: Width of a 95 % interval over that before the tests: up to the first determined, from the second
+#: on open.
 DETERMINED = 0.25
 OPEN = 0.9
-#: Correlation from which on two parameters stand for one another (or as much information).
+#: Smallest correlation (or as much information) of two parameters that replace each other.
 _STRONG = 0.7
 _CLASSES = 8
-#: From here on a parameter takes part in a direction (components of a unit vector).
+#: Smallest component of a unit vector with which a parameter takes part in a direction.
 _TAKES_PART = 0.3
 #: Share of the sample at an end of a ridge.
 _END = 0.05
-#: A ridge that leaves the straight line by more (of the cube's edge) is described by three points.
+#: A ridge farther from a straight line (share of the cube's edge) is described by three points.
 _BENT = 0.1
 _VARIANCE_BEFORE = 1.0 / 12.0
-#: From here on, percent say less than the ends of the interval.
+#: From this percentage on, the ends of the interval are given instead.
 _LARGEST_PERCENTAGE = 50.0
 _MOST_DIGITS = 6
-#: Parts of an interval, and the share of an even spread below which nothing fits in one.
+#: Parts of an interval, and the share of an even spread below which a part counts as empty.
 _PARTS, _EMPTY = 20, 0.1
 
 
 @dataclass(frozen=True)
 class Direction:
-    """A direction in the unit cube and what is known along it.
+    """A direction in the unit cube, and the uncertainty along it.
 
     Attributes
     ----------
     components : dict of str to float
         Unit vector by name of the parameter; the largest component is positive.
     narrowing : float
-        Standard deviation along it over that before the tests: 0 when fixed, 1 when nothing was
-        learnt.
+        Standard deviation along it over that before the tests: 0 when fixed, 1 when the tests gave
+        no information.
     determined : bool
-        Whether that is 0.25 or less.
+        Whether the narrowing is 0.25 or less.
     """
 
     components: dict[str, float]
@@ -60,7 +61,7 @@ class Direction:
 
 @dataclass(frozen=True)
 class Identifiability:
-    """What the tests determine and what they leave open.
+    """Parameters that the tests determine, and those that they leave open.
 
     Attributes
     ----------
@@ -70,9 +71,9 @@ class Identifiability:
         Width of each parameter's 95 % credible interval over that before the tests, 0 to 1; of
         logarithms for a parameter with ``scale="log"``.
     verdicts : tuple of str
-        In words; what is not determined first.
+        Sentences; those about open parameters first.
     further_tests : tuple of str
-        Which further bulk tests would settle what is open, in words.
+        Sentences about further bulk tests that would determine the open parameters.
     """
 
     directions: tuple[Direction, ...]
@@ -82,12 +83,12 @@ class Identifiability:
 
 
 def assess_identifiability(posterior: Posterior, problem: Problem) -> Identifiability:
-    """Judge what the tests determine.
+    """Find the parameters that the tests determine, and those that they leave open.
 
     Parameters
     ----------
     posterior : Posterior
-        A sample of the parameter sets that are in line with the measurements.
+        A sample of the parameter sets that agree with the measurements.
     problem : Problem
         Has the intervals and units of the parameters.
 
@@ -148,7 +149,7 @@ def _narrowing(posterior: Posterior) -> dict[str, float]:
 
 
 def _inseparable(posterior: Posterior, narrowing: dict[str, float]) -> list[tuple[str, ...]]:
-    """Groups of parameters that are open one by one and determined together."""
+    """Groups of parameters that are open individually but determined together."""
     is_open = [name for name in posterior.names if narrowing[name] > DETERMINED]
     groups: list[set[str]] = []
     for pair in combinations(is_open, 2):
@@ -156,7 +157,7 @@ def _inseparable(posterior: Posterior, narrowing: dict[str, float]) -> list[tupl
             joined = [group for group in groups if group & set(pair)]
             groups = [group for group in groups if not group & set(pair)]
             groups.append(set(pair).union(*joined))
-    # Three and more may be tied although no two of them are.
+    # Three or more may be related although no two of them are.
     for direction in _directions(posterior, _spread_out(posterior, is_open)):
         if direction.determined:
             tied = {n for n, share in direction.components.items() if abs(share) >= _TAKES_PART}
@@ -166,16 +167,16 @@ def _inseparable(posterior: Posterior, narrowing: dict[str, float]) -> list[tupl
 
 
 def _spread_out(posterior: Posterior, names: Sequence[str]) -> list[str]:
-    """Those that are open in the measure of directions, too: otherwise any would determine them."""
+    """Parameters that are open also by standard deviation, the measure of directions."""
     spread = dict(zip(posterior.names, posterior.points.var(axis=0).tolist(), strict=True))
     return [name for name in names if sqrt(spread[name] / _VARIANCE_BEFORE) > DETERMINED]
 
 
 def _dependence(posterior: Posterior, first: str, second: str) -> float:
-    """How much one parameter tells of another, on any curve: 0 nothing, 1 everything.
+    """Dependence of one parameter on another, on any curve: 0 none, 1 complete.
 
-    The correlation of two normal variates that have as much mutual information; from counts in
-    classes of equal probability, less what chance makes of that (Miller & Madow).
+    The correlation of two normal variates with as much mutual information, from counts in classes
+    of equal probability, corrected for chance (Miller & Madow).
     """
     count = len(posterior.points)
     columns = [posterior.names.index(name) for name in (first, second)]
@@ -193,8 +194,8 @@ def _dependence(posterior: Posterior, first: str, second: str) -> float:
 def _stops(posterior: Posterior, group: Sequence[str]) -> NDArray[np.intp]:
     """Members of the sample at both ends of a ridge, and in its middle when it is bent.
 
-    The sample is cut across its principal direction; of each slice the member nearest to the
-    slice's medians is taken, which lies on the ridge also where that is a ring.
+    The sample is cut across its principal direction. Of each slice, the member nearest to the
+    medians is returned: it lies on the ridge even if the ridge is a ring.
     """
     cloud = posterior.points[:, [posterior.names.index(name) for name in group]]
     _, vectors = np.linalg.eigh(np.cov(cloud, rowvar=False))
@@ -259,7 +260,7 @@ def _verdict(posterior: Posterior, parameter: Parameter, narrowing: float) -> st
 
 
 def _occupied(posterior: Posterior, parameter: Parameter) -> list[tuple[float, float]]:
-    """Ranges of a parameter's interval in which there is part of the distribution."""
+    """Ranges of a parameter's interval that contain a part of the distribution."""
     position = posterior.points[:, posterior.names.index(parameter.name)]
     counts, edges = np.histogram(position, bins=_PARTS, range=(0.0, 1.0))
     filled = np.concatenate([[False], counts > _EMPTY * len(position) / _PARTS, [False]])
@@ -274,7 +275,7 @@ def _occupied(posterior: Posterior, parameter: Parameter) -> list[tuple[float, f
 
 
 def _what_would_narrow_it(posterior: Posterior, name: str, narrowing: dict[str, float]) -> str:
-    """Say which open parameters a determined one hangs on."""
+    """Name the open parameters on which a determined one depends."""
     if narrowing[name] > DETERMINED:
         return ""
     tied = [
@@ -290,7 +291,7 @@ def _with_unit(text: str, parameter: Parameter) -> str:
 
 
 def _ends(low: float, high: float) -> str:
-    """Both with as many digits as tell them from each other."""
+    """Both ends, with enough digits to differ."""
     share = (high - low) / max(abs(low), abs(high), 1e-300)
     digits = 1 - floor(log10(max(share, 1e-9)))
     digits = min(max(digits, 3), _MOST_DIGITS)

@@ -1,4 +1,4 @@
-"""What a larger time step costs: misfit against Rayleigh time step."""
+"""Pareto front of misfit and Rayleigh time step."""
 
 from __future__ import annotations
 
@@ -19,14 +19,14 @@ Array = NDArray[np.float64]
 
 _CANDIDATES = 1024
 _REFINED = 32
-#: Levels that outline the front, before those where it matters; and where it ends to matter: all
+#: Levels that outline the front, before those in its important part; and the end of that part: all
 #: targets missed by five tolerances.
 _OUTLINE = 9
 _HOPELESS = 25.0
 _STEP = 1e-5
-#: Of the logarithm of the time step: what is lost to rounding.
+#: Rounding error of the logarithm of the time step.
 _ROUNDING = 1e-7
-#: A misfit must be smaller by so much, relative or in squared tolerances, to count as smaller.
+#: Smallest difference of misfits that counts, relative or in squared tolerances.
 _RELATIVE_GAIN = 1e-3
 _ABSOLUTE_GAIN = 1e-4
 
@@ -44,11 +44,11 @@ class ParetoFront:
         `Metamodels.misfit`: each in units of its tolerance, so that a single target just met
         counts 1.
     parameters : list of dict of str to float
-        Where that is, SI.
+        Parameter sets with these misfits, SI.
     probability_all_met : ndarray, shape (k,)
-        Probability that every expected response is within its tolerance there.
+        Probability that every expected response is within its tolerance.
     responses : ndarray, shape (k, number of targets)
-        Expected responses there.
+        Expected responses.
     """
 
     time_steps: Array
@@ -59,11 +59,11 @@ class ParetoFront:
 
 
 def pareto_front(metamodels: Metamodels, *, seed: int = 1, points: int = 25) -> ParetoFront | None:
-    """Trade misfit for time step.
+    """Find the smallest misfit at each Rayleigh time step.
 
-    The smallest misfit is sought at time steps of no less than a level (epsilon-constraint
-    method), for levels from the time step of the best fit to the largest within the intervals;
-    most of them where the targets are not missed by far.
+    The misfit is minimised with the time step at or above a level (epsilon-constraint method), for
+    levels from the time step of the best fit to the largest one within the intervals. Most levels
+    are where the targets are not missed by far.
 
     Parameters
     ----------
@@ -77,7 +77,7 @@ def pareto_front(metamodels: Metamodels, *, seed: int = 1, points: int = 25) -> 
     Returns
     -------
     ParetoFront or None
-        None when nothing free changes the Rayleigh time step, or there is none.
+        None when no free parameter changes the Rayleigh time step, or there is no such time step.
 
     References
     ----------
@@ -108,7 +108,7 @@ def pareto_front(metamodels: Metamodels, *, seed: int = 1, points: int = 25) -> 
 
 
 def _limits(problem: Problem) -> tuple[float, float] | None:
-    """Smallest and largest time step; None when there is nothing between them."""
+    """Smallest and largest time step; None when they are equal."""
     if problem.rayleigh is None:
         return None
     smallest, largest = problem.rayleigh.limits(problem.intervals)
@@ -143,7 +143,7 @@ class _Search:
         self._problem = metamodels.problem
         spread = spread_points(_CANDIDATES, self._problem.dimension, random)
         best = spread[np.argsort(metamodels.misfit(spread), kind="stable")[:_REFINED]]
-        # Those with the largest time step comply with every level.
+        # Points with the largest time step satisfy every level.
         longest = with_long_steps(self._problem, spread[: _CANDIDATES // 4])
         self._candidates = np.vstack([spread, gauss_newton(metamodels, best), longest])
         self._misfits = metamodels.misfit(self._candidates)
@@ -157,7 +157,7 @@ class _Search:
         level : float
             Logarithm of the time step.
         previous : ndarray, shape (d,), optional
-            Answer for a lower level: a start that is nearly right.
+            Answer for a lower level, as a good start.
         """
         complies = np.flatnonzero(self._steps >= level - _ROUNDING)
         best = complies[self._misfits[complies].argmin()]
@@ -179,7 +179,7 @@ class _Search:
         around = _STEP * np.eye(len(start))
 
         def logarithm_of_misfit(point: Array) -> tuple[float, Array]:
-            # The logarithm is as smooth, and of one magnitude from good to hopeless fits.
+            # The logarithm is as smooth, and of similar size for good and hopeless fits.
             asked = np.vstack([point, point + around, point - around])
             values = np.log1p(self._metamodels.misfit(asked))
             ahead, behind = np.split(values[1:], 2)
@@ -190,7 +190,7 @@ class _Search:
 
         def slope_of_room(point: Array) -> Array:
             asked = np.vstack([point + around, point - around])
-            # Poisson's ratio and the like mean nothing beyond their bounds.
+            # Some parameters, such as Poisson's ratio, have no meaning beyond their bounds.
             inside = np.clip(asked, 0.0, 1.0)
             ahead, behind = np.split(log_time_steps(self._problem, inside), 2)
             width = np.diag(inside[: len(start)] - inside[len(start) :])

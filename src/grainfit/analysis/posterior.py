@@ -1,4 +1,4 @@
-"""Which parameter sets are in line with the measurements, given all that is known: a sample."""
+"""Sample the posterior: parameter sets that agree with the measurements, given all runs."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ _NORMAL_QUANTILE = 1.96
 
 @dataclass(frozen=True)
 class Posterior:
-    """A sample of the parameter sets that are in line with the measurements.
+    """A sample of the parameter sets that agree with the measurements.
 
     Attributes
     ----------
@@ -36,13 +36,13 @@ class Posterior:
     values : ndarray, shape (n, d)
         The same in SI units.
     responses : ndarray, shape (n, number of targets)
-        Expected responses there.
+        Expected responses at these points.
     converged : bool
-        Whether the sample is good enough for its intervals to be quoted.
+        Whether the sample is good enough to quote its intervals.
     convergence : str
-        What that rests on, in words.
+        Reasons for that, in words.
     effective_samples : float
-        Number of independent samples that would tell as much.
+        Number of independent samples with as much information.
     chains : ndarray, shape (walkers, steps, d)
         All steps of the walkers of emcee from which the sample is taken, SI.
     """
@@ -57,7 +57,7 @@ class Posterior:
     chains: Array = field(default_factory=lambda: np.empty((0, 0, 0)), repr=False)
 
     def interval(self, name: str, level: float = 0.95) -> tuple[float, float]:
-        """Credible interval of a parameter, SI: as much probability is below as above it.
+        """Equal-tailed credible interval of a parameter, SI.
 
         Parameters
         ----------
@@ -85,8 +85,8 @@ class Posterior:
     def correlations(self) -> Array:
         """Rank correlations (Spearman's) of the parameters, shape (d, d).
 
-        Of ranks, so that they are the same on a linear and a logarithmic scale, and ±1 on any
-        curve that only rises or only falls.
+        Ranks make them the same on a linear and a logarithmic scale, and ±1 on any monotonic
+        curve.
         """
         ranks = rankdata(self.points, axis=0)
         ranks -= ranks.mean(axis=0)
@@ -104,8 +104,8 @@ class Posterior:
         Returns
         -------
         arviz.InferenceData
-            With one variable for each parameter, SI; from ArviZ 1 on, the ``DataTree`` that took
-            its place.
+            With one variable for each parameter, SI; from ArviZ 1 on, the ``DataTree`` that
+            replaces it.
 
         Raises
         ------
@@ -142,7 +142,7 @@ class Posterior:
 def standard_uncertainty(target: Target) -> float:
     """Standard uncertainty of a measured value, in its unit.
 
-    Where none is given, the accepted deviation is read as a 95 % interval.
+    If none is given, the tolerance is read as a 95 % interval.
     """
     if target.uncertainty is not None:
         return target.uncertainty
@@ -156,8 +156,8 @@ def sample_posterior(
 
     Before the measurements, all points of the unit cube are equally likely (so all magnitudes of
     a parameter with ``scale="log"``). The measured values are normally distributed about the
-    expected responses; to the variance of a measurement comes that of the metamodel's mean, which
-    includes the scatter from run to run.
+    expected responses. Their variance is that of the measurement plus that of the metamodel's mean,
+    which includes the scatter from run to run.
 
     Parameters
     ----------
@@ -166,9 +166,9 @@ def sample_posterior(
     seed : int
         The same seed gives the same sample.
     samples : int
-        How many points to return.
+        Number of points to return.
     max_steps : int
-        Most steps of every walker; where they do not do, ``converged`` is false.
+        Most steps of each walker; if they are too few, ``converged`` is False.
 
     Returns
     -------
@@ -221,7 +221,7 @@ def _log_likelihood(metamodels: Metamodels) -> Callable[[Array], Array]:
     def log_likelihood(points: Array) -> Array:
         means, errors = metamodels.predict(points)
         total = variances + errors
-        # A point of which little is known must not look good for that alone.
+        # A point must not look good only because it is uncertain.
         return np.asarray(-0.5 * ((means - measured) ** 2 / total + np.log(total)).sum(axis=1))
 
     return log_likelihood

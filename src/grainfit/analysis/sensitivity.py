@@ -1,4 +1,4 @@
-"""How much of a response's variation over the intervals each parameter is answerable for."""
+"""Sensitivity: share of a response's variation over the intervals that each parameter explains."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ from grainfit.metamodels.unit_cube import spread_points
 Array = NDArray[np.float64]
 
 _RESAMPLES = 300
-#: A response that varies by less than this share of itself is constant but for rounding.
+#: A response that varies by less than this share of itself is constant except for rounding.
 _CONSTANT = 1e-9
 _PROBED = 256
-#: Shares of the variance: what is worth naming, and what of it is due to interactions.
+#: Shares of the variance: the smallest that is named, and the smallest due to interactions.
 _NAMED = 0.05
 _INTERACTION = 0.1
 
@@ -39,9 +39,9 @@ class Sensitivity:
     responses : tuple of str
         Names of the targets.
     first, first_low, first_high : ndarray
-        What a parameter changes by itself.
+        First-order indices: effect of a parameter by itself.
     total, total_low, total_high : ndarray
-        What it changes by itself and together with others.
+        Total indices: its effect by itself and together with others.
     """
 
     names: tuple[str, ...]
@@ -54,7 +54,7 @@ class Sensitivity:
     total_high: Array
 
     def in_words(self) -> tuple[str, ...]:
-        """Say what each response depends on, in one sentence each."""
+        """Return one sentence per response that names the parameters on which it depends."""
         return tuple(self._sentence(row, name) for row, name in enumerate(self.responses))
 
     def _sentence(self, row: int, response: str) -> str:
@@ -79,7 +79,7 @@ class Sensitivity:
 def estimate_sensitivity(
     metamodels: Metamodels, *, seed: int = 1, points: int = 1024
 ) -> Sensitivity:
-    """Sobol' indices of the expected responses over the intervals of the parameters.
+    """Estimate Sobol' indices of the expected responses over the intervals of the parameters.
 
     Parameters
     ----------
@@ -88,7 +88,7 @@ def estimate_sensitivity(
     seed : int
         The same seed gives the same indices.
     points : int
-        Power of two; each metamodel is asked (d + 2) times as often.
+        Power of two; each metamodel predicts (d + 2) times as many points.
 
     Returns
     -------
@@ -120,7 +120,7 @@ def estimate_sensitivity(
 
 
 def _varied(metamodels: Metamodels, random: np.random.Generator) -> NDArray[np.bool_]:
-    """Which responses vary over the cube at all."""
+    """Return for each response True if it varies over the cube."""
     means, _ = metamodels.predict(spread_points(_PROBED, metamodels.problem.dimension, random))
     return np.asarray(np.ptp(means, axis=0) > _CONSTANT * np.abs(means).max(axis=0))
 
@@ -130,7 +130,7 @@ def _indices(metamodels: Metamodels, varied: NDArray[np.bool_], seed: int, point
     dimension = metamodels.problem.dimension
     shape = (int(varied.sum()), dimension)
     if dimension == 1:
-        # By definition, whatever the sample.
+        # By definition; an estimate from a sample could differ.
         return np.ones((6, *shape))
     random = np.random.default_rng(seed)
     base = spread_points(points, 2 * dimension, random)
@@ -155,7 +155,7 @@ def _indices(metamodels: Metamodels, varied: NDArray[np.bool_], seed: int, point
     resampled = [estimates(random.integers(points, size=points)) for _ in range(_RESAMPLES)]
     low, high = np.quantile(resampled, [0.025, 0.975], axis=0)
     best = estimates(np.arange(points))
-    # Estimates of shares next to none or next to all scatter beyond.
+    # Estimates of shares near 0 or 1 can lie outside that range.
     found = np.stack([best, low, high], axis=1).reshape(6, *shape)
     return np.asarray(np.clip(found, 0.0, 1.0))
 

@@ -14,8 +14,8 @@ _Floats = NDArray[np.float64]
 #: Exponent of the phi_p criterion as a power of two: repeated squaring is far cheaper than `**`.
 _SQUARINGS = 4
 _P = 2 * 2**_SQUARINGS
-#: First temperature, times n d: a relative change of the criterion. The more elements there are to
-#: swap, the less a single swap can change. Found by trial, with the ratio of first to last.
+#: First temperature, times n d: a relative change of the criterion. The more elements there are,
+#: the less a single swap changes. Found by trial, as was the ratio of first to last temperature.
 _HOTTEST = 3.0
 _COOLING = 400.0
 _CANDIDATES = 64
@@ -112,8 +112,7 @@ def _weights(squared: _Floats) -> _Floats:
 def _anneal(levels: _Floats, random: np.random.Generator) -> _Floats:
     """Best Latin hypercube met while annealing; `levels` are whole numbers, shape (d, n).
 
-    Squared distances of whole numbers are whole numbers: updating them makes no
-    rounding errors.
+    Squared distances of whole numbers are whole numbers, so updates cause no rounding errors.
     """
     d, n = levels.shape
     squared = _squared_distances(levels)
@@ -138,7 +137,7 @@ def _swap(
     temperature: float,
     random: np.random.Generator,
 ) -> bool:
-    """Make one heat-bath step in place; return whether anything changed."""
+    """Make one heat-bath step in place; return True if anything changed."""
     d, n = levels.shape
     row_sums = weights.sum(axis=1)
     cumulated = row_sums.cumsum()
@@ -173,7 +172,7 @@ def _swap(
 def _candidates(
     n: int, d: int, random: np.random.Generator
 ) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-    """Columns and partners of the swaps to choose from: all when they are few."""
+    """Columns and partners of the candidate swaps: all of them when they are few."""
     few = n * d <= _CANDIDATES
     numbers = np.arange(n * d) if few else random.integers(n * d, size=_CANDIDATES)
     return np.divmod(numbers, n)
@@ -190,7 +189,7 @@ def _squared_distances_after(
     old, new = levels[columns, point], levels[columns, partners]
     change = (new + old)[:, None] - 2 * levels[columns]
     change *= (new - old)[:, None]
-    # The two that swap keep their distance.
+    # The two points that swap keep their distance.
     change[:, point] = 0.0
     change[np.arange(len(partners)), partners] = 0.0
     return squared[point] + change, squared[partners] - change

@@ -18,17 +18,17 @@ from grainfit.metamodels.predictor import (
     matern_slope,
 )
 
-# Weak priors: a response changes smoothly over the unit cube, and what the trend leaves may be
-# all noise or hardly any. Ranges grow with the square root of the dimension, as distances do.
+# Weak priors: a response changes smoothly over the unit cube, and its residuals from the trend may
+# be all noise or hardly any. Ranges grow with the square root of the dimension, as distances do.
 RANGE_MEDIAN = 3.0
 _RANGE_SPREAD = 1.0
 _NOISE_LOGIT_MEAN = 1.0
 _NOISE_LOGIT_SPREAD = 2.0
 _LOG_RANGE_LIMITS = (math.log(0.02), math.log(100.0))
 _NOISE_LOGIT_LIMITS = (-20.0, 8.0)
-# The share of a known noise in what the trend leaves is kept below one: something must remain.
+# The share of known noise in the residuals is kept below one, so that some variance remains.
 _LARGEST_KNOWN_SHARE = 0.98
-# With more hyperparameters the mirror images cost more time than they are worth.
+# With more hyperparameters the mirror images are not worth their computing time.
 _MIRRORED_UP_TO = 8
 
 
@@ -40,7 +40,7 @@ def _weighted_squares(weights: FloatArray, points: FloatArray, ranges: FloatArra
 
 
 class _Covariance(NamedTuple):
-    """Covariance of the contrasts, up to the common variance, and what it is made of."""
+    """Covariance of the contrasts, up to the common variance, and its parts."""
 
     matrix: FloatArray
     correlation: FloatArray
@@ -51,11 +51,11 @@ class _Covariance(NamedTuple):
 
 
 class HyperparameterPosterior:
-    """Restricted likelihood, variance integrated out, times the priors.
+    """Posterior density: restricted likelihood, with the variance integrated out, times priors.
 
     The covariance of the runs is a common variance times
     ``(1 - u) ((1 - p) R / r + p W) + u N``: R the correlation, r its mean in the contrasts, so
-    that p is the share of noise in what the trend leaves; W the ratios of the runs' noise
+    that p is the share of noise in the residuals from the trend; W the ratios of the runs' noise
     variances to their mean, on the diagonal; N the known noise and u its share.
     """
 
@@ -144,7 +144,7 @@ class HyperparameterPosterior:
 
     @cached_property
     def _best(self) -> tuple[float, FloatArray]:
-        """Lowest value and its place: of three searches, from long, middling and short ranges."""
+        """Lowest value and its place: of three searches, from long, medium and short ranges."""
         return min((self._search(shift) for shift in (0.0, -1.5, -3.0)), key=lambda found: found[0])
 
     def maximum(self) -> FloatArray:
@@ -162,7 +162,7 @@ class HyperparameterPosterior:
         starts = [np.append(ranges, logit) for logit in (-6.0, -3.0, 0.0)]
         start = min(starts, key=lambda theta: self(theta)[0])
         found = optimize.minimize(self, start, jac=True, method="L-BFGS-B", bounds=self.bounds)
-        # Rounded, lest rounding errors decide between two searches that ended at one place.
+        # Rounded, so that rounding errors do not decide between searches that ended at one place.
         return round(float(found.fun), 6), np.asarray(found.x, dtype=float)
 
     def _curvature(self, theta: FloatArray) -> FloatArray:
@@ -174,16 +174,16 @@ class HyperparameterPosterior:
         return np.asarray((np.array(rows) + np.array(rows).T) / 2)
 
     def support(self) -> list[tuple[FloatArray, float]]:
-        """Points and weights that stand for the posterior distribution.
+        """Points and weights that represent the posterior distribution.
 
         The rows of a Hadamard matrix, stretched by the curvature at the maximum, have the mean
-        and the covariance of the normal approximation, their mirror images added also its third
-        moments; the weights put right where the posterior is not normal.
+        and the covariance of the normal approximation; with their mirror images they also have its
+        third moments. The weights correct for a posterior that is not normal.
         """
         mode = self.maximum()
         lowest = self(mode)[0]
         eigenvalues, vectors = np.linalg.eigh(self._curvature(mode))
-        # Rounding aside, the posterior is nowhere much flatter than the prior.
+        # Except for rounding, the posterior is nowhere much flatter than the prior.
         floor = 0.5 / self.spread.max() ** 2
         stretch = vectors / np.sqrt(np.maximum(eigenvalues, floor))
         p = len(mode)
@@ -193,14 +193,14 @@ class HyperparameterPosterior:
         low, high = np.array(self.bounds).T
         thetas = [np.clip(mode + stretch @ direction, low, high) for direction in directions]
         depth = np.array([self(theta)[0] for theta in thetas]) - lowest - 0.5 * p
-        # Limited, lest one point that beats the local maximum stands alone.
+        # Limited, so that one point above the local maximum does not get all the weight.
         weights = np.exp(-np.clip(depth, -3.0, None))
         kept = weights > 1e-4 * weights.max()
         weights /= weights[kept].sum()
         return [(thetas[i], float(weights[i])) for i in np.flatnonzero(kept)]
 
     def hyperparameters(self) -> list[Hyperparameters]:
-        """The weighted sets to predict with, with their estimated variances."""
+        """Weighted sets of hyperparameters to predict with, with their estimated variances."""
         found = []
         for theta, weight in self.support():
             parts = self._covariance(theta)

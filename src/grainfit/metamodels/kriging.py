@@ -1,12 +1,12 @@
 """Kriging: one metamodel of one response over the free parameters, fitted to few noisy runs.
 
 The response is a linear trend, plus a Gaussian process with an anisotropic Matérn 5/2
-covariance, plus the scatter from run to run. What the data cannot settle is not guessed: the
-common variance is integrated out (Student's t), and ranges and share of noise are averaged over
-their posterior distribution (restricted likelihood times weak priors) instead of being fixed at
-its maximum, which makes the intervals of few noisy runs far too narrow.
+covariance, plus the scatter from run to run. The common variance is integrated out (Student's t).
+Ranges and share of noise are averaged over their posterior distribution (restricted likelihood
+times weak priors): fixed at its maximum, they would make the intervals of few noisy runs far too
+narrow.
 
-Likelihood and predictor are written out here, and compared with gpmp in the tests: its NumPy back
+Likelihood and predictor are implemented here and compared with gpmp in the tests: its NumPy back
 end differentiates the likelihood numerically and factorises again with every prediction.
 """
 
@@ -36,9 +36,9 @@ from grainfit.metamodels.predictor import (
 
 _MINIMUM_RUNS = 3
 _LARGEST_BLOCK = 4096
-# Beyond, squares of the response or of its rounding have no floating-point number.
+# Beyond these, squares of the response or of its rounding error are no floating-point numbers.
 _MAGNITUDES = (1e-100, 1e100)
-#: With less, a metamodel predicts a run hardly better than the mean of all runs.
+#: With a smaller Q2, a metamodel predicts a run hardly better than the mean of all runs does.
 POOR_Q2 = 0.5
 #: Half the width of a 95 % interval in standard deviations.
 NORMAL_QUANTILE = float(stats.norm.ppf(0.975))
@@ -46,7 +46,7 @@ NORMAL_QUANTILE = float(stats.norm.ppf(0.975))
 
 @dataclass(frozen=True)
 class Prediction:
-    """What the metamodel says at some points.
+    """Prediction of a metamodel at some points.
 
     ``mean`` plus or minus 1.96 times a standard deviation is a 95 % interval: the variances
     account for the uncertainty of the metamodel's own variance, ranges and noise.
@@ -58,7 +58,7 @@ class Prediction:
     variance_of_mean : ndarray, shape (m,)
         Uncertainty of the expected response.
     variance_of_new_run : ndarray, shape (m,)
-        Uncertainty of the response of one more run there: the same plus the scatter of runs.
+        Uncertainty of the response of one more run: the same plus the scatter of runs.
     """
 
     mean: FloatArray
@@ -78,14 +78,14 @@ class Prediction:
 
 @dataclass(frozen=True)
 class LeaveOneOut:
-    """How well each run is predicted from the others, at the same hyperparameters.
+    """Prediction of each run from the others, at the same hyperparameters.
 
     Attributes
     ----------
     predicted : ndarray, shape (n,)
         Response predicted from the other runs.
     standard_deviation : ndarray, shape (n,)
-        Standard deviation of that prediction, for a run.
+        Standard deviation of a run about that prediction.
     q2 : float
         Share of the variance of the runs that is predicted; NaN if the runs are all equal.
     coverage : float
@@ -99,7 +99,7 @@ class LeaveOneOut:
 
 
 def _checked(name: str, array: ArrayLike, shape: tuple[int | None, ...]) -> FloatArray:
-    """The array as finite floats of that shape (``None``: any length)."""
+    """Return the array as finite floats, checked to have a shape (``None``: any length)."""
     try:
         checked = np.asarray(array, dtype=float)
     except (TypeError, ValueError):
@@ -157,7 +157,7 @@ def _checked_points(points: ArrayLike, d: int | None) -> FloatArray:
 class Kriging:
     """Kriging metamodel of one response over the unit cube of the free parameters.
 
-    Made by `fit`. It never changes: `condition` returns another one.
+    Use `fit` to make one. It never changes: `condition` returns a new one.
 
     References
     ----------
@@ -188,7 +188,7 @@ class Kriging:
         self._offset = offset
         self._scale = scale
         self._degrees_of_freedom = degrees_of_freedom
-        # Runs under way have no value, so the metamodel is judged by the runs before them.
+        # Pending runs have no value, so the metamodel is judged by the runs before them.
         self._judged_by = judged_by
 
     @classmethod
@@ -206,18 +206,18 @@ class Kriging:
         Parameters
         ----------
         points : array_like, shape (n, d)
-            Points of the runs in the unit cube; repeated points are welcome.
+            Points of the runs in the unit cube; points may be repeated.
         values : array_like, shape (n,)
             Their responses.
         noise_variance : array_like, shape (n,), optional
             Known part of each response's variance (for example its measurement's squared
-            standard error). The scatter from run to run is estimated and comes on top.
+            standard error). The scatter from run to run is estimated and added.
         standard_errors : array_like, shape (n,), optional
-            Stated standard error of each response; 0 where none is stated. How large the scatter
-            is, is estimated from the runs; the stated errors only say which of them scatter more
-            than others, and only where the runs bear that out. Equal ones change nothing.
+            Stated standard error of each response; 0 where none is stated. The size of the
+            scatter is always estimated from the runs. The stated errors only give its ratios
+            between runs, and only if the runs support them. Equal ones change nothing.
         linear_trend : bool
-            Linear trend; otherwise, or with too few runs for it, a constant one.
+            Whether the trend is linear; if not, or with too few runs, it is constant.
 
         Returns
         -------
@@ -247,7 +247,7 @@ class Kriging:
         offset = float(values.mean())
         left_over = contrasts.complement.T @ (values - offset)
         scale = math.sqrt(float(left_over @ left_over) / contrasts.degrees_of_freedom)
-        # Below this, what the trend leaves is rounding of the values.
+        # Residuals from the trend below this are rounding errors of the values.
         rounding = 1e-10 * float(np.ptp(values)) + 1e-13 * float(np.abs(values).max())
         exact = scale <= rounding
         if exact:
@@ -259,7 +259,7 @@ class Kriging:
             median = np.full(d, RANGE_MEDIAN * math.sqrt(d))
             sets, ratios = [Hyperparameters(median, 0.5, 0.5, 1.0)], None
         else:
-            # The matrices are small: threads only wait for one another, and for the DEM runs.
+            # The matrices are small: more threads only wait for each other and for the DEM runs.
             with threadpool_limits(limits=1, user_api="blas"):
                 fits = [
                     HyperparameterPosterior(points, standardised, contrasts, known_noise, ratios)
@@ -310,9 +310,9 @@ class Kriging:
 
     @property
     def variance_of_scatter(self) -> float:
-        """What the scatter from run to run adds to the variance of a new run.
+        """Variance that the scatter from run to run adds to that of a new run.
 
-        As uncertain as it is: more than the square of `noise_standard_deviation`.
+        More than the square of `noise_standard_deviation`, because the scatter is uncertain.
         """
         noise = np.array([c.hyperparameters.noise_variance for c in self._components])
         known = float(self._components[0].known_noise.mean())
@@ -320,7 +320,7 @@ class Kriging:
 
     @cached_property
     def _inflation(self) -> float:
-        """Makes 1.96 standard deviations a 95 % interval although the variance is estimated."""
+        """Factor that makes 1.96 standard deviations a 95 % interval with an estimated variance."""
         quantile = float(stats.t.ppf(0.975, self._degrees_of_freedom))
         return (quantile / NORMAL_QUANTILE) ** 2
 
@@ -456,7 +456,7 @@ class Kriging:
     def leave_one_out(self) -> LeaveOneOut:
         """Prediction of each run from the others, without fitting again.
 
-        Hyperparameters and their weights stay those of all runs. Runs under way do not count.
+        Hyperparameters and their weights stay those of all runs. Pending runs do not count.
 
         Returns
         -------
@@ -505,7 +505,7 @@ class Kriging:
         return self._with([c.condition(points, added, noise) for c in self._components], None)
 
     def condition_on_pending(self, points: ArrayLike) -> Kriging:
-        """Add pending runs: the mean stays as it is, the variance shrinks to what it will be.
+        """Add pending runs: the mean stays the same, the variance shrinks to its later value.
 
         Parameters
         ----------
@@ -539,12 +539,12 @@ class Kriging:
         )
 
     def reduced(self, components: int) -> Kriging:
-        """Keep only the most probable sets of hyperparameters, for predictions that cost less.
+        """Keep only the most probable sets of hyperparameters, for cheaper predictions.
 
         Parameters
         ----------
         components : int
-            How many to keep; their weights are raised to sum to one.
+            Number of sets to keep; their weights are raised to sum to one.
 
         Returns
         -------
@@ -572,13 +572,13 @@ class Kriging:
         )
 
     def to_plain(self, *, factors: bool = True) -> dict[str, Any]:
-        """Give all that another program needs to predict what `predict` does, as plain lists.
+        """Return as plain lists all that another program needs for the predictions of `predict`.
 
         Parameters
         ----------
         factors : bool
-            Whether to give what is calculated from the runs once for all predictions: of the order
-            of n^2 numbers a component. Without it, the other program has to factorise itself.
+            Whether to include the factors that all predictions share: about n^2 numbers per
+            component. Without them, the other program has to factorise by itself.
 
         Returns
         -------
@@ -628,13 +628,13 @@ class Kriging:
         }
 
     def warnings(self, *, spread: bool = True) -> list[str]:
-        """Why the metamodel should not be trusted, in plain language; empty if it can be.
+        """Reasons not to trust the metamodel, in plain language; empty if there are none.
 
         Parameters
         ----------
         spread : bool
-            Whether the runs are spread by a design. Those that a search has sent to one place
-            differ by little but their noise, so that Q2 tells nothing.
+            Whether the runs are spread by a design. Runs that a search has placed close together
+            differ by little more than their noise, so their Q2 has no meaning.
 
         Returns
         -------
@@ -674,7 +674,7 @@ class Kriging:
                 f"Q2 = {quality.q2:.2f}: the response varies by {spread:.3g} (standard deviation) "
                 f"over the runs and scatters by {noise:.3g} from run to run; within these "
                 "intervals it hardly depends on the free parameters, or too few runs show how. "
-                "Widen the intervals, make more runs, or choose another test."
+                "Widen the intervals, run more simulations, or choose another test."
             )
         return (
             f"Q2 = {quality.q2:.2f}: a run left out is predicted hardly better than by the mean "
@@ -689,6 +689,6 @@ class Kriging:
             return ""
         return (
             f"Only {100 * quality.coverage:.0f} % of the runs lie inside their 95 % intervals when "
-            "they are left out: the metamodel is surer than it should be. Look for outliers among "
-            "the runs, or make more."
+            "they are left out: the metamodel is too certain. Look for outliers among "
+            "the runs, or run more simulations."
         )

@@ -1,4 +1,4 @@
-"""The Kriging metamodels of all responses of a problem together."""
+"""Kriging metamodels of all responses of a problem."""
 
 from __future__ import annotations
 
@@ -23,10 +23,9 @@ class Metamodels:
 
     Responses are given in two ways: as they are (`predict`, `gradients`), and as *deviations*
     from the targets in units of their uncertainties, times the weights of the targets. The
-    uncertainty is the tolerance, which stands for that of the measurement, and in quadrature the
-    scatter of the mean of all runs, so that a target that cannot be met as closely as is asked for
-    does not outweigh all others. Thus the sum of squared deviations weighs every target by what it
-    is worth.
+    uncertainty is the tolerance, which represents that of the measurement, plus in quadrature the
+    scatter of the mean of all runs. So a target whose scatter is larger than its tolerance does not
+    outweigh all others in the sum of squared deviations.
 
     Parameters
     ----------
@@ -100,7 +99,7 @@ class Metamodels:
 
     @property
     def degrees_of_freedom(self) -> int:
-        """Runs that are left to estimate a noise from, of the response that fewest runs yielded."""
+        """Degrees of freedom of the noise estimate, of the response that fewest runs yielded."""
         return min(model.n for model in self.models) - (self.problem.dimension + 1)
 
     def deviations(self, points: ArrayLike) -> tuple[Array, Array]:
@@ -116,7 +115,7 @@ class Metamodels:
     def misfit(self, points: ArrayLike) -> Array:
         """Expected sum of squared deviations at points, shape (m,).
 
-        A point that is only believed to be good counts less than one that is known to be.
+        Of two points with equal means, the less uncertain one has the smaller misfit.
         """
         means, variances = self.deviations(points)
         return np.asarray((means**2 + variances).sum(axis=1))
@@ -156,13 +155,13 @@ class Metamodels:
         """Probability that every expected response is within its tolerance, shape (m,).
 
         The metamodels are fitted one by one, so their errors count as independent. Standard
-        errors count ``caution`` times.
+        errors are multiplied by ``caution``.
         """
         means, variances = self.predict(points)
         return self._probability(means, caution**2 * variances)
 
     def probability_all_met_without_each_run(self, point: Array) -> Array:
-        """The same at one point with each run left out, shape (number of runs,).
+        """Probability that every target is met with each run left out, shape (number of runs,).
 
         Runs are left out of one response at a time.
         """
@@ -182,10 +181,9 @@ class Metamodels:
         return np.asarray(inside.prod(axis=1))
 
     def runs_needed(self, point: Array, confidence: float) -> int:
-        """Estimate how many more runs at a point would settle that it agrees.
+        """Estimate how many more runs at a point would confirm that it agrees, at most a million.
 
-        It is supposed that the search meets the targets and only the noise is left; beyond a
-        million, a million.
+        Assumes that the search meets the targets and only the noise is left.
         """
         _, variances = self.predict(point)
         counts = np.unique(np.geomspace(1, 1e6, 400).round())
@@ -195,7 +193,7 @@ class Metamodels:
         return int(counts[enough][0]) if enough.any() else int(counts[-1])
 
     def condition_on_pending(self, points: Array) -> Metamodels:
-        """Add pending runs at points: means stay as they are, variances shrink."""
+        """Add pending runs at points: means stay the same, variances shrink."""
         if not len(points):
             return self
         return Metamodels(self.problem, [m.condition_on_pending(points) for m in self.models])

@@ -1,10 +1,10 @@
 """Ratios of the runs' noise variances, from their stated standard errors.
 
 A stated standard error is a claim. It may be several times too large or too small, it may leave out
-the scatter from seed to seed, and one that is itself estimated from few values says little about
-which run is the better measured one. So the size of the noise is always estimated from the runs;
-the stated errors may only say how it differs between them, mixed with a share that is common to
-all, and they are followed only as far as the runs bear them out.
+the scatter from seed to seed, and if it is estimated from few values, it hardly shows which run is
+measured better. So the size of the noise is always estimated from the runs. The stated errors only
+determine its ratios between runs, mixed with a share that is common to all, and only as far as the
+runs support them.
 """
 
 from __future__ import annotations
@@ -15,22 +15,22 @@ import numpy as np
 
 from grainfit.metamodels.predictor import FloatArray
 
-#: Shares of the noise that may follow the stated errors. Never all of it: a run is not free of
-#: scatter because it states no error.
+#: Shares of the noise that may follow the stated errors. Never all of it: a run with a small stated
+#: error is not free of scatter.
 _SHARES = (0.5, 0.95)
-#: How much more probable the runs must be, logarithm, for stated errors to be followed.
+#: Smallest gain of the log density of the runs at which stated errors are used.
 _EVIDENCE = 1.0
 #: Errors that differ by less are equal.
 _SMALLEST_DIFFERENCE = 0.01
 
 
 def noise_ratios(standard_errors: FloatArray) -> list[FloatArray | None]:
-    """Return the ratios of noise variances that are possible, of mean 1; first None: all equal.
+    """Return the candidate ratios of noise variances, of mean 1; None, for equal ones, is first.
 
     Parameters
     ----------
     standard_errors : ndarray, shape (n,)
-        As stated with the runs. A run that states none, 0, counts as one of average error.
+        As stated with the runs. A run without one (0) counts as one with an average error.
     """
     stated = standard_errors > 0
     if not stated.any():
@@ -44,6 +44,6 @@ def noise_ratios(standard_errors: FloatArray) -> list[FloatArray | None]:
 
 
 def most_probable(log_densities: Sequence[float]) -> int:
-    """Return which of the candidates to take: the first, unless another is clearly better."""
+    """Return the index of the best candidate: the first, unless another is clearly better."""
     handicap = np.array([0.0, *[_EVIDENCE] * (len(log_densities) - 1)])
     return int(np.argmax(np.array(log_densities) - handicap))

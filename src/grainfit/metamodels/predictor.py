@@ -15,8 +15,8 @@ from scipy.spatial.distance import cdist
 FloatArray = NDArray[np.float64]
 #: Scale of the distance in the Matérn 5/2 correlation, 2 sqrt(5/2).
 _MATERN_SCALE = math.sqrt(10.0)
-# A linear trend must leave as many degrees of freedom as it takes, and at least these, or a
-# constant one is taken: with fewer runs, least-squares slopes predict worse than none.
+# A linear trend must leave as many degrees of freedom as it uses, and at least these. Otherwise the
+# trend is constant: with fewer runs, least-squares slopes predict worse than none.
 _FREE_CONTRASTS = 3
 
 
@@ -39,13 +39,13 @@ def matern_slope(distance: FloatArray) -> FloatArray:
 
 @dataclass(frozen=True)
 class Trend:
-    """Constant, or constant and the columns of the points that can be told apart."""
+    """Trend: a constant, or a constant and the linearly independent columns of the points."""
 
     columns: tuple[int, ...]
 
     @classmethod
     def choose(cls, points: FloatArray, linear: bool) -> Trend:
-        """Take a linear trend where the runs can tell its slopes, else a constant."""
+        """Choose a linear trend if the runs determine its slopes, else a constant."""
         n, d = points.shape
         if not linear or n < d + 1 + max(d + 1, _FREE_CONTRASTS):
             return cls(())
@@ -54,7 +54,7 @@ class Trend:
         size = np.abs(np.diag(triangle))
         columns = tuple(sorted(int(j) for j in order[size > 1e-6 * math.sqrt(n)]))
         trend = cls(columns)
-        # A trend that hangs on a single run could not be judged by leaving that run out.
+        # A trend that depends on a single run could not be judged by leaving that run out.
         basis, _ = np.linalg.qr(trend.matrix(points))
         return trend if float((basis**2).sum(axis=1).max()) < 1 - 1e-6 else cls(())
 
@@ -71,7 +71,7 @@ class Trend:
 
 @dataclass(frozen=True)
 class Contrasts:
-    """The part of the runs that the trend says nothing about, and the least-squares trend."""
+    """Contrasts of the runs, which do not depend on the trend, and the least-squares trend."""
 
     complement: FloatArray
     least_squares: FloatArray
@@ -92,7 +92,7 @@ class Contrasts:
 
 @dataclass(frozen=True)
 class Hyperparameters:
-    """One set, in units of the standardised response."""
+    """One set of hyperparameters, in units of the standardised response."""
 
     ranges: FloatArray
     signal_variance: float
@@ -101,10 +101,10 @@ class Hyperparameters:
 
 
 class _Projection(NamedTuple):
-    """Some points as one predictor sees them, one column a point.
+    """Points prepared for one predictor, one column per point.
 
     The points over the ranges; their trend; their covariance with the runs; its least-squares
-    trend; and what of it the contrasts explain.
+    trend; and the part of it that the contrasts explain.
     """
 
     scaled: FloatArray
@@ -115,7 +115,7 @@ class _Projection(NamedTuple):
 
 
 class Component:
-    """The Kriging predictor of one set of hyperparameters, factorised once."""
+    """Kriging predictor of one set of hyperparameters, factorised once."""
 
     def __init__(
         self,
@@ -157,7 +157,7 @@ class Component:
         return self.hyperparameters.signal_variance * matern(distance)
 
     def project(self, points: FloatArray) -> _Projection:
-        """What predictions at points, and their covariances, are made of."""
+        """Compute the parts of predictions at points and of their covariances."""
         trend = self.trend.matrix(points).T
         covariance = self._covariance(points)
         return _Projection(
@@ -173,7 +173,7 @@ class Component:
         return self.predict_at(self.project(points))
 
     def predict_at(self, at: _Projection) -> tuple[FloatArray, FloatArray]:
-        """The same at points that have been projected."""
+        """Mean and variance of the mean at projected points."""
         mean = self._trend_coefficients @ at.trend + self._coefficients @ at.covariance
         variance = (
             self.hyperparameters.signal_variance
@@ -205,8 +205,8 @@ class Component:
     def without_each_run(self, at: _Projection) -> tuple[FloatArray, FloatArray]:
         """Mean and variance of the mean at one point with each run left out, shape (n,) each.
 
-        A run left out is a run replaced by its own prediction (Dubrule 1983), so its weight in
-        the mean tells what it changes.
+        Leaving a run out is the same as replacing it by its own prediction (Dubrule 1983), so its
+        weight in the mean gives the change.
         """
         mean, variance = self.predict_at(at)
         weights = self._root.T @ at.explained[:, 0] + self._least_squares.T @ at.trend[:, 0]
@@ -214,7 +214,7 @@ class Component:
         return mean - weights * (self.values - left_out), variance + weights**2 * run_variance
 
     def leave_one_out(self) -> tuple[FloatArray, FloatArray]:
-        """Virtual formulas (Dubrule 1983): mean, and variance of a run."""
+        """Mean and variance of each run left out, by the formulas of Dubrule (1983)."""
         precision = (self._root**2).sum(axis=0)
         return self.values - self._coefficients / precision, 1.0 / precision
 
@@ -229,7 +229,7 @@ class Component:
             np.vstack([self.points, points]),
             np.append(self.values, values),
             np.append(self.known_noise, known_noise),
-            # How well the added runs will be measured is not known: as the others on average.
+            # The errors of the added runs are not known: average ones are assumed.
             noise_ratios=None if ratios is None else np.append(ratios, np.ones(len(points))),
         )
 
@@ -238,13 +238,13 @@ class Component:
         return self.condition(points, self.predict(points)[0], known_noise)
 
     def weighing(self, weight: float) -> Component:
-        """The same with another weight in the mixture."""
+        """Return the component with another weight in the mixture."""
         other = copy(self)
         other.hyperparameters = replace(self.hyperparameters, weight=weight)
         return other
 
     def to_plain(self, factors: bool) -> dict[str, Any]:
-        """What `Kriging.to_plain` gives of a component."""
+        """Return the component's part of `Kriging.to_plain`."""
         known = {
             "weight": float(self.hyperparameters.weight),
             "ranges": self.hyperparameters.ranges.tolist(),
@@ -255,7 +255,7 @@ class Component:
         return known | self._plain_factors() if factors else known
 
     def _plain_factors(self) -> dict[str, Any]:
-        # A rotation from the left changes no length, and leaves half of the numbers zero.
+        # A rotation from the left changes no length and makes half of the numbers zero.
         both = np.hstack([self._root, -self._root_of_trend])
         triangle: FloatArray = linalg.qr(both, mode="r", check_finite=False)[0][: len(both)]
         return {

@@ -1,4 +1,4 @@
-"""Rayleigh time steps of points of the unit cube, and what a slow answer costs"""
+"""Rayleigh time steps of points of the unit cube, and the penalty of a small one."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ EQUAL_TIME_STEPS = 0.02
 
 
 def time_step_matters(problem: Problem) -> bool:
-    """Whether free parameters change the Rayleigh time step by more than counts as equal."""
+    """Whether free parameters change the Rayleigh time step by more than `EQUAL_TIME_STEPS`."""
     if problem.rayleigh is None:
         return False
     smallest_step, largest_step = problem.rayleigh.limits(problem.intervals)
@@ -23,7 +23,7 @@ def time_step_matters(problem: Problem) -> bool:
 
 
 def with_long_steps(problem: Problem, points: Array) -> Array:
-    """The points with every parameter that changes the time step where it makes it largest."""
+    """Return the points with every parameter that changes the time step moved to maximise it."""
     moved = points.copy()
     if problem.rayleigh is None:
         return moved
@@ -46,7 +46,7 @@ def log_time_steps(problem: Problem, points: Array) -> Array:
 def handicaps(problem: Problem, points: Array) -> Array:
     """Rayleigh criterion of points on a logarithmic scale, shape (m,); 0 is the fastest.
 
-    Where several parameter sets agree equally well, runs go to the faster ones.
+    If several parameter sets agree equally well, it directs runs to the faster ones.
     """
     if problem.rayleigh is None or not time_step_matters(problem):
         return np.zeros(len(points))

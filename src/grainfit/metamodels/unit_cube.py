@@ -1,4 +1,4 @@
-"""Searches of the unit cube for functions that are evaluated at many points at once."""
+"""Minimise functions over the unit cube that evaluate many points at once."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ Objective = Callable[[Array], Array]
 
 _GAUSS_NEWTON_STEPS = 8
 _SHRINKAGE = 0.4
-#: In many dimensions a move along a few axes at a time finds more than one along all.
+#: In many dimensions, moves along a few axes at a time find more than moves along all axes.
 _MOVED_AXES = 3.0
 
 
@@ -55,14 +55,14 @@ def shrinking_search(
 ) -> tuple[Array, Array]:
     """Minimise from several starts by random moves that become shorter.
 
-    Needs no derivatives and minds neither kinks nor bounds.
+    Needs no derivatives, and works with kinks and bounds.
 
     Parameters
     ----------
     objective : callable
         Values at points, shape (m, d) to (m,).
     starts : ndarray, shape (m, d)
-        The best of them are started from.
+        Possible starts; the best of them are used.
     random : numpy.random.Generator
         Decides the moves.
     rounds, kept, tries : int
@@ -89,8 +89,8 @@ def shrinking_search(
 def gauss_newton(metamodels: Metamodels, starts: Array) -> Array:
     """Minimise the sum of squared expected deviations from all starts at once, shape (m, d).
 
-    Levenberg-Marquardt steps, each cut at the bounds of the cube; a start that finds nothing
-    better stays where it is.
+    Levenberg-Marquardt steps, each cut at the bounds of the cube; a start that finds no better
+    point stays in place.
     """
     points = starts.copy()
     deviations = metamodels.deviations(points)[0]

@@ -1,4 +1,4 @@
-"""Figures of a calibration: Plotly figures of a `SavedCalibration`, those of the report.
+"""Plotly figures of a `SavedCalibration`: the same as in the report.
 
 Each function takes what `grainfit.open` returns:
 
@@ -23,7 +23,7 @@ __all__ = ["convergence", "pareto", "posterior", "predicted", "sensitivity"]
 def __getattr__(name: str) -> Any:
     if name not in __all__:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    # Imported when first used: the metamodels take a second.
+    # Imported on first use: importing the metamodels takes a second.
     return getattr(import_module(f"{__name__}.{name}_figures"), name)
 
 

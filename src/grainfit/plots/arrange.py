@@ -13,9 +13,9 @@ from grainfit.plots.figure import Figure
 if TYPE_CHECKING:
     from plotly.graph_objects import Figure as PlotlyFigure
 
-#: Space around the plots in pixels, as on the page of the report.
+#: Space around the plots in pixels, as in the report.
 _MARGIN = {"l": 64, "r": 24, "t": 30, "b": 56}
-#: Above a figure without a legend.
+#: Space above a figure without a legend.
 _NO_LEGEND = 6
 _TITLE_HEIGHT = 26
 _HEADING_HEIGHT = 36
@@ -42,20 +42,20 @@ class _Cell:
 def arrange(
     rows: Sequence[Sequence[Figure | None]], heading: str, *, one_legend: bool = False
 ) -> PlotlyFigure:
-    """Return one Plotly figure of several figures.
+    """Combine several figures into one Plotly figure.
 
     Parameters
     ----------
     rows : sequence of sequence of Figure or None
-        From the top, and from the left; all places of a row are equally wide, and None is an empty
-        one. Each figure keeps its height, axes and legend.
+        Rows from the top, figures from the left; all places of a row are equally wide, and None
+        leaves one empty. Each figure keeps its height, axes and legend.
     heading : str
-        Above all of them, escaped.
+        Text above all figures, escaped.
     one_legend : bool
-        One legend for all figures, where they are too narrow for their own: traces of one name
-        share an entry.
+        Whether all figures share one legend, for narrow figures: traces of one name have one
+        entry.
     """
-    # Imported here: the report draws with its own page and does without these 150 modules.
+    # Imported here: the report draws its figures itself and does not need these 150 modules.
     from plotly.graph_objects import Figure as PlotlyFigure
 
     height = _HEADING_HEIGHT + sum(_height(row) + _ROW_GAP for row in rows)
@@ -77,7 +77,7 @@ def _join_legends(drawn: PlotlyFigure) -> None:
 
 
 def in_columns(figures: Sequence[Figure], columns: int) -> list[list[Figure | None]]:
-    """Return figures in rows of so many, the last row filled up with empty places."""
+    """Return figures in rows of equal length; empty places fill the last row."""
     rows = [figures[start : start + columns] for start in range(0, len(figures), columns)]
     return [[*row, *[None] * (columns - len(row))] for row in rows]
 
@@ -130,7 +130,7 @@ def _cells(rows: Sequence[Sequence[Figure | None]], height: int) -> Iterator[_Ce
 
 
 def _cell(figure: Figure, left: float, right: float, upper: int, height: int) -> _Cell:
-    """Return the place of a figure that begins at so many pixels from below."""
+    """Return the place of a figure whose lower edge is given in pixels from below."""
     margin = _margin(figure)
     top = upper - margin["t"] - _TITLE_HEIGHT * bool(figure.title)
     bottom = upper - _whole_height(figure) + margin["b"]

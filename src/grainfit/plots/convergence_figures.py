@@ -1,4 +1,4 @@
-"""Convergence: runs approach the measurements, one after another."""
+"""Convergence of a calibration: deviations and responses over the number of the run."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from grainfit.work_folder.saved_calibration import SavedCalibration
 if TYPE_CHECKING:
     from plotly.graph_objects import Figure as PlotlyFigure
 
-#: Deviations below this share of the tolerance are as good as none, and a log axis has no zero.
+#: Smallest deviation shown, as a share of the tolerance, because a log axis has no zero.
 _SMALLEST = 1e-3
 
 
@@ -32,7 +32,7 @@ def convergence(saved: SavedCalibration) -> PlotlyFigure:
     Parameters
     ----------
     saved : SavedCalibration
-        The calibration, also one that is running.
+        The calibration, which may still be running.
 
     Raises
     ------
@@ -189,7 +189,7 @@ def _failures(evaluations: Sequence[Evaluation], values: Sequence[float | None])
 
 
 def _wrapped(text: str, width: int = 60) -> str:
-    """The text in lines that fit into a figure, at most four."""
+    """Wrap a text into at most four lines that fit into a figure."""
     shown = plain(text)
     lines = [shown[start : start + width] for start in range(0, len(shown), width)]
     return "<br>".join(escape(line) for line in [*lines[:4], *(["…"] if lines[4:] else [])])
@@ -206,7 +206,7 @@ def _run_axis(count: int) -> dict[str, Any]:
 
 
 def _failure_axis() -> dict[str, Any]:
-    """An axis that is not seen, to put marks at the lower edge whatever is shown above."""
+    """Invisible axis that keeps marks at the lower edge, independent of the data above."""
     return {"overlaying": "y", "range": [0, 1], "visible": False, "fixedrange": True}
 
 

@@ -1,4 +1,4 @@
-"""Responses expected at the answer after so many runs: metamodels of the first runs alone."""
+"""Responses expected at the answer after a number of runs, by metamodels of these runs alone."""
 
 from __future__ import annotations
 
@@ -13,17 +13,16 @@ from grainfit.evaluation import Evaluation
 from grainfit.metamodels.metamodels import Metamodels, can_be_fitted
 from grainfit.work_folder.saved_calibration import SavedCalibration
 
-#: Metamodels that are fitted to the first runs, and to how many of them at most: what a fit takes
-#: grows with the cube of that.
+#: Number of fits, and most runs of a fit: its time grows with the cube of the number of runs.
 _FITS = 8
 _MOST_FITTED = 120
-#: The same where as many were learnt from as well.
+#: Smallest value of that limit, from which the runs of a warm start are subtracted.
 _FEWEST_FITTED = 20
 
 
 @dataclass(frozen=True)
 class Expectation:
-    """Expected responses at the answer after so many runs.
+    """Expected responses at the answer after a number of runs.
 
     Attributes
     ----------
@@ -39,7 +38,7 @@ class Expectation:
 
 
 def checkpoints(saved: SavedCalibration) -> list[int]:
-    """Return the numbers of runs after which a metamodel is asked; none without an answer."""
+    """Return the numbers of runs after which metamodels are fitted; none without an answer."""
     most = min(len(saved.evaluations), max(_MOST_FITTED - len(saved.learnt), _FEWEST_FITTED))
     has_answer = saved.result is not None and bool(saved.result.parameters)
     if not has_answer or not can_be_fitted(saved.problem, _known_after(saved, most)):
@@ -49,8 +48,8 @@ def checkpoints(saved: SavedCalibration) -> list[int]:
 
 
 def expectations_at_answer(saved: SavedCalibration) -> list[Expectation]:
-    """Return what was expected at the answer after each of the `checkpoints`."""
-    # Metamodels are small: threads of linear algebra would only wait for one another.
+    """Return the responses expected at the answer after each of the `checkpoints`."""
+    # Metamodels are small: threads of linear algebra would only wait for each other.
     with threadpool_limits(limits=1, user_api="blas"):
         return [_expectation(saved, count) for count in checkpoints(saved)]
 
@@ -63,5 +62,5 @@ def _expectation(saved: SavedCalibration, count: int) -> Expectation:
 
 
 def _known_after(saved: SavedCalibration, count: int) -> Sequence[Evaluation]:
-    """Return the first runs that were asked for, and all that was learnt before these."""
+    """Return the first runs of the calibration, and all runs of its warm start."""
     return replace(saved, evaluations=saved.evaluations[:count]).known

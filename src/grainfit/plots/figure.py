@@ -1,4 +1,4 @@
-"""A figure as plain data: drawn by the page of the report, or by Plotly in a notebook."""
+"""Figure as plain data, drawn by the report or by Plotly in a notebook."""
 
 from __future__ import annotations
 
@@ -16,15 +16,15 @@ class Figure:
     Parameters
     ----------
     data, layout : sequence of mapping, mapping
-        As Plotly has them. Fonts, paper, grid and colours of text belong to the page or the
-        notebook, which knows whether it is light or dark: leave them out. Names in them are
-        escaped (`Label.plot`).
+        As in Plotly. Leave out fonts, paper, grid and colours of text: the report and the notebook
+        set them, because they know if the theme is light or dark. Names are escaped
+        (`Label.plot`).
     description : str
-        The content in words, for readers who do not see it.
+        The content in words, for readers who cannot see it.
     height : int
         In pixels.
     title : str
-        Heading above the figure, where no page says it. Escaped as well.
+        Heading above the figure outside the report; escaped as well.
     """
 
     data: tuple[Mapping[str, Any], ...]

@@ -1,4 +1,4 @@
-"""How parameters and responses are called on the page: symbol, unit, and what it is in words."""
+"""Labels of parameters and responses in figures: symbol, unit and description."""
 
 from __future__ import annotations
 
@@ -15,18 +15,18 @@ from grainfit.work_folder.saved_calibration import SavedCalibration
 
 @dataclass(frozen=True)
 class Label:
-    """What a quantity is called.
+    """Label of a quantity.
 
     Parameters
     ----------
     name : str
         As in the calibration file; any text.
     symbol : str
-        As in ``"μ_r_pp"``, what is behind the first ``_`` being the index; or the name.
+        As in ``"μ_r_pp"``, where the text after the first ``_`` is the index; or the name.
     unit : str
-        For people, ``""`` when there is none.
+        As shown to readers; ``""`` when there is none.
     description : str
-        What it is, in words; ``""`` when that is not known.
+        The quantity in words; ``""`` when there are none.
     """
 
     name: str
@@ -43,7 +43,7 @@ class Label:
 
     @property
     def plot(self) -> str:
-        """Symbol for a figure's text, where Plotly takes some tags."""
+        """Symbol for the text of a figure, in which Plotly allows some tags."""
         return str(self._marked())
 
     @property
@@ -54,7 +54,7 @@ class Label:
 
     @property
     def words(self) -> str:
-        """What it is in a few words; its name where there are none."""
+        """Description in a few words; the name if there is none."""
         if self.symbol == self.name:
             return plain(self.name)
         return self.description.partition(":")[0]
@@ -71,7 +71,7 @@ class Label:
 
 
 def parameter_label(name: str, unit: str = "") -> Label:
-    """Return the label of a parameter; one of the user's own is called by its name."""
+    """Return the label of a parameter; a custom one is called by its name."""
     known = MATERIAL_PARAMETERS.get(name)
     if known is None:
         return Label(name, name, unit_for_people(unit), "")

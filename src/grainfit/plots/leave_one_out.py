@@ -1,4 +1,4 @@
-"""Each run against the prediction of the metamodel that was fitted without it."""
+"""Leave-one-out check: each run against its prediction by a metamodel fitted without it."""
 
 from __future__ import annotations
 
@@ -81,7 +81,7 @@ def _check(
     saved: SavedCalibration, analysis: Analysis, metamodels: Metamodels, index: int
 ) -> LeaveOneOutCheck:
     target, model = metamodels.problem.targets[index], metamodels.models[index]
-    # What a metamodel rests on, it knows best: of many runs, some are left out.
+    # Uses the metamodel's own runs: of many runs, it was fitted to some only.
     known = model.to_plain(factors=False)
     simulated = known["offset"] + known["scale"] * np.array(known["values"])
     runs = [tuple(point) for point in known["points"]]

@@ -16,7 +16,7 @@ from grainfit.work_folder.saved_calibration import SavedCalibration
 if TYPE_CHECKING:
     from plotly.graph_objects import Figure as PlotlyFigure
 
-#: Beyond this ratio of the largest misfit to the smallest, a linear axis shows one of them only.
+#: Above this ratio of the largest misfit to the smallest, the axis is logarithmic.
 _LARGEST_RATIO = 30.0
 _TOO_SMALL_FOR_LOGARITHMS = 1e-12
 _TIME_UNITS = ((1e-6, "ns", 1e9), (1e-3, "µs", 1e6), (1.0, "ms", 1e3))
@@ -24,14 +24,14 @@ _TIME_NAMES = ("particle.density", "particle.youngs_modulus", "particle.poissons
 
 
 def pareto(saved: SavedCalibration, analysis: Analysis | None = None) -> PlotlyFigure:
-    """Draw the smallest misfit that is possible at each Rayleigh time step.
+    """Draw the smallest possible misfit at each Rayleigh time step.
 
     Parameters
     ----------
     saved : SavedCalibration
         The calibration.
     analysis : Analysis, optional
-        One that was made already; ``saved.analyse()`` by default.
+        An existing analysis; ``saved.analyse()`` by default.
 
     Raises
     ------
@@ -48,7 +48,7 @@ def pareto(saved: SavedCalibration, analysis: Analysis | None = None) -> PlotlyF
 
 
 def why_no_front(problem: Problem) -> str:
-    """Return why a problem has nothing to trade for a time step."""
+    """Return the reason why a problem has no Pareto front."""
     if problem.rayleigh is None:
         return (
             "No Rayleigh time step is known of this problem, so there is nothing to trade: it "
@@ -61,7 +61,7 @@ def why_no_front(problem: Problem) -> str:
 
 
 def time_unit(largest: float) -> tuple[str, float]:
-    """Return a unit in which time steps are readable numbers, and how many of it are a second."""
+    """Return a unit in which time steps are readable, and the number of such units in a second."""
     return next(
         ((unit, factor) for limit, unit, factor in _TIME_UNITS if largest < limit), ("s", 1.0)
     )
@@ -117,7 +117,7 @@ def pareto_figure(saved: SavedCalibration, metamodels: Metamodels, front: Pareto
             "clickmode": "event",
         },
         description=(
-            "The smallest misfit that can be had at each Rayleigh time step: further right is "
+            "The smallest possible misfit at each Rayleigh time step: further right is "
             "faster, further down is closer to the measurements."
         ),
         height=380,

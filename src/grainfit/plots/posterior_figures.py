@@ -23,9 +23,9 @@ if TYPE_CHECKING:
     from plotly.graph_objects import Figure as PlotlyFigure
 
 _BINS = 30
-#: Of logarithms: a bound that is a power of ten is not missed.
+#: Rounding error of logarithms, so that a bound that is a power of ten gets its tick.
 _ROUNDING = 1e-9
-#: More cells are too small for a number in each.
+#: With more parameters, the cells are too small for numbers.
 _MOST_NUMBERS = 8
 _CELL = 44
 _BAR = 30
@@ -41,7 +41,7 @@ class PosteriorFigures:
     narrowing : Figure
         Share of each parameter's interval that is ruled out.
     correlations : Figure or None
-        Rank correlations; None of a single parameter.
+        Rank correlations; None for a single parameter.
     marginals : tuple of Figure
         Distribution of each parameter.
     """
@@ -59,7 +59,7 @@ def posterior(saved: SavedCalibration, analysis: Analysis | None = None) -> Plot
     saved : SavedCalibration
         The calibration.
     analysis : Analysis, optional
-        One that was made already; ``saved.analyse()`` by default.
+        An existing analysis; ``saved.analyse()`` by default.
 
     Raises
     ------
@@ -125,7 +125,7 @@ def _narrowing_figure(
                 ],
                 "hovertemplate": (
                     "with 95 % probability from %{customdata[0]}<br>"
-                    "sought from %{customdata[1]}<extra></extra>"
+                    "interval %{customdata[1]}<extra></extra>"
                 ),
             },
         ),
@@ -159,7 +159,7 @@ def _correlation_figure(saved: SavedCalibration, posterior: Posterior) -> Figure
     names, found = posterior.names, posterior.correlations
     labels = [label_of_parameter(saved, name).plot for name in names]
     last = len(names) - 1
-    # Each pair once; that a parameter goes with itself tells nothing.
+    # Each pair once; the correlation of a parameter with itself has no information.
     cells = [(row, column) for row in range(1, len(names)) for column in range(row)]
     heat = {
         "type": "heatmap",
@@ -175,7 +175,7 @@ def _correlation_figure(saved: SavedCalibration, posterior: Posterior) -> Figure
         ],
         "zmin": -1,
         "zmax": 1,
-        # Seen through, so that numbers stand out on light and on dark paper.
+        # Transparent, so that numbers are readable on a light and on a dark page.
         "colorscale": [
             [0, "rgba(213, 94, 0, 0.6)"],
             [0.5, "rgba(136, 136, 136, 0.1)"],

@@ -30,7 +30,7 @@ def predicted(saved: SavedCalibration, analysis: Analysis | None = None) -> Plot
     saved : SavedCalibration
         The calibration.
     analysis : Analysis, optional
-        One that was made already; ``saved.analyse()`` by default.
+        An existing analysis; ``saved.analyse()`` by default.
 
     Raises
     ------

@@ -31,7 +31,7 @@ def sensitivity(saved: SavedCalibration, analysis: Analysis | None = None) -> Pl
     saved : SavedCalibration
         The calibration.
     analysis : Analysis, optional
-        One that was made already; ``saved.analyse()`` by default.
+        An existing analysis; ``saved.analyse()`` by default.
 
     Raises
     ------

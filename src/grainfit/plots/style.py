@@ -1,7 +1,7 @@
-"""What the figures of the report have in common: marks, colours, and bands of tolerance.
+"""Common style of the figures of the report: marks, colours, and bands of tolerance.
 
-All colours are those of Okabe and Ito, told apart in any kind of colour blindness; the blue is a
-little lighter, to be seen on dark paper as well as on light.
+All colours are those of Okabe and Ito, distinct in any kind of colour blindness; the blue is a
+little lighter, to be visible on a dark page as well as on a light one.
 """
 
 from __future__ import annotations
@@ -15,11 +15,11 @@ from grainfit.problem import Target
 from grainfit.work_folder.saved_calibration import SavedCalibration
 
 BLUE, VERMILION, GREEN, PURPLE, ORANGE = "#1f83c4", "#d55e00", "#009e73", "#cc79a7", "#e69f00"
-#: A band that is seen through.
+#: A transparent band.
 GREEN_BAND = "rgba(0, 158, 115, 0.2)"
-#: Of lines that only guide the eye.
+#: Colour of lines that only guide the eye.
 QUIET = "#888888"
-#: How runs are marked by what they were made for: colour, and a shape that tells without it.
+#: Marks of runs by stage: a colour, and a shape that identifies the stage without colour.
 STAGES: Mapping[str, tuple[str, str]] = {
     "design": ("circle-open", BLUE),
     "optimisation": ("diamond", ORANGE),
@@ -28,7 +28,7 @@ STAGES: Mapping[str, tuple[str, str]] = {
 
 
 def named_runs(reading: SavedCalibration) -> Iterator[tuple[str, Evaluation]]:
-    """Yield all that is known with what it is called: by its number, as in the table of runs."""
+    """Yield all known runs with their names: their numbers, as in the table of runs."""
     for number, evaluation in enumerate(reading.known, start=1):
         is_own = number <= len(reading.evaluations)
         yield f"run {number}" if is_own else "a run of another calibration", evaluation
@@ -40,9 +40,9 @@ def tolerance_band(target: Target, axis: str) -> list[dict[str, Any]]:
     Parameters
     ----------
     target : Target
-        What was measured.
+        The measured target.
     axis : {"x", "y"}
-        The axis that has its unit.
+        The axis with its unit.
     """
     other = {"x": "y", "y": "x"}[axis]
     across = {f"{other}ref": "paper", f"{other}0": 0, f"{other}1": 1, f"{axis}ref": axis}

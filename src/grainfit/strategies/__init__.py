@@ -1,1 +1,1 @@
-"""Strategies: how runs are chosen, and when the answer is known."""
+"""Strategies: choose the runs of a calibration, and decide when the answer is known."""

@@ -16,9 +16,9 @@ from grainfit.metamodels.metamodels import Metamodels
 from grainfit.problem import Problem
 from grainfit.result import Bound, MetamodelQuality, OutOfReach
 
-#: Nearer to a bound than this share of the interval counts as on it.
+#: A value nearer to a bound than this share of the interval counts as on it.
 _ON_BOUND = 0.01
-#: In squared tolerances: what fits worse than the best by less fits as well, and by more does not.
+#: Largest difference between two misfits that count as equal, in squared tolerances.
 _AS_GOOD, _WORSE = 1.0, 4.0
 
 
@@ -39,8 +39,8 @@ class Answer:
     quality : mapping of str to MetamodelQuality
         By name of the target.
     cut_off : mapping of str to {"min", "max"}
-        Parameters with a bound up to which parameter sets agree, while others do not agree: more
-        may agree beyond it.
+        Parameters with a bound that cuts off the parameter sets that agree with the measurements:
+        more may agree beyond it.
     """
 
     parameters: Mapping[str, float]
@@ -60,10 +60,10 @@ def make_answer(
     *,
     spread: bool = True,
 ) -> Answer:
-    """Make the answer of a parameter set and the metamodels' predictions for it.
+    """Make an answer from a parameter set and the metamodels' predictions for it.
 
-    ``closest`` is the point of the unit cube where they meet the targets best; ``spread`` says
-    whether the runs are spread by a design, see `Kriging.warnings`.
+    ``closest`` is the point of the unit cube where they meet the targets best; ``spread`` is True
+    if the runs are spread by a design, see `Kriging.warnings`.
     """
     point: NDArray[np.float64] = metamodels.problem.to_unit(parameters)
     means, variances = metamodels.predict(point)
@@ -80,7 +80,7 @@ def make_answer(
 
 
 def bound_at(position: float) -> Bound | None:
-    """Return the bound that a position in an interval is on, 0 being its minimum; or None."""
+    """Return the bound that a position (0 to 1) in an interval lies on, or None."""
     if _ON_BOUND <= position <= 1 - _ON_BOUND:
         return None
     return "min" if position < _ON_BOUND else "max"
@@ -103,7 +103,7 @@ def metamodel_quality(
 ) -> dict[str, MetamodelQuality]:
     """Return how far the metamodels can be trusted, by name of the target.
 
-    ``spread`` tells whether the runs are spread by a design, see `Kriging.warnings`.
+    ``spread`` is True if the runs are spread by a design, see `Kriging.warnings`.
     """
     names = [target.name for target in metamodels.problem.targets]
     return {
@@ -126,7 +126,7 @@ def answer_from_runs(
     evaluations: Sequence[Evaluation],
     parameters: Mapping[str, float] | None = None,
 ) -> Answer:
-    """Make the answer of a search that has no rule of its own for it.
+    """Make the answer of a search that has no custom rule for it.
 
     Parameters
     ----------
@@ -135,8 +135,8 @@ def answer_from_runs(
     evaluations : sequence of Evaluation
         All runs; Kriging metamodels are fitted to them.
     parameters : mapping of str to float, optional
-        The parameter set to describe; by default, of those that were simulated, the one with the
-        smallest expected misfit.
+        The parameter set to describe; by default the simulated one with the smallest expected
+        misfit.
 
     Raises
     ------

@@ -1,8 +1,8 @@
-"""Strategy and Search: the options of a method of calibration, and one search under way.
+"""Strategy and Search: the options of a calibration method, and the state of one search.
 
 A `Strategy` is a frozen object that holds options only: it can be compared, printed, and used for
 any number of calibrations. `Strategy.start` gives a `Search`, which holds the state of one
-calibration and is driven from outside:
+calibration. The caller drives it:
 
 .. code-block:: python
 
@@ -16,24 +16,24 @@ calibration and is driven from outside:
 goes through these calls:
 
 1. `Search.warm_start`, at most once and first: runs of other calibrations that it may use.
-2. `Search.replay`: the proposals that an earlier start of the same calibration has made, so that
-   an interrupted calibration continues instead of beginning again. The runs that are known are
-   told when they are asked for.
+2. `Search.replay`: the proposals of an earlier start of the same calibration, so that an
+   interrupted calibration continues instead of beginning again. When the search asks for a run
+   that is already known, its outcome is told at once.
 3. `Search.ask` whenever a worker is free. It returns the next proposal, or None: then either the
    search has `finished`, or a pending run has to be told first.
 4. `Search.tell` for every proposal whose run has ended, in any order: responses, or why it failed.
-5. `Search.answer` once it has `finished`; earlier it is the best answer so far.
-6. The answer is verified with fresh seeds, by the caller. The search is told these runs as well.
-   If they do not confirm the answer, `Search.resume_after_verification` asks whether it can do
-   better. If so it is no longer finished, and 2 to 6 are repeated.
+5. `Search.answer` once it has `finished`; earlier it returns the best answer so far.
+6. The caller verifies the answer with fresh seeds, and tells the search these runs as well. If
+   they do not confirm the answer, `Search.resume_after_verification` returns True if the search
+   can do better. Then it is no longer finished, and 2 to 6 are repeated.
 
-All that a search does follows from problem, options, seed, budget, and from what it was told;
-nothing follows from a clock or from chance: told the same, it asks the same. That is what makes 2
-possible, and what `grainfit.testing.strategy_contract` tests.
+A search is deterministic: its proposals follow from problem, options, seed, budget and the
+outcomes told so far, never from a clock or from chance. This makes 2 possible, and
+`grainfit.testing.strategy_contract` tests it.
 
-To write a strategy of your own: declare its options as fields of a frozen dataclass that inherits
-from `Strategy`, return a search of your own from `start`, and implement the abstract methods of
-`Search`: `ask`, `note`, `answer`, `finished` and `expected_left`.
+To write a custom strategy: declare its options as fields of a frozen dataclass that inherits from
+`Strategy`, return a custom `Search` from `start`, and implement the abstract methods of `Search`:
+`ask`, `note`, `answer`, `finished` and `expected_left`.
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ from grainfit.evaluation import Evaluation, Outcome, Proposal
 from grainfit.options.fields import option_keys, read_options
 
 if TYPE_CHECKING:
-    # Options are looked at by every command line, which must not wait for numerical packages.
+    # Every command line reads the options, and must not wait for numerical packages to load.
     from grainfit.problem import Problem
     from grainfit.strategies.answer import Answer
 
@@ -58,7 +58,7 @@ RESUMPTIONS = 2
 
 @dataclass(frozen=True)
 class Strategy(ABC):
-    """Options of a method of calibration.
+    """Options of a calibration method.
 
     Subclasses are frozen dataclasses whose fields are declared with `grainfit.options.fields`.
     File keys, JSON Schema, help and checks follow from these declarations.
@@ -66,7 +66,7 @@ class Strategy(ABC):
     Raises
     ------
     InputError
-        Every option whose value is not accepted.
+        Some options have values that are not accepted; it lists them all.
     """
 
     #: Name in the calibration file.
@@ -118,7 +118,7 @@ class Strategy(ABC):
 
 
 class Search(ABC):
-    """State of one search: it proposes runs until the answer is known.
+    """State of one search, which proposes runs until the answer is known.
 
     Parameters
     ----------
@@ -158,7 +158,7 @@ class Search(ABC):
     @property
     @abstractmethod
     def expected_left(self) -> int:
-        """Estimate of the number of proposals that are not told yet, for the time left."""
+        """Estimated number of outcomes still to be told; the time left is computed from it."""
 
     @property
     def notices(self) -> Sequence[str]:
@@ -167,7 +167,7 @@ class Search(ABC):
 
     @property
     def definition(self) -> dict[str, Any]:
-        """Options that decide what is asked, as plain data: part of the calibration's identity.
+        """Options that determine the proposals, as plain data: part of the calibration's identity.
 
         All options of the strategy unless overridden. A search whose proposals depend on the
         budget adds ``max_evaluations``.
@@ -176,21 +176,21 @@ class Search(ABC):
 
     @property
     def current_problem(self) -> Problem:
-        """The problem with the intervals that are searched, which may have been widened."""
+        """Problem with the intervals searched now, which may have been widened."""
         return self.problem
 
     def replay(self, proposals: Sequence[Proposal]) -> None:
         """Repeat the proposals of an earlier start of the same calibration.
 
         Called before the first `ask`, and again before the first one after each verification.
-        Nothing is done unless overridden, which suits a search that makes the same proposals
-        again in whatever order runs are told. Any other one proposes these again, in their order,
-        before it continues.
+        Does nothing unless overridden. That suits a search whose proposals do not depend on the
+        order in which runs end. Any other search proposes these again, in their order, before it
+        continues.
 
         Parameters
         ----------
         proposals : sequence of Proposal
-            The proposals of then, in order.
+            The earlier proposals, in order.
         """
 
     def warm_start(self, evaluations: Sequence[Evaluation]) -> None:
@@ -216,9 +216,9 @@ class Search(ABC):
         Parameters
         ----------
         proposal : Proposal
-            As `ask` returned it, or of a run that was made for another reason.
+            As `ask` returned it, or the proposal of a run from elsewhere.
         outcome : mapping of str to float or Response, RunFailedError, or Evaluation
-            The responses by name; or why the run failed; or an evaluation of a campaign.
+            The responses by name, the reason why the run failed, or an evaluation of a campaign.
 
         Raises
         ------
@@ -248,7 +248,7 @@ class Search(ABC):
 
     @abstractmethod
     def note(self, evaluation: Evaluation) -> None:
-        """Take note of a run, proposed by this search or not; `tell` calls it."""
+        """Record a run, proposed by this search or not; `tell` calls it."""
 
     @abstractmethod
     def answer(self, parameters: Mapping[str, float] | None = None) -> Answer:
@@ -268,7 +268,7 @@ class Search(ABC):
     def resume_after_verification(self, affordable: int | None = None) -> bool:  # noqa: ARG002
         """Continue after a verification that did not confirm the answer.
 
-        Returns False when the search cannot do better, which is so unless overridden.
+        Returns False when the search cannot do better, which is the default.
 
         Parameters
         ----------

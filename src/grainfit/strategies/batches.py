@@ -11,14 +11,14 @@ from grainfit.problem import Problem
 from grainfit.strategies.base import Search, Strategy
 from grainfit.strategies.distinct_runs import distinct_runs
 
-#: Yields batches of proposals and is sent their evaluations, in the same order.
+#: Yields batches of proposals and receives their evaluations, in the same order.
 Batches = Generator[list[Proposal], list[Evaluation], None]
 
 
 class BatchSearch(Search):
-    """A search that is written as a generator of batches, each of which is told before the next.
+    """Search written as a generator of batches: each batch ends before the next begins.
 
-    Evaluations are kept in the order of the proposals, whatever the order in which runs end.
+    Evaluations are kept in the order of the proposals, not in the order in which runs end.
     """
 
     def __init__(
@@ -49,7 +49,7 @@ class BatchSearch(Search):
         return self._asked.popleft() if self._asked else None
 
     def note(self, evaluation: Evaluation) -> None:
-        """Take note of a run of the batch, or of one that was made for another reason."""
+        """Record a run of the batch, or a run from elsewhere."""
         for position, proposal in enumerate(self._batch):
             if position not in self._told and proposal == evaluation.proposal:
                 self._told[position] = evaluation
@@ -58,9 +58,9 @@ class BatchSearch(Search):
         self.evaluations.append(evaluation)
 
     def _close_batch(self) -> None:
-        """Keep a batch that is complete, whether or not its generator is going to receive it.
+        """Keep a complete batch, even if its generator never receives it.
 
-        After a restart during the verification it is not, and another generator may follow.
+        After a restart during the verification it does not, and another generator may follow.
         """
         if self._asked or len(self._told) < len(self._batch):
             return
@@ -75,7 +75,7 @@ class BatchSearch(Search):
         return distinct_runs(self.evaluations + told)
 
     def follow(self, batches: Batches) -> None:
-        """Continue with other batches after the last ones have ended."""
+        """Continue with other batches once the current ones have ended."""
         self._batches, self._begun = batches, True
         self._receive(next(self._batches, None))
 

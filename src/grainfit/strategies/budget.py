@@ -20,11 +20,11 @@ def start_search(
     Parameters
     ----------
     strategy : Strategy
-        How runs are chosen.
+        Chooses the runs.
     problem : Problem
-        What is calibrated.
+        Problem to calibrate.
     tests : int
-        DEM runs that a parameter set takes.
+        DEM runs per parameter set.
     seed : int
         Decides the design and all insertion seeds.
     max_runs : int or None
@@ -54,7 +54,7 @@ def start_search(
 
 
 def smallest_design(dimension: int, wanted: int | None = None) -> int:
-    """Return the size of the design that is wanted, or else the smallest that is possible.
+    """Return the wanted size of the design, or the smallest possible one by default.
 
     Raises
     ------
@@ -81,9 +81,9 @@ def design_size(dimension: int, wanted: int | None, usual: int, max_evaluations:
     dimension : int
         Number of free parameters.
     wanted : int, optional
-        Size that the user wants.
+        Size given by the user.
     usual : int
-        Size that the strategy would take.
+        Default size of the strategy.
     max_evaluations : int, optional
         The budget. A tight one keeps a third for the runs after the design.
 

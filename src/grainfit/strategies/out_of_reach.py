@@ -1,4 +1,4 @@
-"""Targets that no parameter set within the intervals meets, and the bound that is in the way."""
+"""Find targets that no parameter set within the intervals meets, and the bound in the way."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ from grainfit.metamodels.metamodels import Metamodels
 from grainfit.problem import Parameter, Problem, Target
 from grainfit.result import OutOfReach
 
-#: How many standard errors a target must be beyond its tolerance to be called out of reach.
+#: Standard errors by which a target must be missed beyond its tolerance to be out of reach.
 STANDARD_ERRORS = 2.0
 _AT_BOUND = 0.01
-#: Share of the missing deviation by which a suggested interval goes beyond the need.
+#: Extra width of a suggested interval, as a share of the missing deviation.
 _MARGIN = 1.15
-#: How many interval widths from its middle a linear extrapolation is worth saying.
+#: Interval widths from the middle up to which a linear extrapolation is suggested.
 _FARTHEST = 3.0
 
 
@@ -38,11 +38,11 @@ def out_of_reach(
     metamodels : Metamodels
         Fitted on the runs so far.
     optimum : ndarray, shape (d,)
-        Where the misfit is smallest.
+        Point at which the misfit is smallest.
     seed : int
         Decides the starts of the search for the nearest response.
     standard_errors : float
-        How many of them a target must be beyond its tolerance.
+        Number of standard errors by which a target must be missed beyond its tolerance.
     """
     means, variances = metamodels.predict(optimum)
     alone, together = [], []
@@ -58,7 +58,7 @@ def out_of_reach(
         else:
             mean = float(means[0, index])
             together.append(_describe(metamodels, index, optimum, mean, error, True))
-    # What is missed only together with such a target may be met when that one is.
+    # A target missed only together with such a target may be met once that one is met.
     return tuple(alone or together)
 
 
@@ -117,7 +117,7 @@ def _describe(
 
 
 def _blocking(point: NDArray[np.float64], gain: NDArray[np.float64]) -> Iterator[int]:
-    """Axes on whose bound the point lies, with the response still improving beyond it."""
+    """Axes on a bound of which the point lies while the response still improves beyond it."""
     relevant = 0.1 * np.abs(gain).max()
     for axis, (position, slope) in enumerate(zip(point, gain, strict=True)):
         if (position > 1 - _AT_BOUND and slope > relevant) or (
@@ -136,7 +136,7 @@ def _round_outward(value: float, upward: bool) -> float:
 
 
 def _suggestion(parameter: Parameter, position: float, bound: float, upper: bool) -> float | None:
-    """Bound to try, or None where a straight line cannot tell or physics ends."""
+    """Bound to try, or None where linear extrapolation fails or physics sets a limit."""
     if abs(position - 0.5) > _FARTHEST:
         return None
     value = _round_outward(parameter.from_unit(position), upper)
@@ -144,7 +144,7 @@ def _suggestion(parameter: Parameter, position: float, bound: float, upper: bool
 
 
 def _within_physics(name: str, value: float, bound: float, upper: bool) -> float | None:
-    """Physically possible suggestion, or None where the bound is at the limit already."""
+    """Physically possible suggestion, or None if the bound is already at the limit."""
     known = MATERIAL_PARAMETERS.get(name)
     if known is None:
         return value
@@ -153,14 +153,14 @@ def _within_physics(name: str, value: float, bound: float, upper: bool) -> float
 
 
 def widened(problem: Problem, misses: Iterable[OutOfReach]) -> Problem:
-    """Return the problem with every bound that is in the way moved to the suggested value.
+    """Return the problem with every bound in the way moved to the suggested value.
 
     Parameters
     ----------
     problem : Problem
-        With the intervals that are too narrow.
+        Problem whose intervals are too narrow.
     misses : iterable of OutOfReach
-        Those without a suggestion change nothing.
+        Targets out of reach; those without a suggested bound change nothing.
     """
     bounds = {p.name: (p.minimum, p.maximum) for p in problem.parameters}
     for miss in misses:
@@ -173,7 +173,7 @@ def widened(problem: Problem, misses: Iterable[OutOfReach]) -> Problem:
 
 
 def _with_bounds(parameter: Parameter, low: float, high: float) -> Parameter:
-    # A parameter that was positive everywhere stays so: a friction below zero is no material.
+    # A parameter that was positive everywhere stays positive: no material has negative friction.
     if low <= 0 < parameter.minimum:
         low = parameter.minimum
     return replace(parameter, minimum=low, maximum=high)

@@ -1,6 +1,6 @@
 """Strategies by name: the built-in ones, and those of other packages.
 
-A package offers a strategy of its own by an entry point of the group ``grainfit.strategies``:
+A package adds a strategy with an entry point of the group ``grainfit.strategies``:
 
 .. code-block:: toml
 
@@ -37,14 +37,14 @@ _BUILT_IN = {
 def strategies() -> Mapping[str, type[Strategy]]:
     """Return all strategies by name, the built-in ones first.
 
-    One of another package that cannot be used is left out with a warning.
+    A strategy of another package that cannot be used is left out with a warning.
     """
     found = {name: EntryPoint(name, at, GROUP).load() for name, at in _BUILT_IN.items()}
     for point in entry_points(group=GROUP):
         try:
             found[point.name] = _loaded(point, found)
         except Exception as error:
-            # The code of another package must not keep anybody from using the others.
+            # An error in another package must not prevent the use of all other strategies.
             warnings.warn(
                 f"the strategy {point.name!r} ({point.value}) is left out: {error}", stacklevel=2
             )
@@ -118,7 +118,7 @@ def as_strategy(strategy: object) -> Strategy:
     Raises
     ------
     InputError
-        It is neither a strategy nor the name of one.
+        The argument is neither a strategy nor the name of one.
     """
     if isinstance(strategy, Strategy):
         return strategy
@@ -130,7 +130,7 @@ def as_strategy(strategy: object) -> Strategy:
 
 
 def changed(strategy: Strategy, name: str | None, options: Mapping[str, Any]) -> Strategy:
-    """Return a strategy with some options, or all of it, replaced.
+    """Return a strategy with some options replaced, or another strategy with its options.
 
     Parameters
     ----------
@@ -139,7 +139,7 @@ def changed(strategy: Strategy, name: str | None, options: Mapping[str, Any]) ->
     name : str, optional
         Another strategy to take these options.
     options : mapping of str to object
-        Options that win.
+        Options that replace those of the strategy.
     """
     given = {
         known.name: value
@@ -150,7 +150,7 @@ def changed(strategy: Strategy, name: str | None, options: Mapping[str, Any]) ->
 
 
 def all_options() -> dict[str, dict[str, Key]]:
-    """Return the options of all strategies by name, each by the strategies that have it."""
+    """Return the options of all strategies: by option name, then by strategy name."""
     found: dict[str, dict[str, Key]] = {}
     for name, strategy in strategies().items():
         for known in option_keys(strategy):
@@ -159,7 +159,7 @@ def all_options() -> dict[str, dict[str, Key]]:
 
 
 def merged_key(declared: Mapping[str, Key]) -> Key:
-    """Return one key for an option of several strategies; its kind is that of the first."""
+    """Return one key for an option that several strategies share; its kind is the first one's."""
     first = next(iter(declared.values()))
     texts = _by_strategy({name: key.description for name, key in declared.items()})
     defaults = _by_strategy({name: key.default for name, key in declared.items()})
@@ -168,7 +168,7 @@ def merged_key(declared: Mapping[str, Key]) -> Key:
 
 
 def _by_strategy(texts: Mapping[str, str]) -> list[str]:
-    """Return one text where all are the same, or else each with its strategy."""
+    """Return the common text if all are the same, otherwise each text with its strategy."""
     if len(set(texts.values())) == 1:
         return [next(iter(texts.values()))]
     return [f"{text} ({name})" for name, text in texts.items()]

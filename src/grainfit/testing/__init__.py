@@ -1,1 +1,1 @@
-"""Tests that others can run against what they write for grainfit."""
+"""Contract tests for custom strategies, solvers, bulk tests and contact models."""

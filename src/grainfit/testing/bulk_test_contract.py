@@ -1,7 +1,7 @@
 # ruff: noqa: D102 (the names of tests say what they test)
-"""The contract that every bulk test keeps, as tests to inherit.
+"""Contract of bulk tests, as tests to inherit.
 
-Write a class of tests for a bulk test of your own, in a file that pytest finds::
+Write a test class for a custom bulk test, in a file that pytest finds::
 
     from grainfit.testing.bulk_test_contract import BulkTestContract
 
@@ -55,12 +55,14 @@ _FINISHED: dict[BulkTest, tuple[Path, dict[str, Response]]] = {}
 
 
 class BulkTestContract:
-    """Tests of what solvers, calibration files and reports rely on; subclasses give the fixtures.
+    """Tests of a bulk test, on which solvers, calibration files and reports rely.
+
+    Subclasses define the fixtures.
 
     Attributes
     ----------
     others : mapping of str to object
-        For every option a good value that is not the one of `bulk_test`.
+        For every option, a valid value that differs from that of `bulk_test`.
     material : mapping of str to float
         All material parameters, for a run that ends well.
     """
@@ -70,7 +72,7 @@ class BulkTestContract:
 
     @pytest.fixture
     def bulk_test(self) -> BulkTest:
-        """Give a small test: a run of it should take a few seconds."""
+        """Return a small test: one run should take a few seconds."""
         raise NotImplementedError
 
     def with_option(self, bulk_test: BulkTest, name: str, value: Any) -> BulkTest:
@@ -286,7 +288,7 @@ def _installed_solver(bulk_test: BulkTest, material: Mapping[str, float]) -> Dec
 
 
 def _refusal(bulk_test: BulkTest, folder: Path, whole: dict[str, Response]) -> str | None:
-    """The reason why a folder is refused; None when it measures like the whole one."""
+    """Reason why a folder is refused; None when it gives the same responses as the complete one."""
     try:
         responses = bulk_test.measure(folder)
     except (RunFailedError, NotMeasurableError) as error:

@@ -1,7 +1,7 @@
 # ruff: noqa: D102 (the names of tests say what they test)
-"""The contract of contact models, as tests to inherit: single contacts in the real solvers.
+"""Contract of contact models, as tests to inherit: single contacts in the real solvers.
 
-Write a class of tests for a contact model of your own, in a file that pytest finds::
+Write a test class for a custom contact model, in a file that pytest finds::
 
     from grainfit.testing.contact_model_contract import ContactModelContract
 
@@ -53,7 +53,7 @@ from grainfit.units import is_unit
 RADIUS = 0.005
 DENSITY = 2100.0
 GRAVITY = 9.81
-#: Glass beads on a floor as soft as they are, with a restitution of its own.
+#: Glass beads on a floor of the same stiffness, with a different restitution.
 BEADS: Mapping[str, float] = {
     **GLASS_BEADS,
     "particle.density": DENSITY,
@@ -67,7 +67,7 @@ Simulate = Callable[..., Motion]
 
 
 class ContactModelContract:
-    """Tests that hold for every contact model; subclasses give model, material and program.
+    """Tests that hold for every contact model; subclasses define model, material and program.
 
     Attributes
     ----------
@@ -82,12 +82,12 @@ class ContactModelContract:
 
     @pytest.fixture
     def program(self) -> SingleContacts:
-        """Give a program of a solver that has the model."""
+        """Return the program of a solver that has the model."""
         raise NotImplementedError
 
     @pytest.fixture
     def simulate(self, program: SingleContacts, tmp_path: Path) -> Simulate:
-        """Give what computes particles, with changes of the material and options of `Scene`."""
+        """Return a function that simulates particles, given material values and `Scene` options."""
 
         def simulate(
             particles: Sequence[Sphere],
@@ -148,14 +148,14 @@ class ContactModelContract:
         before, after = (_momenta(motion, frame, masses, inertias) for frame in (0, -1))
         scale = masses[0] * 0.3
         assert after[0] == pytest.approx(before[0], abs=1e-6 * scale)
-        # Of the angular momentum, solvers lose what the lever differs from the point of contact.
+        # Solvers lose angular momentum where their lever differs from the point of contact.
         assert after[1] == pytest.approx(before[1], abs=0.02 * scale * RADIUS)
         energies = [_kinetic_energy(motion, frame, masses, inertias) for frame in (0, -1)]
         assert energies[1] < energies[0]
 
 
 class HertzMindlinContract(ContactModelContract):
-    """Closed forms of Hertz and Mindlin; the program is given by the subclass.
+    """Closed forms of Hertz and Mindlin; the subclass defines the program.
 
     References
     ----------
@@ -287,7 +287,7 @@ class HertzMindlinContract(ContactModelContract):
 
 
 class EpsdContract(ContactModelContract):
-    """Closed forms of EPSD; the program is given by the subclass.
+    """Closed forms of EPSD; the subclass defines the program.
 
     References
     ----------
@@ -300,7 +300,7 @@ class EpsdContract(ContactModelContract):
 
     @pytest.fixture
     def roll(self, program: SingleContacts, simulate: Simulate) -> Callable[..., float]:
-        """Give what rolls a particle along the floor, and returns its speed at the end."""
+        """Return a function that rolls a particle along the floor and returns its final speed."""
         name, factor = program.floor_rolling_friction
 
         def roll(speed: float, seconds: float, damping: float) -> float:

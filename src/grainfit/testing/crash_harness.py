@@ -1,8 +1,8 @@
-"""Kills calibrations at any moment and says what came of it: runs lost, repeated, another answer.
+"""Kill calibrations at any moment, and report lost runs, repeated runs and different answers.
 
-A calibration happens in a process that is forked from this one, which has imported everything, so
-that a start takes no time. Its model is a real program that writes down every start of its own in a
-log outside the work folder: repeats are counted there, whatever the store believes.
+A calibration runs in a process forked from this one, which has already imported everything, so that
+a start takes no time. Its model is a real program that logs every start outside the work folder.
+Repeated runs are counted there, independently of the store.
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ from grainfit.strategies.staged.strategy import Staged
 LOG_VARIABLE = "CRASH_LOG"
 SECONDS_VARIABLE = "CRASH_SECONDS"
 OUTPUT_VARIABLE = "CRASH_OUTPUT"
-#: How long one run of the program takes, s: long enough to be hit, short enough for many.
+#: Duration of one run of the program, s: long enough to be hit, short enough for many runs.
 RUN_SECONDS = 0.01
 PROGRAM = """\
 #!/bin/sh
@@ -58,11 +58,11 @@ awk -v friction="$1" -v seed="$2" 'BEGIN {
 echo "ended $$ $1 $2" >> "$CRASH_LOG"
 """
 FRICTION = Parameter("friction", 0.1, 0.9)
-#: A calibration that does not come back after so long hangs, s.
+#: A calibration that has not ended after this time hangs, s.
 _PATIENCE = 120.0
 _DISK_BYTES = 32 * 2**20
 
-#: What makes a run the same run for the program: the value and the seed that it was given.
+#: Identity of a run for the program: the value and the seed given to it.
 Key = tuple[float, int]
 
 
@@ -88,32 +88,32 @@ def _write_line(line: str) -> None:
 
 @dataclass(frozen=True)
 class Variant:
-    """How a calibration is made that is going to be killed.
+    """Settings of a calibration to kill.
 
     Parameters
     ----------
     name : str
-        What it is called in a table.
+        Name in a table.
     workers : int
-        Runs at a time. With more than one, the order in which runs come back decides what is asked
-        next, so that only the status of the answer is the same every time.
+        Runs at a time. With more than one, the next proposal depends on the order in which runs
+        end, so that only the status of the answer is the same every time.
     strategy : str or Strategy
-        How runs are chosen.
+        Chooses the runs.
     solver : {"program", "function"}
-        A program that is started for each run, or a function in the process itself.
+        A program started for each run, or a function in the same process.
     pool : bool
-        Whether worker processes make the runs.
+        Whether worker processes carry out the runs.
     tolerance : float
         Of the target, degrees.
     options : mapping
         Further options of the calibration.
     seconds : float
-        How long a run takes, s.
+        Duration of a run, s.
     output : int
-        How much a run of the program writes besides its responses, bytes.
+        Bytes that a run of the program writes besides its responses.
     same_history : bool
-        Whether the store keeps what was asked for. Without that a calibration learns from the runs
-        that are left, and comes to an answer that is as good, but another one.
+        Whether the store keeps the proposals. Without them a calibration makes a warm start from
+        the runs that are left, and finds a different answer that is as good.
     """
 
     name: str
@@ -137,7 +137,7 @@ VARIANTS = (
     Variant("kill -9"),
     Variant("kill -9, 2 workers", workers=2),
     Variant("kill -9, staged", strategy="staged"),
-    # The first answer does not stand the verification, and the search goes on.
+    # The verification does not confirm the first answer, and the search continues.
     Variant(
         "kill -9, staged, two answers",
         strategy=Staged(design_runs=5),
@@ -151,16 +151,16 @@ VARIANTS = (
 
 @dataclass
 class Tally:
-    """What faults of one kind did.
+    """Effects of one kind of fault.
 
     Parameters
     ----------
     fault : str
-        What was done to the calibrations.
+        Name of the fault.
     injected : int
-        How often.
+        Number of faults injected.
     lost, repeated, different : list of str
-        Finished runs that were gone, or were made again, and answers that were others.
+        Finished runs that were lost, runs that were repeated, and answers that changed.
     """
 
     fault: str
@@ -171,7 +171,7 @@ class Tally:
 
     @property
     def clean(self) -> bool:
-        """Whether nothing happened that must not."""
+        """Whether no run was lost or repeated, and no answer changed."""
         return not (self.lost or self.repeated or self.different)
 
 
@@ -184,7 +184,7 @@ def _silent(_tally: Tally) -> None:
 
 @dataclass
 class Ending:
-    """How the process of a calibration ended: with a result, with an error, or killed."""
+    """End of a calibration's process: with a result, with an error, or killed."""
 
     result: dict[str, Any] | None = None
     error: str = ""
@@ -197,13 +197,13 @@ class Trial:
     Parameters
     ----------
     variant : Variant
-        How it is made.
+        Settings of the calibration.
     folder : Path
-        Where; an empty folder of its own.
+        Separate empty folder.
     tally : Tally
-        Where complaints go.
+        Collects the complaints.
     work : Path, optional
-        The work folder, should it not be ``folder / "work"``.
+        The work folder, if it is not ``folder / "work"``.
     """
 
     def __init__(
@@ -227,7 +227,7 @@ class Trial:
     # One start ---------------------------------------------------------------------------------
 
     def start(self, **options: Any) -> int:
-        """Start the calibration, or let it go on; return its process."""
+        """Start or continue the calibration; return its process."""
         self._ending.unlink(missing_ok=True)
         sys.stdout.flush()
         sys.stderr.flush()
@@ -244,11 +244,11 @@ class Trial:
         return process
 
     def _calibrate(self, options: Mapping[str, Any]) -> None:
-        """Calibrate in the forked process, and write down how it ended."""
+        """Calibrate in the forked process, and record its end."""
         os.environ[LOG_VARIABLE] = str(self.log)
         os.environ[SECONDS_VARIABLE] = str(self.variant.seconds)
         os.environ[OUTPUT_VARIABLE] = str(self.variant.output)
-        # A machine that fails here does so on purpose, and has recovered at once.
+        # A machine that fails here does so on purpose, and recovers at once.
         at_once = partial(CampaignOptions, retry_pauses=(0.0, 0.0))
         patch.object(calibration, "CampaignOptions", at_once).start()
         target = Target("angle", 27.0, tolerance=self.variant.tolerance)
@@ -288,7 +288,7 @@ class Trial:
         return Command(self._model, ["./simulate.sh", "{{ friction }}", "{{ seed }}"])
 
     def wait(self, process: int, meanwhile: Callable[[], None] = lambda: None) -> Ending:
-        """Wait for the end of a start, and do something again and again meanwhile."""
+        """Wait for the end of a start, and call a function repeatedly until then."""
         deadline = time.monotonic() + _PATIENCE
         while os.waitpid(process, os.WNOHANG)[0] == 0:
             meanwhile()
@@ -300,13 +300,13 @@ class Trial:
         return self.ending()
 
     def ending(self) -> Ending:
-        """How the last start ended; nothing when it was killed before it had ended."""
+        """End of the last start; empty when it was killed before its end."""
         if not self._ending.exists():
             return Ending()
         return Ending(**json.loads(self._ending.read_text(encoding="utf-8")))
 
     def kill_after(self, process: int, seconds: float) -> bool:
-        """Kill a start after a while, and nothing but it; return whether it was still there."""
+        """Kill only the process of a start after a while; return True if it was still alive."""
         deadline = time.monotonic() + seconds
         while time.monotonic() < deadline:
             if os.waitpid(process, os.WNOHANG)[0]:
@@ -317,7 +317,7 @@ class Trial:
         return not self._ending.exists()
 
     def clear_away(self) -> None:
-        """End what killed starts have left, such as workers of a pool."""
+        """End processes left over from killed starts, such as workers of a pool."""
         for group in self._groups:
             try:
                 os.killpg(group, signal.SIGKILL)
@@ -325,14 +325,14 @@ class Trial:
                 continue
         self._groups.clear()
 
-    # What is there, and what must be ------------------------------------------------------------
+    # Checks -------------------------------------------------------------------------------------
 
     def starts(self) -> Counter[Key]:
-        """How often the model was started for each run."""
+        """Number of times that the model was started, for each run."""
         return Counter(key for _, key in self.programs())
 
     def finished(self) -> dict[Key, RunRecord]:
-        """Runs that are finished: their record is in the store, or their folder has its name."""
+        """Finished runs: their record is in the store, or their folder has its final name."""
         return self._in_folders() | {_key_of(record): record for record in self._stored()}
 
     def _in_folders(self) -> dict[Key, RunRecord]:
@@ -355,7 +355,7 @@ class Trial:
             try:
                 store = RunStore.read_only(Path(copy))
             except StoreError as error:
-                # Killed before anything was written to it.
+                # Killed before anything was written to the store.
                 if "nothing was run yet" in str(error):
                     return []
                 raise
@@ -365,12 +365,12 @@ class Trial:
                 store.close()
 
     def programs(self) -> list[tuple[int, Key]]:
-        """Process of every program that was started, and the run that it was for."""
+        """Process of every program that was started, with its run."""
         lines = (line.split() for line in self.log.read_text(encoding="utf-8").splitlines())
         return [(int(words[1]), _key(*words[2:])) for words in lines if words[0] == "started"]
 
     def look(self, when: str) -> None:
-        """Complain of runs that were finished at an earlier look and are gone, or made again."""
+        """Complain about runs that were finished earlier and are now lost or repeated."""
         finished, starts = self.finished(), self.starts()
         for key, before in self._finished.items():
             if key not in finished:
@@ -383,24 +383,24 @@ class Trial:
         self._finished = {key: starts[key] for key in finished}
 
     def forget_finished(self, folders_only: bool = False) -> None:
-        """Take what is finished now for all that ever was: the rest was destroyed on purpose."""
+        """Expect only the runs that are finished now: the rest was destroyed on purpose."""
         starts = self.starts()
         finished = self._in_folders() if folders_only else self.finished()
         self._finished = {key: starts[key] for key in finished}
 
     def look_into_folders(self) -> None:
-        """Complain of finished runs of the store that could not be found without it."""
+        """Complain about finished runs of the store that could not be found without it."""
         found = self._in_folders()
         lost = [_key_of(record) for record in self._stored() if _key_of(record) not in found]
         self._tally.lost += [f"in no folder: {key}" for key in lost]
 
     def complain(self, condition: bool, message: str) -> None:
-        """Take note of something that must not be."""
+        """Record a complaint."""
         if not condition:
             self._tally.different.append(message)
 
     def compare(self, ending: Ending, reference: Mapping[str, Any]) -> None:
-        """Complain when an answer is not that of the undisturbed calibration."""
+        """Complain if an answer differs from that of the undisturbed calibration."""
         if ending.result is None:
             self._tally.different.append(f"{ending.error or 'killed'}: {ending.message}")
             return
@@ -413,13 +413,13 @@ class Trial:
         asked = {_key(run["parameters"]["friction"], run["seed"]) for run in history}
         if not asked <= stored:
             self._tally.lost.append(f"not in the store at the end: {asked - stored}")
-        # A run that no start asks for again was made in vain.
+        # A run that no start asks for again was wasted.
         if self.variant.same_history and not stored <= asked:
             self._tally.lost.append(f"not used for the answer: {stored - asked}")
 
 
 def undisturbed(variant: Variant, folder: Path) -> tuple[dict[str, Any], float]:
-    """Return the result of a calibration that nobody disturbs, and how long it took, s."""
+    """Return the result of an undisturbed calibration, and its duration, s."""
     trial = Trial(variant, folder, Tally("none"))
     started = time.monotonic()
     ending = trial.wait(trial.start())
@@ -448,11 +448,11 @@ def kill_at_random(
     Parameters
     ----------
     variant : Variant
-        What is killed.
+        Settings of the calibrations.
     kills : int
-        How often.
+        Number of kills.
     folder : Path
-        Where.
+        Folder for the calibrations.
     seed : int
         Decides the moments.
     disturb : callable, optional
@@ -470,7 +470,7 @@ def kill_at_random(
         try:
             while True:
                 process = trial.start()
-                # Every fourth one at once: before there is a store, or while it is put in order.
+                # Every fourth one at once: before there is a store, or while it is repaired.
                 longest = seconds * (0.05 if moments.random() < 0.25 else 1.0)
                 if tally.injected == kills or not trial.kill_after(
                     process, longest * moments.random()
@@ -501,16 +501,16 @@ def _end(trial: Trial, process: int) -> Ending:
 
 
 def kill_solvers(times: int, folder: Path, seed: int = 1, progress: Progress = _silent) -> Tally:
-    """Kill the program of a run, up to twice for each run: it is to be tried again, and no other.
+    """Kill the program of a run, up to twice for each run: only this run must be tried again.
 
     Parameters
     ----------
     times : int
-        How often.
+        Number of faults.
     folder : Path
-        Where.
+        Folder for the calibrations.
     seed : int
-        Decides which ones.
+        Decides the programs to kill.
     progress : callable
         Called after each kill.
     """
@@ -548,7 +548,7 @@ def kill_solvers(times: int, folder: Path, seed: int = 1, progress: Progress = _
 
 
 def _kill_program(pid: int) -> bool:
-    """Kill a program of ours, unless it has ended by now."""
+    """Kill a program of the calibration, unless it has already ended."""
     try:
         if "simulate.sh" not in Path(f"/proc/{pid}/cmdline").read_text(encoding="utf-8"):
             return False
@@ -561,16 +561,16 @@ def _kill_program(pid: int) -> bool:
 def kill_pool_workers(
     times: int, folder: Path, seed: int = 1, progress: Progress = _silent
 ) -> Tally:
-    """Kill a worker of a pool: the calibration ends with a message, and goes on when started again.
+    """Kill a worker of a pool: the calibration ends with a message; a new start continues it.
 
     Parameters
     ----------
     times : int
-        How often.
+        Number of faults.
     folder : Path
-        Where.
+        Folder for the calibrations.
     seed : int
-        Decides when.
+        Decides the moments.
     progress : callable
         Called after each kill.
     """
@@ -602,7 +602,7 @@ def kill_pool_workers(
                     break
                 tally.injected += 1
                 trial.complain(
-                    ending.error == "ExecutorError" and "start again to go on" in ending.message,
+                    ending.error == "ExecutorError" and "start again" in ending.message,
                     f"{ending.error}: {ending.message}",
                 )
                 progress(tally)
@@ -624,7 +624,7 @@ def children(process: int) -> list[int]:
 
 
 def is_alive(process: int) -> bool:
-    """Whether a process is at work; one that nobody has asked for its exit code is not."""
+    """Whether a process is running; a zombie is not."""
     try:
         status = Path(f"/proc/{process}/stat").read_text(encoding="utf-8", errors="replace")
     except OSError:
@@ -633,7 +633,7 @@ def is_alive(process: int) -> bool:
 
 
 def truncate_newest(trial: Trial, chance: random.Random) -> None:
-    """Do to the newest files what a power cut may do to them: cut them short, or fill with zeros.
+    """Damage the newest files as a power cut may do: truncate them, or fill them with zeros.
 
     The store itself has its own test, see `damage_stores`.
     """
@@ -651,16 +651,16 @@ def truncate_newest(trial: Trial, chance: random.Random) -> None:
 
 
 def damage_stores(times: int, folder: Path, seed: int = 1, progress: Progress = _silent) -> Tally:
-    """Cut the store itself short, or fill it with zeros, and do what the message says.
+    """Truncate the store itself or fill it with zeros, and follow the message.
 
     Parameters
     ----------
     times : int
-        How often.
+        Number of faults.
     folder : Path
-        Where.
+        Folder for the calibrations.
     seed : int
-        Decides when and how.
+        Decides moment and kind of damage.
     progress : callable
         Called after each time.
     """
@@ -706,16 +706,16 @@ def _removable(trial: Trial, whole: bool) -> list[Path]:
 
 
 def remove_folders(times: int, folder: Path, seed: int = 1, progress: Progress = _silent) -> Tally:
-    """Remove the folder of a run, or the whole work folder, while runs are under way.
+    """Remove the folder of a run, or the whole work folder, during the runs.
 
     Parameters
     ----------
     times : int
-        How often; the first half of them the work folder.
+        Number of removals; the first half of them remove the work folder.
     folder : Path
-        Where.
+        Folder for the calibrations.
     seed : int
-        Decides when.
+        Decides the moments.
     progress : callable
         Called after each time.
     """
@@ -751,7 +751,7 @@ def remove_folders(times: int, folder: Path, seed: int = 1, progress: Progress =
         if not removed:
             continue
         if whole and ending.result is not None:
-            # Too late to matter: nothing but the result was left to be written.
+            # Too late to matter: only the result was left to be written.
             trial.complain(len(trial.programs()) == before[0], "the removal was not noticed")
             continue
         tally.injected += 1
@@ -770,12 +770,12 @@ def remove_folders(times: int, folder: Path, seed: int = 1, progress: Progress =
 
 @contextmanager
 def small_disk(place: Path, size: int) -> Iterator[Path]:
-    """Give a file system of so many bytes.
+    """Yield the folder of a small file system.
 
     Raises
     ------
     PermissionError
-        Only root may mount one, and not everywhere.
+        The file system cannot be mounted: only root may do it, and not everywhere.
     """
     place.mkdir(parents=True)
     command = ["mount", "-t", "tmpfs", "-o", f"size={size}", "tmpfs", str(place)]
@@ -797,11 +797,11 @@ def fill_disks(times: int, folder: Path, seed: int = 1, progress: Progress = _si
     Parameters
     ----------
     times : int
-        How often.
+        Number of faults.
     folder : Path
-        Where.
+        Folder for the calibrations.
     seed : int
-        Decides how much room there is.
+        Decides the size of the disk.
     progress : callable
         Called after each time.
     """
@@ -816,7 +816,7 @@ def fill_disks(times: int, folder: Path, seed: int = 1, progress: Progress = _si
         with small_disk(place / "disk", _DISK_BYTES) as disk:
             trial = Trial(variant, place, tally, work=disk / "work")
             ballast = disk / "ballast"
-            # The runs write 7 MB, and 4 MB are set aside where there is room for it.
+            # The runs write 7 MB, and 4 MB are reserved if there is room.
             left = chance.choice([100_000, 4_100_000, 8_200_000, chance.randrange(9_000_000)])
             with ballast.open("wb") as file:
                 os.posix_fallocate(file.fileno(), 0, _DISK_BYTES - left)
@@ -837,7 +837,7 @@ def fill_disks(times: int, folder: Path, seed: int = 1, progress: Progress = _si
 
 
 def _essence(result: Result) -> dict[str, Any]:
-    """What must not depend on how often a calibration was interrupted."""
+    """Part of a result that must not depend on the number of interruptions."""
     data = json.loads(json.dumps(result.to_dict()))
     history = [
         {name: run[name] for name in ("stage", "parameters", "seed", "responses")}

@@ -1,4 +1,4 @@
-"""Materials of the literature, to test and compare with."""
+"""Materials from the literature, for tests and comparisons."""
 
 from collections.abc import Mapping
 

@@ -1,4 +1,4 @@
-"""A few particles above a floor, computed by a DEM program with the words of contact models."""
+"""Simulate a few particles above a floor in a DEM program, to test contact models."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from grainfit.solvers.process.process import run_process
 _Vector = tuple[float, float, float]
 _TIMEOUT = 60.0
 _STILL: _Vector = (0.0, 0.0, 0.0)
-#: Half the edge of the box that particles stay in, m.
+#: Half the edge of the box that contains the particles, m.
 _BOX = 0.2
 
 
@@ -82,7 +82,7 @@ class Scene:
     gravity : float
         Downwards, m/s^2.
     frames : int
-        How often the motion is recorded, after the start.
+        Number of recorded frames, not counting the start.
     time_step_fraction : float
         Time step over the Rayleigh time step.
     """
@@ -123,7 +123,7 @@ _ELASTIC = ("density", "youngs_modulus", "poissons_ratio")
 
 
 class SingleContacts(ABC):
-    """A DEM program that computes a `Scene`, and in which ways it is known to differ.
+    """A DEM program that computes a `Scene`, with its known differences from other programs.
 
     Parameters
     ----------
@@ -131,7 +131,7 @@ class SingleContacts(ABC):
         Runs the input file `input_name` of the current folder.
     """
 
-    #: Name of the solver, as contact models have it.
+    #: Name of the solver in contact models.
     solver: ClassVar[str]
     input_name: ClassVar[str]
     #: R* of a particle on the floor, over its radius.
@@ -158,11 +158,11 @@ class SingleContacts(ABC):
 
     @abstractmethod
     def read(self, scene: Scene, folder: Path) -> Motion:
-        """Read what the program has recorded."""
+        """Read the motion recorded by the program."""
 
 
 class _DumpingProgram(SingleContacts):
-    """Common ground of LAMMPS and LIGGGHTS: a data file goes in, a dump file comes out."""
+    """Common base of LAMMPS and LIGGGHTS: a data file as input, a dump file as output."""
 
     _columns = "x y z vx vy vz omegax omegay omegaz fx fy fz"
 
@@ -214,7 +214,7 @@ class LammpsContacts(_DumpingProgram):
     _format_word: ClassVar[str] = "line "
 
     def write(self, scene: Scene, folder: Path) -> None:
-        """Write deck and data file; every radius is a type of its own."""
+        """Write deck and data file; every radius has a separate type."""
         self._write_particles(scene, folder / "particles.data", len(scene.radii), by_radius=True)
         text = (
             "units si\natom_style sphere\natom_modify map array\nboundary f f f\nnewton off\n"
@@ -298,7 +298,7 @@ class YadeContacts(SingleContacts):
         (folder / self.input_name).write_text(text, encoding="utf-8")
 
     def read(self, scene: Scene, folder: Path) -> Motion:
-        """Read what the script has recorded."""
+        """Read the motion recorded by the script."""
         frames = json.loads((folder / "motion.json").read_text(encoding="ascii"))
         times = np.linspace(0, scene.seconds, scene.frames + 1)
         return Motion(times, *np.split(np.array(frames), 4, axis=2))

@@ -1,7 +1,7 @@
 # ruff: noqa: D102 (the names of tests say what they test)
-"""The contract that every solver adapter keeps, as tests to inherit.
+"""Contract of solver adapters, as tests to inherit.
 
-Write a class of tests for a solver of your own, in a file that pytest finds::
+Write a test class for a custom solver, in a file that pytest finds::
 
     from grainfit.testing.solver_contract import SolverContract
 
@@ -38,30 +38,30 @@ from grainfit.errors import GrainfitError, RunFailedError
 from grainfit.evaluation import Response
 from grainfit.solvers.base import Solver, Workspace
 
-#: Within this time a run must be over after it was told to end, s.
+#: A run must end within this time after it is cancelled, s.
 SOON = 5.0
 _UNKNOWN = "no_such_parameter"
 
 
 class SolverContract:
-    """Tests of what a campaign relies on; subclasses give the fixtures.
+    """Tests of a solver, on which a campaign relies; subclasses define the fixtures.
 
     Attributes
     ----------
     refuses_unknown_names : bool
-        Whether the solver knows its parameters. A function of the user's may take any.
+        Whether the solver knows its parameters. A custom function may take any.
     """
 
     refuses_unknown_names = True
 
     @pytest.fixture
     def solver(self) -> Solver:
-        """Give the solver under test; a run of it should take a few seconds at most."""
+        """Return the solver under test; one run should take a few seconds at most."""
         raise NotImplementedError
 
     @pytest.fixture
     def parameters(self) -> dict[str, float]:
-        """Give values of all free parameters with which a run ends well."""
+        """Return values of all free parameters with which a run succeeds."""
         raise NotImplementedError
 
     @pytest.fixture
@@ -71,7 +71,7 @@ class SolverContract:
 
     @pytest.fixture
     def elsewhere(self, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-        """An empty current folder, in which nothing may appear."""
+        """An empty current folder, which must stay empty."""
         folder = tmp_path / "current folder"
         folder.mkdir()
         monkeypatch.chdir(folder)
@@ -79,7 +79,7 @@ class SolverContract:
 
     @pytest.fixture
     def workspaces(self, tmp_path: Path, elsewhere: Path) -> Workspaces:  # noqa: ARG002
-        """Give a new workspace with every call."""
+        """Return a function that makes a new workspace with every call."""
         return Workspaces(tmp_path / "the user's runs")
 
     def test_check_finds_nothing_missing_and_leaves_nothing(
@@ -236,11 +236,11 @@ class SolverContract:
 
 
 class ProcessSolverContract(SolverContract):
-    """What is expected besides of solvers whose runs are processes: they can be ended."""
+    """Further tests of solvers whose runs are processes: they can be ended."""
 
     @pytest.fixture
     def endless(self) -> Solver:
-        """Give a solver like the one under test whose runs take longer than 10 s."""
+        """Return a solver like the one under test whose runs take longer than 10 s."""
         raise NotImplementedError
 
     def test_run_under_way_ends_soon_after_it_is_cancelled(
@@ -273,19 +273,19 @@ class ProcessSolverContract(SolverContract):
         with pytest.raises(RunFailedError, match="time-out of 1 s") as caught:
             endless.run(parameters, 7, workspace)
 
-        # Not the machine's fault: trying again at once would take as long again.
+        # Not a fault of the machine: an immediate second try would take as long.
         assert caught.value.kind == "timeout"
         assert 1.0 <= time.monotonic() - started < 1.0 + SOON
         assert _stay_in(workspace.folder) == []
 
 
 class Workspaces:
-    """Makes workspaces, each with a folder of its own, whose names hold blanks and quotes.
+    """Make workspaces with separate folders whose names contain blanks and quotes.
 
     Parameters
     ----------
     folder : Path
-        Where to make them.
+        Parent of their folders.
     """
 
     def __init__(self, folder: Path) -> None:
@@ -321,7 +321,7 @@ def _contents(folder: Path) -> dict[str, bytes]:
 
 
 def _stay_in(folder: Path) -> list[int]:
-    """Processes that stay at work in a folder; helpers of MPI take a moment to notice the end."""
+    """Processes that stay active in a folder; helpers of MPI take a moment to notice the end."""
     deadline = time.monotonic() + SOON
     while (found := _processes_in(folder)) and time.monotonic() < deadline:
         time.sleep(0.05)

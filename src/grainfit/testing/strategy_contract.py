@@ -1,7 +1,7 @@
 # ruff: noqa: D102 (the names of tests say what they test)
-"""The contract that every strategy keeps, as tests to inherit.
+"""Contract of strategies, as tests to inherit.
 
-Write a class of tests for a strategy of your own, in a file that pytest finds::
+Write a test class for a custom strategy, in a file that pytest finds::
 
     from grainfit.testing.strategy_contract import StrategyContract
 
@@ -10,7 +10,7 @@ Write a class of tests for a strategy of your own, in a file that pytest finds::
         def strategy(self):
             return MyStrategy()
 
-and pytest runs all tests below. They calibrate a heap of grains that is two formulas and some
+and pytest runs all tests below. They calibrate a heap of grains modelled by two formulas and some
 noise, so that a calibration takes a second.
 """
 
@@ -131,8 +131,8 @@ def converse(search: Search, simulate: Simulate, workers: int = 1) -> list[Evalu
     simulate : callable
         Makes the evaluation of a proposal.
     workers : int
-        Runs under way at a time. With several, the latest one comes back first, but every third
-        time the earliest one does.
+        Runs at a time. With several, the latest one ends first, except that every third time the
+        earliest one does.
 
     Returns
     -------
@@ -155,23 +155,23 @@ def converse(search: Search, simulate: Simulate, workers: int = 1) -> list[Evalu
         search.tell(proposal, evaluations[-1])
         assert len(evaluations) <= MOST_PROPOSALS, "this strategy does not come to an end"
     for proposal in under_way:
-        # They were under way when the others decided it, and come back all the same.
+        # Runs that were pending when the search finished end as well.
         evaluations.append(simulate(proposal))
         search.tell(proposal, evaluations[-1])
     return evaluations
 
 
 class StrategyContract:
-    """Tests of what a calibration relies on; subclasses give the fixture ``strategy``."""
+    """Tests of a strategy, on which a calibration relies; subclasses define ``strategy``."""
 
     @pytest.fixture
     def strategy(self) -> Strategy:
-        """Give the strategy under test, with its options at their defaults."""
+        """Return the strategy under test, with its options at their defaults."""
         raise NotImplementedError
 
     @pytest.fixture
     def make(self, strategy: Strategy) -> Make:
-        """Give the function that starts a search: ``make(problem, seed, max_evaluations)``."""
+        """Return the function that starts a search: ``make(problem, seed, max_evaluations)``."""
         return strategy.start
 
     # Options ---------------------------------------------------------------------------------
@@ -274,7 +274,7 @@ class StrategyContract:
     def test_it_goes_on_from_its_history_as_if_nothing_had_happened(
         self, make: Make, workers: int, behind_design: int
     ) -> None:
-        # Few runs do not decide so narrow a tolerance, and with a budget it has to go on.
+        # Few runs do not decide so narrow a tolerance, and with a budget the search must continue.
         problem = heap_problem(tolerance=0.05)
         undisturbed = make(problem, 4, 40)
         asked, told = _interrupted(undisturbed, undisturbed.design_runs + behind_design, workers)
@@ -286,7 +286,7 @@ class StrategyContract:
         assert _together(undisturbed, resumed, under_way, workers) > 0
         assert undisturbed.answer() == resumed.answer()
 
-    # What others made ------------------------------------------------------------------------
+    # Warm starts -----------------------------------------------------------------------------
 
     def test_it_learns_from_runs_of_others(self, make: Make) -> None:
         earlier = converse(make(heap_problem(angle=20.0), 8), heap)
@@ -310,7 +310,7 @@ class StrategyContract:
 
         assert other.answer().standard_errors == pytest.approx(before.standard_errors, rel=0.05)
 
-    # What is asked ---------------------------------------------------------------------------
+    # Proposals -------------------------------------------------------------------------------
 
     def test_proposals_are_new_runs_within_the_intervals(self, make: Make) -> None:
         problem = heap_problem()
@@ -435,7 +435,7 @@ class StrategyContract:
         assert search.answer().parameters["friction"] == pytest.approx(0.433, rel=0.08)
 
     def test_more_targets_than_parameters_are_met(self, make: Make) -> None:
-        # Of the targets, any two decide the parameters, and the third agrees with them.
+        # Any two of the targets determine the parameters, and the third agrees with them.
         height = Target("height", 0.1 * math.tan(math.radians(22.0)), tolerance=0.001)
         problem = replace(heap_problem(), targets=[*heap_problem().targets, height])
 
@@ -494,7 +494,7 @@ class StrategyContract:
                 break
             converse(search, nearly_quiet)
         else:
-            pytest.fail("it goes on for ever")
+            pytest.fail("the search never ends")
 
         assert search.finished
 
@@ -517,7 +517,7 @@ def _assert_within(problem: Problem, parameters: Any) -> None:
 
 
 def _assert_close(parameters: Any, bulk_density: float, angle: float) -> None:
-    """Assert that the responses without noise deviate by these shares of the targets at most."""
+    """Assert that the responses without noise deviate by at most these shares of the targets."""
     truth = quiet(Proposal(parameters, 1, "verification")).responses
 
     assert truth["bulk_density"].value == pytest.approx(1500.0, rel=bulk_density)
@@ -539,7 +539,7 @@ def _verify(search: Search, off: float, number: int = 0) -> None:
 
 
 def _interrupted(search: Search, runs: int, workers: int) -> tuple[list[Proposal], list[Proposal]]:
-    """Answer so many runs; return what has been asked, and what of it has been told."""
+    """Answer a number of runs; return the proposals asked, and those already told."""
     asked: list[Proposal] = []
     told: list[Proposal] = []
     while True:
@@ -556,18 +556,18 @@ def _tell_latest(search: Search, asked: Sequence[Proposal], told: list[Proposal]
 
 
 def _take_up(search: Search, asked: Sequence[Proposal], told: Sequence[Proposal]) -> None:
-    """Let a new strategy ask for all of its history again, and tell it what is known of it."""
+    """Let a new search ask for its whole history again, and tell it the known runs."""
     search.replay(asked)
     again: list[Proposal] = []
     known = [proposal for proposal in asked if proposal in told]
     while len(again) < len(asked):
         proposal = search.ask()
         if proposal is None:
-            # A batch has to come back before the next one is asked for.
+            # A batch must end before the search asks for the next one.
             answered = known.pop(next(i for i, p in enumerate(known) if p in again))
             search.tell(answered, heap(answered))
             continue
-        # A batch need not be asked for in the order of then.
+        # A batch may be asked for in another order than before.
         assert proposal in asked, "it asks for something else than before"
         assert proposal not in again
         again.append(proposal)
@@ -578,7 +578,7 @@ def _take_up(search: Search, asked: Sequence[Proposal], told: Sequence[Proposal]
 def _together(
     first: Search, second: Search, under_way: list[Proposal], workers: int, most: int = 4
 ) -> int:
-    """Go on with two strategies that must ask the same; return how much both have asked."""
+    """Continue two searches that must ask the same; return the number of proposals of both."""
     asked = 0
     for _ in range(most + len(under_way)):
         # One worker more than before: the next proposal is compared before anything else is told.

@@ -1,1 +1,1 @@
-"""The sequential strategy: every run where it is expected to improve the answer most."""
+"""Sequential strategy: every run goes where it is expected to improve the answer most."""

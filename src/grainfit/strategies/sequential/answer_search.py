@@ -1,4 +1,4 @@
-"""Search for the answer on the metamodels: the closest parameter set, or the fastest."""
+"""Search the metamodels for the answer: the closest parameter set, or the fastest."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ from grainfit.strategies.sequential.feasibility import FeasibilityModel
 
 Array = NDArray[np.float64]
 
-#: In squared tolerances, and beyond any misfit worth talking of.
+#: In squared tolerances, and larger than any misfit that matters.
 _FORBIDDEN = 1e6
 _STARTS = 64
 _DESCENTS = 12
@@ -37,19 +37,18 @@ _CLOUD_WIDTH = 0.12
 
 
 class AnswerSearch:
-    """The answers that metamodels propose.
+    """Find the parameter sets that metamodels propose as the answer.
 
     Parameters
     ----------
     metamodels : Metamodels
         Of all responses.
     feasibility : FeasibilityModel
-        An answer must be a place where runs succeed.
+        Runs must be able to succeed at an answer.
     runs : ndarray, shape (n, d)
         Points that have been simulated.
     seeds : sequence of int
-        Decide the searches, each of which starts from them: its result does not depend on earlier
-        searches.
+        Seeds of every search: its result does not depend on earlier searches.
     """
 
     def __init__(
@@ -74,7 +73,7 @@ class AnswerSearch:
 
     @property
     def problem(self) -> Problem:
-        """The problem that is answered."""
+        """Problem whose answer is searched for."""
         return self.metamodels.problem
 
     def _random(self) -> np.random.Generator:
@@ -87,12 +86,13 @@ class AnswerSearch:
     def most_hopeful(self, standard_errors: float) -> Array:
         """Point at which the targets are missed least, if at all, shape (d,).
 
-        It counts in favour of a point that little is known of it.
+        The estimate is optimistic: a large uncertainty favours a point.
 
         Parameters
         ----------
         standard_errors : float
-            By how many of them a target must be missed beyond its tolerance to count.
+            Number of standard errors by which a target must be missed beyond its tolerance to
+            count.
         """
 
         def shortfall(points: Array) -> Array:
@@ -114,16 +114,16 @@ class AnswerSearch:
 
     @cached_property
     def candidates(self) -> Array:
-        """Points among which the answer will be, shape (m, d): about the best, and elsewhere."""
+        """Candidates for the answer, shape (m, d): around the best points, and elsewhere."""
         cloud = points_about(self.closest[:1], _CLOUD, _CLOUD_WIDTH, self._random())
         return np.vstack([self.closest, cloud, self.starts])
 
     def fastest(self, confidence: float) -> Array:
         """Point with the largest time step that agrees with the measurements, shape (d,).
 
-        Of the points that agree with the demanded probability, the closest one among those whose
-        Rayleigh time step is the largest but for `EQUAL_TIME_STEPS`. The closest point of all
-        where none agrees or nothing free changes the time step.
+        Of the points that agree with the demanded probability, those with the largest Rayleigh
+        time step are kept (within `EQUAL_TIME_STEPS`), and the closest of them is returned. If no
+        point agrees, or no free parameter changes the time step, it is the closest point of all.
 
         Parameters
         ----------

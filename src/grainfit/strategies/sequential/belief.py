@@ -1,4 +1,4 @@
-"""Belief of the sequential strategy: all that follows from the runs known so far."""
+"""Belief of the sequential strategy: metamodels and answer that follow from the runs so far."""
 
 from __future__ import annotations
 
@@ -20,13 +20,13 @@ from grainfit.strategies.sequential.options import SequentialOptions
 
 Array = NDArray[np.float64]
 
-#: Demanded probability without any single run: what hangs on one run is not decided.
+#: Demanded probability without any single run: no decision may depend on one run.
 CONFIDENCE_WITHOUT_ANY_RUN = 0.9
 #: With fewer degrees of freedom to estimate the noise from, standard errors count double: a noise
 #: that looks small by chance would end many calibrations too early.
 DEGREES_OF_FREEDOM = 10
 CAUTION = 2.0
-#: A target must be missed by this many standard errors: it is looked at after every run.
+#: A target must be missed by this many standard errors, because it is checked after every run.
 STANDARD_ERRORS = 3.0
 
 
@@ -36,7 +36,7 @@ class Belief:
     Parameters
     ----------
     problem : Problem
-        With the intervals that are searched.
+        Problem with the intervals searched now.
     known : sequence of Evaluation
         The runs.
     seed : int
@@ -71,7 +71,7 @@ class Belief:
 
     @cached_property
     def answer(self) -> Array:
-        """The point that is the answer as things are."""
+        """Point of the current answer."""
         if self._options.prefer == "accuracy":
             return np.asarray(self.answers.closest[0])
         return self.answers.fastest(self._options.confidence)
@@ -83,7 +83,7 @@ class Belief:
 
     @cached_property
     def agrees(self) -> bool:
-        """Whether it agrees with the demanded probability, and not by luck."""
+        """Whether it agrees with the demanded probability, even without any single run."""
         confidence = self._options.confidence
         if self.probability < confidence:
             return False
@@ -95,7 +95,7 @@ class Belief:
 
     @cached_property
     def probability_without_any_run(self) -> float:
-        """The same without the run whose absence would lower it most."""
+        """Smallest such probability when any single run is left out."""
         return float(self.metamodels.probability_all_met_without_each_run(self.answer).min())
 
     @cached_property
@@ -111,31 +111,31 @@ class Belief:
 
     @property
     def gain_point(self) -> Array:
-        """Where a larger time step could still be had."""
+        """Point with the largest expected gain of the time step."""
         return self._gain[0]
 
     @property
     def gain(self) -> float:
-        """Expected gain of the time step there, as a share of it."""
+        """Largest expected gain of the time step, as a share of it."""
         return self._gain[1]
 
     def handicaps(self, points: Array) -> Array:
-        """What is added to the misfit of possible answers that compute slowly."""
+        """Penalties added to the misfits of possible answers with a small time step."""
         if self._options.prefer == "accuracy":
             return np.zeros(len(points))
         return handicaps(self.problem, points)
 
     def runs_needed(self, confidence: float) -> int:
-        """About how many more runs at the answer would decide it."""
+        """Estimated number of further runs at the answer that would decide it."""
         return self.metamodels.runs_needed(self.answers.closest[0], confidence)
 
     def narrowing(self, runs: int) -> float:
-        """Share by which so many more runs at the answer would narrow its standard errors."""
+        """Share by which further runs at the answer would narrow its standard errors."""
         _, variances = self.metamodels.deviations(self.answer)
         return float((1 - 1 / np.sqrt(1 + runs * variances[0] / self.metamodels.scatter)).max())
 
     def why_undecided(self, confidence: float) -> str:
-        """Say how sure the answer is, and what it would take to be surer."""
+        """Explain how certain the answer is, and how many runs would make it certain enough."""
         inside = f"are all within their tolerances with a probability of {self.probability:.1%}"
         if self.probability >= confidence:
             return (

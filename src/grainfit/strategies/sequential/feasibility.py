@@ -13,24 +13,24 @@ from grainfit.problem import Problem
 
 Array = NDArray[np.float64]
 
-#: How far, per axis, a run tells about its neighbourhood.
+#: Length of the kernel per axis: the neighbourhood about which a run gives information.
 _REACH = 0.15
-#: How near a success must be to prove a place, as a share of that.
+#: Largest distance of a success that proves a point, as a share of that length.
 _PROVEN = 0.25
-#: What is believed of a place before any run: as if one run had succeeded there.
+#: Prior: every point counts as if one run had succeeded there.
 _PRIOR = 1.0
 
 
 class FeasibilityModel:
     """Probability that a run at a point succeeds: the share of successes among its neighbours.
 
-    A kernel estimate with a friendly prior: one failure halves the probability at its place, each
-    further one lowers it more. Runs that failed by a fault of the machine say nothing.
+    A kernel estimate with an optimistic prior: one failure halves the probability at its point,
+    each further one lowers it more. Runs that failed by a fault of the machine do not count.
 
     Parameters
     ----------
     problem : Problem
-        Whose unit cube is meant.
+        Defines the unit cube.
     evaluations : sequence of Evaluation
         The runs known so far.
     """
@@ -49,9 +49,9 @@ class FeasibilityModel:
         return np.asarray(1.0 - nearness @ self._failed / (_PRIOR + nearness.sum(axis=1)))
 
     def is_proven(self, point: Array) -> bool:
-        """Whether a run has succeeded near a point, nearer than any has failed.
+        """Whether a run has succeeded near a point, and nearer than any that failed.
 
-        Where nothing has ever failed, everything is.
+        True everywhere as long as no run has failed.
         """
         if not self._failed.any():
             return True

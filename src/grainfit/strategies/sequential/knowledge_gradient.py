@@ -13,9 +13,9 @@ from grainfit.metamodels.metamodels import Metamodels
 
 Array = NDArray[np.float64]
 
-#: Equally likely outcomes of a run that are averaged over.
+#: Number of equally likely outcomes of a run to average over.
 _OUTCOMES = 32
-#: How far the answer may move, per axis, to follow what a run has taught.
+#: Largest step of the answer per axis, to follow the information from a run.
 _STEP = 0.05
 _LARGEST_BLOCK = 2_000_000
 
@@ -28,11 +28,11 @@ class KnowledgeGradient:
     deviations. A run at another point will change them by ``m + s z`` and ``v - s^2``: z is
     standard normal, and s is the covariance of both points over the standard deviation of the
     run, noise included. The improvement is the smallest misfit now, less the smallest misfit then,
-    averaged over z. So a lucky run improves nothing, and a repetition is worth what it teaches.
+    averaged over z. So a lucky run improves nothing, and a repeated run counts by its information.
 
     The smallest misfit is sought among finitely many points, each of which may take a short step
-    to follow what the run has taught: with the slopes J of the deviations and a step of length L,
-    ``m^T m`` becomes ``m^T (I + L^2 J J^T)^-1 m``.
+    to follow the information from the run: with the slopes J of the deviations and a step of length
+    L, ``m^T m`` becomes ``m^T (I + L^2 J J^T)^-1 m``.
 
     Parameters
     ----------
@@ -65,7 +65,7 @@ class KnowledgeGradient:
 
     @property
     def smallest_misfit(self) -> float:
-        """Smallest expected misfit of the possible answers as things are."""
+        """Smallest expected misfit of the possible answers now."""
         return float(self._now.min())
 
     def __call__(self, points: Array) -> Array:

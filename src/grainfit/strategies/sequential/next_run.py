@@ -18,8 +18,8 @@ from grainfit.strategies.sequential.knowledge_gradient import KnowledgeGradient
 
 Array = NDArray[np.float64]
 
-#: Pending runs that leave so much of the accepted doubt may well be enough: it is cheaper to wait
-#: for them than to make one too many.
+#: If the doubt expected after the pending runs is below this share of the accepted doubt, they may
+#: be enough: to wait for them is cheaper than one run too many.
 _SMALL_DOUBT = 1.2
 #: Where nothing improves the answer, the next run goes where least is known.
 _TIE = 1e-6
@@ -31,12 +31,12 @@ _SPACE_FILLING_CANDIDATES = 512
 def pending_is_enough(
     belief: Belief, conditioned: Metamodels, pending: int, confidence: float
 ) -> bool:
-    """Whether the pending runs will probably decide what is to be decided next.
+    """Whether the pending runs will probably be enough for the next decision.
 
     Parameters
     ----------
     belief : Belief
-        What is known.
+        Belief from the runs known so far.
     conditioned : Metamodels
         Conditioned on the pending runs.
     pending : int
@@ -53,7 +53,7 @@ def pending_is_enough(
 
 
 def next_point(belief: Belief, conditioned: Metamodels, random: np.random.Generator) -> Array:
-    """Return the point of the unit cube at which the next run is made."""
+    """Return the point of the unit cube for the next run."""
     if not belief.agrees:
         return _most_improving_point(belief, conditioned, random)
     return belief.gain_point if belief.is_proven else belief.answer
@@ -85,9 +85,9 @@ def space_filling_point(
     Parameters
     ----------
     problem : Problem
-        Whose unit cube is filled.
+        Defines the unit cube.
     known : sequence of Evaluation
-        Too few of them have succeeded for metamodels.
+        Known runs; too few of them have succeeded for metamodels.
     tried : ndarray, shape (n, d)
         Points of all proposals.
     random : numpy.random.Generator

@@ -21,7 +21,7 @@ class SequentialOptions(Strategy):
 
     design_runs: int | None = option(
         Whole(2),
-        "Runs of the Latin hypercube that everything begins with.",
+        "Runs of the initial Latin hypercube.",
         words="1.5 (d + 1) for d free parameters (5, 6, 8, 9, 11 for 2 to 6)",
         example="12",
     )

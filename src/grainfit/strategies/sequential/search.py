@@ -1,12 +1,12 @@
 """Search of the sequential strategy: every run goes where it is expected to improve the answer.
 
 After a small Latin hypercube, metamodels of all responses are fitted again whenever a run has
-ended, and `next_run` chooses the next one with the pending runs counted in, until `stopping` finds
-it decided: the answer agrees with all measurements with the demanded probability, or no parameter
-set can.
+ended, and `next_run` chooses the next run with the pending ones taken into account. The search ends
+when `stopping` finds it decided: the answer agrees with all measurements with the demanded
+probability, or no parameter set can.
 
-The next proposal follows from the known and the pending runs alone, not from the way there. So the
-history of an interrupted calibration is all that it takes to continue.
+The next proposal depends only on the known and the pending runs, not on their order. So an
+interrupted calibration needs only its history to continue.
 """
 
 from __future__ import annotations
@@ -42,9 +42,9 @@ from grainfit.strategies.sequential.stopping import StoppingRule
 
 Array = NDArray[np.float64]
 
-#: Runs of the design per coefficient of a linear trend: half as many again as it takes to see one.
+#: Runs of the design per coefficient of a linear trend: 50 % more than a fit of the trend needs.
 DESIGN_RUNS = 1.5
-#: Most runs after the design per free parameter, where the user gives no budget.
+#: Most runs after the design per free parameter, if the user gives no budget.
 RUNS_PER_PARAMETER = 20
 #: Runs after the design before a target can be called out of reach.
 _RUNS_TO_CONFIRM = 2
@@ -53,12 +53,12 @@ _MOST_WIDENINGS = 4
 
 
 class SequentialSearch(Search):
-    """Search run by run.
+    """Search that proposes one run at a time.
 
     Parameters
     ----------
     strategy : SequentialOptions
-        Size of the design, preference, and the probability at which it is decided.
+        Size of the design, preference, and demanded probability.
     problem : Problem
         Free parameters and targets.
     seed : int
@@ -101,7 +101,7 @@ class SequentialSearch(Search):
 
     @property
     def definition(self) -> dict[str, Any]:
-        """All options; the budget only decides how far it goes."""
+        """All options; the budget only limits the number of proposals."""
         return asdict(self._options) | {"design_runs": self._usual_design}
 
     @property
@@ -116,7 +116,7 @@ class SequentialSearch(Search):
 
     @property
     def current_problem(self) -> Problem:
-        """The problem with the intervals that are searched."""
+        """Problem with the intervals searched now."""
         return self.problem if self._belief is None else self._belief.problem
 
     @property
@@ -127,7 +127,7 @@ class SequentialSearch(Search):
 
     @property
     def finished(self) -> bool:
-        """Whether it is decided, or the budget is used."""
+        """Whether the search is decided, or the budget is used."""
         if self._to_repeat or not self._design_is_told:
             return False
         used = self._budget_is_used and not self._pending
@@ -161,7 +161,7 @@ class SequentialSearch(Search):
         self._has_learnt = self._design_size == 0
 
     def replay(self, proposals: Sequence[Proposal]) -> None:
-        """Repeat these proposals before anything else."""
+        """Repeat these proposals before any new one."""
         self._to_repeat.extend(proposals)
 
     def ask(self) -> Proposal | None:
@@ -181,7 +181,7 @@ class SequentialSearch(Search):
         return self._propose_most_useful(self._belief)
 
     def note(self, evaluation: Evaluation) -> None:
-        """Take note of a run, proposed here or made for another reason."""
+        """Record a run, proposed by this search or not."""
         index = self._indices.get(evaluation.proposal.seed)
         if index is not None and self._asked[index] == evaluation.proposal:
             self._told[index] = evaluation
@@ -189,7 +189,7 @@ class SequentialSearch(Search):
             self._others.append(evaluation)
 
     def answer(self, parameters: Mapping[str, float] | None = None) -> Answer:
-        """Return the parameter set that is chosen by expected responses."""
+        """Return the best parameter set by expected responses."""
         belief = self._belief
         if belief is None:
             # Says what is missing.
@@ -201,7 +201,7 @@ class SequentialSearch(Search):
         return make_answer(belief.metamodels, chosen, misses, closest, spread=False)
 
     def resume_after_verification(self, affordable: int | None = None) -> bool:
-        """Continue with the verification runs known, if there is any doubt and budget left."""
+        """Continue with the verification runs added, if doubt and budget are left."""
         if affordable is not None:
             self._allowed = min(self._allowed, len(self._asked) + max(0, affordable))
         possible = (
@@ -213,7 +213,7 @@ class SequentialSearch(Search):
         self._resumptions += possible
         return possible
 
-    # What is known ---------------------------------------------------------------------------
+    # Known runs ------------------------------------------------------------------------------
 
     @cached_property
     def _design(self) -> Array:
@@ -243,7 +243,7 @@ class SequentialSearch(Search):
 
     @property
     def _belief(self) -> Belief | None:
-        """All that follows from the runs so far; None when they are too few for metamodels."""
+        """Belief from the runs so far; None when they are too few for metamodels."""
         state = (len(self._told), len(self._others))
         if self._latest is None or self._latest[0] != state:
             known = self.known
@@ -267,7 +267,7 @@ class SequentialSearch(Search):
     def _note(self, notices: Iterable[str]) -> None:
         self._notices += [notice for notice in notices if notice not in self._notices]
 
-    # What is asked ---------------------------------------------------------------------------
+    # Proposals -------------------------------------------------------------------------------
 
     def _propose(self, parameters: Mapping[str, float], stage: Stage) -> Proposal:
         number = len(self._asked) + 1
@@ -280,7 +280,7 @@ class SequentialSearch(Search):
         return proposal
 
     def _failed_by_machine(self) -> Proposal | None:
-        """A proposal that is worth another try: nothing is known against its parameters."""
+        """Proposal to try again: its run failed by the machine, not by its parameters."""
         for index in sorted(self._told):
             proposal = self._told[index].proposal
             if not self._told[index].failed_by_machine:

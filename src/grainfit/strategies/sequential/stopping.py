@@ -7,12 +7,12 @@ from dataclasses import dataclass
 from grainfit.metamodels.time_steps import EQUAL_TIME_STEPS
 from grainfit.strategies.sequential.belief import Belief
 
-#: An expected gain of the time step that is worth further runs.
+#: Smallest expected gain of the time step that justifies further runs.
 _GAIN_WORTH_RUNS = 0.05
-#: Without a budget, runs that narrow the standard errors by less than this in all are not made.
+#: Without a budget, the search ends when all runs left would narrow the standard errors by less.
 _NARROWING_WORTH_RUNS = 0.3
-#: Runs at the answer that are still wanted when it is verified, after a warm start. Each one more
-#: saves a run of the search, and costs some certainty (docs/decisions.md).
+#: After a warm start, the most missing runs at the answer that are left to its verification. A
+#: larger number saves runs of the search, and costs some certainty (docs/decisions.md).
 _LEFT_TO_VERIFICATION = 3
 _LARGEST_TIME_STEP = (
     "Of the parameter sets that agree with the measurements, the one with the largest Rayleigh "
@@ -22,7 +22,7 @@ _LARGEST_TIME_STEP = (
 
 @dataclass(frozen=True)
 class StoppingRule:
-    """Decide whether a search can end, with the runs known so far.
+    """Decide from the runs known so far if a search can end.
 
     Parameters
     ----------
@@ -33,8 +33,8 @@ class StoppingRule:
     has_learnt : bool
         Whether a warm start has replaced the design.
     runs_left : int, optional
-        Runs left; None when the user gave a budget. That is for using: only its end ends the
-        search at the noise floor.
+        Runs left; None when the user gave a budget. Then the search does not end at the noise
+        floor before the budget is used.
     """
 
     confidence: float
@@ -55,7 +55,7 @@ class StoppingRule:
         return self.is_confirmed and bool(belief.misses)
 
     def final_notices(self, belief: Belief) -> list[str]:
-        """Tell the user why the search has ended, where that is not plain."""
+        """Tell the user why the search has ended, unless it is obvious."""
         if self.is_out_of_reach(belief):
             return [str(miss) for miss in belief.misses]
         if not belief.agrees and not self._is_left_to_verification(belief):
@@ -65,9 +65,9 @@ class StoppingRule:
         return []
 
     def _is_left_to_verification(self, belief: Belief) -> bool:
-        """Whether a warm start tells so much that verifying the answer can decide it.
+        """Whether, after a warm start, the verification of the answer can decide it.
 
-        Fresh seeds at the answer are needed in any case, and then tell the most.
+        Runs with fresh seeds at the answer are needed in any case, and now tell the most.
         """
         return (
             self.has_learnt
@@ -76,7 +76,7 @@ class StoppingRule:
         )
 
     def _is_at_noise_floor(self, belief: Belief) -> bool:
-        """Whether all further runs could neither decide it nor teach much."""
+        """Whether all further runs would neither decide the search nor add much information."""
         if belief.agrees or self.runs_left is None:
             return False
         needed = belief.runs_needed(self.confidence)

@@ -1,4 +1,4 @@
-"""The sequential strategy: its options with the search that they start."""
+"""Sequential strategy: its options, and the search that they start."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Sequential(SequentialOptions):
-    """Run by run: each where it is expected to improve the answer most, until it is decided.
+    """Propose one run at a time, each where it is expected to improve the answer most.
 
     Parameters
     ----------
@@ -37,7 +37,7 @@ class Sequential(SequentialOptions):
     name: ClassVar[str] = "sequential"
 
     def start(self, problem: Problem, seed: int, max_evaluations: int | None = None) -> Search:
-        """Start a search; without a budget it makes the design and 20 runs per free parameter.
+        """Start a search; without a budget: the design and at most 20 runs per free parameter.
 
         Parameters
         ----------

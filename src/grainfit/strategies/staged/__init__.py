@@ -1,1 +1,1 @@
-"""The staged strategy: design, fit on metamodels, fit on the DEM."""
+"""Staged strategy: design, fit on metamodels, fit on the DEM."""

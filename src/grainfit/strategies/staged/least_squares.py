@@ -1,4 +1,4 @@
-"""Levenberg-Marquardt with bounds, on metamodels and for a single step on anything else."""
+"""Levenberg-Marquardt with bounds: a whole fit on metamodels, and single steps on the DEM."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ Array = NDArray[np.float64]
 
 _STARTS = 12
 _DIFFERENCE = 1e-6
-# Far below what the metamodels know: what is nearer is no better.
+# Far below the accuracy of the metamodels: a nearer point is no better.
 _SMALL_MOVE, _SMALL_GAIN = 1e-5, 1e-6
 _MOST_STEPS = 40
 
@@ -25,7 +25,8 @@ def fit_on_metamodels(metamodels: Metamodels, seed: int) -> Array:
     """Return the point of the unit cube at which the residuals of the metamodels are smallest.
 
     Levenberg-Marquardt in its trust-region form with bounds, from several starts (a Latin hypercube
-    and the centre). Of several points that fit equally well, the one about which most is known.
+    and the centre). Of several points that fit equally well, it returns the one with the smallest
+    uncertainty.
 
     Parameters
     ----------
@@ -84,8 +85,8 @@ def _criterion_slope(metamodels: Metamodels, point: Array, axis: int) -> float:
 def difference_points(metamodels: Metamodels, point: Array) -> Array:
     """Points for finite differences around a point, shape (d, d): row j is moved along axis j.
 
-    A step is so long that some response changes by three standard deviations of its noise, and
-    between 5 and 25 % of the interval; it goes to the side on which there is more room.
+    A step is long enough that some response changes by three standard deviations of its noise, but
+    between 5 and 25 % of the interval; it goes to the side with more room.
     """
     slopes = np.abs(metamodels.gradients(point)[0]) / np.maximum(metamodels.noise, 1e-300)[:, None]
     steepest = np.maximum(slopes.max(axis=0), 1e-12)
@@ -117,7 +118,7 @@ def damped_step(jacobian: Array, residual: Array, damping: float, point: Array) 
     damping : float
         Levenberg-Marquardt parameter: 0 is Gauss-Newton, large is short steepest descent.
     point : ndarray, shape (d,)
-        Where the step starts.
+        Start of the step.
 
     Returns
     -------

@@ -19,7 +19,7 @@ class StagedOptions(Strategy):
 
     design_runs: int | None = option(
         Whole(2),
-        "Runs of the Latin hypercube that everything begins with.",
+        "Runs of the initial Latin hypercube.",
         words="13 d for d free parameters",
         example="20",
     )

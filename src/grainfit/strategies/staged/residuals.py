@@ -1,4 +1,4 @@
-"""Residuals of the least-squares fit, at responses and at metamodels."""
+"""Residuals of the least-squares fit, for responses and for metamodels."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ def residuals(problem: Problem, parameters: Mapping[str, float], responses: Vect
     problem : Problem
         Targets and weights.
     parameters : mapping of str to float
-        Values of the free parameters, which decide the Rayleigh criterion.
+        Values of the free parameters, which determine the Rayleigh criterion.
     responses : ndarray, shape (number of targets,)
         Responses in the order of the targets.
 
@@ -46,9 +46,9 @@ def residuals(problem: Problem, parameters: Mapping[str, float], responses: Vect
 def expected_misfit(
     problem: Problem, parameters: Mapping[str, float], means: Vector, variances: Vector
 ) -> float:
-    """Expected sum of squared residuals when the responses are known with a variance.
+    """Expected sum of squared residuals for responses that have a variance.
 
-    A parameter set that is only believed to be good counts less than one that is known to be.
+    Of two parameter sets that fit equally well, the less uncertain one has the smaller misfit.
     """
     values = np.array([target.value for target in problem.targets])
     weights = np.array([target.weight for target in problem.targets])
@@ -70,7 +70,7 @@ def expected_misfit_at(metamodels: Metamodels, point: Vector) -> float:
 
 
 def within_tolerance(problem: Problem, responses: Vector) -> bool:
-    """Whether every response deviates from its target by its tolerance at most."""
+    """Whether every response deviates from its target by at most its tolerance."""
     return all(
         target.is_met_by(float(response))
         for target, response in zip(problem.targets, responses, strict=True)

@@ -1,9 +1,9 @@
 """Search in three steps: Latin hypercube, fit on Kriging metamodels, the same fit on the DEM.
 
-The method of Rackl, Görnig, Hanley & Günthner (ECCOMAS 2016) with its three steps. One thing is
-different: a DEM response is noisy, so a single run never decides. Every run of step 3 is added to
-the metamodels, and steps are accepted, derivatives taken and the answer chosen by the *expected*
-responses that follow from all runs. Without noise this is the method of the paper.
+The method of Rackl, Görnig, Hanley & Günthner (ECCOMAS 2016) with one difference: a DEM response is
+noisy, so a single run never decides. Every run of step 3 is added to the metamodels, and their
+*expected* responses from all runs accept steps, give derivatives and choose the answer. Without
+noise this is the method of the paper.
 """
 
 from __future__ import annotations
@@ -51,7 +51,7 @@ SMALL_STEP = 0.01
 
 
 class StagedSearch(BatchSearch):
-    """Search by the three steps of the method.
+    """Search in the three steps of the method.
 
     Parameters
     ----------
@@ -94,12 +94,12 @@ class StagedSearch(BatchSearch):
 
     @property
     def notices(self) -> Sequence[str]:
-        """Targets that were found out of reach."""
+        """Targets found to be out of reach."""
         return tuple(self._notices)
 
     @property
     def definition(self) -> dict[str, Any]:
-        """Size of the design and the budget, which decides how many runs step 3 has."""
+        """Size of the design, and the budget, which limits the runs of step 3."""
         return {"design_runs": self._design_runs, "max_evaluations": self.max_evaluations}
 
     @property
@@ -123,7 +123,7 @@ class StagedSearch(BatchSearch):
         yield from self._optimise()
 
     def resume_after_verification(self, affordable: int | None = None) -> bool:
-        """Fit again with the verification runs known, if the budget allows a step."""
+        """Fit again with the verification runs added, if the budget allows a step."""
         if affordable is not None:
             self._left = min(self._left, affordable)
         possible = (
@@ -154,7 +154,7 @@ class StagedSearch(BatchSearch):
         return make_answer(metamodels, best, self._out_of_reach, closest)
 
     def _optimise(self) -> Batches:
-        """Make steps 2 and 3 with all that is known."""
+        """Carry out steps 2 and 3 with all runs known so far."""
         metamodels = self._metamodels()
         start = fit_on_metamodels(metamodels, self.seed)
         self._out_of_reach = out_of_reach(metamodels, start, self.seed)
@@ -165,7 +165,7 @@ class StagedSearch(BatchSearch):
             yield from self._fit_on_dem(metamodels, start)
 
     def _fit_on_dem(self, metamodels: Metamodels, start: Array) -> Batches:
-        """Make step 3: Levenberg-Marquardt on the expected responses of real runs."""
+        """Carry out step 3: Levenberg-Marquardt on the expected responses of real runs."""
         point, damping = start, 1e-3
         moved = difference_points(metamodels, point)
         yield from self._runs_at([point, *moved])
@@ -189,7 +189,7 @@ class StagedSearch(BatchSearch):
                 damping = max(damping, 1e-3) * 10
 
     def _runs_at(self, points: Iterable[Array], reserve: int = 0) -> Batches:
-        """Run at points as far as the budget goes, leaving some of it."""
+        """Run at points as far as the budget allows, and leave a part of it unused."""
         affordable = list(points)[: max(0, self._left - reserve)]
         self._left -= len(affordable)
         if affordable:

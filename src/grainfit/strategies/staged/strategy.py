@@ -1,4 +1,4 @@
-"""The staged strategy: its options with the search that they start."""
+"""Staged strategy: its options, and the search that they start."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Staged(StagedOptions):
-    """Three steps: Latin hypercube, fit on Kriging metamodels, the same fit on the DEM.
+    """Three steps: a Latin hypercube, a fit on Kriging metamodels, the same fit on the DEM.
 
     Parameters
     ----------
@@ -35,7 +35,7 @@ class Staged(StagedOptions):
     uses_rayleigh_weight: ClassVar[bool] = True
 
     def start(self, problem: Problem, seed: int, max_evaluations: int | None = None) -> Search:
-        """Start a search; without a budget its last step has 10 runs per free parameter at most.
+        """Start a search; without a budget its last step has at most 10 runs per free parameter.
 
         Parameters
         ----------
