@@ -260,7 +260,7 @@ class Campaign:
         for future in list(self._futures.values()):
             future.cancel()
         if self._owns_executor:
-            # A function in this process cannot be ended from outside; the user must not wait for it.
+            # Functions in this process cannot be ended from outside; do not make the user wait.
             waits = all(solver.uses_folder for solver in self._solvers.values())
             self._executor.shutdown(wait=waits, cancel_futures=True)
         workdir.discard_partial_folders(self._folder, self._under_way)
