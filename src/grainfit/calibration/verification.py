@@ -91,7 +91,7 @@ class Contradiction:
         accepted = f"{number(target.value, 6)} ± {number(target.tolerance, 3)}"
         return (
             f"{target.name} is in doubt: the verification runs alone give {alone}, where "
-            f"{with_unit(accepted, unit_for_people(target.unit))} is accepted, but from all runs "
+            f"{with_unit(accepted, unit_for_people(target.unit))} is accepted, but by all runs "
             f"together {together} is expected."
         )
 
