@@ -1,4 +1,4 @@
-"""Checks of values that come from outside: arguments, files, models of the user's own."""
+"""Check values from outside: arguments, files, custom models."""
 
 from __future__ import annotations
 
@@ -7,9 +7,9 @@ from numbers import Real
 
 
 def as_number(value: object) -> float:
-    """Return a value as a plain float; NaN when it is no real number, or too large for one.
+    """Return a value as a plain float; NaN if it is not a real number, or too large for a float.
 
-    A truth value is no number here: a comparison that slipped in is a mistake, not 0 or 1.
+    A bool is not a number here: it is probably a comparison given by mistake.
 
     Examples
     --------

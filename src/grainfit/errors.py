@@ -1,4 +1,4 @@
-"""The few error types a user meets; every one says what is wrong and what to do."""
+"""Error types of grainfit; every message says what is wrong and what to do."""
 
 from __future__ import annotations
 
@@ -13,16 +13,16 @@ class GrainfitError(Exception):
 
 @dataclass(frozen=True)
 class Fault:
-    """One thing that is wrong in the user's input.
+    """One fault in the user's input.
 
     Parameters
     ----------
     key : str
-        Where it is: a dotted key of the calibration file, or the name of an argument.
+        Dotted key of the calibration file, or name of an argument.
     message : str
-        What is wrong, with the offending value.
+        Description of the fault, with the value.
     remedy : str
-        What the user can do about it.
+        Suggestion how to correct it.
     """
 
     key: str
@@ -42,7 +42,7 @@ class InputError(GrainfitError, ValueError):
     faults : sequence of Fault
         All faults found.
     source : str, optional
-        The file they were found in.
+        File with the faults.
     """
 
     def __init__(self, faults: Sequence[Fault] | Fault, source: str = "") -> None:
@@ -57,7 +57,7 @@ class SolverNotFoundError(GrainfitError):
 
 
 class NotMeasurableError(GrainfitError):
-    """A quantity cannot be measured on what a run left behind (for example: there is no heap)."""
+    """A quantity cannot be measured on the output of a run (for example: there is no heap)."""
 
 
 class StoreError(GrainfitError):
@@ -65,7 +65,7 @@ class StoreError(GrainfitError):
 
 
 class ExecutorError(GrainfitError):
-    """What was to make the runs cannot make any more, or none of this kind."""
+    """The executor cannot execute more runs, or not runs of this kind."""
 
 
 FailureKind = Literal["machine", "timeout", "simulation", "evaluation", "cancelled"]
@@ -77,14 +77,13 @@ class RunFailedError(GrainfitError):
     Parameters
     ----------
     reason : str
-        One line for people.
+        Reason in one line.
     log_tail : str
         The last lines of the solver's output.
     kind : {"machine", "timeout", "simulation", "evaluation", "cancelled"}
-        Whose fault it was: the machine's (worth another try), the time-out's (worth another try at
-        the next start, perhaps with a longer one), the simulation's (the same run
-        would fail again), the evaluation's (the run ended but could not be measured), or nobody's
-        (the user stopped it).
+        Cause of the failure: the machine (tried again), a time-out (tried again at the next start),
+        the simulation (the same run would fail again), the evaluation (the run ended but could not
+        be measured), or the user, who stopped it.
     """
 
     def __init__(self, reason: str, log_tail: str = "", kind: FailureKind = "simulation") -> None:

@@ -17,7 +17,7 @@ ERROR_SUFFIX = ".standard_error"
 
 @dataclass(frozen=True)
 class Proposal:
-    """A parameter set that a strategy wants simulated once, in every test.
+    """A parameter set to simulate once in every test.
 
     Parameters
     ----------
@@ -26,7 +26,7 @@ class Proposal:
     seed : int
         Insertion seed.
     stage : {"design", "optimisation", "verification"}
-        What it is for.
+        Stage of the calibration.
     """
 
     parameters: Mapping[str, float]
@@ -43,20 +43,20 @@ class Evaluation:
     proposal : Proposal
         The parameter set and its seed.
     responses : mapping of str to Response
-        Responses of all tests whose run ended well.
+        Responses of all tests whose run succeeded.
     failures : mapping of str to str
         Reason by name of the test whose run failed.
     reused : int
-        How many of its runs were known already.
+        Number of runs that were already known.
     runs : mapping of str to str
         Identity of the run by name of the test.
     seconds : float
         Sum of the wall times of the runs, s.
     simulated_seconds : float
-        The same of the runs that were not known already, s.
+        Sum of the wall times of the runs that were not already known, s.
     failed_by_machine : bool
-        Whether every failure was a fault of the machine, not of the simulation: it says nothing
-        about the parameters, and the point is worth another try.
+        Whether all failures were caused by the machine, not by the simulation: they say nothing
+        about the parameters, and the point can be tried again.
     """
 
     proposal: Proposal
@@ -70,14 +70,14 @@ class Evaluation:
 
     @classmethod
     def of(cls, proposal: Proposal, outcome: Outcome) -> Evaluation:
-        """Make the evaluation of a proposal from plain responses, or from a failure.
+        """Create the evaluation of a proposal from plain responses, or from a failure.
 
         Parameters
         ----------
         proposal : Proposal
             The parameter set and its seed.
         outcome : mapping of str to float or Response, RunFailedError, or Evaluation
-            Responses by name, why the run failed, or an evaluation, which is returned as it is.
+            Responses by name, the failure, or an evaluation, which is returned unchanged.
 
         Raises
         ------
@@ -113,18 +113,18 @@ class Response:
     Parameters
     ----------
     value : float
-        In SI units, except angles, which are in degrees.
+        Value in SI units; angles in degrees.
     standard_error : float
-        Standard error of this run's value, 0 if it is not known. The metamodels estimate from the
-        runs how much they scatter; what is stated tells them which runs scatter more than others
-        (a short average, a small heap), where the runs bear it out.
+        Standard error of this run's value, 0 if unknown. The metamodels estimate the scatter from
+        the runs. Standard errors indicate which runs scatter more than others (a short average, a
+        small heap); they are used if the runs confirm them.
     """
 
     value: float
     standard_error: float = 0.0
 
 
-#: Outcome of a run: responses by name, why it failed, or the evaluation made of them.
+#: Outcome of a run: responses by name, the failure, or an evaluation.
 Outcome: TypeAlias = Mapping[str, "float | Response"] | RunFailedError | Evaluation
 
 

@@ -1,4 +1,4 @@
-"""Writes files so that they are whole or not there."""
+"""Write files atomically, and read the end of logs."""
 
 from __future__ import annotations
 
@@ -8,16 +8,16 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
-#: How much of the end of a log is searched for causes, and how much is kept.
+#: Size of the end of a log that is searched for causes, and of the part that is kept.
 _LOG_BYTES = 65536
 _TAIL_CHARACTERS = 8192
 
 
 @contextmanager
 def in_place_of(path: Path) -> Iterator[Path]:
-    """Yield where to write a file that takes the place of another one when it is whole.
+    """Yield a temporary path, and move it to `path` when it is completely written.
 
-    Behind a link, the file is replaced and not the link. A device or a pipe is written to, never
+    For a link, its target is replaced, not the link. A device or a pipe is written to, never
     replaced.
 
     Raises
@@ -49,7 +49,7 @@ def _may_be_replaced(path: Path) -> bool:
 
 
 def write_atomically(path: Path, text: str) -> None:
-    """Write a text file so that it is either whole or not there, even after a crash.
+    """Write a text file so that it is complete or unchanged, even after a crash.
 
     Raises
     ------
@@ -76,12 +76,12 @@ def text_of(path: Path) -> str:
 
 def end_of_file(file: int) -> str:
     """Return the last 64 KiB of an open file as text."""
-    # The place in an open file is shared with the program that writes it: it is left alone.
+    # Not by seek: the position in an open file is shared with the program that writes it.
     size = os.fstat(file).st_size
     start = max(0, size - _LOG_BYTES)
     return os.pread(file, size - start, start).decode("utf-8", errors="replace")
 
 
 def last_lines(text: str, lines: int = 20) -> str:
-    """Return the last lines of a text, cut to what a record keeps."""
+    """Return the last lines of a text, cut to the length that a record keeps."""
     return "\n".join(text[-_TAIL_CHARACTERS:].splitlines()[-lines:])

@@ -1,4 +1,4 @@
-"""A saved calibration with everything that is made from it: analysis, card, report."""
+"""A saved calibration with its analysis, material card and report."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class OpenedCalibration(SavedCalibration):
-    """A saved calibration that also makes its material card and its report.
+    """A saved calibration that also creates its material card and its report.
 
-    The rooms of cards and reports are above that of work folders, which therefore knows neither.
+    A subclass, because the packages of cards and reports depend on that of work folders.
     """
 
     def card(self) -> WritableCard:
@@ -25,7 +25,7 @@ class OpenedCalibration(SavedCalibration):
         Raises
         ------
         InputError
-            There is no answer yet.
+            The calibration has no answer yet.
         StoreError
             The result is damaged.
 
@@ -43,7 +43,7 @@ class OpenedCalibration(SavedCalibration):
         Raises
         ------
         StoreError
-            It cannot be written.
+            The report cannot be written.
         """
         from grainfit.report.page import write_report
 
@@ -51,7 +51,7 @@ class OpenedCalibration(SavedCalibration):
 
 
 def open_calibration(folder: str | Path) -> OpenedCalibration:
-    """Open the work folder of a calibration, also one that is running; nothing is changed.
+    """Open the work folder of a calibration for reading; the calibration may be running.
 
     Parameters
     ----------
@@ -61,13 +61,12 @@ def open_calibration(folder: str | Path) -> OpenedCalibration:
     Returns
     -------
     OpenedCalibration
-        The state at this moment: open it again to see the progress.
+        The current state; open it again to see the progress.
 
     Raises
     ------
     StoreError
-        The folder is not a work folder, its store cannot be read, or nothing was ever calibrated
-        in it.
+        The folder is not a work folder, its store cannot be read, or it has no calibration.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""What is calibrated: free parameters, targets, and the two together as a problem."""
+"""Calibration problems: free parameters, targets, and the Rayleigh time step."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def _shown(value: object) -> str:
 
 
 def _make_plain(owner: object, *keys: str) -> None:
-    """Turn NumPy's numbers into floats: results are written as JSON."""
+    """Convert NumPy numbers to floats, because results are written as JSON."""
     for key in keys:
         value = getattr(owner, key)
         if value is not None:
@@ -36,14 +36,14 @@ def _make_plain(owner: object, *keys: str) -> None:
 
 
 def _read_quantities(owner: Any, keys: Mapping[str, str], usual_unit: str = "") -> None:
-    """Turn texts such as ``"2.1 g/cm^3"`` into numbers in the owner's unit.
+    """Convert texts such as ``"2.1 g/cm^3"`` to numbers in the owner's unit.
 
     Without a unit, the owner gets the usual one, or that of the first quantity.
     """
     texts = {key: text for key in keys if isinstance(text := getattr(owner, key), str)}
     if not texts:
         return
-    # Most problems have plain numbers, and what knows units takes a while to import.
+    # Most problems have plain numbers, and the import of units takes a while.
     from grainfit.units import UnitError, to_si, to_unit
 
     faults = []
@@ -61,7 +61,7 @@ def _read_quantities(owner: Any, keys: Mapping[str, str], usual_unit: str = "") 
 
 
 def _share(given: Any, value: Any) -> Any:
-    """Return a percentage of a value as a number; anything else as it is."""
+    """Return a percentage of a value as a number; anything else unchanged."""
     if not isinstance(given, str) or not given.strip().endswith("%"):
         return given
     from grainfit.units import percentage
@@ -72,7 +72,7 @@ def _share(given: Any, value: Any) -> Any:
 
 @dataclass(frozen=True)
 class Parameter:
-    """A free parameter and the interval in which its value is sought.
+    """A free parameter and the interval in which its value is searched.
 
     Parameters
     ----------
@@ -83,7 +83,7 @@ class Parameter:
     scale : {"linear", "log"}
         ``"log"`` for parameters that span orders of magnitude, such as Young's modulus.
     unit : str
-        SI unit, for people; by default that of the quantities, or of the material parameter.
+        SI unit, for display; by default that of the quantities, or of the material parameter.
 
     Raises
     ------
@@ -107,17 +107,17 @@ class Parameter:
         _make_plain(self, "minimum", "maximum")
 
     def contains(self, value: float) -> bool:
-        """Whether a value is within the interval."""
+        """Return True if a value is within the interval."""
         return self.minimum <= value <= self.maximum
 
     def to_unit(self, value: float) -> float:
-        """Position of a value in the interval: 0 at the minimum, 1 at the maximum."""
+        """Return the position of a value in the interval: 0 at the minimum, 1 at the maximum."""
         if self.scale == "log":
             return math.log(value / self.minimum) / math.log(self.maximum / self.minimum)
         return (value - self.minimum) / (self.maximum - self.minimum)
 
     def from_unit(self, position: float) -> float:
-        """Value at a position; exactly a bound at 0 and 1; positions outside extrapolate."""
+        """Return the value at a position: exactly a bound at 0 and 1, extrapolated outside."""
         if position in (0.0, 1.0):
             return self.maximum if position else self.minimum
         if self.scale == "log":
@@ -162,13 +162,13 @@ class Target:
     uncertainty : float or str, optional
         Standard uncertainty of the measured value, same unit; ``"1 %"`` is a share of the value.
     tolerance : float or str, optional
-        Largest accepted deviation of the expected response, same unit. Left out, it becomes the
-        uncertainty; without that, 2 % of the value.
+        Largest accepted deviation of the expected response, same unit; by default the uncertainty,
+        or 2 % of the value if that is not given either.
     weight : float
         Factor on this target's relative deviation in the misfit (equation 1 of the method has
         equal weights).
     unit : str
-        SI unit, for people; by default that of the quantities.
+        SI unit, for display; by default that of the quantities.
 
     Examples
     --------
@@ -179,7 +179,7 @@ class Target:
     name: str
     value: float
     uncertainty: float | None = None
-    # Left out, it is worked out below: whoever reads it gets a number.
+    # None until `__post_init__` computes the default: the attribute is always a float.
     tolerance: float = None  # type: ignore[assignment]
     weight: float = 1.0
     unit: str = ""
@@ -204,15 +204,15 @@ class Target:
         return DEFAULT_RELATIVE_TOLERANCE * self.value
 
     def to_json(self) -> dict[str, Any]:
-        """Return plain data from which a target is made; a usual tolerance is left out.
+        """Return plain data of the target, without a tolerance that equals the default.
 
-        So the identity of a calibration does not depend on whether it was written down.
+        So the identity of a calibration does not depend on whether the default was given.
         """
         data = asdict(self)
         return {**data, "tolerance": None} if self.tolerance == self._usual_tolerance else data
 
     def relative_deviation(self, response: float) -> float:
-        """Deviation of a response from the target, relative to the target.
+        """Return the deviation of a response from the target, relative to the target.
 
         References
         ----------
@@ -221,13 +221,13 @@ class Target:
         return (response - self.value) / self.value
 
     def is_met_by(self, response: float) -> bool:
-        """Whether a response deviates from the target by its tolerance at most."""
+        """Return True if a response deviates from the target by at most its tolerance."""
         return abs(response - self.value) <= self.tolerance
 
 
 def _target_faults(target: Target) -> Sequence[Fault]:
     if not target.name or not isinstance(target.name, str):
-        return [Fault("target", "has no name.", "Name the response that it is a target of.")]
+        return [Fault("target", "has no name.", "Give it the name of its response.")]
     faults = []
     if not 0 < as_number(target.value) < math.inf:
         faults.append(
@@ -259,14 +259,14 @@ def _require_sequence(key: str, items: object, kind: type) -> None:
 
 @dataclass(frozen=True)
 class Problem:
-    """Free parameters, targets, and what is known of the Rayleigh time step.
+    """Free parameters, targets, and the Rayleigh time step, if it is known.
 
     Parameters
     ----------
     parameters : sequence of Parameter
-        What is varied.
+        Free parameters.
     targets : sequence of Target
-        What has to be met.
+        Targets to meet.
     rayleigh : RayleighTimeStep, optional
         Rayleigh time step of the material; without it, time steps are not part of the problem.
     rayleigh_weight : float
@@ -276,7 +276,7 @@ class Problem:
     Raises
     ------
     InputError
-        Nothing to vary or to meet, a name given twice, or a Rayleigh time step that lacks a value.
+        No parameters or no targets, a name given twice, or a Rayleigh time step that lacks a value.
 
     Examples
     --------
@@ -336,9 +336,9 @@ class Problem:
         }
 
     def rayleigh_time_step(self, values: Mapping[str, float]) -> float | None:
-        """Rayleigh time step at these parameter values, s; None when there is none to speak of."""
+        """Return the Rayleigh time step at these parameter values, s; None if it is not known."""
         return None if self.rayleigh is None else self.rayleigh(values)
 
     def rayleigh_criterion(self, values: Mapping[str, float]) -> float:
-        """Rayleigh criterion (equation 2) at these parameter values; 0 without a time step."""
+        """Return the Rayleigh criterion (equation 2) at these values; 0 without a time step."""
         return 0.0 if self.rayleigh is None else self.rayleigh.criterion(values, self.intervals)

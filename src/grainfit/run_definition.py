@@ -1,4 +1,4 @@
-"""The definition of a run: all that decides its outcome, and the identity that follows from it."""
+"""Definition of a run: everything that determines its outcome, and its identity."""
 
 from __future__ import annotations
 
@@ -9,18 +9,18 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
-#: Keys of the parameters in the JSON of a definition: built-in tests have a material. Both are as
-#: version 0.1.0 wrote them, so that the identity of a run outlives the program that made it.
+#: Keys in the JSON of a definition; parameters of built-in tests are under "material". Both are as
+#: in version 0.1.0, so that identities of runs stay valid across versions.
 _MATERIAL, _PARAMETERS, _SEED, _TEST = "material", "parameters", "seed", "test"
 
 
 def identity_of(data: Mapping[str, Any]) -> str:
-    """Return the identity of JSON data: equal data have equal identities, others do not.
+    """Return the identity of JSON data: equal data have equal identities.
 
     Parameters
     ----------
     data : mapping
-        JSON-serialisable. The order of keys does not count.
+        JSON-serialisable data. The order of keys does not matter.
 
     Returns
     -------
@@ -33,19 +33,19 @@ def identity_of(data: Mapping[str, Any]) -> str:
 
 @dataclass(frozen=True)
 class RunDefinition:
-    """All that decides the outcome of a run.
+    """Everything that determines the outcome of a run.
 
-    Runs of one model differ in parameters and seed alone, so a run can be reused for a problem
-    when its `model_hash` is that of the problem's solver.
+    Runs of one model differ only in parameters and seed, so a run can be reused for a problem if
+    its `model_hash` is that of the problem's solver.
 
     Parameters
     ----------
     model : mapping
-        All that is fixed, as JSON: the solver and its version, the test or the contents of a model
-        folder.
+        Everything that is fixed, as JSON: the solver and its version, the test or the contents of a
+        model folder.
     parameters : mapping of str to float
-        Values of all parameters that the run depends on, free or not, SI. Those at their default
-        are left out: a parameter that a later version adds changes no identity.
+        Values of all parameters that the run depends on, free or not, SI. Parameters at their
+        default are left out, so that a parameter added by a later version changes no identity.
     seed : int
         Insertion seed.
 
@@ -86,7 +86,7 @@ class RunDefinition:
         """
         key = _MATERIAL if _TEST in data else _PARAMETERS
         model = {name: value for name, value in data.items() if name not in (key, _SEED)}
-        # A solver of somebody's own could leave both out in version 0.1.0.
+        # In version 0.1.0 a custom solver could leave both out.
         given, seed = data.get(key, {}), data.get(_SEED, 0)
         if not isinstance(given, Mapping):
             raise TypeError(f"{given!r} does not map names to values")

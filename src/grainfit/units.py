@@ -1,4 +1,4 @@
-"""Quantities with units at the border of the program: inside, all is SI, and angles in degrees."""
+"""Convert quantities with units from user input to SI, with angles in degrees."""
 
 from __future__ import annotations
 
@@ -13,19 +13,19 @@ if TYPE_CHECKING:
     # Imported when the first quantity is read: it takes a third of a second.
     import pint
 
-#: No sensible quantity is longer.
+#: Largest length of a quantity; no sensible one is longer.
 LONGEST_QUANTITY = 60
 
 _NUMBER = r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?"
 _QUANTITY = re.compile(rf"(?P<number>{_NUMBER})\s*(?P<unit>.*)", re.DOTALL)
-# Units have this small grammar of their own, and only single names ever reach pint: its expression
-# parser also calculates, and 9^9^9^9 takes for ever.
+# Units have their own small grammar, and only single names reach pint: its expression parser also
+# calculates, and 9^9^9^9 takes forever.
 _FACTOR = re.compile(
     r"\s*(?P<operator>[*·/]?)\s*(?P<name>[A-Za-zµμΩÅ_]+|°[CF]?|%)(?:(?:\^|\*\*)?(?P<power>[+-]?[0-9]))?\s*"
 )
 _SUPERSCRIPTS = str.maketrans("⁰¹²³⁴⁵⁶⁷⁸⁹⁻", "0123456789-")
 _SIGNS = {"%": "percent", "°": "degree", "°C": "degC", "°F": "degF"}
-#: Units of results where the dimension is one of these, instead of products of base units.
+#: Units of results with one of these dimensions, instead of products of base units.
 _SI_UNITS = ("", "deg", "m", "s", "kg", "Pa", "N", "J", "kg/m^3", "m/s", "kg/s", "1/s", "J/m^2")
 _EXAMPLES = {
     "m": "10 mm",
@@ -43,9 +43,9 @@ class UnitError(GrainfitError, ValueError):
     Parameters
     ----------
     message : str
-        What is wrong, with the text.
+        Description of the fault, with the text.
     remedy : str
-        What to write instead.
+        Suggestion what to write instead.
     """
 
     def __init__(self, message: str, remedy: str) -> None:
@@ -119,7 +119,7 @@ def to_si(text: str) -> tuple[float, str]:
 
 
 def percentage(text: str) -> float | None:
-    """Return 0.01 for ``"1 %"``; None for a text that is no percentage.
+    """Return 0.01 for ``"1 %"``; None for a text that is not a percentage.
 
     Examples
     --------
@@ -133,7 +133,7 @@ def percentage(text: str) -> float | None:
 
 
 def is_unit(text: str) -> bool:
-    """Whether quantities can be converted to this unit."""
+    """Return True if quantities can be converted to this unit."""
     try:
         _parse(text)
     except _NotAUnitError:
@@ -142,7 +142,7 @@ def is_unit(text: str) -> bool:
 
 
 def how_to_write(unit: str) -> str:
-    """Return a sentence that says how a quantity of this unit is written."""
+    """Return a sentence that shows how to write a quantity of this unit."""
     if not unit:
         return "It has no unit: write a plain number, for example 0.5."
     return f'Write it in {unit}, for example "{_EXAMPLES.get(unit, f"1.5 {unit}")}".'
@@ -183,7 +183,7 @@ def _convert(number: float, written: str, expected: str, text: str) -> float:
         raise UnitError(
             f"{text!r} cannot be converted to {expected}.", how_to_write(expected)
         ) from None
-    # Conversion costs the last digit: 9 mm shall be 0.009 m, not 0.009000000000000001 m.
+    # Conversion loses the last digit: 9 mm must be 0.009 m, not 0.009000000000000001 m.
     return float(f"{value:.15g}")
 
 

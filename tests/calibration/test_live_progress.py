@@ -37,7 +37,7 @@ def test_a_terminal_shows_a_bar_and_the_words_in_full() -> None:
     assert "━" * 10 in text
     assert "about 1 min 00 s left" in " ".join(text.replace("\n", " ").split())
     assert "[red]look\\x1b[31m" in text
-    assert text.count("Learns from 4 runs") == 1
+    assert text.count("Warm start from 4 earlier runs") == 1
 
 
 def test_a_log_file_has_a_line_for_each_stage() -> None:
@@ -45,7 +45,7 @@ def test_a_log_file_has_a_line_for_each_stage() -> None:
     verified = replace(BEGUN, stage="verification", notices=("look",))
     lines = shown(BEGUN, later, verified, terminal=False).splitlines()
     assert [line.partition(",")[0] for line in lines] == [
-        "Learns from 4 runs that were made before: other (4).",
+        "Warm start from 4 earlier runs: other (4).",
         "design: 3 done",
         "look",
         "verification: 3 done",

@@ -284,7 +284,7 @@ COMMAND = 'type = "command"\nfolder = "."\ncommand = ["true"]'
             FUNCTION,
             COMMAND + '\nresponses = "r.json"\nevaluate = "model.py:simulate"',
             "test[0].responses",
-            "beside evaluate",
+            "together with evaluate",
             "Keep",
         ),
         (

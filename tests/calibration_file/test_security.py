@@ -161,7 +161,7 @@ def test_check_says_whether_a_named_executable_can_be_executed(
     (tmp_path / "model" / "trap").chmod(0o644)
     assert "is not found" in check(path)
     (tmp_path / "model" / "trap").chmod(0o755)
-    assert "lammps is there" in check(path)
+    assert "lammps is found" in check(path)
     assert not sprung()
 
 

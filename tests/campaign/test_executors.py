@@ -82,7 +82,7 @@ def test_a_function_that_cannot_be_sent_is_an_error_that_says_so(processes: Exec
 def test_an_executor_that_is_broken_ends_the_calibration_and_loses_nothing(
     processes: Executor, tmp_path: Path
 ) -> None:
-    with pytest.raises(ExecutorError, match="start again to go on"):
+    with pytest.raises(ExecutorError, match="start again to continue"):
         gf.calibrate(
             PROBLEM,
             PythonCallable(die_at_first, identity="drum"),

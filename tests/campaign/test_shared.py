@@ -214,7 +214,7 @@ def test_a_server_that_goes_away_costs_nothing_that_is_finished(
     problem = gf.Problem([gf.Parameter("friction", 0.1, 0.9)], [gf.Target("angle", 33.0)])
     solver = PythonCallable(simulate, identity="drum of a server that stops")
     try:
-        with pytest.raises(StoreError, match="See that the database server runs"):
+        with pytest.raises(StoreError, match="Check that the database server runs"):
             gf.calibrate(problem, solver, workdir=tmp_path, store=server.url)
     finally:
         server.start()

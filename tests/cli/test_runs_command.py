@@ -127,7 +127,7 @@ def stored(folder: Path) -> list[RunRecord]:
 
 def test_a_calibration_says_which_runs_of_others_it_learns_from(sand: Path) -> None:
     first = grainfit("run", sand, "--no-report", "--seed", "2")
-    assert "Learns from" not in first.stderr
+    assert "Warm start from" not in first.stderr
     assert "warm start" not in first.stdout
     made = json.loads(Path("sand.grainfit/result.json").read_text())["runs"]["total"]
     sand.write_text(FILE.replace("value = 36", "value = 38"))
@@ -135,7 +135,7 @@ def test_a_calibration_says_which_runs_of_others_it_learns_from(sand: Path) -> N
         "run", sand, "--no-report", "--workdir", "new", "--runs-from", "sand.grainfit"
     )
     place = Path("sand.grainfit/runs.sqlite").absolute()
-    line = f"Learns from {made} runs that were made before: {place} ({made})."
+    line = f"Warm start from {made} earlier runs: {place} ({made})."
     assert second.stderr.count(line) == 1, second.stderr
     assert f"warm start from {made} earlier runs" in " ".join(second.stdout.split())
 
@@ -394,7 +394,7 @@ def test_the_next_calibration_learns_from_imported_runs(sand: Path) -> None:
     sand.write_text(FILE.replace("value = 36", "value = 37"))
     learnt = grainfit("run", sand, "--no-report", "--workdir", "ours")
     source = f"imported from {Path('theirs.csv').absolute()} ({total})"
-    assert f"Learns from {total} runs that were made before: {source}." in learnt.stderr
+    assert f"Warm start from {total} earlier runs: {source}." in learnt.stderr
     again = grainfit("runs", "import", sand, "theirs.csv", "--workdir", "theirs")
     assert f"Imported 0 runs of the test python; {total} were there already." in again.stdout
     assert "A calibration that was started in this folder before goes on without" in again.stdout
@@ -422,7 +422,7 @@ def test_an_exported_table_can_be_calibrated_on_and_imported_as_it_is(sand: Path
     text = Path("theirs.csv").read_text()
     Path("old.csv").write_text(text.replace("angle.standard_error", "angle_std_error"))
     file.write_text(file.read_text().replace("theirs.csv", "old.csv"))
-    remedy = r"column angle_std_error: is how version 0.1.0 named .* Name it angle.standard_error."
+    remedy = r"column angle_std_error: is the name of .* Name it angle.standard_error."
     with pytest.raises(InputError, match=remedy):
         grainfit("run", file, "--no-report", "--workdir", "old")
     with pytest.raises(InputError, match=remedy):

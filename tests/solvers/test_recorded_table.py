@@ -209,7 +209,7 @@ def test_standard_error_under_its_former_name(tmp_path):
     path = write(tmp_path, "a,1000,0.1,1,20,0.5", header=header)
 
     assert [line.partition(".csv: ")[2] for line in faults_of(path)] == [
-        "column angle_std_error: is how version 0.1.0 named the standard error of angle. "
+        "column angle_std_error: is the name of the standard error of angle in version 0.1.0. "
         "Name it angle.standard_error."
     ]
 

@@ -1,1 +1,1 @@
-"""Calibrations: ask a strategy, make the runs, verify the answer, build the result."""
+"""Calibrate: ask a strategy, run its proposals, verify the answer, build the result."""

@@ -1,4 +1,4 @@
-"""Puts together what comes out of a calibration."""
+"""Build the `Result` of a calibration."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from grainfit.strategies.base import Search
 
 @dataclass(frozen=True)
 class About:
-    """What a calibration is called, its identity, how long it took how busily, and its end."""
+    """Name, identity, duration, utilisation of the workers, and status of a calibration."""
 
     name: str
     identity: str
@@ -27,7 +27,7 @@ class About:
 
 @dataclass(frozen=True)
 class Verification:
-    """The evaluations that verify an answer, and what other runs have to say against them."""
+    """The evaluations that verify an answer, and the contradictions to them by all runs."""
 
     runs: Sequence[Evaluation] = ()
     contradictions: Sequence[Contradiction] = ()
@@ -41,22 +41,22 @@ def make_result(
     verification: Verification,
     known: int = 0,
 ) -> Result:
-    """Put together the result of a calibration.
+    """Build the result of a calibration.
 
     Parameters
     ----------
     about : About
-        Name, identity, duration and end.
+        Name, identity, duration and status.
     strategy : Search
         The search that has ended.
     answer : Answer or None
-        None when it was interrupted before there was one.
+        The answer; None if the calibration was interrupted before there was one.
     evaluations : sequence of Evaluation
         All parameter sets that were simulated.
     verification : Verification
-        Those of them that verify the answer, and what speaks against them.
+        Evaluations that verify the answer, and contradictions to them.
     known : int
-        Runs that were made before the calibration and that it learnt from.
+        Number of earlier runs used for the warm start.
     """
     problem = strategy.current_problem
     rayleigh = problem.rayleigh
@@ -103,7 +103,7 @@ def _responses(
             target,
             answer,
             verified.get(target.name),
-            # What verification runs failed to confirm is not met, whatever was predicted.
+            # A target that the verification runs did not confirm is not met, even if predicted.
             refuted=target.name in contradicted
             or (bool(verification.runs) and target.name not in verified),
         )
@@ -147,7 +147,7 @@ def _counts(evaluations: Sequence[Evaluation], known: int) -> RunCounts:
 
 
 def _failure_notices(verification: Sequence[Evaluation]) -> Iterator[str]:
-    """Say when verification runs failed."""
+    """Report failed verification runs."""
     reasons = [reason for e in verification for reason in e.failures.values()]
     if reasons:
         yield (
@@ -157,7 +157,7 @@ def _failure_notices(verification: Sequence[Evaluation]) -> Iterator[str]:
 
 
 def _edge_notices(problem: Problem, answer: Answer) -> Iterator[str]:
-    """Say when the answer, or more that agrees, reaches a bound of an interval."""
+    """Report parameters whose answer, or region of agreement, reaches a bound."""
     for parameter in problem.parameters:
         on = bound_at(parameter.to_unit(answer.parameters[parameter.name]))
         bound = on or answer.cut_off.get(parameter.name)

@@ -1,4 +1,4 @@
-"""The facade: one call that calibrates, from the first run to the verified answer."""
+"""Run a complete calibration, from the first run to the verified answer."""
 
 from __future__ import annotations
 
@@ -69,61 +69,61 @@ def calibrate(
         run; or a solver; or one solver for each of several tests, by name of the test: responses
         are then called ``test.response``.
     strategy : str or Strategy
-        How runs are chosen: ``"sequential"``, each where it is expected to improve the answer most,
-        until it is decided; ``"staged"``, by the three steps of the method; or an object with
-        options, such as ``grainfit.Sequential(prefer="accuracy")``, or of a class of your own.
+        Search strategy: ``"sequential"`` places each run where it is expected to improve the answer
+        most; ``"staged"`` follows the three steps of the method. Or an object with options, such as
+        ``grainfit.Sequential(prefer="accuracy")``, or of a custom class.
     max_runs : int, optional
         Largest number of DEM runs, verification included.
     workers : int
         Number of runs at a time.
     seed : int
-        Decides the design and all insertion seeds.
+        Determines the design and all insertion seeds.
     workdir : path, optional
-        Where runs are kept; started again with the same folder, the calibration goes on and no
-        finished run is repeated. Without it nothing is kept.
+        Folder in which runs are kept. Started again with the same folder, the calibration continues
+        and repeats no finished run. Without it nothing is kept.
     name : str
-        What the calibration is called.
+        Display name of the calibration.
     verification_runs : int, optional
-        Fresh seeds at the answer, at least 2; by default 5, or up to so many that no worker is
-        idle.
+        Runs with fresh seeds at the answer, at least 2; by default 5, or slightly more so that no
+        worker is idle.
     timeouts : mapping of str to float, optional
         Longest wall time of one run by name of the test, s; ``math.inf`` for none. By default
         that of the solver: for a bulk test 10 minutes plus 100 times the estimated time of a run.
     executor : concurrent.futures.Executor, optional
-        What makes the runs, ``workers`` at a time: processes, or the nodes of a cluster. They must
-        see the work folder by the same path. It is not shut down. Threads that wait for solver
-        processes by default.
+        Executor of the runs, ``workers`` at a time: processes, or the nodes of a cluster. They must
+        see the work folder at the same path. It is not shut down. By default threads that wait for
+        solver processes.
     runs_from : sequence of path or str
-        Work folders, or addresses of stores, whose runs are used as far as they fit: those of this
-        problem, whatever their targets and intervals were. They are only read.
+        Work folders, or addresses of stores, whose runs are reused if they belong to this problem;
+        their targets and intervals may have been different. They are only read.
     store : str, optional
         Address of a store that several processes share, such as
-        ``postgresql+psycopg://user@host/database``: what one has made, none makes again.
+        ``postgresql+psycopg://user@host/database``: no process repeats a run of another.
     keep : {"all", "results"}
-        What stays of the folder of a finished run: all files, or record, logs and pictures.
+        Files of a finished run that are kept: all, or only its record, logs and pictures.
     retry_failed : bool
-        Make every run of the work folder that failed again, whatever the reason. By default, faults
-        of the machine and time-outs are tried again, and others would only fail again.
+        Repeat all failed runs of the work folder. By default only those that failed because of the
+        machine or a time-out are repeated; others would fail again.
     provenance : Provenance, optional
-        What a report says of where the calibration comes from.
+        Origin of the calibration, for the report.
     on_progress : callable, optional
-        Called with `Progress` whenever something changes, and a few times a second.
+        Called with `Progress` after every change, and a few times per second.
     progress : bool
-        Show a bar in the terminal (by standard error) or the notebook, and lines of text elsewhere.
+        Show a bar in the terminal (on standard error) or the notebook, and lines of text elsewhere.
 
     Returns
     -------
     Result
-        Also after Ctrl-C, with status ``interrupted``.
+        The result; after Ctrl-C with status ``interrupted``.
 
     Raises
     ------
     InputError
-        Something about the arguments cannot be used.
+        An argument cannot be used.
     SolverNotFoundError
-        A solver's program is missing.
+        The program of a solver is missing.
     RunFailedError
-        The first runs all failed, or too few succeeded to go on.
+        The first runs all failed, or too few succeeded to continue.
     StoreError
         The work folder or its store cannot be used.
 
@@ -153,9 +153,9 @@ def calibrate(
     with ExitStack() as stack:
         tell = stack.enter_context(_shown(on_progress)) if progress else on_progress
         options = LoopOptions(name, workers, max_runs, verification_runs, tell, provenance)
-        # Metamodels are small; threads of linear algebra would only fight the solvers for cores.
+        # Metamodels are small; threads of linear algebra would only take cores from the solvers.
         stack.enter_context(threadpool_limits(limits=1, user_api="blas"))
-        # Runs happen in folders of their own: a relative path would mean another place there.
+        # Every run executes in its own folder, where a relative path would mean another place.
         folder = None if workdir is None else Path(workdir).absolute()
         if folder is not None:
             stack.enter_context(hold(folder))
@@ -183,7 +183,7 @@ def calibrate(
 
 @contextmanager
 def _shown(on_progress: Callable[[Progress], None] | None) -> Iterator[Callable[[Progress], None]]:
-    """Yield a function that shows the progress, and passes it on."""
+    """Yield a callback that shows the progress and passes it on."""
     from grainfit.calibration.live_progress import LiveProgress
 
     with LiveProgress() as bar:
@@ -197,7 +197,7 @@ def _shown(on_progress: Callable[[Progress], None] | None) -> Iterator[Callable[
 
 
 def _keep(result: Result, path: Path) -> Result:
-    """Write the result; when that fails, the caller gets it all the same."""
+    """Write the result; if that fails, return it with a notice."""
     try:
         result.to_json(path)
     except OSError as error:

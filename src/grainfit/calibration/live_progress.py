@@ -16,18 +16,18 @@ from rich.text import Text
 from grainfit.calibration.progress import Progress
 from grainfit.formatting import duration, plain
 
-#: Without a terminal, a line of progress after this many seconds.
+#: Interval of the lines of progress without a terminal, s.
 _LINE_SECONDS = 15.0
 _BAR_WIDTH = 16
 
 
 class LiveProgress:
-    """A bar with the state in words in a terminal or a notebook, plain lines elsewhere.
+    """Progress display: a bar with text in a terminal or a notebook, plain lines elsewhere.
 
     Parameters
     ----------
     console : Console, optional
-        The place to show it; standard error, or the notebook, by default.
+        Output; by default standard error, or the notebook.
     """
 
     def __init__(self, console: Console | None = None) -> None:
@@ -61,7 +61,7 @@ class LiveProgress:
             self._bar.stop()
 
     def update(self, progress: Progress) -> None:
-        """Show the present state of the calibration."""
+        """Show the current state of the calibration."""
         if self._says_what_it_learns_from and progress.warm_start_runs:
             self._print(_learnt_from(progress.warm_start_runs))
             self._says_what_it_learns_from = False
@@ -80,7 +80,7 @@ class LiveProgress:
             self._last_line = (progress.stage, now)
 
     def _print(self, words: str, style: str = "") -> None:
-        """Print words as they are: no markup, and no signs that a terminal would obey."""
+        """Print text without markup and without control characters of the terminal."""
         shown = "\n".join(plain(line) for line in words.split("\n"))
         self._console.print(Text(shown, style=style), soft_wrap=True)
 
@@ -100,7 +100,7 @@ class LiveProgress:
 
 
 def _can_draw(console: Console) -> bool:
-    """Return whether a bar can move: rich draws it in a notebook by ipywidgets."""
+    """Return True if a bar can be drawn; in a notebook rich needs ipywidgets for it."""
     if console.is_jupyter:
         return importlib.util.find_spec("ipywidgets") is not None
     return console.is_interactive
@@ -108,4 +108,4 @@ def _can_draw(console: Console) -> bool:
 
 def _learnt_from(origins: Mapping[str, int]) -> str:
     places = (f"{origin or 'this work folder'} ({n})" for origin, n in origins.items())
-    return f"Learns from {sum(origins.values())} runs that were made before: {', '.join(places)}."
+    return f"Warm start from {sum(origins.values())} earlier runs: {', '.join(places)}."

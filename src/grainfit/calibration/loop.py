@@ -1,4 +1,4 @@
-"""The conversation of a calibration: a strategy asks, a campaign answers."""
+"""Run a calibration: a strategy proposes runs, a campaign executes them."""
 
 from __future__ import annotations
 
@@ -36,15 +36,15 @@ from grainfit.strategies.answer import Answer
 from grainfit.strategies.base import Search
 from grainfit.strategies.seeds import insertion_seed
 
-#: With this many failures that are alike, or this many of any kind, and not one success, there is
-#: no use in going on.
+#: Number of equal failures, or of failures of any kind, without a success after which a calibration
+#: is stopped.
 _HOPELESS = 3
 _HOPELESS_WHATEVER = 8
 
 
 @dataclass(frozen=True)
 class LoopOptions:
-    """What the user decides about a conversation, see `grainfit.calibrate`."""
+    """Options of a calibration loop, see `grainfit.calibrate`."""
 
     name: str
     workers: int
@@ -55,7 +55,7 @@ class LoopOptions:
 
 
 class CalibrationLoop:
-    """The strategy asks, the campaign answers, until the answer is verified."""
+    """Loop of proposals and evaluations until the answer is verified."""
 
     def __init__(
         self,
@@ -71,20 +71,20 @@ class CalibrationLoop:
         self._store = store
         self._options = options
         self._evaluations: list[Evaluation] = []
-        #: Number of runs that are known, by where they came from.
+        #: Number of runs of the warm start, by their source.
         self._origins: Mapping[str, int] = {}
         self._answer_from = 0
         self._verification_asked = 0
         self._stage = "design"
         self._requested = 0
-        #: What earlier starts of this calibration asked for and this one has not come to yet.
+        #: Requests of earlier starts of this calibration that this start has not reached yet.
         self._recorded: deque[RequestRecord] = deque()
         self._started = time.monotonic()
         self._definition = self._define()
         self._identity = identity_of(self._definition)
 
     def _runs_known_before(self) -> list[Evaluation]:
-        """Runs of other calibrations that this one learns from: those of its first start."""
+        """Return the runs for the warm start; a later start uses those of the first start."""
         earlier = self._store.calibration(self._identity)
         if earlier is None:
             records = self._store.runs_of(models_of(self._campaign.solvers))
@@ -97,8 +97,8 @@ class CalibrationLoop:
         return telling
 
     def _define(self) -> dict[str, Any]:
-        # Another deck or another version of a solver makes another calibration: its history would
-        # lead astray. One run stands for all.
+        # Another input deck or solver version makes another calibration: the requests of the old
+        # one would be misleading. The run at the centre represents all runs.
         problem = self._problem
         sample = Proposal(problem.from_unit([0.5] * problem.dimension), 1, "design")
         return {
@@ -112,7 +112,7 @@ class CalibrationLoop:
         }
 
     def _rayleigh(self) -> dict[str, Any]:
-        """Where there is a Rayleigh time step, it decides what is the answer, too."""
+        """Return the Rayleigh time step, if any: it influences the answer, too."""
         known = self._problem.rayleigh
         if known is None:
             return {}
@@ -128,7 +128,7 @@ class CalibrationLoop:
         }
 
     def run(self) -> Result:
-        """Hold the conversation to its end; Ctrl-C ends it early with what is known."""
+        """Run the calibration to its end. Ctrl-C stops it and returns the best result so far."""
         self._recorded.extend(self._store.requests(self._identity))
         known = self._runs_known_before()
         runs = [run for evaluation in known for run in evaluation.runs.values()]
@@ -178,7 +178,7 @@ class CalibrationLoop:
             earlier, answer = answer, self._strategy.answer(self._recorded_answer())
             if answer.parameters == earlier.parameters:
                 break
-        # The runs of the verification tell how sure it is, too.
+        # The verification runs also improve the probability that all targets are met.
         known, verified = self._strategy.answer(answer.parameters), self._verified(answer)
         answer = replace(answer, probability_all_met=known.probability_all_met)
         contradicted = contradictions(self._problem, verified, known)
@@ -187,11 +187,11 @@ class CalibrationLoop:
         return answer, "unreachable" if answer.out_of_reach else "out_of_tolerance", contradicted
 
     def _recorded_answer(self) -> Mapping[str, float] | None:
-        """The answer that an earlier start was verifying when it ended."""
+        """Return the answer that an earlier start was verifying when it ended."""
         return self._recorded[0].parameters if self._recorded else None
 
     def _utilisation(self, wall_seconds: float) -> float:
-        """Share of the workers' time in which they simulated."""
+        """Return the share of the workers' time in which they simulated."""
         simulated = sum(evaluation.simulated_seconds for evaluation in self._evaluations)
         return min(1.0, simulated / (self._options.workers * max(wall_seconds, 1e-9)))
 
@@ -202,7 +202,7 @@ class CalibrationLoop:
             return None
 
     def _recall_search(self) -> list[Proposal]:
-        """Take from the records what was asked for up to the next verification."""
+        """Take the recorded proposals up to the next verification."""
         recalled = []
         while self._recorded and self._recorded[0].stage != "verification":
             record = self._recorded.popleft()
@@ -210,9 +210,9 @@ class CalibrationLoop:
         return recalled
 
     def _recall_verification(self, answer: Answer) -> None:
-        """Take from the records the verification of an answer, and not that of the next one.
+        """Take the recorded verification of an answer, but not that of the next one.
 
-        The same answer asks for the same verification again; another one for another.
+        The same answer requests the same verification again.
         """
         while self._recorded and self._recorded[0].stage == "verification":
             if self._recorded[0].parameters != answer.parameters:
@@ -223,13 +223,13 @@ class CalibrationLoop:
         recalled = self._recall_search()
         self._strategy.replay(recalled)
         if self._recorded:
-            # An earlier start came to an answer here, and what was decided stays decided.
+            # An earlier start found an answer here; this decision is kept.
             self._answer_proposals(lambda asked: asked == len(recalled))
         else:
             self._answer_proposals(lambda _asked: self._strategy.finished)
 
     def _answer_proposals(self, is_enough: Callable[[int], bool]) -> None:
-        """Answer what the strategy asks for until it is enough, by the number of proposals."""
+        """Evaluate proposals of the strategy until their number is enough."""
         asked = 0
         while not is_enough(asked):
             while self._has_room and not is_enough(asked):
@@ -245,11 +245,11 @@ class CalibrationLoop:
 
     @property
     def _has_room(self) -> bool:
-        """Whether to ask for another run now: with all that is known told, and a worker free."""
+        """Whether to ask for a proposal now: a worker is free, and no evaluation is waiting."""
         return self._campaign.has_free_worker and not self._campaign.has_complete
 
     def _verify(self, answer: Answer) -> bool:
-        """Run fresh seeds at the answer until the verdict is clear; return whether it is met."""
+        """Run fresh seeds at the answer until the outcome is clear; return True if it is met."""
         self._answer_from = len(self._evaluations)
         self._recall_verification(answer)
         verified: dict[str, Verified] = {}
@@ -268,14 +268,14 @@ class CalibrationLoop:
     def _contradictions(
         self, answer: Answer, verified: Mapping[str, Verified]
     ) -> list[Contradiction]:
-        # What all runs say takes a while to find out.
+        # The answer from all runs takes a while to compute.
         if not marginally_met(self._problem, verified):
             return []
         known = self._strategy.answer(answer.parameters)
         return contradictions(self._problem, verified, known)
 
     def _verification_of(self, answer: Answer) -> list[Evaluation]:
-        """Runs that verify this answer: made since it was chosen, and at its parameters."""
+        """Return the verification runs at this answer since it was chosen."""
         return [
             evaluation
             for evaluation in self._evaluations[self._answer_from :]
@@ -291,7 +291,7 @@ class CalibrationLoop:
             waiting.append(Proposal(answer.parameters, seed, "verification"))
         order = {proposal.seed: position for position, proposal in enumerate(waiting)}
         ended: list[Evaluation] = []
-        # Runs of the search that were under way when it was decided come back meanwhile.
+        # Pending runs of the search may end meanwhile.
         while waiting or self._campaign.has_pending:
             while waiting and self._campaign.has_free_worker:
                 self._start(waiting.pop(0))
@@ -305,7 +305,7 @@ class CalibrationLoop:
             self._strategy.tell(evaluation.proposal, evaluation)
 
     def _left(self) -> int | None:
-        """Proposals that the budget allows besides one round of verification."""
+        """Return the number of proposals left in the budget besides one round of verification."""
         if self._options.max_runs is None:
             return None
         affordable = self._options.max_runs // self._campaign.tests
@@ -332,7 +332,7 @@ class CalibrationLoop:
         return evaluations
 
     def _stop_when_hopeless(self) -> None:
-        """Stop when a target has not been yielded once and nothing speaks for a change."""
+        """Stop when no run has given a target and none is likely to."""
         count = len(self._evaluations)
         missing = [
             target.name
@@ -350,13 +350,13 @@ class CalibrationLoop:
         failed = [self._store.find(last.runs[test]) for test in last.failures]
         self._campaign.forget_failures(self._evaluations)
         raise RunFailedError(
-            f"the first {count} runs all failed to give {', '.join(missing)}, so going on is "
-            f"pointless. The last one: {why}",
+            f"the first {count} runs all failed to give {', '.join(missing)}; the calibration is "
+            f"stopped. The last one: {why}",
             failed[0].log_tail if failed and failed[0] else "",
         )
 
     def _stop_when_the_machine_fails(self) -> None:
-        """Stop when the last runs all failed alike, each after several tries, by the machine."""
+        """Stop when the last runs failed for the same reason of the machine, after all retries."""
         latest = self._evaluations[-_HOPELESS:]
         reasons = {tuple(evaluation.failures.values()) for evaluation in latest}
         if (
@@ -367,9 +367,9 @@ class CalibrationLoop:
             return
         self._campaign.forget_failures(latest)
         raise RunFailedError(
-            f"the last {_HOPELESS} runs failed alike, each of several tries: "
-            f"{'; '.join(latest[-1].failures.values())}. Finished runs are kept; mend it and "
-            "start again to go on.",
+            f"the last {_HOPELESS} runs failed for the same reason, each after several tries: "
+            f"{'; '.join(latest[-1].failures.values())}. Finished runs are kept; fix the cause and "
+            "start again to continue.",
             kind="machine",
         )
 
@@ -405,7 +405,7 @@ class CalibrationLoop:
         )
 
     def _deviations(self) -> list[float]:
-        """Largest relative deviation of each evaluation that has all responses."""
+        """Return the largest relative deviation of each evaluation that has all responses."""
         names = {target.name for target in self._problem.targets}
         return [
             max(

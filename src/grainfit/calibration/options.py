@@ -19,18 +19,18 @@ class CalibrationOptions:
     max_runs : int, optional
         Largest number of DEM runs, verification included.
     seed : int, optional
-        Decides the design and all insertion seeds.
+        Determines the design and all insertion seeds.
     workers : int, optional
         Runs at a time.
     verification_runs : int, optional
         Fresh seeds at the answer.
     keep : {"all", "results"}, optional
-        Files that stay in the folder of a finished run.
+        Files of a finished run that are kept.
 
     Raises
     ------
     InputError
-        Every option whose value is not accepted.
+        Options with values that are not accepted; lists all of them.
     """
 
     max_runs: int | None = option(
@@ -42,7 +42,7 @@ class CalibrationOptions:
     )
     seed: int | None = option(
         Whole(0),
-        "Decides the design and all insertion seeds: same seed, same calibration.",
+        "Determines the design and all insertion seeds: same seed, same calibration.",
         words="1",
         example="7",
     )
@@ -60,8 +60,8 @@ class CalibrationOptions:
     )
     keep: Keep | None = option(
         Choice(get_args(Keep)),
-        'Files that stay in the folder of a finished run: all, or with "results" its record, logs '
-        "and pictures. Folders of failed runs stay whole.",
+        'Files of a finished run that are kept: all, or with "results" only its record, logs '
+        "and pictures. Folders of failed runs are kept complete.",
         words='"all"',
         example='"results"',
     )

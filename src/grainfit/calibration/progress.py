@@ -1,4 +1,4 @@
-"""What is told to whoever shows the progress of a calibration."""
+"""State of a running calibration, for progress displays."""
 
 from __future__ import annotations
 
@@ -8,25 +8,25 @@ from dataclasses import dataclass, field
 
 @dataclass(frozen=True)
 class Progress:
-    """Where a calibration stands, for whoever shows it.
+    """State of a running calibration.
 
     Parameters
     ----------
     stage : str
         ``design``, ``optimisation`` or ``verification``.
     done, running, failed : int
-        Parameter sets finished, runs under way, and parameter sets with a failed run.
+        Finished parameter sets, running runs, and parameter sets with a failed run.
     left : int
-        About how many parameter sets are still to come.
+        Estimated number of remaining parameter sets.
     seconds_left : float, optional
-        About how long that takes.
+        Estimated remaining time, s.
     best_deviation : float, optional
         Largest relative deviation from a target in the best run so far.
     notices : tuple of str
-        What the user should know by now.
+        Notices for the user.
     warm_start_runs : mapping of str to int
-        Number of runs that were made before it and that it learns from, by where they came from;
-        the empty text stands for the work folder itself.
+        Number of earlier runs used for the warm start, by their source; the empty text is the work
+        folder itself.
     """
 
     stage: str

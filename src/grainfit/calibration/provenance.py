@@ -1,4 +1,4 @@
-"""Where a calibration comes from: kept with its runs, so that a report can say how to repeat it."""
+"""Origin of a calibration, stored with its runs, so that a report can say how to repeat it."""
 
 from __future__ import annotations
 
@@ -9,18 +9,18 @@ from typing import Any
 
 @dataclass(frozen=True)
 class Provenance:
-    """The file that a calibration was started from, and what it says of the material.
+    """The calibration file and its values for the material.
 
-    Nothing of it changes what is simulated.
+    It does not influence the simulations.
 
     Parameters
     ----------
     file, text : str
-        Name of the calibration file, without its folder, and what stood in it.
+        Name of the calibration file, without its folder, and its content.
     fixed : mapping of str to float
         Parameters that are not free, by name, in SI units.
     units : mapping of str to str
-        SI units of parameters, where they have one.
+        SI units of the parameters that have one.
     """
 
     file: str = ""
@@ -30,7 +30,7 @@ class Provenance:
 
     @classmethod
     def from_json(cls, data: Mapping[str, Any]) -> Provenance:
-        """Read what was kept; what an older version did not keep is empty."""
+        """Read stored data; values that an older version did not store are empty."""
         return cls(
             file=str(data.get("file", "")),
             text=str(data.get("text", "")),

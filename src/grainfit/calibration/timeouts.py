@@ -1,4 +1,4 @@
-"""Time-outs of runs: no solver that hangs may stop a calibration for ever."""
+"""Default time-outs of runs, so that a solver that hangs does not block a calibration."""
 
 from __future__ import annotations
 
@@ -9,9 +9,9 @@ from grainfit.solvers.base import Solver
 
 
 def default_timeouts(problem: Problem, solvers: Mapping[str, Solver]) -> dict[str, float]:
-    """Return the longest wall time of a run by name of the test, s, where it can be known.
+    """Return the default time-outs by name of the test, s, of solvers that have one.
 
-    It is that of a run in the middle of the intervals, with much patience.
+    They are generous, and estimated for a run at the centre of the intervals.
     """
     middle = problem.from_unit([0.5] * problem.dimension)
     timeouts = {test: solver.default_timeout(middle) for test, solver in solvers.items()}

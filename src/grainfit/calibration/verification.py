@@ -1,4 +1,4 @@
-"""Verification: what the answer really gives, by fresh seeds that nothing was fitted to."""
+"""Verify an answer by runs with fresh seeds, to which nothing was fitted."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ from grainfit.metamodels.kriging import NORMAL_QUANTILE
 from grainfit.problem import Problem, Target
 from grainfit.strategies.answer import Answer
 
-#: Fresh seeds in a round of verification, at least.
+#: Smallest default number of fresh seeds in a round of verification.
 VERIFICATION_RUNS = 5
-#: Most rounds of verification runs at one answer.
+#: Largest number of rounds of verification at one answer.
 ROUNDS = 4
 
 
 def usual_verification_runs(workers: int) -> int:
-    """Fresh seeds in a round where the user does not say: five, and no few workers left idle.
+    """Return the default number of fresh seeds in a round: 5, or 6 or 8 to leave no worker idle.
 
     Examples
     --------
@@ -55,28 +55,28 @@ class Verified:
         return abs(self.mean - target.value) <= target.tolerance
 
     def is_marginally_met(self, target: Target) -> bool:
-        """Whether the mean is inside, but could be outside as far as the runs can tell."""
+        """Whether the mean is inside the tolerance, but its 95 % interval is not."""
         deviation = abs(self.mean - target.value)
         return deviation <= target.tolerance < deviation + self.half_width
 
     def is_marginally_missed(self, target: Target) -> bool:
-        """Whether the mean is outside, but could be inside as far as the runs can tell."""
+        """Whether the mean is outside the tolerance, but its 95 % interval reaches inside."""
         deviation = abs(self.mean - target.value)
         return target.tolerance < deviation <= target.tolerance + self.half_width
 
 
 @dataclass(frozen=True)
 class Contradiction:
-    """A target that the verification runs meet, but do not settle, and all runs together miss.
+    """A target that the verification runs meet marginally, and that all runs together miss.
 
     Parameters
     ----------
     target : Target
-        What was measured.
+        The target.
     verified : Verified
-        What the verification runs give; their interval reaches beyond the tolerance.
+        Mean of the verification runs; its interval reaches beyond the tolerance.
     expected, standard_error : float
-        Response at the answer by the metamodel of all runs, those of the verification included.
+        Response at the answer by the metamodel of all runs, including those of the verification.
     """
 
     target: Target
@@ -101,7 +101,7 @@ def _interval(middle: float, half_width: float) -> str:
 
 
 def verified_responses(problem: Problem, runs: Iterable[Evaluation]) -> dict[str, Verified]:
-    """Means of the responses that at least two verification runs yielded."""
+    """Return the means of the responses that at least two verification runs gave."""
     known = list(runs)
     found = {}
     for target in problem.targets:
@@ -112,7 +112,7 @@ def verified_responses(problem: Problem, runs: Iterable[Evaluation]) -> dict[str
 
 
 def mean_with_interval(values: Sequence[float]) -> Verified:
-    """Mean, standard error and 95 % confidence interval of at least two values."""
+    """Return mean, standard error and 95 % confidence interval of at least two values."""
     error = stdev(values) / sqrt(len(values))
     quantile = float(student_t.ppf(0.975, len(values) - 1))
     return Verified(fmean(values), error, quantile * error)
@@ -123,7 +123,7 @@ def meets_targets(
     verified: Mapping[str, Verified],
     contradicted: Sequence[Contradiction] = (),
 ) -> bool:
-    """Whether every target is verified and met within tolerance, and none in doubt."""
+    """Return True if every target is verified and met within tolerance, and none in doubt."""
     return not contradicted and all(
         target.name in verified and verified[target.name].is_met(target)
         for target in problem.targets
@@ -131,7 +131,7 @@ def meets_targets(
 
 
 def marginally_met(problem: Problem, verified: Mapping[str, Verified]) -> list[Target]:
-    """Targets that the verification runs meet, but not with their whole 95 % interval."""
+    """Return targets that the verification runs meet, but not with their whole 95 % interval."""
     return [
         target
         for target in problem.targets
@@ -142,19 +142,19 @@ def marginally_met(problem: Problem, verified: Mapping[str, Verified]) -> list[T
 def contradictions(
     problem: Problem, verified: Mapping[str, Verified], known: Answer
 ) -> list[Contradiction]:
-    """Targets that the verification runs meet, but do not settle, and all runs together miss.
+    """Return the targets that the verification runs meet marginally, and all runs together miss.
 
-    An answer that is verified anew until it passes does so by luck in the end; and of many
-    calibrations, some pass by luck at once. The runs of the search are evidence too.
+    An answer that is verified repeatedly until it passes finally passes by chance, and some pass
+    by chance the first time. The runs of the search are evidence, too.
 
     Parameters
     ----------
     problem : Problem
-        What is calibrated.
+        The calibration problem.
     verified : mapping of str to Verified
-        What the verification runs give.
+        Means of the verification runs.
     known : Answer
-        What all runs together say of the same parameter set.
+        Answer of all runs together at the same parameter set.
     """
     return [
         Contradiction(
@@ -173,10 +173,10 @@ def needs_more_runs(
     verified: Mapping[str, Verified],
     contradicted: Sequence[Contradiction] = (),
 ) -> bool:
-    """Whether further seeds could still turn the verdict.
+    """Return True if further seeds could change the outcome.
 
-    That is so when some target is missed by less than the runs can tell, or met by less than they
-    can tell while all runs together miss it; and none is missed clearly.
+    That is so if a target is missed marginally, or is met marginally while all runs together miss
+    it, and no target is missed clearly.
     """
     missed = [
         target

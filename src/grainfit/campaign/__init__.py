@@ -1,1 +1,1 @@
-"""A campaign makes DEM runs and never loses one: identity, store, runner."""
+"""Execute DEM runs, store them, and reuse them by identity."""

@@ -1,4 +1,4 @@
-"""Makes the runs that a strategy proposes, several at a time, and never makes one twice."""
+"""Execute the runs that a strategy proposes, several at a time, and each of them only once."""
 
 from __future__ import annotations
 
@@ -25,31 +25,31 @@ from grainfit.evaluation import Evaluation, Proposal, response_name
 from grainfit.run_definition import RunDefinition
 from grainfit.solvers.base import Solver
 
-#: How long to wait before a run is tried again when the machine, not the simulation, is at fault,
-#: s: what is short for a moment, such as memory or a licence, may be there a little later.
+#: Pauses before a run that failed because of the machine, not the simulation, is tried again, s:
+#: memory or a licence that is missing now may be available a little later.
 RETRY_PAUSES = (1.0, 10.0)
 _POLL_SECONDS = 0.25
-#: How often a shared store is asked for runs that others make, s.
+#: Interval at which a shared store is asked for runs of other processes, s.
 _SHARED_POLL_SECONDS = 1.0
 
 
 @dataclass(frozen=True)
 class CampaignOptions:
-    """How runs are made.
+    """Options for executing runs.
 
     Parameters
     ----------
     workers : int
-        How many runs happen at a time.
+        Number of runs at a time.
     timeouts : mapping of str to float
         Longest wall time of one run, s, by name of the test.
     executor : concurrent.futures.Executor, optional
-        What makes the runs; threads that wait for solver processes by default. Its workers must see
-        the work folder by the same path. It is not shut down.
+        Executor of the runs; by default threads that wait for solver processes. Its workers must
+        see the work folder at the same path. It is not shut down.
     keep : {"all", "results"}
-        What stays of a run's folder.
+        Files of a run folder that are kept.
     retry_pauses : sequence of float
-        How long to wait before each further try when the machine is at fault, s.
+        Pause before each further attempt after a failure of the machine, s.
     """
 
     workers: int = 1
@@ -61,10 +61,10 @@ class CampaignOptions:
 
 @dataclass
 class _Pending:
-    """A proposal of which some runs have not ended."""
+    """A proposal with runs that have not ended."""
 
     proposal: Proposal
-    #: Names of the tests that wait for a run, by the run's identity.
+    #: Names of the tests that wait for a run, by the identity of the run.
     waiting: dict[str, list[str]] = field(default_factory=dict)
     records: dict[str, RunRecord] = field(default_factory=dict)
     reused: int = 0
@@ -79,13 +79,13 @@ class Campaign:
     solvers : mapping of str to Solver
         By name of the test.
     store : RunStore
-        Where finished runs are found and kept; nobody else writes to it.
+        Store of finished runs; no other process writes to it.
     folder : Path or None
-        The work folder; None when nothing on disk is to be kept.
+        The work folder; None keeps nothing on disk.
     options : CampaignOptions
-        How runs are made.
+        Options for executing runs.
     shared : SharedRuns, optional
-        Where runs of other processes are found, and those made here are given to them.
+        Store through which runs are exchanged with other processes.
     """
 
     def __init__(
@@ -120,7 +120,7 @@ class Campaign:
 
     @property
     def tests(self) -> int:
-        """Number of DEM runs that a proposal takes."""
+        """Number of DEM runs per proposal."""
         return len(self._solvers)
 
     @property
@@ -129,7 +129,7 @@ class Campaign:
         return self._solvers
 
     def identities(self, proposal: Proposal) -> dict[str, str]:
-        """Identity of the run of a proposal by name of the test."""
+        """Identities of the runs of a proposal, by name of the test."""
         return {test: run.identity for test, run in self._definitions(proposal).items()}
 
     def _definitions(self, proposal: Proposal) -> dict[str, RunDefinition]:
@@ -140,7 +140,7 @@ class Campaign:
 
     @property
     def has_free_worker(self) -> bool:
-        """Whether another run could start at once."""
+        """Whether another run can start now."""
         return len(self._under_way) < self._options.workers
 
     @property
@@ -150,16 +150,16 @@ class Campaign:
 
     @property
     def has_pending(self) -> bool:
-        """Whether there are proposals that `wait` has not returned."""
+        """Whether there are proposals that `wait` has not returned yet."""
         return bool(self._pending)
 
     @property
     def has_complete(self) -> bool:
-        """Whether `wait` would return at once."""
+        """Whether `wait` returns immediately."""
         return any(not entry.waiting for entry in self._pending)
 
     def fetch(self, identities: Collection[str]) -> None:
-        """Read runs that will be asked for, all at once: many at a time are read much faster."""
+        """Read runs that will be needed in one query, which is much faster than one by one."""
         self._fetched.update(self._store.find_many(identities))
 
     def start(
@@ -170,10 +170,10 @@ class Campaign:
         Parameters
         ----------
         proposal : Proposal
-            What is asked for.
+            The parameter values and the seed.
         note : callable, optional
-            Told the identities of its runs by test, before any of them starts: a worker that
-            outlives this process may finish one that nobody knew of otherwise.
+            Called with the identities of its runs by test before any of them starts: a worker may
+            outlive this process and finish a run that would otherwise be unknown.
         """
         entry = _Pending(proposal)
         definitions = self._definitions(proposal)
@@ -206,7 +206,7 @@ class Campaign:
         )
 
     def _find(self, identity: str, solver: Solver) -> RunRecord | None:
-        """Find a run that need not be made, here or in the shared store."""
+        """Find a run with a final outcome, here or in the shared store."""
         known = self._fetched.pop(identity, None) or self._store.find(identity)
         if known is not None and _is_final(known, solver):
             return known
@@ -222,9 +222,9 @@ class Campaign:
         return None
 
     def wait(self, poll: Callable[[], None] | None = None) -> list[Evaluation]:
-        """Return the proposals that are complete, waiting until there is at least one.
+        """Wait until at least one proposal is complete, and return all that are.
 
-        ``poll`` is called a few times a second meanwhile, to redraw progress.
+        Meanwhile ``poll`` is called a few times per second, to redraw the progress.
         """
         if not self._pending:
             raise RuntimeError("nothing has been started that could be waited for")
@@ -247,7 +247,7 @@ class Campaign:
         ]
 
     def forget_failures(self, evaluations: Iterable[Evaluation]) -> None:
-        """Let failed runs be made again at the next start: what made them fail may be mended."""
+        """Let failed runs be repeated at the next start: the cause may be fixed by then."""
         for evaluation in evaluations:
             for test in evaluation.failures:
                 self._store.forget(evaluation.runs[test])
@@ -255,23 +255,23 @@ class Campaign:
                     self._shared.forget(evaluation.runs[test])
 
     def cancel(self) -> None:
-        """End the runs under way; what has finished stays."""
+        """End the pending runs; finished runs are kept."""
         self._cancelled.set()
         for future in list(self._futures.values()):
             future.cancel()
         if self._owns_executor:
-            # In-process functions cannot be ended from outside and must not hold up the user.
+            # Functions in this process cannot be ended from outside; do not make the user wait.
             waits = all(solver.uses_folder for solver in self._solvers.values())
             self._executor.shutdown(wait=waits, cancel_futures=True)
         workdir.discard_partial_folders(self._folder, self._under_way)
-        # What cannot be noted now, on a full disk for example, the next start puts in order.
+        # If this fails, for example on a full disk, the next start cleans up.
         with suppress(StoreError):
             for identity, known in self._store.find_many(self._under_way).items():
                 if known.status == "running":
                     self._store.forget(identity)
 
     def close(self) -> None:
-        """Release threads and temporary folders."""
+        """Release the threads and the temporary folder."""
         if self._owns_executor:
             self._executor.shutdown(wait=not self._cancelled.is_set())
         self._reserve.close()
@@ -295,20 +295,20 @@ class Campaign:
         identity = task.record.identity
         self._tries[identity] = self._tries.get(identity, 0) + 1
         executor = self._executor
-        # Other processes cannot be sent an event; they look for the folder of their run.
+        # An event cannot be sent to other processes; they check the folder of their run.
         cancelled = [self._cancelled] if isinstance(executor, ThreadPoolExecutor) else []
         try:
             future = executor.submit(execute, task, *cancelled)
         except (BrokenExecutor, RuntimeError) as error:
             raise ExecutorError(
                 f"the executor takes no more runs: {error or type(error).__name__}. Finished runs "
-                "are kept; start again to go on."
+                "are kept; start again to continue."
             ) from error
         self._futures[identity] = future
         future.add_done_callback(lambda done: self._note_end(task, done))
 
     def _note_end(self, task: RunTask, future: Future[RunRecord]) -> None:
-        """Make the outcome safe before anybody hears of it; called in any thread."""
+        """Store the outcome before it is reported; called from any thread."""
         try:
             outcome = self._outcome(task, future)
             if outcome is None:
@@ -325,16 +325,16 @@ class Campaign:
         except CancelledError:
             return None
         except ExecutorError:
-            # There is nobody left who could make a run.
+            # No worker is left.
             raise
         except (PicklingError, AttributeError, TypeError) as error:
-            # A run raises none of these: it is the task that could not be sent.
+            # `execute` raises none of these: the task could not be sent.
             raise ExecutorError(
                 f"a run cannot be sent to another process: {error}. Give a function that is "
                 "defined at the top of a module, or use threads."
             ) from error
         except Exception as error:
-            # A worker that dies, or whose job is ended, takes only the run along that it made.
+            # When a worker dies or its job is ended, only its current run is lost.
             reason = f"the worker was lost: {type(error).__name__}: {error}"
             outcome = replace(failed_record(task.record, reason, "machine"), ended=time.time())
         if outcome.status == "failed" and (self._cancelled.is_set() or outcome.kind == "cancelled"):
@@ -345,7 +345,7 @@ class Campaign:
         try:
             self._store.save(outcome)
         except StoreError:
-            # Mostly the disk is full: room was set aside for what is finished by now.
+            # Usually the disk is full: the reserve is for the runs that have finished by now.
             self._reserve.release()
             self._store.save(outcome)
             raise
@@ -357,10 +357,10 @@ class Campaign:
         return outcome.kind == "machine" and tries <= len(self._options.retry_pauses)
 
     def _receive(self, record: RunRecord) -> None:
-        """Take a run that has ended: hand it on, or try it again later."""
+        """Receive a run that has ended: pass it on, or schedule another attempt."""
         self._futures.pop(record.identity, None)
         if self._is_to_be_tried_again(record):
-            # A worker that was lost may have left a solver behind.
+            # A lost worker may have left a running solver.
             workdir.discard_partial_folders(self._folder, [record.identity])
             pause = self._options.retry_pauses[self._tries[record.identity] - 1]
             self._postponed.append((time.monotonic() + pause, self._under_way[record.identity]))
@@ -381,7 +381,7 @@ class Campaign:
             self._submit(task)
 
     def _look_elsewhere(self) -> None:
-        """See what has become of runs that other processes make."""
+        """Check the runs that other processes execute."""
         now = time.monotonic()
         if self._shared is None or now - self._looked_elsewhere < _SHARED_POLL_SECONDS:
             return
@@ -399,9 +399,9 @@ class Campaign:
 
 
 def _is_final(record: RunRecord, solver: Solver) -> bool:
-    """Whether it would be a waste to make the run again."""
+    """Return True if there is no reason to repeat the run."""
     if record.status == "finished":
-        # An own model may yield a response now that it did not yield then.
+        # A custom model may return a response now that it did not return then.
         return set(solver.response_names or ()) <= record.responses.keys()
     return record.status == "failed" and not record.may_succeed_next_time
 
@@ -412,18 +412,18 @@ def evaluation_of(
     reused: int = 0,
     reused_seconds: float = 0.0,
 ) -> Evaluation:
-    """Put together what came of a proposal.
+    """Build the evaluation of a proposal from its runs.
 
     Parameters
     ----------
     proposal : Proposal
-        What was asked for.
+        The proposal.
     records : mapping of str to RunRecord
         Its runs by name of the test.
     reused : int
-        How many of them were known already.
+        Number of runs that were already known.
     reused_seconds : float
-        Sum of the wall times of those, s.
+        Sum of the wall times of the known runs, s.
     """
     responses = {
         response_name(test, name, len(records)): response

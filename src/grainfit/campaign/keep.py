@@ -1,6 +1,6 @@
-"""Files that stay of a finished run."""
+"""Files of a finished run that are kept."""
 
 from typing import Literal
 
-#: All files of its folder, or its record, logs and pictures.
+#: All files of its folder, or only its record, logs and pictures.
 Keep = Literal["all", "results"]

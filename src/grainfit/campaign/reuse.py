@@ -1,8 +1,8 @@
 """Find stored runs that can be reused for a problem.
 
-A run's definition holds all that decides its outcome. So a run that has the model of a solver of
-the problem, and the problem's values of all parameters that are not free, *is* a run of that
-problem: of a calibration with other targets, other intervals or another strategy, or of none.
+The definition of a run holds everything that determines its outcome. A run therefore belongs to a
+problem if it has the model of one of its solvers and the problem's values of all parameters that
+are not free. The calibration that asked for it may have had other targets, intervals or strategy.
 """
 
 from __future__ import annotations
@@ -26,22 +26,22 @@ from grainfit.run_definition import identity_of
 from grainfit.solvers.base import Solver
 
 _Path = tuple[str | int, ...]
-#: Most runs of others that a calibration learns from: the effort of metamodels grows with the cube.
+#: Largest number of runs for a warm start: the effort of metamodels grows with its cube.
 MOST_RUNS = 150
 
 
 class RunMatcher:
-    """Finds values of the free parameters and the seed of runs of a solver.
+    """Recognise stored runs of a solver, and return their free parameters and seed.
 
-    A run fits when its model is the solver's and all parameters that are not free have the values
-    of the problem.
+    A run matches when it has the model of the solver and the problem's values of all parameters
+    that are not free.
 
     Parameters
     ----------
     solver : Solver
-        Whose runs are to be found.
+        The solver of the runs.
     problem : Problem
-        Names the free parameters.
+        The problem, with the free parameters.
 
     Raises
     ------
@@ -59,7 +59,7 @@ class RunMatcher:
         self.model_hash = sample.model_hash
 
     def match(self, record: RunRecord) -> tuple[dict[str, float], int] | None:
-        """Return values and seed of a run; None when it is not a run of this solver and problem.
+        """Return the values and the seed of a run; None if it does not match.
 
         The values are those of the parameters that the solver takes.
         """
@@ -74,7 +74,7 @@ class RunMatcher:
 
 
 def models_of(solvers: Mapping[str, Solver]) -> set[str]:
-    """Return the hashes of the solvers' models; empty where a solver cannot be used."""
+    """Return the hashes of the solvers' models; an empty set if a solver cannot be used."""
     try:
         return {identity_of(solver.model()) for solver in solvers.values()}
     except GrainfitError:
@@ -84,7 +84,7 @@ def models_of(solvers: Mapping[str, Solver]) -> set[str]:
 def runs_of(
     problem: Problem, solvers: Mapping[str, Solver], records: Iterable[RunRecord]
 ) -> list[Evaluation]:
-    """Return the runs of a problem among others, those of all tests at a point together.
+    """Return the stored runs of a problem, joined to one evaluation per point.
 
     Parameters
     ----------
@@ -93,7 +93,7 @@ def runs_of(
     solvers : mapping of str to Solver
         By name of the test.
     records : iterable of RunRecord
-        Finished and failed ones are taken, except those that failed by the machine or by time.
+        Stored runs. Unfinished runs, and failures by the machine or by timeout, are skipped.
 
     Returns
     -------
@@ -126,7 +126,7 @@ def runs_of(
 
 @dataclass(frozen=True)
 class _Point:
-    """Values of some parameters and a seed, with the runs that were made there by test."""
+    """Values of some parameters and a seed, with the runs there by test."""
 
     values: Mapping[str, float]
     seed: int
@@ -156,7 +156,7 @@ def _together(points: list[_Point], others: list[_Point]) -> list[_Point]:
 
 
 def is_run_of(problem: Problem, solvers: Mapping[str, Solver]) -> Callable[[RunRecord], bool]:
-    """Return what tells whether a run is one of a problem, of any of its tests."""
+    """Return a predicate that is True for runs of any test of a problem."""
     try:
         matchers = [RunMatcher(solver, problem) for solver in solvers.values()]
     except GrainfitError:
@@ -167,16 +167,16 @@ def is_run_of(problem: Problem, solvers: Mapping[str, Solver]) -> Callable[[RunR
 def most_telling(
     problem: Problem, evaluations: Sequence[Evaluation], most: int = MOST_RUNS
 ) -> list[Evaluation]:
-    """Return a bearable number of evaluations: those nearest the targets, and some of the others.
+    """Select a limited number of evaluations: the nearest to the targets, and some of the others.
 
     Parameters
     ----------
     problem : Problem
-        Has the targets.
+        The problem, with the targets.
     evaluations : sequence of Evaluation
-        Those that failed tell where runs fail, and count as farthest from the targets.
+        Evaluations, also failed ones, which count as farthest from the targets.
     most : int
-        How many.
+        Largest number of evaluations to return.
     """
     if len(evaluations) <= most:
         return list(evaluations)
@@ -206,18 +206,18 @@ def _is_inside(problem: Problem, values: Mapping[str, float]) -> bool:
 def take_runs(
     other: RunStore, problem: Problem, solvers: Mapping[str, Solver], store: RunStore
 ) -> int:
-    """Copy those runs of another store that are runs of a problem; return how many were new.
+    """Copy the runs of a problem from another store; return the number of new runs.
 
     Parameters
     ----------
     other : RunStore
-        Is only read.
+        Store to read from.
     problem : Problem
-        What is calibrated.
+        The calibration problem.
     solvers : mapping of str to Solver
         By name of the test.
     store : RunStore
-        Where the copies go.
+        Store to copy to.
     """
     there = store.states()
     fitting = is_run_of(problem, solvers)
@@ -232,14 +232,14 @@ def take_runs(
 
 @contextmanager
 def open_source(source: str | Path, key: str = "runs_from") -> Iterator[RunStore]:
-    """Open the store of a work folder, or one at an address, to read.
+    """Open the store of a work folder, or the store at an address, for reading.
 
     Parameters
     ----------
     source : path or str
         A work folder, or the address of a store.
     key : str
-        What a fault is said to be of.
+        Key that a fault names.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""One run of every test, outside a calibration."""
+"""Run every test once, outside a calibration."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ def simulate_once(
     timeouts: Mapping[str, float] | None = None,
     keep: Keep = "all",
 ) -> tuple[Evaluation, dict[str, Path]]:
-    """Make one run of every test, or find it in the folder's store.
+    """Run every test once, or find the run in the store of the folder.
 
     Parameters
     ----------
@@ -32,11 +32,11 @@ def simulate_once(
     seed : int
         Insertion seed.
     folder : Path
-        Work folder, the same as of a calibration.
+        Work folder; it may be that of a calibration.
     timeouts : mapping of str to float, optional
         Longest wall time by name of the test, s.
     keep : {"all", "results"}
-        What stays of the run's folder.
+        Files of a run folder that are kept.
 
     Returns
     -------

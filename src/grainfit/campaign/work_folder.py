@@ -1,8 +1,8 @@
-"""The work folder of a calibration: who holds it, where runs happen, what is kept of them.
+"""The work folder of a calibration: its lock, the run folders, and the files that are kept.
 
-A run happens in ``runs/IDENTITY.ATTEMPT.partial``. When it has ended, its record is written beside
-the solver's files as ``run.json`` and the folder is renamed to ``runs/IDENTITY``: a folder of that
-name is always whole, and the store can be made anew from the folders.
+A run executes in ``runs/IDENTITY.ATTEMPT.partial``. When it has ended, its record is written next
+to the solver's files as ``run.json`` and the folder is renamed to ``runs/IDENTITY``: a folder of
+that name is always complete, and the store can be rebuilt from the folders.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ RECORD_NAME = "run.json"
 RESULT_NAME = "result.json"
 PARTIAL_SUFFIX = ".partial"
 _KEPT_SUFFIXES = frozenset({".log", ".png", ".json"})
-#: A look at whether a folder is held takes its lock for a moment; nobody is refused for that.
+#: `is_held` takes the lock for a moment; `hold` waits that long before it refuses.
 _LOCK_SECONDS = 1.0
 _held: set[TextIO] = set()
 
@@ -40,24 +40,24 @@ def _let_go() -> None:
     _held.clear()
 
 
-# Workers of a pool are forked with all open files, and outlive a process that is killed: the lock
-# must not live on with them.
+# Workers of a pool are forked with all open files and outlive a process that is killed. They must
+# not keep the lock.
 os.register_at_fork(after_in_child=_let_go)
 
 
 def default_workdir(file: Path) -> Path:
-    """Work folder of a calibration file when none is named."""
+    """Default work folder of a calibration file."""
     return Path(f"{file.stem}.grainfit")
 
 
 @contextmanager
 def hold(folder: Path) -> Iterator[None]:
-    """Hold a work folder for this process alone.
+    """Lock a work folder for this process.
 
     Raises
     ------
     StoreError
-        The folder cannot be made or written, or another process holds it.
+        The folder cannot be created or written, or another process uses it.
     """
     path = folder / "lock"
     try:
@@ -84,7 +84,7 @@ def hold(folder: Path) -> Iterator[None]:
 
 
 def _sign(file: TextIO) -> None:
-    """Write down who holds the folder; the lock counts, so that a full disk is no hindrance."""
+    """Write this process's id into the lock file; errors do not matter, only the lock counts."""
     with suppress(OSError):
         os.ftruncate(file.fileno(), 0)
         os.write(file.fileno(), f"{os.getpid()}\n".encode())
@@ -108,7 +108,7 @@ def _lock(file: TextIO, folder: Path) -> bool:
 
 
 def is_held(folder: Path) -> bool:
-    """Return whether a process is at work in the folder now."""
+    """Return True if a process uses the folder now."""
     try:
         with (folder / "lock").open("r", encoding="utf-8") as file:
             fcntl.flock(file, fcntl.LOCK_SH | fcntl.LOCK_NB)
@@ -120,17 +120,17 @@ def is_held(folder: Path) -> bool:
 
 
 def recover(folder: Path, store: RunStore) -> None:
-    """Put in order what a killed process left: end its solvers, keep every finished run."""
+    """Clean up after a killed process: end its solvers, keep every finished run."""
     store.forget_running()
     runs = folder / "runs"
     for path in runs.glob(f"*{PARTIAL_SUFFIX}"):
         end_orphan(path)
         shutil.rmtree(path, ignore_errors=True)
-    # A worker that has outlived its process may have finished its run up to now, but not later.
+    # A worker that outlived its process may have finished its run until now, but not later.
     states = store.states()
     unknown = [path for path in sorted(runs.iterdir()) if states.get(path.name) != "finished"]
     records = {path.name: read_record(path) for path in unknown}
-    # Failures that the store has forgotten are to be made again.
+    # Failed runs that the store has forgotten are to be repeated.
     store.save_many(
         record
         for name, record in records.items()
@@ -139,7 +139,7 @@ def recover(folder: Path, store: RunStore) -> None:
 
 
 def read_record(folder: Path) -> RunRecord | None:
-    """Read the record kept in a run folder; None when there is none or it is damaged."""
+    """Read the record of a run folder; None when it is missing or damaged."""
     try:
         data = json.loads((folder / RECORD_NAME).read_text(encoding="utf-8"))
         return RunRecord.from_json(data)
@@ -153,23 +153,23 @@ def run_folder(folder: Path, identity: str) -> Path:
 
 
 def open_run_folder(folder: Path, identity: str) -> Path:
-    """Make a fresh folder for a run to happen in.
+    """Create a new folder in which a run executes.
 
-    Every attempt has one of its own: a worker that lives on after the process that sent it has died
-    must not write among the files of its successor.
+    Every attempt has its own folder: a worker that outlives the process that started it must not
+    write into the folder of the next attempt.
     """
     partial = folder / "runs" / f"{identity}.{secrets.token_hex(4)}{PARTIAL_SUFFIX}"
-    # A work folder that was removed must not come to life again, without its store.
+    # A work folder that was removed must not be created again without its store.
     partial.parent.mkdir(exist_ok=True)
     partial.mkdir()
     return partial
 
 
 def close_run_folder(partial: Path, final: Path, record: RunRecord, keep: Keep = "all") -> None:
-    """Keep the folder of a run that has ended, with its record in it."""
+    """Write the record of an ended run into its folder, and give the folder its final name."""
     write_atomically(partial / RECORD_NAME, json.dumps(record.to_json(), indent=1))
     if _is_as_good(read_record(final), record):
-        # Another worker has made the same run meanwhile; what is finished is never removed.
+        # Another worker has finished the same run meanwhile; finished runs are never removed.
         shutil.rmtree(partial, ignore_errors=True)
         return
     shutil.rmtree(final, ignore_errors=True)
@@ -180,7 +180,7 @@ def close_run_folder(partial: Path, final: Path, record: RunRecord, keep: Keep =
             raise
         shutil.rmtree(partial, ignore_errors=True)
     if keep == "results" and record.status == "finished":
-        # Only now: to remove many files takes a while, in which the run could be lost.
+        # Last, because removing many files takes a while, in which the run could be lost.
         with suppress(OSError):
             prune_run_folder(final)
 
@@ -192,13 +192,13 @@ def _is_as_good(kept: RunRecord | None, record: RunRecord) -> bool:
 
 
 def discard_partial_folders(folder: Path, identities: Iterable[str]) -> None:
-    """End the solvers of runs that have not ended, as far as they are here; remove the folders.
+    """End the solvers of unfinished runs on this machine, and remove the run folders.
 
-    Workers elsewhere notice that their folder is gone, and end.
+    Workers on other machines notice that their folder is gone, and end.
     """
     for identity in identities:
         for partial in (folder / "runs").glob(f"{identity}.*{PARTIAL_SUFFIX}"):
-            # First of all out of the worker's reach, who would keep what it takes for a failed run.
+            # Rename it first: the worker would otherwise store the stopped run as failed.
             gone = partial.with_name(f"{secrets.token_hex(8)}{PARTIAL_SUFFIX}")
             with suppress(OSError):
                 partial.rename(gone)
@@ -207,7 +207,7 @@ def discard_partial_folders(folder: Path, identities: Iterable[str]) -> None:
 
 
 def prune_run_folder(folder: Path) -> int:
-    """Remove what a solver read and wrote, and keep record, logs, and pictures; return bytes freed.
+    """Remove all files except record, logs and pictures; return the number of bytes freed.
 
     Links are removed, never followed.
     """

@@ -1,8 +1,8 @@
-"""One run, as a worker makes it: in this process, in another one, or on another machine.
+"""Execute one run: in this process, in another one, or on another machine.
 
-A task holds all that a worker needs, and the record that comes back all that came of it. A worker
-knows neither the store nor the strategy. What it leaves in the work folder is whole or not there,
-so that a run is kept even when nobody is left to be told.
+A task holds everything that a worker needs; the returned record holds the complete outcome. A
+worker knows neither the store nor the strategy. The run folder that it leaves is complete or
+absent, so that a run is kept even if the process that started it has died.
 """
 
 from __future__ import annotations
@@ -29,14 +29,14 @@ _TAIL_CHARACTERS = 2000
 
 @dataclass(frozen=True)
 class RunTask:
-    """All that a worker needs to make one run.
+    """Input of a worker for one run.
 
     Parameters
     ----------
     record : RunRecord
         The run, with status ``running``.
     solver : Solver
-        Makes it.
+        Solver that executes the run.
     parameters : mapping of str to float
         Values of the free parameters.
     seed : int
@@ -46,7 +46,7 @@ class RunTask:
     timeout : float, optional
         Longest wall time, s.
     keep : {"all", "results"}
-        What stays of the run's folder.
+        Files of the run folder that are kept.
     """
 
     record: RunRecord
@@ -59,15 +59,15 @@ class RunTask:
 
 
 def execute(task: RunTask, cancelled: threading.Event | None = None) -> RunRecord:
-    """Make one run; never raises an exception of the run's own.
+    """Execute one run. A failure of the run is returned in the record, not raised.
 
     Parameters
     ----------
     task : RunTask
-        What to make.
+        The run.
     cancelled : threading.Event, optional
-        Set when the user stops the calibration. Where workers are other processes there is none:
-        they notice that the folder of their run has been removed.
+        Set when the user stops the calibration. Workers in other processes have none: they notice
+        that the folder of their run has been removed.
 
     Returns
     -------
@@ -93,7 +93,7 @@ def execute(task: RunTask, cancelled: threading.Event | None = None) -> RunRecor
 
 
 def _put_away(task: RunTask, partial: Path, outcome: RunRecord) -> RunRecord:
-    """Keep the folder of a run; without room for its record, the run still has its responses."""
+    """Keep the folder of a run. If the disk is full, the run still has its responses."""
     if outcome.kind == "cancelled":
         shutil.rmtree(partial, ignore_errors=True)
         return outcome
@@ -103,7 +103,7 @@ def _put_away(task: RunTask, partial: Path, outcome: RunRecord) -> RunRecord:
         if outcome.status == "failed":
             return outcome
         if not partial.exists():
-            # Whoever removed it did not want the run, and what was measured may be of a part.
+            # The run was discarded, and its responses may be those of incomplete files.
             reason = "the folder of the run was removed while it ran"
             return replace(outcome, status="failed", responses={}, reason=reason, kind="machine")
         return replace(outcome, log_tail=f"the run's folder could not be kept: {error}")
@@ -122,7 +122,7 @@ def _failed(record: RunRecord, error: Exception) -> RunRecord:
 
 
 def failed_record(record: RunRecord, reason: str, kind: str, log_tail: str = "") -> RunRecord:
-    """Return the record of a run that gave no responses, with a reason of one line."""
+    """Return the record of a failed run, with a reason of one line."""
     one_line = " ".join(reason.split())
     return replace(record, status="failed", reason=one_line, kind=kind, log_tail=log_tail)
 

@@ -1,6 +1,6 @@
-"""Solvers: DEM programs and models of the user, all behind `grainfit.solvers.base.Solver`.
+"""Solvers: DEM programs and custom models, all with the interface `grainfit.solvers.base.Solver`.
 
-``grainfit.solvers.Lammps(test, material)`` and its like are imported when they are first used.
+Classes such as ``grainfit.solvers.Lammps`` are imported when they are first used.
 """
 
 from importlib import import_module

@@ -1,14 +1,14 @@
-"""The one small interface behind which every simulated experiment stands.
+"""Interface of all solvers.
 
-A *solver* turns values of the free parameters and a seed into responses. Its life is short:
+A *solver* turns values of the free parameters and a seed into responses. Its life cycle:
 
-1. it is made once per test of a calibration and is immutable from then on;
-2. `Solver.check` is called once, before anything is run, and says in words what is missing;
-3. `Solver.definition` is called for every run that is wanted. It puts together the `Solver.model`,
-   the parameters and the seed: all that decides the run's outcome. Its hash is the run's identity:
-   equal definitions are the same run, and a run that is already known is never repeated;
-4. `Solver.run` is called from worker threads, several at a time, each with a folder of its own.
-   It returns the responses or raises `RunFailedError`. It keeps no state between runs.
+1. it is created once per test of a calibration and does not change afterwards;
+2. `Solver.check` is called once, before the first run, and raises an error if something is missing;
+3. `Solver.definition` is called for every run that is needed. It combines `Solver.model`, the
+   parameters and the seed: everything that determines the outcome. Its hash is the identity of the
+   run: equal definitions are the same run, and a known run is never repeated;
+4. `Solver.run` is called from worker threads, several at a time, each with its own folder. It
+   returns the responses or raises `RunFailedError`. It keeps no state between runs.
 """
 
 from __future__ import annotations
@@ -27,12 +27,12 @@ from grainfit.run_definition import RunDefinition
 
 @dataclass(frozen=True)
 class Workspace:
-    """Where and under which limits one run happens.
+    """Folder and limits of one run.
 
     Parameters
     ----------
     folder : Path
-        Exists, is empty, belongs to this run alone, and is kept (only for solvers that use one).
+        Empty folder of this run alone, which is kept (only for solvers that use one).
     timeout : float, optional
         Longest wall time, s.
     cancelled : threading.Event
@@ -45,28 +45,28 @@ class Workspace:
 
 
 class Solver(ABC):
-    """Anything that turns parameter values and a seed into responses."""
+    """Interface of solvers: turn parameter values and a seed into responses."""
 
     #: Short name shown to the user, as in the calibration file.
     name: str
-    #: Whether runs need a folder of their own; in-process functions and tables do not.
+    #: Whether runs need their own folder; in-process functions and tables do not.
     uses_folder: bool = True
 
     @property
     @abstractmethod
     def response_names(self) -> tuple[str, ...] | None:
-        """Names of the responses that a run yields; None when only a run can tell."""
+        """Names of the responses of a run; None if they are known only after a run."""
 
     @abstractmethod
     def model(self) -> Mapping[str, Any]:
-        """Return all that decides the outcome of runs besides parameters and seed, as JSON.
+        """Return everything that determines the outcome except parameters and seed, as JSON.
 
-        It is the same for all runs of the solver; one with another model makes other runs.
+        It is the same for all runs of the solver. Runs with different models are different runs.
 
         Raises
         ------
         SolverNotFoundError
-            A program of which the version is part of the model is not there.
+            A program whose version is part of the model is not found.
         """
 
     def run_parameters(self, parameters: Mapping[str, float]) -> dict[str, float]:
@@ -80,17 +80,17 @@ class Solver(ABC):
         Raises
         ------
         InputError
-            A value is missing or cannot be.
+            A value is missing or impossible.
         """
         return {name: float(value) for name, value in parameters.items()}
 
     @property
     def defaults(self) -> Mapping[str, float]:
-        """Values of parameters that need not be given; none by default."""
+        """Default values of parameters; none by default."""
         return {}
 
     def definition(self, parameters: Mapping[str, float], seed: int) -> RunDefinition:
-        """Return all that decides the outcome of this run.
+        """Return everything that determines the outcome of this run.
 
         Raises
         ------
@@ -107,41 +107,41 @@ class Solver(ABC):
     def run(
         self, parameters: Mapping[str, float], seed: int, workspace: Workspace
     ) -> dict[str, Response]:
-        """Simulate once.
+        """Run one simulation.
 
         Raises
         ------
         RunFailedError
-            The run gave no responses: why, and the tail of the log.
+            The run gave no responses; the error has the reason and the end of the log.
         """
 
     def check(self) -> None:
-        """Raise `SolverNotFoundError` or `InputError` when no run could ever succeed."""
+        """Raise `SolverNotFoundError` or `InputError` if no run can succeed."""
 
     def version(self) -> str:
-        """Version of the program behind it, for people and for the run's identity."""
+        """Return the version of the program, for display and for the identity of runs."""
         return ""
 
     def executes(self) -> tuple[str, ...]:
-        """Say what a run executes, one line for each program or function, for people.
+        """Describe what a run executes, in one line for each program or function.
 
-        Nothing is executed to find out.
+        Nothing is executed for this.
 
         Raises
         ------
         SolverNotFoundError
-            A program is not there.
+            A program is not found.
         """
         return ()
 
     def readiness(self) -> str:
-        """Say that it is ready, for people; called after `check`."""
+        """Return the message that the solver is ready; called after `check`."""
         return f"{self.name} {self.version()}".rstrip() + " is ready."
 
     def estimate_cost(self, parameters: Mapping[str, float]) -> RunCost | None:  # noqa: ARG002
-        """Estimate the cost of a run; None where it cannot be known."""
+        """Estimate the cost of a run; None if it is unknown."""
         return None
 
     def default_timeout(self, parameters: Mapping[str, float]) -> float | None:  # noqa: ARG002
-        """Wall time after which a run hangs, s; None where that cannot be known."""
+        """Return the default time-out of a run, s; None for no time-out."""
         return None

@@ -1,4 +1,4 @@
-"""A solver that gets exactly the parameters that it takes."""
+"""Pass to a solver only the parameters that it takes."""
 
 from __future__ import annotations
 
@@ -13,16 +13,16 @@ from grainfit.solvers.base import Solver, Workspace
 
 
 class ParametersFor(Solver):
-    """A solver that gets exactly the parameters that it takes.
+    """Wrapper that passes to a solver only the parameters that it takes, and fixed values.
 
     Parameters
     ----------
     solver : Solver
-        Gets them.
+        The wrapped solver.
     fixed : mapping of str to float, optional
-        Values that it gets besides those of the free parameters.
+        Values of parameters that are not free.
     takes : callable, optional
-        Whether it takes the parameter of a name; all by default.
+        Predicate: True for the names of parameters that the solver takes; by default all.
     """
 
     def __init__(
@@ -78,7 +78,7 @@ class ParametersFor(Solver):
 
     @override
     def readiness(self) -> str:
-        """Say that it is ready."""
+        """Return the message that the solver is ready."""
         return self.solver.readiness()
 
     @override
@@ -88,7 +88,7 @@ class ParametersFor(Solver):
 
     @override
     def default_timeout(self, parameters: Mapping[str, float]) -> float | None:
-        """Wall time after which a run hangs, s."""
+        """Return the default time-out of a run, s."""
         return self.solver.default_timeout(self._taken(parameters))
 
     def _taken(self, parameters: Mapping[str, float]) -> dict[str, float]:

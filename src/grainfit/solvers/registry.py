@@ -1,4 +1,4 @@
-"""Registry of solvers: DEM programs, models of the user, and the types of test they make."""
+"""Registry of solvers: DEM programs, custom models, and their types of test."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from grainfit.solvers.type_of_test import TypeOfTest
 DEM_PROGRAMS: Mapping[str, type[DeckSolver]] = {
     program.name: program for program in (Lammps, Liggghts)
 }
-#: Types of test whose runs a model of the user makes.
+#: Types of test that run a custom model.
 OWN_MODELS: tuple[TypeOfTest, ...] = (COMMAND, PYTHON, TABLE)
 
 

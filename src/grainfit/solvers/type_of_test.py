@@ -1,4 +1,4 @@
-"""Types of test in a calibration file: their keys, and how the solver of a test is made."""
+"""Types of test in a calibration file: their keys, and the creation of their solvers."""
 
 from __future__ import annotations
 
@@ -20,12 +20,12 @@ TIMEOUT_KEY = Key(
 
 @dataclass(frozen=True)
 class FileEntry:
-    """All that a calibration file says for making the solver of one test.
+    """Entries of a calibration file from which the solver of one test is created.
 
     Parameters
     ----------
     options : mapping of str to object
-        The keys of the test's type, those that were given.
+        The given keys of the type of test.
     responses : tuple of str
         Responses that have a target.
     free : tuple of str
@@ -33,7 +33,7 @@ class FileEntry:
     fixed : mapping of str to float
         Parameters that have a value.
     sizes : ParticleSizes, optional
-        Of the particles.
+        Particle sizes.
     """
 
     options: Mapping[str, Any]
@@ -50,15 +50,15 @@ class TypeOfTest:
     Parameters
     ----------
     name : str
-        The type.
+        Name of the type.
     keys : tuple of Key
-        Besides those that all tests have.
+        Keys of this type, in addition to those of all tests.
     make_solver : callable
-        Makes the solver of a test.
+        Creates the solver of a test.
     bulk_test : type, optional
-        The test that is simulated; None when a model of the user simulates.
+        The bulk test that is simulated; None for custom models.
     check : callable, optional
-        Notes what is wrong with several keys together, and may complete them.
+        Checks combinations of keys, and may complete values.
     """
 
     name: str

@@ -1,6 +1,6 @@
-"""DEM runs on a cluster: what the user says of its jobs, and an executor whose workers are in them.
+"""Execute DEM runs on a cluster: an executor whose workers are in the jobs of its scheduler.
 
-Parsl submits the jobs and hands the runs to them. It is imported only when it is used.
+Parsl submits the jobs and sends the runs to them. It is imported only when it is used.
 """
 
 from __future__ import annotations
@@ -17,17 +17,17 @@ from grainfit.campaign.cluster.options import SCHEDULERS, ClusterOptions
 from grainfit.errors import GrainfitError
 
 _INSTALL = 'Install it with: pip install "grainfit[parsl]"'
-#: The path of the work folder stands in the script of the job, which a shell reads.
+#: The path of the work folder is part of the job script, which a shell reads.
 _SAFE_PATH = re.compile(r"[A-Za-z0-9_./+@,:=-]+")
 
 
 def is_available(options: ClusterOptions) -> bool:
-    """Whether jobs can be submitted on this machine; one's own Parsl configuration must know."""
+    """Return True if jobs can be submitted here; assumed for a custom Parsl configuration."""
     return options.parsl is not None or shutil.which(SCHEDULERS[options.scheduler]) is not None
 
 
 def describe_cluster(options: ClusterOptions) -> list[str]:
-    """Say what would be submitted, in a few lines."""
+    """Describe the jobs that would be submitted, in a few lines."""
     workers = f"Cluster: {options.workers} runs at a time"
     if options.parsl is not None:
         return [f"{workers} by your own Parsl configuration."]
@@ -43,25 +43,25 @@ def describe_cluster(options: ClusterOptions) -> list[str]:
 
 
 def executed_by(options: ClusterOptions) -> list[str]:
-    """Say what of the user's is executed for the jobs, here and in them."""
+    """List the user's code that is executed for the jobs, here and in them."""
     if options.parsl is not None:
         return [f"Parsl configuration {options.parsl}, on this machine"]
     return [f"by the shell of every job: {line}" for line in options.setup]
 
 
 def missing_scheduler(options: ClusterOptions) -> str:
-    """Say that there is no scheduler on this machine, and what follows from it."""
+    """Return the message that this machine has no scheduler, and the consequence."""
     command = SCHEDULERS[options.scheduler]
-    return f"{command} is not found: the runs are made on this machine."
+    return f"{command} is not found: the runs are executed on this machine."
 
 
 @contextmanager
 def cluster_executor(options: ClusterOptions, folder: Path) -> Iterator[Executor]:
-    """Give an executor that makes runs in jobs of a cluster, and end all jobs on leaving.
+    """Open an executor that runs tasks in jobs of a cluster, and end all jobs on exit.
 
-    Jobs are submitted when there are runs for them. A run whose job is lost fails with an error of
-    Parsl's, and another job is submitted; when no job starts at all, every run fails with a
-    `GrainfitError` that says why.
+    Jobs are submitted when there are runs for them. When a job is lost, its run fails with an error
+    of Parsl, and another job is submitted. When no job starts at all, every run fails with a
+    `GrainfitError` that gives the reason.
 
     Parameters
     ----------
@@ -74,7 +74,7 @@ def cluster_executor(options: ClusterOptions, folder: Path) -> Iterator[Executor
     Raises
     ------
     GrainfitError
-        Parsl is not installed, or the folder or the user's own configuration cannot be used.
+        Parsl is not installed, or the folder or the custom configuration cannot be used.
     """
     folder = folder.absolute()
     if not _SAFE_PATH.fullmatch(str(folder)):

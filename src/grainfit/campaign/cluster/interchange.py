@@ -1,6 +1,6 @@
-"""Parsl's process between a calibration and its jobs, living exactly as long as the calibration.
+"""Run Parsl's interchange between a calibration and its jobs, as long as the calibration lives.
 
-It is run as a file of its own: nothing of grainfit has to be imported for it.
+It is run as a separate file, so that nothing of grainfit has to be imported.
 """
 
 import ctypes

@@ -1,4 +1,4 @@
-"""Options of the jobs of a cluster in which DEM runs are made"""
+"""Options of the cluster jobs that execute DEM runs."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ SHORTEST_WALLTIME = 60.0
 LONGEST_WALLTIME = 365 * 86400.0
 _NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.,:@+-]{0,199}")
 _OPTION = re.compile(r"--(?P<name>[a-z][a-z0-9-]*)(=.+)?")
-#: Directives that have a key of their own.
+#: Directives that have their own key.
 _KEYS = {"partition": "partition", "account": "account", "time": "walltime"}
-#: Directives without which grainfit and its jobs would lose each other.
+#: Directives that grainfit sets itself, to keep contact with its jobs.
 _DECIDED = (
     *("array", "chdir", "clusters", "cpus-per-task", "error", "help", "input", "job-name"),
     *("nodes", "ntasks", "ntasks-per-node", "output", "parsable", "quiet", "requeue"),
@@ -27,34 +27,34 @@ _DECIDED = (
 
 @dataclass(frozen=True)
 class ClusterOptions:
-    """Jobs of a cluster in which DEM runs are made.
+    """Options of the cluster jobs that execute DEM runs.
 
     Parameters
     ----------
     scheduler : {"slurm"}
-        Who gives out the nodes.
+        Scheduler of the cluster.
     partition, account : str, optional
-        Where the jobs run and who pays for them; the scheduler's defaults otherwise.
+        Partition and account of the jobs; the scheduler's defaults otherwise.
     walltime : float, optional
-        Longest time that a job lasts, s; the whole minutes of it. Needed without ``parsl``.
+        Longest duration of a job, s, rounded down to whole minutes. Required without ``parsl``.
     jobs : int
         Largest number of jobs at a time.
     runs_per_job : int
         Runs at a time in one job.
     cores_per_run : int, optional
-        Cores that a run takes, 1 by default; a job asks for as many as all its runs take.
+        Cores per run, 1 by default; a job requests the cores of all its runs.
     setup : tuple of str
         Shell lines that a job executes first, such as ``module load liggghts``.
     options : tuple of str
         Further directives for the scheduler, such as ``--mem=4G``.
     parsl : str, optional
-        ``"file.py:name"``: a Parsl configuration of the user's own, in place of all this but
-        ``jobs`` and ``runs_per_job``, which say how many runs it makes at a time.
+        ``"file.py:name"``: a custom Parsl configuration. It replaces all other options except
+        ``jobs`` and ``runs_per_job``, which then give the number of runs at a time.
 
     Raises
     ------
     InputError
-        Something about them cannot be used; all faults of all options.
+        Options that cannot be used; lists all faults.
     """
 
     scheduler: str = "slurm"
@@ -95,7 +95,7 @@ class ClusterOptions:
                 yield Fault(
                     key,
                     "has no effect beside parsl.",
-                    "Say it in your Parsl configuration instead.",
+                    "Set it in your Parsl configuration instead.",
                 )
 
     def _faults_of_jobs(self) -> Iterator[Fault]:
@@ -108,7 +108,7 @@ class ClusterOptions:
                     "Use letters (a to z), digits and _ . , : @ + -",
                 )
         if self.walltime is None:
-            yield Fault("walltime", "is missing.", 'Say how long a job may last: walltime = "2 h".')
+            yield Fault("walltime", "is missing.", 'Set how long a job may last: walltime = "2 h".')
         elif not SHORTEST_WALLTIME <= self.walltime <= LONGEST_WALLTIME:
             yield Fault(
                 "walltime", f"is {self.walltime:g} s.", "It must be from 1 minute to 1 year."

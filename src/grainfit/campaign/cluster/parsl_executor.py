@@ -1,4 +1,4 @@
-"""Jobs of a cluster by Parsl: submitted on demand, watched, replaced when lost, and ended."""
+"""Manage cluster jobs with Parsl: submit them on demand, watch, replace and end them."""
 
 from __future__ import annotations
 
@@ -80,7 +80,7 @@ def _slurm_config(options: ClusterOptions) -> Config:
         max_blocks=options.jobs,
         exclusive=False,
         worker_init="\n".join(options.setup),
-        # A job that lost its node is replaced here; it must not come back besides.
+        # A job that lost its node is replaced here; Slurm must not requeue it as well.
         scheduler_options=_directives(["--no-requeue", *options.options]),
         cmd_timeout=30,
     )
@@ -156,7 +156,7 @@ class _Jobs(Executor):
         *args: _Arguments.args,
         **kwargs: _Arguments.kwargs,
     ) -> Future[_Result]:
-        """Have a call made in a job; it must be possible to pickle all of it."""
+        """Execute a call in a job; all of it must be picklable."""
         future: Future[_Result] = Future()
         self._open.add(future)
         # Packed, because some arguments have a meaning to Parsl.
@@ -180,12 +180,12 @@ class _Jobs(Executor):
             future.set_exception(error)
 
     def _watch(self) -> None:
-        """Fail all runs once an interchange is gone; Parsl would wait for them for ever."""
+        """Fail all runs once an interchange has ended; Parsl would wait for them forever."""
         while not self._ending.wait(_HEARTBEAT_SECONDS):
             if any(process.poll() is not None for process in self._interchanges()):
                 error = ExecutorError(
-                    "Parsl's interchange, which speaks with the jobs of the cluster, was ended. "
-                    f"Its log is in {self._kernel.run_dir}. Start again to go on."
+                    "Parsl's interchange, which connects to the jobs of the cluster, was ended. "
+                    f"Its log is in {self._kernel.run_dir}. Start again to continue."
                 )
                 for future in list(self._open):
                     self._settle(future, None, error)
@@ -196,9 +196,9 @@ class _Jobs(Executor):
         return [process for process in found if process is not None]
 
     def end(self) -> None:
-        """End all jobs, whatever state they are in, and every process on this machine."""
+        """End all jobs in any state, and every process on this machine."""
         self._ending.set()
-        # Parsl waits for ever for an interchange that does not answer.
+        # Parsl waits forever for an interchange that does not answer.
         dead = any(process.poll() is not None for process in self._interchanges())
         cleanup = threading.Thread(target=self._kernel.cleanup, name="parsl-cleanup", daemon=True)
         cleanup.start()
@@ -206,7 +206,7 @@ class _Jobs(Executor):
         for process in self._interchanges():
             process.kill()
         for executor in self._kernel.executors.values():
-            # Parsl leaves the jobs of an executor on which it has given up.
+            # Parsl does not end the jobs of an executor in a bad state.
             if isinstance(executor, BlockProviderExecutor) and executor.provider is not None:
                 if executor.bad_state_is_set or cleanup.is_alive():
                     executor.provider.cancel(list(executor.blocks_to_job_id.values()))
@@ -215,19 +215,19 @@ class _Jobs(Executor):
 
 
 class _JobEnded(BaseException):
-    """The job is being ended; no exception of a run, which the run itself would handle."""
+    """The job is being ended. A BaseException, because a run would handle an Exception."""
 
 
 def _in_job(
     function: Callable[..., _Result], arguments: Sequence[Any], named: Mapping[str, Any]
 ) -> _Result:
-    """Make a call in a worker of a job; when the job is ended, so is what the call has started."""
+    """Execute a call in a worker of a job; its processes end with the job."""
     signal.signal(signal.SIGTERM, _end_job)
-    # Not every Slurm finds the processes of a job whose parent was the first to be ended.
+    # Not every Slurm finds the processes of a job whose parent was ended first.
     ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGTERM)
     result = function(*arguments, **named)
-    # The processes of a job are ended one by one. That a solver was ended before its worker says
-    # nothing of the run, and must not be taken for its result.
+    # The processes of a job are ended one by one. A solver that was ended before its worker must
+    # not count as a failed run.
     time.sleep(_GRACE_SECONDS)
     return result
 
@@ -238,7 +238,7 @@ def _end_job(_signal: int, _frame: object) -> NoReturn:
 
 @contextmanager
 def _signals_wait() -> Iterator[None]:
-    """Let Ctrl-C and a termination wait until Parsl is in a state in which it can be ended."""
+    """Delay Ctrl-C and termination until Parsl is in a state in which it can be ended."""
     if threading.current_thread() is not threading.main_thread():
         yield
         return

@@ -1,4 +1,4 @@
-"""Slurm jobs for Parsl: submit them, follow their state, give up when none starts"""
+"""Submit Slurm jobs for Parsl, follow their state, and give up when none starts."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from parsl.providers.errors import SubmitException
 from grainfit.errors import ExecutorError
 
 _STATUS_SECONDS = 10
-#: So many jobs, one after the other and over this time, have to fail before all hope is given up.
+#: Number of jobs in a row, and the time over which they fail, before the cluster is given up.
 _FAILED_STARTS = 3
 _FAILED_START_SECONDS = 25.0
 END_SECONDS = 30.0
@@ -29,7 +29,7 @@ _STATES = {
     "SUSPENDED": JobState.HELD,
     "CANCELLED": JobState.CANCELLED,
     "COMPLETED": JobState.COMPLETED,
-    # On a node that does not answer it can last long, and such a job takes no run any more.
+    # It can last long on a node that does not answer, and such a job accepts no more runs.
     "COMPLETING": JobState.COMPLETED,
     "TIMEOUT": JobState.TIMEOUT,
     "DEADLINE": JobState.TIMEOUT,
@@ -40,7 +40,7 @@ _STATES = {
     "OUT_OF_MEMORY": JobState.FAILED,
     "REVOKED": JobState.FAILED,
 }
-#: What sbatch says of a job that will not be accepted later either.
+#: Messages of sbatch for a job that will not be accepted later either.
 _REFUSED = re.compile(r"invalid|not permitted|not available|violates", re.IGNORECASE)
 #: Reasons for which Slurm accepts a job and never starts it.
 _NEVER = {
@@ -52,18 +52,18 @@ _NEVER = {
 
 
 class Slurm(SlurmProvider):
-    """Slurm, asked for more than Parsl asks: how a job ended, and whether it will ever start."""
+    """Slurm provider that also reports how a job ended and whether it can ever start."""
 
-    #: Why no job like these can ever start, as far as Slurm has said so.
+    #: Reason, given by Slurm, for which no such job can ever start.
     refusal = ""
 
     @property
     def status_polling_interval(self) -> int:
-        """Seconds between two looks at the queue."""
+        """Interval at which the queue is checked, s."""
         return _STATUS_SECONDS
 
     def submit(self, command: str, tasks_per_node: int, job_name: str = "grainfit") -> str:
-        """Submit a job; an error has Slurm's own words."""
+        """Submit a job; an error has the message of Slurm."""
         try:
             job: str = super().submit(command, tasks_per_node, job_name)
         except SubmitException as error:
@@ -108,7 +108,7 @@ class Slurm(SlurmProvider):
         return {row[0].strip(): (row[1], row[2]) for row in rows if len(row) == 3}
 
     def wait_until_gone(self) -> None:
-        """Wait until no process of a cancelled job can be left, or Slurm has had time enough."""
+        """Wait until all cancelled jobs have ended, at most `END_SECONDS`."""
         deadline = time.monotonic() + END_SECONDS
         while time.monotonic() < deadline:
             queue = self._queue() or {}
@@ -119,9 +119,9 @@ class Slurm(SlurmProvider):
 
 
 class GiveUp:
-    """Gives up when job after job ends before its workers have reported.
+    """Give up when several jobs in a row end before their workers have reported.
 
-    A job that is lost later says nothing against the next one.
+    A job that is lost later does not count.
     """
 
     def __init__(self, provider: Slurm) -> None:
@@ -129,20 +129,20 @@ class GiveUp:
         self._ended: dict[str, float] = {}
 
     def __call__(self, executor: BlockProviderExecutor, status: dict[str, JobStatus]) -> None:
-        """Look at all jobs there have been, by their number."""
+        """Check all jobs so far, by number."""
         assert isinstance(executor, HighThroughputExecutor)
         connected = set(executor.connected_blocks())
         ended = [job for job in sorted(status, key=int) if status[job].state in TERMINAL_STATES]
         for job in ended:
             self._ended.setdefault(job, time.monotonic())
-        # The last ones, back to the last one that did start.
+        # The latest ones, back to the last one that started.
         failed = list(takewhile(lambda job: job not in connected, reversed(ended)))
         refusal = self._provider.refusal
         if executor.bad_state_is_set or not (refusal or len(failed) >= _FAILED_STARTS):
             return
         at_work = [job for job in status if job in connected and job not in ended]
         if at_work:
-            # The jobs that did start do the work; others would fail again every few seconds.
+            # The jobs that started do the work; others would fail again every few seconds.
             self._provider.max_blocks = len(at_work)
         elif refusal:
             self._give_up(executor, refusal)

@@ -1,4 +1,4 @@
-"""What a store keeps: runs, calibrations, and what calibrations asked for."""
+"""Records of the store: runs, calibrations, and the parameter sets they requested."""
 
 from __future__ import annotations
 
@@ -14,26 +14,26 @@ RunStatus = Literal["running", "finished", "failed"]
 
 @dataclass(frozen=True)
 class RunRecord:
-    """One run as the store knows it.
+    """One run in the store.
 
     Parameters
     ----------
     identity, test : str
-        Identity of the run and name of the test that it is a run of.
+        Identity of the run and name of its test.
     status : {"running", "finished", "failed"}
-        A run that is not there was never started or did not end.
+        Status; a run without a record was never started, or it was interrupted.
     definition : RunDefinition
-        All that decides the outcome, as `Solver.definition` gave it.
+        Everything that determines the outcome, from `Solver.definition`.
     responses : mapping of str to Response
-        Empty unless finished.
+        Responses by name; empty unless finished.
     reason, kind, log_tail : str
-        Why it failed, whose fault it was, and the last lines of the log.
+        Reason of the failure, its kind, and the last lines of the log.
     seconds : float
         Wall time, s.
     ended : float
-        When it ended, seconds since the epoch; for people only, clocks jump.
+        Time of its end, seconds since the epoch; for display only, because clocks can jump.
     origin : str
-        Where it came from, when it was not made here: another store, or an imported table.
+        Source of a run that was not executed here: another store, or an imported table.
     """
 
     identity: str
@@ -50,7 +50,7 @@ class RunRecord:
 
     @property
     def may_succeed_next_time(self) -> bool:
-        """Whether it failed for a reason that says nothing of the run itself."""
+        """Whether it failed for a reason that does not lie in the run itself."""
         return self.status == "failed" and self.kind in ("machine", "timeout")
 
     def to_json(self) -> dict[str, Any]:
@@ -66,7 +66,7 @@ class RunRecord:
         Raises
         ------
         KeyError, TypeError, ValueError
-            The data is not of a run.
+            The data is not a run.
         """
         if data["status"] not in get_args(RunStatus):
             raise ValueError(f"{data['status']!r} is not the status of a run")
@@ -90,17 +90,17 @@ class CalibrationRecord:
     Parameters
     ----------
     identity, name : str
-        What it is, and what it is called.
+        Identity and display name.
     definition : mapping
-        All that decides what it asks for.
+        Everything that determines the runs it requests.
     status : str
         ``running``, or how it ended.
     started : float
-        When it was started last, seconds since the epoch.
+        Time of its latest start, seconds since the epoch.
     known : sequence of str
-        Identities of the runs that were there before its first start and that it learnt from.
+        Identities of the earlier runs of its warm start.
     about : mapping
-        What a report says of it besides, see `grainfit.calibration.provenance`; decides nothing.
+        Further information for reports, see `grainfit.calibration.provenance`.
     """
 
     identity: str
@@ -114,7 +114,7 @@ class CalibrationRecord:
 
 @dataclass(frozen=True)
 class RequestRecord:
-    """One parameter set that a calibration asked for."""
+    """One parameter set that a calibration requested."""
 
     position: int
     stage: Stage
@@ -129,7 +129,7 @@ class RequestRecord:
         Raises
         ------
         KeyError, TypeError, ValueError
-            The row is not of a request.
+            The row is not a request.
         """
         return cls(
             position=row["position"],

@@ -1,4 +1,4 @@
-"""Tables of the store, their version, and how an older version is brought up to date."""
+"""Tables of the store, their version, and the migration of older versions."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import sqlalchemy as sql
 from grainfit.run_definition import RunDefinition
 
 SCHEMA_VERSION = 4
-#: Oldest version that can be read without being brought up to date.
+#: Oldest version that can be read without migration.
 OLDEST_READABLE = 3
 
 metadata = sql.MetaData()
@@ -22,7 +22,7 @@ runs = sql.Table(
     sql.Column("test", sql.Text, nullable=False),
     sql.Column("status", sql.String(16), nullable=False, index=True),
     sql.Column("definition", sql.JSON, nullable=False),
-    # Which runs could be reused for a problem is asked by it.
+    # Key of the query for runs that can be reused for a problem.
     sql.Column("model_hash", sql.String(32), nullable=False, server_default="", index=True),
     sql.Column("responses", sql.JSON, nullable=False),
     sql.Column("reason", sql.Text, nullable=False),
@@ -31,7 +31,7 @@ runs = sql.Table(
     sql.Column("seconds", sql.Float, nullable=False),
     sql.Column("ended", sql.Float, nullable=False),
     sql.Column("origin", sql.Text, nullable=False, server_default=""),
-    # Who makes the run, and a number that grows while they live: in shared stores only.
+    # Process that executes the run, and its heartbeat counter: in shared stores only.
     sql.Column("owner", sql.Text, nullable=False, server_default=""),
     sql.Column("beat", sql.Integer, nullable=False, server_default="0"),
 )
@@ -44,7 +44,7 @@ calibrations = sql.Table(
     sql.Column("status", sql.String(16), nullable=False),
     sql.Column("started", sql.Float, nullable=False),
     sql.Column("known", sql.JSON, nullable=False, server_default="[]"),
-    # The latest one has the largest number, whatever the clock said.
+    # The latest one has the largest number; start times are unreliable, because clocks can jump.
     sql.Column("number", sql.Integer, nullable=False, server_default="0"),
     sql.Column("about", sql.JSON, nullable=False, server_default="{}"),
 )
@@ -59,7 +59,7 @@ requests = sql.Table(
     sql.Column("runs", sql.JSON, nullable=False),
 )
 
-#: What leads from each older version to the next one.
+#: Statements that migrate each older version to the next one.
 _MIGRATIONS: Mapping[int, tuple[str, ...]] = {
     1: (
         "ALTER TABLE runs ADD COLUMN origin TEXT NOT NULL DEFAULT ''",
@@ -82,7 +82,7 @@ _CHUNK = 500
 
 
 def version_of(connection: sql.Connection) -> int | None:
-    """Return the schema version of a database; None when nothing was ever written to it."""
+    """Return the schema version of a database; None if it is empty."""
     if not sql.inspect(connection).has_table(about.name):
         return None
     version = connection.scalar(sql.select(about.c.schema_version))
@@ -90,9 +90,9 @@ def version_of(connection: sql.Connection) -> int | None:
 
 
 def bring_up_to_date(connection: sql.Connection) -> int:
-    """Make the tables, or migrate those of an older version; return the version that they have.
+    """Create the tables, or migrate those of an older version; return their version.
 
-    A version that this program does not know is left as it is.
+    An unknown version is not changed.
     """
     version = version_of(connection)
     if version is None:
@@ -125,5 +125,5 @@ def _model_hash(definition: Any) -> str:
     try:
         return RunDefinition.from_json(definition).model_hash
     except (AttributeError, TypeError, ValueError):
-        # A damaged row is named when it is read; it must not keep the others from that.
+        # A damaged row is reported when it is read; it must not stop the migration.
         return ""

@@ -1,8 +1,8 @@
-"""A store that several processes share, on one machine or on many: each run is made by one of them.
+"""Share a store between processes on one or several machines, so that each run is executed once.
 
-Who is going to make a run claims it, and shows every few seconds that they live. Others who want
-the same run wait for it. A claim that shows no life for long enough is taken over: its owner has
-died. Nothing here depends on clocks, which differ between machines and jump.
+A process claims a run before it starts it, and sends a heartbeat every few seconds. Other processes
+that need the same run wait for it. A claim without heartbeat for long enough is taken over: its
+owner has died. Nothing here depends on wall clocks, which differ between machines and can jump.
 """
 
 from __future__ import annotations
@@ -20,26 +20,26 @@ from grainfit.campaign.store.records import RunRecord
 from grainfit.campaign.store.store import Claim, RunStore
 from grainfit.errors import StoreError
 
-#: How often an owner shows that it lives, and after how long without that it is given up, s.
+#: Interval of the heartbeats of an owner, and time without one after which it counts as dead, s.
 BEAT_SECONDS = 5.0
 LEASE_SECONDS = 60.0
 
 
 @contextmanager
 def share(address: str, folder: Path | None, own: RunStore) -> Iterator[SharedRuns]:
-    """Open a shared store, and give it what a work folder has already.
+    """Open a shared store, and copy the finished runs of a work folder to it.
 
     Parameters
     ----------
     address : str
         URL of the database.
     folder : Path or None
-        The work folder, which is held by this process alone.
+        The work folder, locked by this process.
     own : RunStore
         The store of the work folder.
     """
     store = RunStore(address)
-    # With the same name after a crash, what the dead process had claimed is free at once.
+    # With the same name after a crash, the claims of the dead process are released immediately.
     owner = f"{socket.gethostname()}:{folder}" if folder else f"{uuid.uuid4()}"
     shared = SharedRuns(store, owner)
     try:
@@ -51,16 +51,16 @@ def share(address: str, folder: Path | None, own: RunStore) -> Iterator[SharedRu
 
 
 class SharedRuns:
-    """Runs that this process makes for all, and finds that others have made.
+    """Runs exchanged with other processes through a shared store.
 
     Parameters
     ----------
     store : RunStore
         The shared store.
     owner : str
-        Who this is; the same again after a crash, so that what it left is released at once.
+        Name of this process; the same after a crash, so that its old claims are released.
     beat_seconds, lease_seconds : float
-        How often life is shown, and after how long without it a claim is taken over.
+        Interval of the heartbeats, and time without one after which a claim is taken over.
     """
 
     def __init__(
@@ -82,11 +82,11 @@ class SharedRuns:
 
     @property
     def place(self) -> str:
-        """Where the shared store is."""
+        """Location of the shared store."""
         return self.store.place
 
     def find(self, identities: Iterable[str]) -> dict[str, RunRecord]:
-        """Return those of some runs that have ended, by identity."""
+        """Return the runs of these identities that have ended, by identity."""
         found = self.store.find_many(list(identities))
         return {
             identity: replace(record, origin=record.origin or self.place)
@@ -95,11 +95,11 @@ class SharedRuns:
         }
 
     def claim(self, record: RunRecord) -> bool:
-        """Return whether the run is this process's to make now."""
+        """Claim a run; return True if this process is to execute it."""
         return self.store.claim(record, self._owner)
 
     def take_over(self, record: RunRecord) -> bool:
-        """Claim a run whose maker has died, or has given it back."""
+        """Claim a run whose owner has died or has released it."""
         claim = self.store.claims([record.identity]).get(record.identity)
         if claim is None:
             return self.store.claim(record, self._owner)
@@ -113,28 +113,28 @@ class SharedRuns:
         return self.store.claim(record, self._owner, instead_of=claim)
 
     def save(self, record: RunRecord) -> None:
-        """Give all what came of a run."""
+        """Store the outcome of a run for all processes."""
         self.store.save(record)
 
     def give(self, records: Iterable[RunRecord]) -> None:
-        """Give all those runs that the shared store does not have yet."""
+        """Copy runs that the shared store does not have yet."""
         wanted = {record.identity: record for record in records}
         there = self.store.find_many(list(wanted))
         self.store.save_many(r for identity, r in wanted.items() if identity not in there)
 
     def forget(self, identity: str) -> None:
-        """Give a run back, or let a failed one be made again."""
+        """Release a run, or let a failed one be repeated."""
         self.store.forget(identity)
 
     def forget_failed(self, identities: Collection[str]) -> None:
-        """Let those of some runs that failed be made again."""
+        """Let the failed ones of these runs be repeated."""
         self.store.forget_failed(identities)
 
     def close(self) -> None:
-        """Show no more life, and give back what was not made."""
+        """Stop the heartbeat, and release the claims of unfinished runs."""
         self._ended.set()
         self._pulse.join()
-        # Without the database, others take the claims over when they show no more life.
+        # Without the database, others take the claims over when the heartbeat is missing.
         with suppress(StoreError):
             self.store.release(self._owner)
 
@@ -143,5 +143,5 @@ class SharedRuns:
             try:
                 self.store.beat(self._owner)
             except StoreError:
-                # Should the database stay away, the next run that ends says so.
+                # If the database stays unreachable, the next run that ends reports it.
                 continue

@@ -1,7 +1,7 @@
-"""The store of runs: one row for every run ever made, the truth about its status and responses.
+"""Store of runs: one row per run, with its status and responses.
 
-Runs are kept by identity and belong to no calibration; a calibration only lists which runs it asked
-for. So any later calibration that wants the same run finds it.
+Runs are stored by identity and belong to no calibration; a calibration only lists the runs that it
+requested. Any later calibration that needs the same run therefore finds it.
 """
 
 from __future__ import annotations
@@ -32,12 +32,12 @@ STORE_NAME = "runs.sqlite"
 
 _DAMAGED = (sqlite3.SQLITE_CORRUPT, sqlite3.SQLITE_NOTADB, sqlite3.SQLITE_ERROR)
 _RENEW = (
-    f"Move {STORE_NAME} away (and {STORE_NAME}-wal and {STORE_NAME}-shm beside it, if there): it "
-    "is made anew from the run folders; only runs of Python functions and tables are lost."
+    f"Move {STORE_NAME} away (and {STORE_NAME}-wal and {STORE_NAME}-shm next to it, if present): "
+    "it is rebuilt from the run folders; only runs of Python functions and tables are lost."
 )
 #: Databases have limits on the number of values in one statement.
 _CHUNK = 500
-#: Key of the lock under which the tables of a shared database are made.
+#: Key of the lock under which the tables of a shared database are created.
 _SCHEMA_LOCK = 7_203_114
 _RECORD_COLUMNS = [
     column for column in _runs.c if column.name not in ("model_hash", "owner", "beat")
@@ -48,21 +48,21 @@ _Record = TypeVar("_Record")
 
 @dataclass(frozen=True)
 class Claim:
-    """Who makes a run, and a number that grows while they live."""
+    """Process that executes a run, and its heartbeat counter."""
 
     owner: str
     beat: int
 
 
 class _File:
-    """A file that is told from any other that may later be found at its path."""
+    """A file, distinguished from any other file that may later have the same path."""
 
     def __init__(self, path: Path) -> None:
         self._path = path
         self._identity = self._look()
 
     def is_there(self) -> bool:
-        # What is written to a file that was removed is gone without an error.
+        # Data written to a removed file is lost without an error.
         return self._look() == self._identity
 
     def _look(self) -> tuple[int, int] | None:
@@ -87,7 +87,7 @@ class RunStore:
     Raises
     ------
     StoreError
-        The address is not one of a database, the database cannot be opened, or it was written by a
+        The address is not that of a database, the database cannot be opened, or it was written by a
         version that this one cannot read.
     """
 
@@ -120,10 +120,10 @@ class RunStore:
 
     @classmethod
     def in_folder(cls, folder: Path) -> RunStore:
-        """Open the store of a work folder, and make it if there is none."""
+        """Open the store of a work folder; create it if there is none."""
         path = _path(folder)
         log = path.with_name(f"{STORE_NAME}-wal")
-        # SQLite would take it for a new store, and drop the log.
+        # SQLite would take an empty file for a new store, and drop the log.
         if path.exists() and not path.stat().st_size and log.exists() and log.stat().st_size:
             raise StoreError(f"the run store {path} is damaged: it is empty. {_RENEW}")
         store = cls(sql.URL.create("sqlite", database=str(path)))
@@ -132,7 +132,7 @@ class RunStore:
 
     @classmethod
     def read_only(cls, folder: Path) -> RunStore:
-        """Open the store of a work folder to read; a process that writes to it is not disturbed.
+        """Open the store of a work folder for reading; another process may write to it meanwhile.
 
         Raises
         ------
@@ -141,7 +141,7 @@ class RunStore:
         """
         path = _path(folder)
         query = {"uri": "true", "mode": "ro"}
-        # Without a write-ahead log nobody writes, and reading one that is not there would make it.
+        # Without a write-ahead log no process writes, and opening the store would create one.
         if not path.with_name(f"{STORE_NAME}-wal").exists():
             query["immutable"] = "1"
         database = path.absolute().as_uri()
@@ -149,7 +149,7 @@ class RunStore:
 
     @property
     def place(self) -> str:
-        """Where the store is, for people; without a password."""
+        """Location of the store for display, without a password."""
         return self._where
 
     def _create(self) -> None:
@@ -184,7 +184,7 @@ class RunStore:
         if self._file is not None and not self._file.is_there():
             raise StoreError(
                 f"the run store {self._where} was removed or replaced while it was in use. Start "
-                "again: that goes on with the runs whose folders are still there."
+                "again: that continues with the runs whose folders still exist."
             )
 
     @contextmanager
@@ -236,7 +236,7 @@ class RunStore:
         return self.find_many([identity]).get(identity)
 
     def find_many(self, identities: Collection[str]) -> dict[str, RunRecord]:
-        """Return those of some runs that there are, by identity."""
+        """Return the stored runs of these identities, by identity."""
         wanted = list(identities)
         found = []
         for start in range(0, len(wanted), _CHUNK):
@@ -247,7 +247,7 @@ class RunStore:
         return {record.identity: record for record in found}
 
     def save(self, record: RunRecord) -> None:
-        """Write a run, in place of what was known of it."""
+        """Write a run; replace its earlier record."""
         self.save_many([record])
 
     def save_many(self, records: Iterable[RunRecord]) -> None:
@@ -261,17 +261,17 @@ class RunStore:
                 connection.execute(_runs.insert(), part)
 
     def forget_running(self) -> None:
-        """Drop the rows of runs that were under way when an earlier process died."""
+        """Delete the rows of runs that were pending when an earlier process died."""
         with self._transaction() as connection:
             connection.execute(_runs.delete().where(_runs.c.status == "running"))
 
     def forget(self, identity: str) -> None:
-        """Drop one run (it was stopped before it ended)."""
+        """Delete one run."""
         with self._transaction() as connection:
             connection.execute(_runs.delete().where(_runs.c.identity == identity))
 
     def forget_failed(self, identities: Collection[str]) -> None:
-        """Drop those of some runs that failed, and no others: they are to be made again."""
+        """Delete the failed ones of these runs, so that they are repeated."""
         wanted = list(identities)
         with self._transaction() as connection:
             for start in range(0, len(wanted), _CHUNK):
@@ -290,7 +290,7 @@ class RunStore:
             return {row.identity: row.status for row in rows}
 
     def runs(self, status: RunStatus | None = None) -> list[RunRecord]:
-        """Return all runs, or those of a status, in the order in which they ended."""
+        """Return all runs, or those of one status, in the order of their end."""
         return self._runs(status)
 
     def _runs(
@@ -305,7 +305,7 @@ class RunStore:
     def runs_of(
         self, model_hashes: Collection[str], status: RunStatus | None = None
     ) -> list[RunRecord]:
-        """Return the runs of some models, of a status if one is given, in the order of `runs`."""
+        """Return the runs of these models, optionally of one status, in the order of `runs`."""
         if self._version < SCHEMA_VERSION:
             known = self.runs(status)
             return [record for record in known if record.definition.model_hash in model_hashes]
@@ -314,21 +314,22 @@ class RunStore:
     # Claims, where several processes share a store ---------------------------------------------
 
     def claim(self, record: RunRecord, owner: str, instead_of: Claim | None = None) -> bool:
-        """Note that a run is being made, unless somebody else makes it or has made it well.
+        """Claim a run, unless another process executes it or it has finished.
 
         Parameters
         ----------
         record : RunRecord
             The run, with status ``running``.
         owner : str
-            Who makes it.
+            Process that executes it.
         instead_of : Claim, optional
-            A claim whose owner has died; it is taken over.
+            Claim of an owner that has died, to take over.
 
         Returns
         -------
         bool
-            Whether the run is now the owner's to make. Of all who ask, one is told so.
+            True if the owner is to execute the run. Exactly one of several concurrent callers gets
+            True.
         """
         row = _row(record) | {"owner": owner, "beat": 0}
         here = _runs.c.identity == record.identity
@@ -352,7 +353,7 @@ class RunStore:
             return True
 
     def claims(self, identities: Collection[str]) -> dict[str, Claim]:
-        """Return who makes those of some runs that are under way, by identity."""
+        """Return the claims of the pending ones of these runs, by identity."""
         query = sql.select(_runs.c.identity, _runs.c.owner, _runs.c.beat).where(
             _runs.c.status == "running", _runs.c.identity.in_(list(identities))
         )
@@ -360,13 +361,13 @@ class RunStore:
             return {row.identity: Claim(row.owner, row.beat) for row in connection.execute(query)}
 
     def beat(self, owner: str) -> None:
-        """Show that an owner of claims lives."""
+        """Send the heartbeat of an owner of claims."""
         mine = sql.and_(_runs.c.owner == owner, _runs.c.status == "running")
         with self._transaction() as connection:
             connection.execute(_runs.update().where(mine).values(beat=_runs.c.beat + 1))
 
     def release(self, owner: str) -> None:
-        """Drop all claims of an owner: what they were making, others may make."""
+        """Release all claims of an owner, so that others may execute its unfinished runs."""
         mine = sql.and_(_runs.c.owner == owner, _runs.c.status == "running")
         with self._transaction() as connection:
             connection.execute(_runs.delete().where(mine))
@@ -381,18 +382,18 @@ class RunStore:
         known: Sequence[str] = (),
         about: Mapping[str, Any] | None = None,
     ) -> None:
-        """Note that a calibration starts, or goes on with what it asked for before.
+        """Record the start of a calibration, or its continuation.
 
         Parameters
         ----------
         identity, name : str
-            What it is, and what it is called.
+            Identity and display name.
         definition : mapping
-            All that decides what it asks for.
+            Everything that determines the runs it requests.
         known : sequence of str
-            Identities of the runs that it learns from and did not ask for.
+            Identities of the earlier runs of its warm start.
         about : mapping, optional
-            What a report tells of it besides, as JSON.
+            Further information for reports, as JSON.
         """
         latest = sql.select(sql.func.coalesce(sql.func.max(_calibrations.c.number), 0))
         with self._transaction() as connection:
@@ -412,7 +413,7 @@ class RunStore:
             )
 
     def end_calibration(self, identity: str, status: str, failure: str = "") -> None:
-        """Note how a calibration ended, and what stopped it if it failed."""
+        """Record the status with which a calibration ended, and the failure, if any."""
         this = _calibrations.c.identity == identity
         with self._transaction() as connection:
             about = connection.scalar(sql.select(_calibrations.c.about).where(this)) or {}
@@ -433,7 +434,7 @@ class RunStore:
         return next(iter(self._read(query, lambda row: CalibrationRecord(**row))), None)
 
     def add_request(self, calibration: str, request: RequestRecord) -> None:
-        """Note that a calibration asked for a parameter set, in place of one at that position."""
+        """Record a parameter set that a calibration requested, in place of one at its position."""
         with self._transaction() as connection:
             connection.execute(
                 _requests.delete().where(
@@ -446,7 +447,7 @@ class RunStore:
             )
 
     def forget_requests_behind(self, calibration: str, position: int) -> None:
-        """Forget what a calibration asked for behind a position, in an earlier start."""
+        """Delete the requests of an earlier start of a calibration after a position."""
         with self._transaction() as connection:
             connection.execute(
                 _requests.delete().where(
@@ -455,7 +456,7 @@ class RunStore:
             )
 
     def requests(self, calibration: str) -> list[RequestRecord]:
-        """Return what a calibration asked for, in order."""
+        """Return the requests of a calibration, in order."""
         query = (
             sql.select(_requests)
             .where(_requests.c.calibration == calibration)
@@ -477,7 +478,7 @@ def _database_url(url: str | sql.URL) -> sql.URL:
 
 
 def _place(url: sql.URL) -> str:
-    """Return where a database is, for people; never the password in its address."""
+    """Return the location of a database for display, without the password."""
     if url.get_backend_name() != "sqlite":
         return url.render_as_string(hide_password=True)
     place = str(url.database or url)
@@ -485,7 +486,7 @@ def _place(url: sql.URL) -> str:
 
 
 def not_a_work_folder(folder: str | Path, key: str = "") -> Fault:
-    """Return what to say of a folder that has no store."""
+    """Return the fault of a folder that has no store."""
     return Fault(
         key,
         f"{str(folder)!r} is not a work folder of grainfit: it has no {STORE_NAME}.",
@@ -506,7 +507,7 @@ def _row(record: RunRecord) -> dict[str, Any]:
         "owner": "",
         "beat": 0,
     }
-    # What a solver prints may be anything; not every database takes a zero byte for text.
+    # A solver may print anything; not every database accepts a zero byte in text.
     for name in ("reason", "log_tail"):
         row[name] = row[name].replace("\0", " ").encode(errors="replace").decode()
     return row
@@ -518,8 +519,8 @@ def _remedy(cause: BaseException) -> str:
     if code is not None and code & 0xFF in _DAMAGED:
         return _RENEW
     if code is None:
-        return "See that the database server runs, can be reached, and accepts this user."
-    return "See that its folder can be written, the disk is not full, and nobody else uses it."
+        return "Check that the database server runs, can be reached, and accepts this user."
+    return "Check that its folder is writable, the disk is not full, and nobody else uses it."
 
 
 def _leave_transactions_to_us(connection: Any, _record: Any) -> None:
@@ -529,7 +530,7 @@ def _leave_transactions_to_us(connection: Any, _record: Any) -> None:
 
 
 def _begin_sqlite(connection: sql.Connection) -> None:
-    # Who is going to write waits for the other writer now: later it would be too late.
+    # A writer must wait for other writers at the beginning: SQLite cannot wait later.
     writes = connection.get_execution_options().get("writes")
     connection.exec_driver_sql("BEGIN IMMEDIATE" if writes else "BEGIN")
 

@@ -1,4 +1,4 @@
-"""Parts that the cards of all solvers share: what they need, names of variables, templates."""
+"""Common parts of the cards of all solvers: required parameters, variable names, templates."""
 
 from __future__ import annotations
 
@@ -22,13 +22,13 @@ from grainfit.materials.parameters import BODY_PARAMETERS
 from grainfit.materials.sizes import ParticleSizes
 
 _DECKS = {"lammps": "LAMMPS", "liggghts": "LIGGGHTS", "yade": "YADE"}
-#: All of the bodies that decides contacts of particles and walls.
+#: Parameters of particles and walls that influence contacts.
 _BODIES = {parameter.name for parameter in BODY_PARAMETERS} - {"wall.density"}
 _LONGEST_VARIABLE = 60
 
 
 def origin(card: MaterialCard, solver: str) -> str:
-    """Return comments that say how far the values hold in this solver."""
+    """Return comments on the validity of the values in this solver."""
     return "\n".join(comment(line) for line in _lines(card, solver))
 
 
@@ -43,19 +43,19 @@ def _lines(card: MaterialCard, solver: str) -> list[str]:
             f"same in {_DECKS[solver]}: repeat the bulk test before you rely on them.",
         ]
     return [
-        "CHECK: the values were calibrated with a model of the user's own and hold for its contact",
-        "model; that of this card is the one of grainfit's own tests. See that they are the same.",
+        "CHECK: the values were calibrated with a custom model and hold for its contact model.",
+        "This card has the contact model of grainfit's own tests. Check that they are the same.",
     ]
 
 
 def require_material(card: MaterialCard, solver: str) -> tuple[dict[str, float], ContactLaw]:
-    """Return the values of all parameters of a card, and the contact law that they make.
+    """Return the values of all parameters of a card, and their contact law.
 
     Raises
     ------
     InputError
-        A parameter that the solver needs is missing, or has a value that no material has, or the
-        solver does not have a contact model that the card needs.
+        A parameter that the solver needs is missing or has an impossible value, or the solver does
+        not have a contact model that the card needs.
     """
     values = with_defaults(card.values)
     faults = contact_law_faults(values, solver)
@@ -81,7 +81,7 @@ def require_sizes(card: MaterialCard, solver: str) -> ParticleSizes:
     Raises
     ------
     InputError
-        They are not known.
+        The sizes are not known.
     """
     if card.sizes is None:
         _require_nothing_missing(["particle.diameter"], solver)
@@ -96,8 +96,8 @@ def _require_nothing_missing(missing: Sequence[str], solver: str) -> None:
                 "",
                 f"a card for {solver} needs {', '.join(missing)}, which this calibration does not "
                 "have.",
-                "Give them in the calibration file and run it again, or take --to json or --to "
-                "csv and put the values where your model takes them.",
+                "Give them in the calibration file and run it again, or use --to json or --to "
+                "csv and insert the values in your model.",
             )
         )
 
@@ -110,18 +110,18 @@ def _limits(name: str) -> str:
 def variables(
     parameters: Sequence[CardParameter], taken: Sequence[str]
 ) -> Iterator[tuple[str, CardParameter]]:
-    """Return every parameter with a name that a deck can have for it, and no other has.
+    """Yield every parameter with a unique name that is valid in a deck.
 
     Parameters
     ----------
     parameters : sequence of CardParameter
-        Whatever they are called.
+        The parameters, with any names.
     taken : sequence of str
-        Names that the deck needs for something else.
+        Names that the deck uses for something else.
     """
     used = set(taken)
     for parameter in parameters:
-        # Hash signs, quotes and line ends of a name would be commands of the deck.
+        # Hash signs, quotes and line ends in a name would be read as commands of the deck.
         name = variable_name(parameter.name)[:_LONGEST_VARIABLE]
         number = 1
         while name in used:
@@ -137,7 +137,7 @@ def comments(notes: Iterable[str]) -> str:
 
 
 def fill(solver: str, values: Mapping[str, Any]) -> str:
-    """Fill in a solver's template of a card; numbers are written so that they read back exactly."""
+    """Fill in the card template of a solver; numbers keep all digits."""
     environment = Environment(
         loader=PackageLoader("grainfit.solvers.dem", solver),
         undefined=StrictUndefined,

@@ -1,4 +1,4 @@
-"""A DEM program that runs the deck of a built-in bulk test."""
+"""Run the deck of a bulk test with a DEM program."""
 
 from __future__ import annotations
 
@@ -38,25 +38,25 @@ _HELP_SECONDS = 60.0
 
 
 class DeckSolver(Solver):
-    """Common ground of the DEM programs.
+    """Base class of the DEM programs.
 
     Parameters
     ----------
     test : BulkTest
-        What is simulated.
+        The test that is simulated.
     material : mapping of str to float or str
-        The material parameters that are fixed, by dotted name.
+        Fixed material parameters by dotted name.
     ranks : int
         MPI ranks of one run. Several runs at once use a machine better than several ranks.
     executable : str, optional
-        The program, where it is not found by its usual name. It may be named in somebody else's
-        calibration file, so that `check` does not start it.
+        The program, if it is not found by its usual name. `check` does not start it, because it may
+        be named in a calibration file from somebody else.
 
     Raises
     ------
     InputError
-        A parameter is unknown, physically impossible, or of a contact model that the solver does
-        not have, the number of ranks is below one, or the test has no deck for the program.
+        A parameter is unknown, physically impossible, or belongs to a contact model that the solver
+        does not have, the number of ranks is below one, or the test has no deck for the program.
     """
 
     #: Log that the program itself writes into the run folder.
@@ -96,7 +96,7 @@ class DeckSolver(Solver):
         return {
             "solver": self.name,
             "version": self.version(),
-            # Another number of ranks sums forces in another order: another sample of a heap.
+            # Another number of ranks sums forces in another order, which gives another heap.
             "ranks": self.ranks,
             "test": self.test.definition(),
         }
@@ -104,7 +104,7 @@ class DeckSolver(Solver):
     @property
     @override
     def defaults(self) -> Mapping[str, float]:
-        """Values of the material parameters that need not be given."""
+        """Default values of material parameters."""
         return with_defaults({})
 
     @override
@@ -114,8 +114,8 @@ class DeckSolver(Solver):
         Raises
         ------
         InputError
-            A name is no material parameter, a value is physically impossible or of a contact model
-            that the solver does not have, or one is missing.
+            A name is not a material parameter, a value is missing or physically impossible, or it
+            belongs to a contact model that the solver does not have.
         """
         values = with_defaults({**self.material, **parameters})
         self._require_possible(values)
@@ -133,7 +133,7 @@ class DeckSolver(Solver):
     def run(
         self, parameters: Mapping[str, float], seed: int, workspace: Workspace
     ) -> dict[str, Response]:
-        """Write the deck, run the program, measure.
+        """Write the deck, run the program, and measure the responses.
 
         Raises
         ------
@@ -151,7 +151,7 @@ class DeckSolver(Solver):
                 raise RunFailedError(str(error), tail, kind="evaluation") from error
 
     def _simulate(self, deck: Path, workspace: Workspace) -> None:
-        """Run the program; in its own words where it fails, if it has any."""
+        """Run the program; a failure has the error message of the program, if there is one."""
         own_log = workspace.folder / self._own_log
         try:
             run_process(self._command(deck), workspace)
@@ -160,16 +160,16 @@ class DeckSolver(Solver):
             reason = f"{self.name}: {message}"
             if error.kind != "simulation" or not message:
                 reason = error.reason
-            # What a program has not written out when it is killed is in no log of ours.
+            # The log may be empty when a program is killed before it has written its output.
             tail = error.log_tail or log_tail(own_log)
             raise RunFailedError(reason, tail, error.kind) from error
 
     @override
     def check(self) -> None:
-        """Raise `SolverNotFoundError` unless the program is there.
+        """Raise `SolverNotFoundError` unless the program is found.
 
-        The one of the usual name is asked whether it is what it should be; one that was named is
-        asked by the first run only, when its version is wanted.
+        The default program is asked for its version. A program given by `executable` is started by
+        the first run only.
         """
         self.executes()
         if self.executable is None:
@@ -177,15 +177,15 @@ class DeckSolver(Solver):
 
     @override
     def executes(self) -> tuple[str, ...]:
-        """Say which command runs the decks; raises when a program of it is not there."""
+        """Return the command that runs the decks; raise if its program is not found."""
         return (shlex.join(self._command(Path(f"in.{self.name}"))),)
 
     @override
     def readiness(self) -> str:
-        """Say that it is ready; one that was named is not started to find out."""
+        """Return the message that the solver is ready; does not start a given executable."""
         if self.executable is None:
             return super().readiness()
-        return f"{self.name} is there; the first run asks it for its version."
+        return f"{self.name} is found; the first run asks it for its version."
 
     @override
     def estimate_cost(self, parameters: Mapping[str, float]) -> RunCost:
@@ -194,18 +194,18 @@ class DeckSolver(Solver):
 
     @override
     def default_timeout(self, parameters: Mapping[str, float]) -> float:
-        """Wall time after which a run hangs, s."""
+        """Return the default time-out of a run, s."""
         return self.test.default_timeout(self.estimate_cost(parameters))
 
     @override
     @abstractmethod
     def version(self) -> str:
-        """Ask the program for its version.
+        """Return the version that the program reports.
 
         Raises
         ------
         SolverNotFoundError
-            It is not there, or is not the program that the decks need.
+            It is not found, or is not the program that the decks need.
         """
 
     @abstractmethod
@@ -215,15 +215,15 @@ class DeckSolver(Solver):
 
 @lru_cache(maxsize=8)
 def program_help(program: str, install: str) -> str:
-    """Return what a DEM program says of itself with ``-h``.
+    """Return the output of a DEM program with ``-h``.
 
     Raises
     ------
     SolverNotFoundError
-        It does not run; ``install`` says how to get one that does.
+        The program does not run; ``install`` says how to install it.
     """
     try:
-        # LIGGGHTS writes a log wherever it is started, even to show its help.
+        # LIGGGHTS writes a log into the current folder, even to show its help.
         with tempfile.TemporaryDirectory() as folder:
             done = subprocess.run(
                 [program, "-h"],
@@ -240,7 +240,7 @@ def program_help(program: str, install: str) -> str:
 
 
 def _error_line(log: Path) -> str:
-    """Return the program's own error message, or an empty text."""
+    """Return the error message of the program, or an empty text."""
     try:
         lines = log.read_text(encoding="utf-8", errors="replace").splitlines()
     except OSError:

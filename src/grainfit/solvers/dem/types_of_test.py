@@ -1,4 +1,4 @@
-"""Types of test that a DEM program simulates: every bulk test."""
+"""Types of test that a DEM program simulates: all bulk tests."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ Programs = Mapping[str, type[DeckSolver]]
 
 
 def simulated(test: type[BulkTest], programs: Programs) -> TypeOfTest:
-    """Return the type of test in a calibration file whose runs simulate a bulk test."""
+    """Return the type of test of a calibration file that simulates a bulk test."""
     possible = tuple(name for name in programs if name in test.solvers)
     return TypeOfTest(
         test.type,
@@ -49,8 +49,8 @@ def _program_keys(possible: tuple[str, ...]) -> tuple[Key, ...]:
         Key(
             "executable",
             Program(),
-            "The program: a name on the search path, or a path. It is started by the first run "
-            "only, not by grainfit check.",
+            "The program: a name on the search path, or a path. Only the first run starts it, not "
+            "grainfit check.",
             default="found by its usual name",
         ),
         replace(TIMEOUT_KEY, default="10 minutes plus 100 times the estimated time of a run"),

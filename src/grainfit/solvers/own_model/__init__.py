@@ -1,1 +1,1 @@
-"""A user's own model: a command, a Python function, or a table of recorded runs."""
+"""Custom models: a command, a Python function, or a table of recorded runs."""

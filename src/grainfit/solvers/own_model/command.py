@@ -1,4 +1,4 @@
-"""Any program as a solver: a folder with the user's own deck, and a command to start in it."""
+"""Run any program as a solver: a folder with input files, and a command to start in it."""
 
 from __future__ import annotations
 
@@ -44,14 +44,14 @@ _NAMED_FILES = 8
 
 
 class Command(Solver):
-    """A user's own model: a folder, and the command that simulates in a copy of it.
+    """Solver for custom models: a folder, and a command that simulates in a copy of it.
 
     For each run the folder's files are copied (see `ModelFolder`), the templates among them are
     filled in, and all values are written to ``parameters.json`` (``{"particle.density": 2100.0,
     ..., "seed": 7}``) and to ``parameters.inc`` (``variable particle_density equal 2100.0``, for
-    LAMMPS and LIGGGHTS to include). Then the command is started in the copy, without a shell, and
-    the responses are read from a JSON file that it wrote, or from a Python function that looks at
-    the folder, in a process of its own.
+    LAMMPS and LIGGGHTS to include). Then the command is started in the copy, without a shell. The
+    responses are read from a JSON file that it wrote, or returned by a Python function that
+    evaluates the folder in a separate process.
 
     Templates and the command's arguments are Jinja2: ``{{ particle.density }}``, ``{{ seed }}``,
     ``{{ parameters["any name"] }}``.
@@ -59,12 +59,12 @@ class Command(Solver):
     Parameters
     ----------
     folder : path
-        The model.
+        Folder of the model.
     command : sequence of str
-        Program and arguments. A program without a slash is looked for on the PATH, beside the
+        Program and arguments. A program without a slash is searched on the PATH, next to the
         running Python and in the folder; one with a slash in the folder.
     parameters : mapping of str to float, optional
-        Values of what is not free; handed on with the free parameters.
+        Fixed values, passed to the model with the free parameters.
     templates : sequence of str
         File name patterns. ``deck.in.j2`` becomes ``deck.in``; other names are kept.
     responses : str
@@ -75,9 +75,9 @@ class Command(Solver):
         path is absolute, and a function in it, ``measure(folder: Path) -> dict`` of response
         name to a number, a pair of value and standard error, or a `Response`.
     response_names : sequence of str, optional
-        Responses that every run must yield.
+        Responses that every run must give.
     name : str
-        Shown to the user.
+        Display name.
 
     Raises
     ------
@@ -107,7 +107,7 @@ class Command(Solver):
                 )
             )
         if not Path(command[0]).is_absolute() and ".." in Path(command[0]).parts:
-            # It would be another file from the run's folder than from the model's.
+            # In the run folder the same relative path would be another file.
             raise InputError(
                 Fault(
                     "command",
@@ -136,7 +136,7 @@ class Command(Solver):
 
     @override
     def check(self) -> None:
-        """Raise when no run could succeed; nothing of the user's is executed.
+        """Raise an error if no run can succeed; no code of the user is executed.
 
         Raises
         ------
@@ -159,7 +159,7 @@ class Command(Solver):
 
     @override
     def executes(self) -> tuple[str, ...]:
-        """Say which command runs, and which function evaluates the run."""
+        """Return the command that runs, and the function that evaluates the run."""
         where = f"in a copy of {self._model.path.resolve()}"
         program = _on_path(self._command[0]) or self._command[0]
         lines = [f"{shlex.join([program, *self._command[1:]])}   ({where})"]
@@ -195,7 +195,7 @@ class Command(Solver):
     def run(
         self, parameters: Mapping[str, float], seed: int, workspace: Workspace
     ) -> dict[str, Response]:
-        """Copy the model, fill it in, run the command, and take its responses.
+        """Copy the model, fill in templates, run the command, and read its responses.
 
         Raises
         ------
@@ -235,7 +235,7 @@ class Command(Solver):
         return [name for name in self._model.files() if self._is_template(name)]
 
     def _is_written_anew(self, name: str) -> bool:
-        """Whether a file of the user's (from trying the model by hand) is replaced in each run."""
+        """Return True for files (from a run of the model by hand) that each run overwrites."""
         if name in (JSON_NAME, INCLUDE_NAME, LOG_NAME, EVALUATION_LOG_NAME):
             return True
         if name == self._responses_name:
@@ -249,7 +249,7 @@ class Command(Solver):
 
     @cached_property
     def _contents(self) -> dict[str, Any]:
-        """Contents of the model when it was first asked for."""
+        """Contents of the model when first read."""
         return self._contents_now()
 
     def _contents_now(self) -> dict[str, Any]:
@@ -261,7 +261,7 @@ class Command(Solver):
 
     @cached_property
     def _text(self) -> bytes:
-        """All in which a parameter can be mentioned."""
+        """Text of all files and arguments that can mention a parameter."""
         contents = [self._model.read(name) for name in self._model.files()]
         return b"\n".join([*(os.fsencode(argument) for argument in self._command), *contents])
 
@@ -279,7 +279,7 @@ class Command(Solver):
             raise InputError(faults, str(self._model.path))
 
     def _require_mentioned(self, parameters: Mapping[str, float]) -> None:
-        """A parameter that the model never reads would be calibrated to noise."""
+        """Raise `InputError` if the model does not use a parameter: it would be fitted to noise."""
         if JSON_NAME.encode() in self._text:
             return
         faults = [
@@ -290,7 +290,7 @@ class Command(Solver):
                 f"{INCLUDE_NAME} and use the variable {variable_name(name)}, or read {JSON_NAME}.",
             )
             for name in parameters
-            # The last part may be all that a template says: {% set p = particle %}{{ p.density }}.
+            # A template may use only the last part: {% set p = particle %}{{ p.density }}.
             if name.rpartition(".")[2].encode() not in self._text
             and variable_name(name).encode() not in self._text
         ]
@@ -318,7 +318,7 @@ class Command(Solver):
     # --- a run -------------------------------------------------------------------------------
 
     def _prepare(self, values: Mapping[str, float], seed: int, folder: Path) -> list[str]:
-        """Make the run's folder ready; return the command."""
+        """Prepare the run folder; return the command."""
         context = template_context(values, seed)
         filler = self._filler()
         if self._contents_now() != self._contents:
@@ -342,12 +342,12 @@ class Command(Solver):
         return [_on_path(self._command[0]) or str(folder / self._command[0]), *arguments]
 
     def _measure(self, evaluation: PythonFile, workspace: Workspace, started: float) -> None:
-        """Evaluate the folder in a process of its own, in what is left of the time."""
+        """Evaluate the folder in a separate process, within the remaining time."""
         file = evaluation.path
         if file.is_relative_to(self._model.path):
             file = workspace.folder / file.relative_to(self._model.path)
         program = [sys.executable, "-P", measure_folder.__file__]
-        # What the simulation may have left must not pass for the evaluation's result.
+        # A file from the simulation must not be taken for the result of the evaluation.
         (workspace.folder / RESPONSES_NAME).unlink(missing_ok=True)
         left = None
         if workspace.timeout is not None:
@@ -400,7 +400,7 @@ class Command(Solver):
 
 
 def _on_path(program: str) -> str | None:
-    """Find a program on the PATH, or beside the running Python, where pip puts programs."""
+    """Find a program on the PATH, or next to the running Python, where pip installs programs."""
     if "/" in program:
         return shutil.which(program) if Path(program).is_absolute() else None
     return shutil.which(program) or shutil.which(program, path=sysconfig.get_path("scripts"))

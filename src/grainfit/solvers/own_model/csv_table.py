@@ -1,4 +1,4 @@
-"""Tables of runs as CSV files: their columns, and the faults that all of them can have."""
+"""Read tables of runs from CSV files, and check their columns."""
 
 from __future__ import annotations
 
@@ -9,19 +9,19 @@ from pathlib import Path
 from grainfit.errors import Fault, InputError
 from grainfit.evaluation import ERROR_SUFFIX
 
-#: Column of the seed, where a table has one.
+#: Column of the seed, if a table has one.
 SEED_COLUMN = "seed"
-#: In place of `ERROR_SUFFIX` in version 0.1.0.
+#: Suffix that version 0.1.0 used instead of `ERROR_SUFFIX`.
 OLD_ERROR_SUFFIX = "_std_error"
 
 
 def read_csv(path: Path) -> list[tuple[int, list[str]]]:
-    """Return the lines of a CSV file that are not blank, with their numbers; first its header.
+    """Return the header and the nonblank lines of a CSV file, with their numbers.
 
     Raises
     ------
     InputError
-        The file cannot be read, is no CSV file in UTF-8, or is empty.
+        The file cannot be read, is not a CSV file in UTF-8, or is empty.
     """
     try:
         with path.open(newline="", encoding="utf-8-sig") as file:
@@ -52,13 +52,13 @@ def note_old_error_column(name: str, responses: Iterable[str], where: str) -> Fa
         return None
     return Fault(
         where,
-        f"is how version 0.1.0 named the standard error of {response}.",
+        f"is the name of the standard error of {response} in version 0.1.0.",
         f"Name it {response}{ERROR_SUFFIX}.",
     )
 
 
 def repeated_runs(runs: Iterable[tuple[str, tuple[float, ...]]]) -> Iterator[Fault]:
-    """Yield a fault for each run that is there twice; only seeds tell repeats from copies.
+    """Yield a fault for each run that occurs twice with the same seed.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""What a user's own model is given and what it gives back, checked at the border."""
+"""Check the parameters and the responses that are exchanged with custom models."""
 
 from __future__ import annotations
 
@@ -39,22 +39,22 @@ def finite_parameters(parameters: Mapping[str, float]) -> dict[str, float]:
 def read_responses(
     found: Any, expected: Sequence[str] | None = None, origin: str = "the model"
 ) -> dict[str, Response]:
-    """Check and convert the responses that a user's own model gave.
+    """Check and convert the responses of a custom model.
 
     Parameters
     ----------
     found : object
-        Should be a mapping of response name to a number, a pair of value and standard error, a
-        mapping with ``value`` and perhaps ``standard_error``, or a `Response`.
+        Expected is a mapping of response name to a number, a pair of value and standard error, a
+        mapping with ``value`` and optionally ``standard_error``, or a `Response`.
     expected : sequence of str, optional
-        Responses that must be there; others are kept where they can be read. None: all must.
+        Responses that must be present; others are kept if they are valid. None: all must be valid.
     origin : str
-        Where the responses come from, for the message.
+        Source of the responses, for the message.
 
     Raises
     ------
     RunFailedError
-        Of kind ``"evaluation"``: what is wrong, and what was found.
+        The responses are not usable; of kind ``"evaluation"``.
     """
     if not isinstance(found, Mapping):
         raise _unusable(f"{origin} gave {_short(found)}, not responses by name")
@@ -70,7 +70,7 @@ def read_responses(
 
 
 def _others(found: Mapping[Any, Any], expected: Mapping[str, Response]) -> dict[str, Response]:
-    """Keep what else the model gave, if it is a response: it may be a target one day."""
+    """Return other valid responses of the model: they may become targets later."""
     others = {}
     for name in found:
         if isinstance(name, str) and name and name not in expected:
@@ -108,7 +108,7 @@ def _value_and_error(name: str, found: Any, origin: str) -> tuple[Any, Any]:
 
 
 def _short(found: Any) -> str:
-    # NumPy's numbers show their type, which helps nobody here.
+    # The representation of NumPy numbers shows their type, which does not help here.
     text = str(found) if isinstance(found, Real) else " ".join(repr(found).split())
     return text if len(text) <= 60 else f"{text[:57]}..."
 

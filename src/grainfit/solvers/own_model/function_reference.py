@@ -1,4 +1,4 @@
-"""Options that are functions in Python files of the user, ``"file.py:function"``."""
+"""Read options that name a function in a Python file, ``"file.py:function"``."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ from grainfit.solvers.own_model.python_file import PythonFile
 
 @dataclass(frozen=True)
 class Function(Kind):
-    """A Python function, ``"file.py:function"``, which is looked for but not executed."""
+    """A Python function, ``"file.py:function"``, which is searched for but not executed."""
 
     def read(self, value: Any, place: Place) -> str | None:
-        """Read a reference to a function; in the result, the path of its file is absolute."""
+        """Read a reference to a function, and make the path of its file absolute."""
         text = Text().read(value, place)
         return None if text is None else find_function(text, place.findings.folder, place)
 
@@ -29,14 +29,14 @@ class Function(Kind):
 
 
 def find_function(reference: str, folder: Path, place: Place) -> str | None:
-    """Return a reference to a function with an absolute path; None after noting that it is not.
+    """Return a reference to a function with an absolute path; None if it is not found.
 
     Parameters
     ----------
     reference : str
         ``"file.py:function"``.
     folder : Path
-        Where relative paths start.
+        Base folder of relative paths.
     place : Place
         Of the reference.
     """
@@ -54,14 +54,14 @@ def find_function(reference: str, folder: Path, place: Place) -> str | None:
 
 
 def find_function_inside(reference: str, folder: Path, place: Place) -> str | None:
-    """Find a function as `find_function` does, in a file that is in the folder itself.
+    """Find a function like `find_function`, in a file that must be inside the folder.
 
     Parameters
     ----------
     reference : str
         ``"file.py:function"``.
     folder : Path
-        The model's folder, of which a run sees a copy only.
+        Folder of the model; a run sees only a copy of it.
     place : Place
         Of the reference.
     """

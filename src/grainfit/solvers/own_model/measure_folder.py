@@ -1,8 +1,8 @@
-"""Program that evaluates a run's folder with the user's own function, in a process of its own.
+"""Evaluate a run folder with a custom function, as a separate program.
 
     python -P measure_folder.py FILE.py FUNCTION OUTPUT.json
 
-It is started in the run's folder and uses the standard library only: it must start fast.
+It is started in the run folder and uses only the standard library, so that it starts fast.
 """
 
 import importlib.util
@@ -13,7 +13,7 @@ from typing import Any
 
 
 def _plain(found: Any) -> Any:
-    """Turn NumPy's numbers and grainfit's responses into what JSON knows."""
+    """Convert NumPy numbers and `Response` objects to types that JSON supports."""
     if hasattr(found, "item"):
         return found.item()
     if hasattr(found, "value") and hasattr(found, "standard_error"):
@@ -22,9 +22,9 @@ def _plain(found: Any) -> Any:
 
 
 def main() -> None:
-    """Call the function with the current folder and write what it returns."""
+    """Call the function with the current folder, and write the responses that it returns."""
     file, function, output = sys.argv[1:]
-    # Modules of the user's beside the file can be imported, as if the file were run itself.
+    # Modules next to the file can be imported, as if the file itself were run.
     sys.path.insert(0, str(Path(file).parent))
     specification = importlib.util.spec_from_file_location("evaluation", file)
     if specification is None or specification.loader is None:

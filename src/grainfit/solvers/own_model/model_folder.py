@@ -1,4 +1,4 @@
-"""The folder in which a user keeps a model of their own: what is in it, and copies for runs."""
+"""Read the folder of a custom model, and copy it for runs."""
 
 from __future__ import annotations
 
@@ -12,28 +12,28 @@ from pathlib import Path, PurePosixPath
 
 from grainfit.errors import Fault, InputError
 
-#: The folder is copied for every run.
+#: Limits of the folder, which is copied for every run.
 LARGEST_FOLDER_BYTES = 200_000_000
 MOST_FILES = 20_000
 _SKIPPED_FOLDERS = frozenset({"__pycache__"})
 
 
 class ModelFolder:
-    """A user's folder, of which every run gets a copy.
+    """Folder of a custom model, of which every run gets a copy.
 
-    All regular files are part of the model, in subfolders too. Not part of it are: names that
+    All regular files are part of the model, also in subfolders. Not part of it are: names that
     start with a dot, ``__pycache__``, work folders of calibrations, and the files that grainfit or
-    the run writes anew (`ignored`). A link to another file of the folder counts as a file of its
-    own with the contents of what it points to. Links that lead out of the folder are faults, since
-    a folder from somebody else would have any file of yours copied, and so are links to folders,
-    broken links and special files.
+    the run overwrites (`ignored`). A link to another file of the folder counts as a file with the
+    contents of its target. Links that lead out of the folder are faults, because a folder from
+    somebody else could otherwise copy any of your files. Links to folders, broken links and special
+    files are faults, too.
 
     Parameters
     ----------
     path : Path
         The folder.
     ignored : callable
-        Says of a name, relative to the folder, whether it is written anew in every run.
+        Predicate: True for names, relative to the folder, that every run overwrites.
     """
 
     def __init__(self, path: Path, ignored: Callable[[str], bool]) -> None:
@@ -41,7 +41,7 @@ class ModelFolder:
         self._ignored = ignored
 
     def check(self) -> None:
-        """Raise `InputError` unless the folder exists, is of bearable size and can be copied."""
+        """Raise `InputError` unless the folder exists, is not too large, and can be copied."""
         if not self.path.is_dir():
             raise InputError(
                 Fault("folder", "does not exist.", "Give the folder of your model."), str(self.path)
@@ -75,7 +75,7 @@ class ModelFolder:
             raise InputError(faults, str(self.path))
 
     def files(self) -> list[str]:
-        """Names of the model's files, relative to the folder, sorted."""
+        """Return the names of the model's files, relative to the folder, sorted."""
         return sorted(
             name
             for name, path in self._walk()
@@ -83,7 +83,7 @@ class ModelFolder:
         )
 
     def hashes(self) -> dict[str, str]:
-        """SHA-256 of the contents of each file, by name.
+        """Return the SHA-256 of the contents of each file, by name.
 
         Raises
         ------
@@ -93,7 +93,7 @@ class ModelFolder:
         return {name: hashlib.sha256(self.read(name)).hexdigest() for name in self.files()}
 
     def read(self, name: str) -> bytes:
-        """Contents of a file of the model.
+        """Return the contents of a file of the model.
 
         Raises
         ------
@@ -111,12 +111,12 @@ class ModelFolder:
             ) from error
 
     def copy(self, target: Path) -> None:
-        """Copy the model's files, with their permissions, into a folder that is there.
+        """Copy the model's files, with their permissions, into an existing folder.
 
         Raises
         ------
         OSError
-            A file cannot be written; the folder itself may have been removed, and is not made.
+            A file cannot be written, or the target folder does not exist any more.
         """
         names = self.files()
         folders = {folder for name in names for folder in PurePosixPath(name).parents}
@@ -145,7 +145,7 @@ class ModelFolder:
         return is_inside(path, self.path)
 
     def _walk(self) -> Iterator[tuple[str, Path]]:
-        """All that is not a folder itself; links to folders are not entered."""
+        """Yield everything except folders; links to folders are not followed."""
         for parent, folders, files in os.walk(self.path):
             base = Path(parent)
             links = [name for name in folders if (base / name).is_symlink()]
@@ -157,8 +157,8 @@ class ModelFolder:
 
 
 def is_inside(path: Path, folder: Path) -> bool:
-    """Whether a path is in a folder, wherever links on the way lead."""
-    # Unlike Path.resolve, this takes links that go round in circles.
+    """Return True if a path, with all links resolved, is in a folder."""
+    # Unlike Path.resolve, this accepts circular links.
     return Path(os.path.realpath(path)).is_relative_to(os.path.realpath(folder))
 
 

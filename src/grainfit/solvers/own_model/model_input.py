@@ -1,4 +1,4 @@
-"""How parameter values and a seed reach a user's own model: templates and files to include."""
+"""Pass parameter values and a seed to a custom model, by templates and files to include."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ from jinja2.sandbox import SandboxedEnvironment
 from grainfit.errors import Fault, InputError
 from grainfit.formatting import variable_name
 
-#: For programs that read JSON: values by dotted name, and ``seed``.
+#: File for programs that read JSON: values by dotted name, and ``seed``.
 JSON_NAME = "parameters.json"
-#: For LAMMPS and LIGGGHTS to ``include``: one ``variable NAME equal VALUE`` a line.
+#: File for LAMMPS and LIGGGHTS to ``include``: ``variable NAME equal VALUE`` in each line.
 INCLUDE_NAME = "parameters.inc"
 
 _Result = TypeVar("_Result")
@@ -37,12 +37,12 @@ def write_parameters(folder: Path, values: Mapping[str, float], seed: int) -> No
 
 
 def template_context(values: Mapping[str, float], seed: int) -> dict[str, Any]:
-    """Return what templates can say: ``particle.density``, ``seed``, ``parameters["x"]``.
+    """Return the context of templates: ``particle.density``, ``seed``, ``parameters["x"]``.
 
     Raises
     ------
     InputError
-        Two names cannot be told apart by a template or a solver, or one is reserved.
+        A template or a solver cannot distinguish two names, or a name is reserved.
     """
     require_distinct(values)
     root = SimpleNamespace()
@@ -56,7 +56,7 @@ def template_context(values: Mapping[str, float], seed: int) -> dict[str, Any]:
 
 
 def require_distinct(values: Mapping[str, float]) -> None:
-    """Raise `InputError` unless templates and solvers can tell all names apart."""
+    """Raise `InputError` unless templates and solvers can distinguish all names."""
     faults = []
     seen: dict[str, str] = {}
     for name in values:
@@ -75,7 +75,7 @@ def require_distinct(values: Mapping[str, float]) -> None:
 
 
 class Templates:
-    """Jinja2 templates of a model: an undefined name is an error, never an empty text.
+    """Jinja2 templates of a model, in which an undefined name is an error.
 
     Parameters
     ----------
@@ -95,7 +95,7 @@ class Templates:
             except InputError:
                 return None
 
-        # A template may come from somebody else: it is to format values and reach nothing else.
+        # A template may come from somebody else; it must only format values.
         self._environment = SandboxedEnvironment(
             undefined=jinja2.StrictUndefined,
             keep_trailing_newline=True,
@@ -103,12 +103,12 @@ class Templates:
         )
 
     def check(self, name: str) -> None:
-        """Raise `InputError` with the line unless a file is a valid template; nothing is filled in.
+        """Check that a file is a valid template, without filling it in.
 
         Raises
         ------
         InputError
-            The file is no text, or has a syntax error.
+            The file is not a text, or has a syntax error; the message gives the line.
         """
         self._guarded(name, lambda: self._parse(self._read(name).decode("utf-8"), name))
 
@@ -117,7 +117,7 @@ class Templates:
         self._guarded(where, lambda: self._parse(text, where))
 
     def _parse(self, text: str, name: str) -> None:
-        """Parse only: Jinja2 calculates constants as it compiles; 9**(9**9) takes for ever."""
+        """Parse only: Jinja2 evaluates constants when it compiles; 9**(9**9) takes forever."""
         tree = self._environment.parse(text, name)
         known: Mapping[str, Any]
         for kind, known in (
@@ -137,7 +137,7 @@ class Templates:
         Raises
         ------
         InputError
-            The template is faulty, or names a parameter that has no value.
+            The template is not valid, or names a parameter that has no value.
         """
         return self._guarded(name, lambda: self._environment.get_template(name).render(context))
 
@@ -155,14 +155,14 @@ class Templates:
             fault = Fault(name, f"there is no template {error.name!r} in the folder.")
         except UnicodeDecodeError:
             fault = Fault(name, "is not a text in UTF-8.", "Only texts can be templates.")
-        # An expression in a template can go wrong in every way that Python can.
+        # An expression in a template can raise any exception.
         except Exception as error:
             fault = Fault(f"{name}{_line(error)}", f"cannot be filled in: {error}.")
         raise InputError(fault, self._source)
 
 
 def _line(error: Exception) -> str:
-    """Line of the template in which an error happened, as far as Jinja2 tells."""
+    """Return the line of the template in which an error occurred, if it is known."""
     frames = traceback.extract_tb(error.__traceback__)
     lines = [frame.lineno for frame in frames if frame.filename == "<template>"]
     return f", line {lines[-1]}" if lines else ""

@@ -1,4 +1,4 @@
-"""A Python function as a solver."""
+"""Run a Python function as a solver."""
 
 from __future__ import annotations
 
@@ -31,10 +31,10 @@ _TRACEBACK_LINES = 20
 
 
 class PythonCallable(Solver):
-    """A Python function that simulates: called in this process, perhaps from several threads.
+    """Solver that calls a Python function in this process, possibly from several threads.
 
-    Such a function can be neither ended from outside nor timed out: cancelling takes effect before
-    its next call. Simulations that take long or may crash belong in a `Command`.
+    The function cannot be stopped during a call, neither by cancelling nor by a time-out. Use a
+    `Command` for simulations that take long or may crash.
 
     Parameters
     ----------
@@ -42,20 +42,20 @@ class PythonCallable(Solver):
         ``function(parameters: dict[str, float], seed: int) -> dict``: responses by name, each a
         number, a pair of value and standard error, or a `Response`.
     response_names : sequence of str, optional
-        Responses that every run must yield; others are then left out.
+        Responses that every run must give.
     name : str
-        Shown to the user.
+        Display name.
     identity : str, optional
-        What the function computes, in a word of the user's (``"funnel model 3"``): runs of equal
-        identity, parameters and seed are the same run and are not repeated. By default it is the
-        function's module, qualified name and a hash of its source code; where there is no source
-        (an interactive session), of its byte code; where there is neither, the name alone. With it
-        goes the plain data that the function holds: enclosing variables, default arguments,
-        arguments of a `functools.partial`, and attributes of the object that it is or is a method
-        of, as far as they are numbers, strings, None, NumPy arrays, or lists, tuples, dicts and
-        sets of these. So a list that the function itself appends to makes it another function;
-        variables that its source declares ``nonlocal`` are left out. Globals, other
-        functions and other objects are not seen: give an identity when they change.
+        Identity of the function, such as ``"funnel model 3"``: runs of equal identity, parameters
+        and seed are the same run and are not repeated. By default it consists of the module, the
+        qualified name, and a hash of the source code; without source (an interactive session), of
+        the byte code; without either, the name alone. It includes the plain data that the function
+        holds: enclosing variables, default arguments, arguments of a `functools.partial`, and
+        attributes of the object that it is or is a method of, if they are numbers, strings, None,
+        NumPy arrays, or lists, tuples, dicts and sets of these. A function that appends to such a
+        list therefore changes its identity; variables that its source declares ``nonlocal`` are
+        left out. Globals, other functions and other objects are not included: give another
+        identity when they change.
 
     Raises
     ------
@@ -93,10 +93,10 @@ class PythonCallable(Solver):
         name: str = "python",
         folder: Path | None = None,
     ) -> PythonCallable:
-        """Take a function from a file, ``"path/to/file.py:function"``.
+        """Create a solver from a function in a file, ``"path/to/file.py:function"``.
 
-        The file is executed when the first run starts, not before. The whole file decides the
-        identity of runs.
+        The file is executed when the first run starts, not before. The identity of runs depends on
+        the whole file.
 
         Raises
         ------
@@ -112,13 +112,13 @@ class PythonCallable(Solver):
 
     @override
     def check(self) -> None:
-        """Raise `InputError` when a file is to define the function and does not."""
+        """Raise `InputError` if the file of the function does not define it."""
         if isinstance(self._function, PythonFile):
             self._function.check()
 
     @override
     def executes(self) -> tuple[str, ...]:
-        """Say which function of which file is called."""
+        """Return the file and the function that is called."""
         if not isinstance(self._function, PythonFile):
             return ()
         path = self._function.path.resolve()
@@ -129,7 +129,7 @@ class PythonCallable(Solver):
         return {"solver": self.name, "function": self._function_identity}
 
     def run_parameters(self, parameters: Mapping[str, float]) -> dict[str, float]:
-        """Return the parameters, having seen that they are finite."""
+        """Return the parameters; check that they are finite."""
         return finite_parameters(parameters)
 
     @functools.cached_property
@@ -158,7 +158,7 @@ class PythonCallable(Solver):
             found = self._function(values, int(seed))
         except RunFailedError:
             raise
-        # A function that ends the process it is in would end the whole calibration.
+        # A function that calls sys.exit must not end the whole calibration.
         except (Exception, SystemExit) as error:
             tail = "\n".join("".join(traceback.format_exc()).splitlines()[-_TRACEBACK_LINES:])
             if reason := machine_error(error):
@@ -169,12 +169,12 @@ class PythonCallable(Solver):
 
 def _one_line(error: BaseException) -> str:
     text = " ".join(str(error).split())
-    # Errors that grainfit raises on purpose speak for themselves.
+    # Messages of grainfit's own errors are clear without the name of the type.
     return text if isinstance(error, GrainfitError) else f"{type(error).__name__}: {text}"
 
 
 def _identity(function: Any) -> dict[str, Any]:
-    """Name and code of a function, a method, a partial, or an object that can be called."""
+    """Return name and code of a function, a method, a partial, or a callable object."""
     if isinstance(function, functools.partial):
         return {
             **_identity(function.func),
@@ -190,7 +190,7 @@ def _identity(function: Any) -> dict[str, Any]:
 
 
 def _layers(function: Any) -> Iterator[Any]:
-    """The function, what its decorators wrapped, and the object that it belongs to."""
+    """Yield the callable object, its function, and the functions that decorators wrapped."""
     if not inspect.isroutine(function) and not isinstance(function, type):
         yield function
         function = type(function).__call__
@@ -200,7 +200,7 @@ def _layers(function: Any) -> Iterator[Any]:
 
 
 def _held_data(layer: Any) -> dict[str, Any]:
-    """Values that a function holds, or attributes of an object, by name."""
+    """Return the values that a function holds, or the attributes of an object, by name."""
     if not inspect.isroutine(layer):
         return dict(getattr(layer, "__dict__", {}))
     code = getattr(layer, "__code__", None)
@@ -220,11 +220,11 @@ def _held_data(layer: Any) -> dict[str, Any]:
 
 
 def _declared_nonlocal(code: CodeType) -> set[str]:
-    """Enclosing variables that a function assigns to: they are what it did, not what it is."""
+    """Return enclosing variables that a function assigns to: state, not part of its identity."""
     try:
         tree = ast.parse(textwrap.dedent(inspect.getsource(code)))
     except (OSError, SyntaxError):
-        # No source, or a lambda within a longer statement, which cannot assign to any.
+        # No source, or a lambda within a longer statement, which cannot assign variables.
         return set()
     found = (node.names for node in ast.walk(tree) if isinstance(node, ast.Nonlocal))
     return {name for names in found for name in names}
@@ -243,7 +243,7 @@ def _data_hash(value: Any) -> str:
 
 
 def _plain(value: Any, outer: tuple[int, ...] = ()) -> Any:
-    """Data as JSON that is the same in every process; of anything else the type's name."""
+    """Return data as JSON that is the same in every process; other objects as their type."""
     if value is None:
         return None
     if isinstance(value, (np.ndarray, np.generic)):
@@ -261,7 +261,7 @@ def _plain(value: Any, outer: tuple[int, ...] = ()) -> Any:
 
 
 def _plain_array(array: np.ndarray[Any, Any], outer: tuple[int, ...]) -> Any:
-    # The bytes of an array of objects are addresses.
+    # The bytes of an array of objects are memory addresses.
     if array.dtype.hasobject:
         content = _plain(array.tolist(), outer) if array.ndim else _plain(array.item(), outer)
     else:
@@ -281,8 +281,8 @@ def _source_hash(function: Any) -> str | None:
 
 
 def _instructions(code: CodeType) -> tuple[Any, ...]:
-    """Byte code and constants, without file names and line numbers."""
-    # Byte code means another thing in another version of Python.
+    """Return byte code and constants, without file names and line numbers."""
+    # The meaning of byte code depends on the version of Python.
     version = sys.version_info[:2]
     return (version, code.co_code.hex(), code.co_names, [_constant(c) for c in code.co_consts])
 

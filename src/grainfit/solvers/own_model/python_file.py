@@ -1,4 +1,4 @@
-"""A Python function in a file of the user's, referred to as ``"path/to/file.py:function"``."""
+"""Load a Python function from a file, referred to as ``"path/to/file.py:function"``."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ from grainfit.errors import Fault, InputError
 
 
 class PythonFile:
-    """A function in a file, read without executing anything and loaded only when first called.
+    """A function in a file, checked without executing anything, and loaded at its first call.
 
     Parameters
     ----------
     reference : str
         ``"path/to/file.py:function"``.
     folder : Path, optional
-        Where relative paths start; the current folder by default.
+        Base folder of relative paths; the current folder by default.
 
     Raises
     ------
@@ -48,7 +48,7 @@ class PythonFile:
 
     @cached_property
     def source(self) -> bytes:
-        """Contents of the file, as first read: what is hashed is what is executed.
+        """Contents of the file when first read, so that the hashed code is the executed code.
 
         Raises
         ------
@@ -64,7 +64,7 @@ class PythonFile:
             ) from error
 
     def identity(self) -> dict[str, str]:
-        """Name of the file, name of the function, and hash of the whole file."""
+        """Return the names of the file and the function, and the hash of the whole file."""
         return {
             "file": self.path.name,
             "function": self.function,
@@ -78,7 +78,7 @@ class PythonFile:
         """
         try:
             with warnings.catch_warnings():
-                # What Python thinks of the user's style is said when the file is executed.
+                # Python shows warnings about the code when the file is executed.
                 warnings.simplefilter("ignore")
                 tree = ast.parse(self.source, str(self.path))
         except (RecursionError, MemoryError):
@@ -103,7 +103,7 @@ class PythonFile:
         return self.load()(*arguments)
 
     def load(self) -> Any:
-        """Return what has this name in the file, executing the file the first time."""
+        """Return the object of this name in the file; the first call executes the file."""
         with self._lock:
             if self._loaded is None:
                 self._loaded = getattr(self._execute(), self.function)
@@ -112,9 +112,9 @@ class PythonFile:
     def _execute(self) -> ModuleType:
         module = ModuleType(f"grainfit_user_{hashlib.sha256(self.source).hexdigest()[:16]}")
         module.__file__ = str(self.path)
-        # Data classes and pickle look their module up.
+        # Data classes and pickle need the module in sys.modules.
         sys.modules[module.__name__] = module
-        # At the end, so that modules beside the file are found and nothing installed is hidden.
+        # At the end, so that modules next to the file are found and hide no installed package.
         if str(self.path.parent) not in sys.path:
             sys.path.append(str(self.path.parent))
         exec(compile(self.source, str(self.path), "exec"), module.__dict__)

@@ -1,4 +1,4 @@
-"""A table of recorded runs as a solver: looks runs up instead of making them."""
+"""Look up runs in a recorded table instead of simulating them."""
 
 from __future__ import annotations
 
@@ -29,12 +29,12 @@ _MOST_FAULTS = 20
 
 
 class RecordedTable(Solver):
-    """Runs recorded in a CSV file or in rows, found by their parameters.
+    """Solver that finds recorded runs in a CSV file or in rows by their parameters.
 
     A run is found when every parameter agrees with a recorded one within `tolerance`, relative to
     the range of the table's column. Of several recorded runs at the same parameters (replicates),
-    the one with the wanted seed is taken when the table has a column ``seed`` and that seed is
-    there; otherwise the seed picks one of them, always the same.
+    the one with the requested seed is used if the table has it in a column ``seed``; otherwise the
+    seed determines which one is used.
 
     Parameters
     ----------
@@ -47,18 +47,18 @@ class RecordedTable(Solver):
         Columns of the responses. A column ``NAME.standard_error`` holds the standard errors
         of ``NAME``, if there is one.
     nearest : bool
-        Take the nearest recorded run (in the unit cube that the table's ranges span) when there is
-        none at the wanted parameters. Nothing is interpolated.
+        Use the nearest recorded run (in the unit cube of the table's ranges) if there is none at
+        the requested parameters. Nothing is interpolated.
     tolerance : float
-        How far a parameter may be from the recorded one, relative to its range in the table.
+        Largest accepted deviation from a recorded parameter, relative to its range in the table.
     name : str
-        Shown to the user.
+        Display name.
 
     Raises
     ------
     InputError
-        The file cannot be read, is empty, lacks a column, holds something else than finite
-        numbers, or holds one run twice: with line and column, all faults at once.
+        The file cannot be read, is empty, lacks a column, has values that are not finite numbers,
+        or has a run twice; lists all faults with line and column.
     """
 
     uses_folder = False
@@ -85,7 +85,7 @@ class RecordedTable(Solver):
         self._points = np.array([[row[name] for name in self._parameters] for row in rows])
         self._rows = rows
         span = np.ptp(self._points, axis=0)
-        # A column with one value only: deviations relative to that value.
+        # In a column with only one value, deviations are relative to that value.
         self._scale = np.where(span > 0, span, np.maximum(np.abs(self._points[0]), 1e-300))
         self._hash = _hash(rows)
 
@@ -95,7 +95,7 @@ class RecordedTable(Solver):
         return self._responses
 
     def model(self) -> Mapping[str, Any]:
-        """Return the contents of the table (as a hash) and how it is read."""
+        """Return the hash of the table and the options of the lookup."""
         return {
             "solver": self.name,
             "table": self._hash,
@@ -104,7 +104,7 @@ class RecordedTable(Solver):
         }
 
     def run_parameters(self, parameters: Mapping[str, float]) -> dict[str, float]:
-        """Return the parameters, having seen that they are those of the table.
+        """Return the parameters; check that they are those of the table.
 
         Raises
         ------
@@ -117,12 +117,12 @@ class RecordedTable(Solver):
     def run(
         self, parameters: Mapping[str, float], seed: int, workspace: Workspace
     ) -> dict[str, Response]:
-        """Look a run up.
+        """Look up a run.
 
         Raises
         ------
         RunFailedError
-            No run was recorded there; says which is nearest.
+            No run is recorded there; the message gives the nearest one.
         """
         values = self._values(parameters)
         if workspace.cancelled.is_set():
@@ -150,7 +150,7 @@ class RecordedTable(Solver):
         return values
 
     def _replicates(self, values: Mapping[str, float]) -> list[dict[str, float]]:
-        """All recorded runs at these parameters, or at the nearest ones if that is allowed."""
+        """Return all recorded runs at these parameters, or at the nearest ones if allowed."""
         wanted = np.array([values[name] for name in self._parameters])
         offsets = (self._points - wanted) / self._scale
         same = np.abs(offsets).max(axis=1, initial=0.0) <= self._tolerance
@@ -174,7 +174,7 @@ class RecordedTable(Solver):
 
 def _hash(rows: Sequence[Mapping[str, float]]) -> str:
     named = [
-        # Under this name it was hashed by version 0.1.0: the runs of a table stay the same runs.
+        # Version 0.1.0 used this name in the hash; it keeps the identity of the runs.
         {name.replace(ERROR_SUFFIX, OLD_ERROR_SUFFIX): value for name, value in row.items()}
         for row in rows
     ]
@@ -190,7 +190,7 @@ def _read(
     parameters: tuple[str, ...],
     responses: tuple[str, ...],
 ) -> list[dict[str, float]]:
-    """Read the columns that matter, as numbers."""
+    """Read the required and optional columns as numbers."""
     if isinstance(source, (str, Path)):
         file = str(source)
         numbered = _csv_rows(Path(source))

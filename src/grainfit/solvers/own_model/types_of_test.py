@@ -1,4 +1,4 @@
-"""Types of test whose runs are made by a model of the user: command, function, recorded table."""
+"""Types of test that run a custom model: command, function, recorded table."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from grainfit.solvers.type_of_test import TIMEOUT_KEY, FileEntry, TypeOfTest
 def _check_command(values: Values, place: Place) -> None:
     if "responses" in values and "evaluate" in values:
         place.at("responses").fault(
-            "is given beside evaluate.",
+            "is given together with evaluate.",
             "Keep the JSON file that your command writes, or the function that evaluates the run.",
         )
     folder, evaluate = values.get("folder"), values.get("evaluate")
@@ -61,7 +61,7 @@ COMMAND = TypeOfTest(
         Key(
             "templates",
             ListOf(Text()),
-            "Files of the folder, or patterns of them, that Jinja2 fills in; *.j2 by default.",
+            "Files of the folder that Jinja2 fills in, as names or patterns; *.j2 by default.",
             example='["*.j2"]',
         ),
         Key(
@@ -111,7 +111,7 @@ TABLE = TypeOfTest(
         Key(
             "nearest",
             Flag(),
-            "Whether the nearest recorded run stands for one that was not recorded; false.",
+            "Whether to use the nearest recorded run for one that was not recorded; false.",
         ),
     ),
     _table,

@@ -1,1 +1,1 @@
-"""Processes of solvers: start, end, and the faults they die of."""
+"""Start and end processes of solvers, and find the causes of their failures."""

@@ -1,8 +1,8 @@
-"""What a failure of a run comes from, as far as it can be read from how its program ended.
+"""Find the cause of a failed run from the exit code and the log of its program.
 
-A failure of the machine is worth another try, one of the simulation is not: which of the two it was
-is seen in the exit code only now and then. Programs say the rest in words, and MPI launchers say
-what happened to their ranks in words of their own.
+A run that failed because of the machine is tried again; one that failed in the simulation is not.
+The exit code alone rarely shows the difference, so the messages of programs and of MPI launchers
+are searched as well.
 """
 
 from __future__ import annotations
@@ -17,10 +17,10 @@ from pathlib import Path
 from grainfit.errors import FailureKind
 
 _LONGEST_LINE = 200
-#: Exit code of a shell (and of what starts programs as a shell does): this plus the signal.
+#: Exit code of a shell (and of similar launchers): this plus the signal.
 _SIGNAL_CODES = 128
-#: Exit code of what starts programs from Python, as the ``lmp`` that pip installs: this minus the
-#: signal. Only the usual ends: programs of other languages end with -1 or -2 for reasons of theirs.
+#: Exit code of Python launchers, such as the ``lmp`` that pip installs: this minus the signal. Only
+#: for the usual signals: other programs end with -1 or -2 for different reasons.
 _NEGATED_CODES = 256
 _USUAL_ENDS = tuple(
     getattr(signal, f"SIG{name}") for name in ("SEGV", "KILL", "ABRT", "BUS", "FPE", "ILL", "TERM")
@@ -44,7 +44,7 @@ _LICENCE = re.compile(
     r"|could not check ?out|\bflex(net|lm)\b.*-\d+,\d+",
     re.IGNORECASE,
 )
-#: What programs say of their own licence when all is well.
+#: Words of messages about licence terms, which are not errors.
 _TERMS = re.compile(
     r"\b(A?L?GPL|GNU|MIT|BSD|Apache|Creative Commons|warranty|copyright|distributed|terms)\b",
     re.IGNORECASE,
@@ -55,7 +55,7 @@ _NOT_STARTED = re.compile(
     r"|^\S+: (line )?\d+: (exec: )?\S+: (not found|cannot execute)",
     re.IGNORECASE,
 )
-#: An MPI that lost a rank without learning why.
+#: Messages of an MPI that lost a rank for an unknown reason.
 _RANK_LOST = re.compile(
     r"process manager error|Fatal error in \w+: Other MPI error|has lost communication with"
 )
@@ -78,7 +78,7 @@ _SIGNALLED = (
     re.compile(rf"^srun: error: .*: ({_NAMED})\b"),
     re.compile(rf"^({_NAMED})( \(core dumped\))?$"),
 )
-#: Sent from outside, by the system or a person; all others are the program's own doing.
+#: Signals sent from outside, by the system or a user; all others come from the program itself.
 _OUTSIDE = frozenset(
     getattr(signal, name)
     for name in ("SIGKILL", "SIGTERM", "SIGHUP", "SIGINT", "SIGXCPU", "SIGXFSZ", "SIGUSR1")
@@ -87,14 +87,14 @@ _OUTSIDE = frozenset(
 
 @dataclass(frozen=True)
 class Cause:
-    """Why a run failed.
+    """Cause of a failed run.
 
     Parameters
     ----------
     reason : str
-        One line for people.
+        Reason in one line.
     kind : {"machine", "timeout", "simulation", "evaluation", "cancelled"}
-        Whose fault it was; see `RunFailedError`.
+        Kind of the failure; see `RunFailedError`.
     """
 
     reason: str
@@ -102,16 +102,16 @@ class Cause:
 
 
 def cause_of_exit(program: str, code: int, log: str) -> Cause:
-    """Return why a program ended with a code other than zero.
+    """Return the cause of a nonzero exit code of a program.
 
     Parameters
     ----------
     program : str
-        What was started.
+        The program that was started.
     code : int
         Its exit code; negative for the number of the signal that killed it.
     log : str
-        The end of what it wrote.
+        End of its output.
     """
     name = Path(program).name
     if reason := machine_fault(log):
@@ -121,7 +121,7 @@ def cause_of_exit(program: str, code: int, log: str) -> Cause:
     words = _last_words(log)
     if code in _NOT_STARTED_CODES:
         return Cause(f"{name} could not start a program: {words or f'exit code {code}'}", "machine")
-    # A rank that gives up with a message has the others killed: the message is the cause.
+    # After the error message of one rank the others are killed: the message is the cause.
     number = 0 if words.startswith("ERROR") else _reported_signal(code, log)
     if number:
         return _cause_of_signal(f"{name} ended because one of its processes was killed by", number)
@@ -133,7 +133,7 @@ def cause_of_exit(program: str, code: int, log: str) -> Cause:
 
 
 def machine_fault(log: str) -> str:
-    """Return what a program's log says was wrong with the machine; empty when it says nothing."""
+    """Return the fault of the machine that a log reports; empty if there is none."""
     for line in _lines(log):
         if _DISK.search(line):
             return f"the disk of the run's folder, or another one it writes to, was full: {line}"
@@ -147,7 +147,7 @@ def machine_fault(log: str) -> str:
 
 
 def machine_error(error: BaseException) -> str:
-    """Return what an error of Python's says was wrong with the machine; empty if nothing."""
+    """Return the fault of the machine that a Python exception reports; empty if there is none."""
     if isinstance(error, MemoryError):
         return f"not enough memory: {' '.join(str(error).split()) or 'MemoryError'}"
     if not isinstance(error, OSError):
@@ -172,7 +172,7 @@ def _cause_of_signal(killed_by: str, number: int) -> Cause:
 
 
 def _reported_signal(code: int, log: str) -> int:
-    """Return the signal that a launcher or a shell says a process died of, or 0."""
+    """Return the signal that ended a process according to a launcher or a shell, or 0."""
     reported = list(_signals_in(log))
     if code - _SIGNAL_CODES in set(signal.Signals):
         reported.append(code - _SIGNAL_CODES)
@@ -192,7 +192,7 @@ def _signals_in(log: str) -> Iterator[int]:
 
 
 def _last_words(log: str) -> str:
-    """Return the program's own error message, or else its last line."""
+    """Return the error message of the program, or its last line."""
     lines = list(_lines(log))
     return next((line for line in lines if line.startswith("ERROR")), lines[-1] if lines else "")
 

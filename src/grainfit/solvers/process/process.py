@@ -1,4 +1,4 @@
-"""Run a solver as an external process that can be timed out, cancelled, and found after a crash."""
+"""Run a solver as an external process, with time-out, cancellation, and clean-up after a crash."""
 
 from __future__ import annotations
 
@@ -19,16 +19,16 @@ from grainfit.solvers.process.faults import Cause, cause_of_exit, machine_error,
 from grainfit.solvers.process.run_folder import REMOVED, RunFolder
 
 LOG_NAME = "solver.log"
-#: Variable in the environment of solvers, by which they are known after a crash.
+#: Environment variable of solvers by which they are found after a crash.
 _MARK = "GRAINFIT_RUN"
 _POLL_SECONDS = 0.02
 _GRACE_SECONDS = 2.0
-#: How often the folder is looked for.
+#: Interval at which the existence of the folder is checked.
 _WATCH_SECONDS = 0.5
 _ENVIRONMENT = {
     "OMP_NUM_THREADS": "1",
-    # Within a job of a cluster, mpiexec of MPICH, Intel MPI and Open MPI would have the scheduler
-    # start the ranks, with as many as there are tasks in the job; a run stays on its machine.
+    # Within a job of a cluster, mpiexec of MPICH, Intel MPI and Open MPI would let the scheduler
+    # start the ranks, as many as the job has tasks; a run must stay on its machine.
     "HYDRA_LAUNCHER": "fork",
     "HYDRA_RMK": "user",
     "I_MPI_HYDRA_BOOTSTRAP": "fork",
@@ -49,8 +49,8 @@ def run_process(
     """Run a command in the workspace's folder to its end; return the wall time, s.
 
     Standard output and error go to a log in the folder, ``solver.log`` unless another name is
-    given. No shell is involved. The process leads its own group, so that a time-out or Ctrl-C ends
-    all of its MPI ranks too. The same happens soon after the folder was removed or renamed.
+    given. No shell is used. The process leads its own group, so that a time-out or Ctrl-C also
+    ends all of its MPI ranks. It is also ended soon after its folder is removed or renamed.
 
     Raises
     ------
@@ -61,7 +61,7 @@ def run_process(
         The folder cannot be written; see `recorded_faults`.
     """
     started = time.monotonic()
-    # Read back through the open file, which outlives its removal.
+    # The log is read through the open file, which remains readable after its removal.
     with RunFolder(workspace.folder) as folder, (workspace.folder / log_name).open("w+b") as log:
         try:
             process = subprocess.Popen(
@@ -85,7 +85,7 @@ def run_process(
             _end(process)
         text = end_of_file(log.fileno())
         if stopped is None and process.returncode != 0:
-            # Without its folder a program ends for all kinds of reasons, of which this is the one.
+            # Without its folder a program ends with various errors; this is their cause.
             gone = Cause(REMOVED, "machine") if folder.is_gone() else None
             stopped = gone or cause_of_exit(command[0], process.returncode, text)
     if stopped is not None:
@@ -95,11 +95,10 @@ def run_process(
 
 @contextmanager
 def recorded_faults(workspace: Workspace) -> Iterator[None]:
-    """Turn what fails within into a `RunFailedError` that says what it comes from.
+    """Convert errors of the block to a `RunFailedError` with their cause.
 
-    A full disk shows as a file cut short, a folder that is gone as a missing one, and a solver
-    that got no licence may end with exit code 0 all the same: the responses that cannot be measured
-    then are the machine's fault.
+    A full disk leaves incomplete files, a removed folder missing ones, and a solver without licence
+    may end with exit code 0. Responses that cannot be measured are then the fault of the machine.
     """
     path = workspace.folder
     try:
@@ -128,7 +127,7 @@ def recorded_faults(workspace: Workspace) -> Iterator[None]:
 def _wait(
     process: subprocess.Popen[bytes], workspace: Workspace, started: float, folder: RunFolder
 ) -> Cause | None:
-    """Wait for the end of a process; return why it must be ended before, if it must."""
+    """Wait for the end of a process; return the reason to end it early, if there is one."""
     delay = _POLL_SECONDS / 10
     watched = started
     while process.poll() is None:
@@ -149,16 +148,16 @@ def _wait(
 
 def _end(process: subprocess.Popen[bytes]) -> None:
     end_process_group(process.pid)
-    # A process that waits for a disk that does not answer cannot even be killed.
+    # A process that waits for a disk that does not answer cannot be killed.
     with suppress(subprocess.TimeoutExpired):
         process.wait(_GRACE_SECONDS)
 
 
 def end_process_group(leader: int) -> None:
-    """End a process group and all that it started: ask first, then kill.
+    """End a process group and all its descendants, first by SIGTERM, then by SIGKILL.
 
-    MPI launchers give their ranks groups or sessions of their own, so that the group is not all.
-    Nothing happens when it is gone already.
+    MPI launchers give their ranks separate groups or sessions, so the group alone is not enough.
+    Nothing happens if it has already ended.
     """
     family = _descendants(leader)
     for number, grace in ((signal.SIGTERM, _GRACE_SECONDS), (signal.SIGKILL, 0.0)):
@@ -169,14 +168,14 @@ def end_process_group(leader: int) -> None:
         _wait_for_end([leader], grace)
         family |= _descendants(leader)
     for process in family:
-        # Kills nothing when the number was given to another process since.
+        # psutil does not kill another process that has got the same number since.
         with suppress(psutil.Error):
             process.kill()
     _wait_for_end([process.pid for process in family if process.is_running()], _GRACE_SECONDS)
 
 
 def _descendants(pid: int) -> set[psutil.Process]:
-    """Return children, their children and so on."""
+    """Return all descendants of a process."""
     try:
         return set(psutil.Process(pid).children(recursive=True))
     except psutil.Error:
@@ -184,8 +183,8 @@ def _descendants(pid: int) -> set[psutil.Process]:
 
 
 def _wait_for_end(pids: Sequence[int], seconds: float) -> None:
-    # Not by psutil's own waiting: it collects children, whose exit codes are wanted elsewhere, and
-    # waits for processes that have ended and are collected by nobody.
+    # Not by psutil.wait_procs: it reaps children, whose exit codes are needed elsewhere, and waits
+    # for zombies that nobody reaps.
     deadline = time.monotonic() + seconds
     while time.monotonic() < deadline and any(map(_is_alive, pids)):
         time.sleep(_POLL_SECONDS)
@@ -199,10 +198,10 @@ def _is_alive(pid: int) -> bool:
 
 
 def end_orphan(folder: Path) -> bool:
-    """End the solvers that a killed calibration left running in this folder, if there are any.
+    """End the solvers that a killed calibration left running in this folder.
 
-    They carry a mark in their environment: other processes that work in the folder, such as the
-    shell of a person who looks at it, are left alone.
+    They have a mark in their environment. Other processes in the folder, such as the shell of a
+    user, are not ended.
     """
     here = str(folder.resolve())
     leaders = set()

@@ -1,4 +1,4 @@
-"""The folder of a run, watched while the run happens: is it still there, and is there room?"""
+"""Check during a run that its folder still exists and is writable."""
 
 from __future__ import annotations
 
@@ -12,21 +12,21 @@ from types import TracebackType
 from grainfit.solvers.process.faults import machine_error
 
 REMOVED = "its folder was removed while it ran"
-#: A disk with less room than this is full.
+#: A disk with less free space than this is full.
 _ROOM_BYTES = 65536
 _READ = os.O_RDONLY | os.O_DIRECTORY
 
 
 class RunFolder:
-    """A folder that is told from any other that may later be found at its path.
+    """A folder, distinguished from any other folder that may later have the same path.
 
-    It is a context manager: the folder is held open meanwhile, or else the file system could give
-    its number to a folder that is made in its place.
+    Use it as a context manager. The folder stays open, because the file system could otherwise give
+    its inode number to a new folder at the same path.
 
     Parameters
     ----------
     path : Path
-        Exists.
+        Existing folder.
     """
 
     def __init__(self, path: Path) -> None:
@@ -44,13 +44,13 @@ class RunFolder:
         error: BaseException | None,
         trace: TracebackType | None,
     ) -> None:
-        """Let the folder go."""
+        """Close the folder."""
         os.close(self._descriptor)
 
     def is_gone(self) -> bool:
-        """Whether the folder was removed or renamed, also if another one has taken its place."""
-        # A network file system asks its server anew when a folder is opened, not when it is looked
-        # up: for a folder that was renamed the one above must be opened too.
+        """Return True if the folder was removed, renamed, or replaced by another one."""
+        # A network file system refreshes a folder when it is opened, not when it is looked up: to
+        # notice a renamed folder, its parent must be opened, too.
         with suppress(OSError):
             os.close(os.open(self.path.parent, _READ))
         try:
@@ -64,7 +64,7 @@ class RunFolder:
             os.close(found)
 
     def fault(self) -> str:
-        """Return why nothing can be written here, in one line; empty when something can."""
+        """Return the reason why the folder is not writable, in one line; empty if it is."""
         if self.is_gone():
             return REMOVED
         try:
@@ -77,7 +77,7 @@ class RunFolder:
         file, name = tempfile.mkstemp(dir=self.path, prefix=".room")
         try:
             os.posix_fallocate(file, 0, _ROOM_BYTES)
-            # Some file systems notice only now.
+            # Some file systems report a full disk only now.
             os.fsync(file)
         finally:
             os.close(file)

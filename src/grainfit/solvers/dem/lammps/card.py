@@ -1,4 +1,4 @@
-"""The card as a file that a LAMMPS deck includes."""
+"""Write a material card as a file that a LAMMPS deck includes."""
 
 from __future__ import annotations
 
@@ -29,13 +29,13 @@ class _ContactVariable:
     Parameters
     ----------
     name : str
-        Of the variable.
+        Name of the variable.
     types : tuple of int
         Atom types: two of particles, one of a particle on a wall.
     suffix : str
-        Tells contacts of different diameters apart; empty when there is one diameter.
+        Suffix for contacts of different diameters; empty if there is only one diameter.
     coefficients : str
-        As the decks of bulk tests have them.
+        Coefficients as in the decks of bulk tests.
     """
 
     name: str

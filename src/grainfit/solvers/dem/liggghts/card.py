@@ -1,4 +1,4 @@
-"""The card as a file that a LIGGGHTS deck includes."""
+"""Write a material card as a file that a LIGGGHTS deck includes."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from grainfit.materials.card_text import about, header
 from grainfit.solvers.dem.card_parts import fill, origin, require_material, variables
 
 _TAKEN = ("rayleigh_time_step", "recommended_time_step", "contact_model")
-#: Young's moduli, Pa, beyond which LIGGGHTS wants to be told that they are meant.
+#: Young's moduli, Pa, beyond which LIGGGHTS requires a confirmation.
 _SOFT = 5e6
 _HARD = 1e9
 
@@ -23,7 +23,7 @@ def render_liggghts(card: MaterialCard) -> str:
     """
     values, law = require_material(card, "liggghts")
     named = list(variables(card.parameters, _TAKEN))
-    # A parameter that is at its default is in no card, and its value is the default.
+    # Parameters at their default are not in the card.
     texts = {name: str(value) for name, value in values.items()}
     texts |= {parameter.name: f"${{{name}}}" for name, parameter in named}
     moduli = values["particle.youngs_modulus"], values["wall.youngs_modulus"]

@@ -25,7 +25,7 @@ class Liggghts(DeckSolver):
 
     @override
     def check(self) -> None:
-        """Raise `SolverNotFoundError` unless it is there, `InputError` for what it refuses."""
+        """Raise `SolverNotFoundError` unless it is found, `InputError` for values it refuses."""
         super().check()
         faults = [
             Fault(
@@ -41,7 +41,7 @@ class Liggghts(DeckSolver):
 
     @override
     def version(self) -> str:
-        """Ask the program for its version, like ``LIGGGHTS-PUBLIC 3.8.0``."""
+        """Return the version that the program reports, such as ``LIGGGHTS-PUBLIC 3.8.0``."""
         program = self._program()
         found = re.search(r"LIGGGHTS \(Version ([^,)]+)", program_help(program, _INSTALL))
         if found is None:
@@ -70,7 +70,7 @@ class Liggghts(DeckSolver):
         command = ["stdbuf", "-oL", self._program(), "-in", deck.name, "-nocite"]
         if self.ranks == 1:
             return command
-        # Bound ranks of several runs would all sit on the first cores, and waiting ranks spin.
+        # With core binding, several runs would share the first cores; waiting ranks must yield.
         launcher = [self._launcher(), "-n", str(self.ranks), "--bind-to", "none"]
         launcher += ["--mca", "mpi_yield_when_idle", "1"]
         if os.geteuid() == 0:

@@ -1,4 +1,4 @@
-"""The card as a Python module that a YADE script imports."""
+"""Write a material card as a Python module that a YADE script imports."""
 
 from __future__ import annotations
 
