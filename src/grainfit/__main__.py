@@ -1,4 +1,4 @@
-"""Where the command line starts: ``grainfit`` and ``python -m grainfit``."""
+"""Entry point of the command line: ``grainfit`` and ``python -m grainfit``."""
 
 import sys
 

@@ -252,7 +252,10 @@ def test_without_an_answer_there_is_no_card_but_what_to_do(
     (drum_folder / "result.json").rename(drum_folder / "result.old")
     with pytest.raises(InputError, match=r"no answer yet.*missing.*Start the calibration again"):
         material_card(drum_folder)
-    for status, words in (("running", "was interrupted before"), ("failed", "failed.*Mend")):
+    for status, words in (
+        ("running", "was interrupted before"),
+        ("failed", "failed.*Remove the cause"),
+    ):
         with sqlite3.connect(drum_folder / "runs.sqlite") as connection:
             connection.execute("UPDATE calibrations SET status = ?", (status,))
         with pytest.raises(InputError, match=f"no answer yet.*{words}"):

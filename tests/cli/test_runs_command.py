@@ -397,7 +397,7 @@ def test_the_next_calibration_learns_from_imported_runs(sand: Path) -> None:
     assert f"Warm start from {total} earlier runs: {source}." in learnt.stderr
     again = grainfit("runs", "import", sand, "theirs.csv", "--workdir", "theirs")
     assert f"Imported 0 runs of the test python; {total} were there already." in again.stdout
-    assert "A calibration that was started in this folder before goes on without" in again.stdout
+    assert "A calibration that was started in this folder before continues without" in again.stdout
 
 
 def test_an_exported_table_can_be_calibrated_on_and_imported_as_it_is(sand: Path) -> None:

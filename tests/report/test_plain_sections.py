@@ -196,7 +196,7 @@ def test_the_answer_has_verdict_values_intervals_and_cost() -> None:
         "✓ met 1500 ± 15 1501.8 ± 1.5 +0.12 %",
         "not verified 22 ± 0.5 21.60 ± 0.39 (predicted) −1.82 %",
         "2.153 ms , 1.05 times that of the middle of the intervals (2.054 ms)",
-        "40 = 5 design + 11 optimisation + 24 verification ; 1 failed, 2 reused, learnt from 3",
+        "40 = 5 design + 11 optimisation + 24 verification ; 1 failed, 2 reused, warm start from 3",
         "2 min 00 s since it was started last",
         "7700",
     ):
@@ -476,7 +476,7 @@ def test_verification_runs_at_other_answers_do_not_count() -> None:
     other = evaluation(50, "verification", {DENSITY: 2000.0, FRICTION: 0.6}, angle=40.0)
     shown = text(verification(context(evaluations=(*RUNS, other))))
     assert "simulated 4 times" in shown
-    assert "were verified before, by 1 run." in shown
+    assert "were verified by 1 run." in shown
 
 
 # --- Runs and reproduction ------------------------------------------------------------------------

@@ -134,9 +134,7 @@ def test_what_was_learnt_from_counts_in_all_that_is_said(tmp_path: Path) -> None
     assert len(reading.evaluations) == second.runs.total < first.runs.total
     assert len(reading.known) == first.runs.total + second.runs.total
     page = grainfit.write_report(tmp_path).read_text(encoding="utf-8")
-    assert (
-        f"Besides these, {first.runs.total} made for other calibrations were learnt from." in page
-    )
+    assert f"Besides these, a warm start used {first.runs.total} of other calibrations." in page
     assert "a run of another calibration" in page
     # The second has hardly another place than its answer, and alone would tell nothing.
     assert "particle.density is determined to" in page

@@ -1,7 +1,7 @@
-"""Bulk tests: options in, decks out, responses measured on what a run left.
+"""Bulk tests: options in, decks out, responses measured on the output of a run.
 
 A bulk test declares its options and responses, writes a solver's input into a run folder, measures
-what the solver left there, estimates the cost of a run, and shows a run in a report. It knows
+its output, estimates the cost of a run, and shows a run in a report. It knows
 nothing of campaigns, and it never starts a solver itself. Everything else follows from these
 declarations: the keys of ``[[test]]`` in the calibration file, JSON Schema, checks, tables in the
 documentation, units of tables of runs, and labels of plots.
@@ -29,7 +29,7 @@ from grainfit.options.tables import Key
 #: Gravity on Earth, m/s^2, and the share of the Rayleigh time step at which beds come to rest.
 GRAVITY = 9.81
 TIME_STEP_FRACTION = 0.12
-#: A run that takes this much longer than estimated hangs, however slow and busy the machine is.
+#: A run that takes this much longer than estimated hangs, even on a slow and busy machine.
 _PATIENCE = 100.0
 _PATIENCE_SECONDS = 600.0
 _DIAMETER = Key("diameter", Diameters(), "Particle diameter.", example='"10 mm"')
@@ -37,7 +37,7 @@ _DIAMETER = Key("diameter", Diameters(), "Particle diameter.", example='"10 mm"'
 
 @dataclass(frozen=True)
 class ResponseInfo:
-    """What a bulk test yields.
+    """A response of a bulk test: its unit, symbol and description.
 
     Parameters
     ----------
@@ -101,7 +101,7 @@ class BulkTest(ABC):
     solvers: ClassVar[tuple[str, ...]]
     #: Material parameters that its runs depend on, by dotted name.
     material_parameters: ClassVar[tuple[str, ...]] = tuple(MATERIAL_PARAMETERS)
-    #: What a report shows of its runs; None when that is nothing.
+    #: View of its runs in a report; None when there is none.
     shown: ClassVar[Shown | None] = None
     #: Raised whenever the procedure, its decks or its evaluation change the outcome of a run.
     revision: ClassVar[int] = 1
@@ -117,7 +117,7 @@ class BulkTest(ABC):
         self.prepare()
 
     def prepare(self) -> None:
-        """Work out what follows from the options; raise `InputError` when they are impossible."""
+        """Derive values from the options; raise `InputError` when they are impossible."""
 
     @classmethod
     def option_keys(cls) -> tuple[Key, ...]:
@@ -125,7 +125,7 @@ class BulkTest(ABC):
         return _option_keys(cls)
 
     def definition(self) -> dict[str, Any]:
-        """Return all of the test that decides a run's outcome, as JSON."""
+        """Return everything in the test that affects a run's outcome, as JSON."""
         return {
             "type": self.type,
             "revision": self.revision,
@@ -136,12 +136,12 @@ class BulkTest(ABC):
 
     @classmethod
     def from_definition(cls, definition: Mapping[str, Any]) -> Self:
-        """Make the test again from the definition in the record of a run.
+        """Rebuild the test from the definition in the record of a run.
 
         Raises
         ------
         KeyError, TypeError, ValueError, AttributeError
-            The definition is not one, or not whole.
+            The definition is damaged or incomplete.
         """
         sizes = ParticleSizes(tuple(definition["diameters"]), tuple(definition["mass_fractions"]))
         return cls(sizes, **{key.name: definition[key.name] for key in cls.option_keys()})
@@ -171,12 +171,12 @@ class BulkTest(ABC):
 
     @abstractmethod
     def measure(self, folder: Path) -> dict[str, Response]:
-        """Measure the responses on what the solver left in the folder.
+        """Measure the responses on the solver's output in the folder.
 
         Raises
         ------
         RunFailedError
-            The simulation did not go as the test must.
+            The simulation did not end as the test requires.
         NotMeasurableError
             A response has no value there, with the reason.
         """

@@ -72,7 +72,7 @@ def class_of_test(definition: RunDefinition) -> type[BulkTest] | None:
 
 
 def recreate_test(definition: RunDefinition) -> BulkTest | None:
-    """Make the test of a run again from the run's definition; None for a model of the user.
+    """Rebuild the test of a run from the run's definition; None for a model of the user.
 
     Raises
     ------
@@ -98,7 +98,7 @@ def recreate_test(definition: RunDefinition) -> BulkTest | None:
 
 
 def response_info(name: str) -> ResponseInfo | None:
-    """Return what a response of a built-in or installed test is; None when no test has it."""
+    """Return unit, symbol and description of a response; None when no installed test has it."""
     return next(
         (test.responses[name] for test in bulk_tests().values() if name in test.responses), None
     )

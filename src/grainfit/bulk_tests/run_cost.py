@@ -12,7 +12,7 @@ class RunCost:
     Parameters
     ----------
     time_step : float
-        Exact, s.
+        Time step, exact, s.
     steps : int
         Estimated number of time steps.
     wall_seconds : float

@@ -1,4 +1,4 @@
-"""What a report shows of a run of a bulk test."""
+"""View of a run of a bulk test in a report."""
 
 from __future__ import annotations
 
@@ -12,14 +12,14 @@ from grainfit.measurement.particles import Particles
 
 @dataclass(frozen=True)
 class Shown:
-    """What a bulk test leaves in a run folder for a report.
+    """Files and response of a bulk test that a report shows.
 
     Parameters
     ----------
     noun : str
         What the particles form at the end, such as ``"heap"``.
     response : str
-        The response that is seen on it.
+        The response to show.
     particles : str
         File of the particles at the end.
     picture : str
@@ -34,7 +34,7 @@ class Shown:
 
 @dataclass(frozen=True)
 class MeasuredDrawing:
-    """A drawing with what was measured on it.
+    """A drawing with the measurement on it.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Turn what a calibration file says into a problem and the solvers that its tests need."""
+"""Build the problem and the solvers that a calibration file describes."""
 
 from __future__ import annotations
 
@@ -45,14 +45,14 @@ class CalibrationSetup:
     Parameters
     ----------
     file : CalibrationFile
-        What it was made of.
+        The calibration file.
     problem : Problem
         Free parameters and targets; with several tests, targets are called ``test.response``.
     solvers : dict of str to Solver
         By name of the test. They take the values of the free parameters, and of fixed ones that
-        are to differ from the file.
+        replace those of the file.
     local : bool
-        Make the runs on this machine even when the file has a cluster.
+        Run on this machine even when the file has a cluster.
     """
 
     file: CalibrationFile
@@ -62,7 +62,7 @@ class CalibrationSetup:
 
     @property
     def name(self) -> str:
-        """What is calibrated, for people."""
+        """Name of the calibration, for people."""
         return self.file.name
 
     @property
@@ -82,7 +82,7 @@ class CalibrationSetup:
 
     @property
     def cluster(self) -> ClusterOptions | None:
-        """Jobs in which the runs are made; None when they are made on this machine."""
+        """Cluster jobs for the runs; None to run on this machine."""
         cluster = self.file.cluster
         if cluster is None or self.local or not is_available(cluster):
             return None
@@ -203,7 +203,7 @@ class CalibrationSetup:
         }
 
     def values(self, settings: Iterable[str]) -> dict[str, float]:
-        """Return values of all free parameters, and of whatever is set.
+        """Return the values of all free parameters, and of fixed ones that are set.
 
         Parameters
         ----------
@@ -269,17 +269,17 @@ def load_calibration(path: str | Path) -> CalibrationSetup:
 
 
 def build_calibration(file: CalibrationFile) -> CalibrationSetup:
-    """Make the problem and one solver for each test; nothing is executed.
+    """Build the problem and one solver for each test; nothing is executed.
 
     Parameters
     ----------
     file : CalibrationFile
-        As `grainfit.calibration_file.load_calibration_file` gives it.
+        As returned by `grainfit.calibration_file.load_calibration_file`.
 
     Raises
     ------
     InputError
-        A test cannot be simulated as the file says; all faults of all tests.
+        A test cannot be simulated; lists all faults of all tests.
     """
     solvers: dict[str, Solver] = {}
     faults: list[Fault] = []
@@ -326,7 +326,7 @@ def _entry(file: CalibrationFile, test: TestSpecification) -> FileEntry:
 
 
 def _faults_of_test(index: int, error: InputError) -> list[Fault]:
-    """Say of which test a solver speaks; it knows only its own arguments."""
+    """Add the test to the faults of its solver, which knows only its own arguments."""
     if error.source:
         return [Fault(f"test[{index}]", f"{error.source}: {fault}") for fault in error.faults]
     return [replace(fault, key=f"test[{index}].{fault.key}") for fault in error.faults]

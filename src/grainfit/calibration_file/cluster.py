@@ -1,4 +1,4 @@
-"""The ``[cluster]`` table of the calibration file: jobs in which runs are made."""
+"""The ``[cluster]`` table of the calibration file: jobs for the runs."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from grainfit.solvers.own_model.python_file import PythonFile
 
 @dataclass(frozen=True)
 class ParslConfiguration(Kind):
-    """A Parsl configuration, ``"file.py:name"``, which is looked for but not executed."""
+    """A Parsl configuration, ``"file.py:name"``, which is checked but not executed."""
 
     def read(self, value: Any, place: Place) -> str | None:
         """Read a reference to it; in the result, the path of its file is absolute."""
@@ -55,13 +55,13 @@ class ParslConfiguration(Kind):
 _COUNT = Whole(1, 4096)
 
 CLUSTER = (
-    Key("scheduler", Choice(tuple(SCHEDULERS)), "Who gives out the nodes; slurm by default."),
+    Key("scheduler", Choice(tuple(SCHEDULERS)), "Scheduler of the cluster; slurm by default."),
     Key("partition", Text(), "Partition of the jobs; the scheduler's own by default."),
-    Key("account", Text(), "Account that pays; the scheduler's own by default."),
+    Key("account", Text(), "Account to charge; the scheduler's own by default."),
     Key(
         "walltime",
         Quantity("s", lowest=SHORTEST_WALLTIME, highest=LONGEST_WALLTIME),
-        "Longest time that a job lasts.",
+        "Longest wall time of a job.",
         example='"2 h"',
     ),
     Key("jobs", _COUNT, "Largest number of jobs at a time; 1 by default.", example="4"),
@@ -82,13 +82,13 @@ CLUSTER = (
     Key(
         "parsl",
         ParslConfiguration(),
-        "A Parsl configuration of your own instead: a file and the name in it.",
+        "Custom Parsl configuration instead: a file and the name in it.",
     ),
 )
 
 
 def cluster_options(values: Values, place: Place) -> ClusterOptions | None:
-    """Make the options of what was read; None after noting what is wrong with them."""
+    """Build the options from the values read; None after noting their faults."""
     if None in values.values():
         return None
     try:

@@ -22,11 +22,11 @@ class TestSpecification:
     Parameters
     ----------
     name : str
-        As given, or else the type.
+        Given name, or else the type.
     type : str
         One of `grainfit.solvers.registry.types_of_test`.
     options : mapping of str to object
-        Everything else that the file says of the test, by key; only what is given.
+        Other options of the test, by key; only those given.
     targets : tuple of Target
         Named by response.
     """
@@ -60,7 +60,7 @@ class SearchOptions(CalibrationOptions):
 
 @dataclass(frozen=True)
 class CalibrationFile:
-    """What a calibration file says, free of faults.
+    """Content of a calibration file that has no faults.
 
     Parameters
     ----------
@@ -78,9 +78,9 @@ class CalibrationFile:
     tests : tuple of TestSpecification
         At least one.
     strategy : SearchOptions
-        How to search.
+        Options of the search.
     cluster : ClusterOptions or None
-        Jobs of a cluster to make the runs in, when the file speaks of them.
+        Cluster jobs for the runs, if the file has them.
     """
 
     name: str

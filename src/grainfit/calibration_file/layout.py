@@ -1,4 +1,4 @@
-"""The layout of the whole calibration file, and what must be true of its sections together."""
+"""Layout of the whole calibration file, and the rules that span its sections."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ MATERIAL_SECTIONS = {
     "particle_particle": "Contacts between particles.",
     "particle_wall": "Contacts between particles and walls.",
 }
-#: Names of own parameters that templates and decks of own models could not tell from others.
+#: Names that custom parameters cannot have: templates and decks of custom models already use them.
 _RESERVED = (
     "seed",
     "parameters",
@@ -47,7 +47,7 @@ def _material_key(parameter: MaterialParameter) -> Key:
 
 
 def _homes() -> dict[str, str]:
-    """Where keys belong that people put into the wrong section."""
+    """Right sections of keys that users may put into a wrong one."""
     homes = {"diameter": "[particle]", "name": "the top of the file, above all sections"}
     homes |= dict.fromkeys(strategy_keys(), "[strategy]")
     homes |= {key.name: "[cluster]" for key in CLUSTER}
@@ -78,7 +78,7 @@ def _material_table(section: str) -> Table:
 
 LAYOUT = Table(
     (
-        Key("name", Text(), "What is calibrated, for people.", True, '"glass beads"'),
+        Key("name", Text(), "Name of the calibration, for people.", True, '"glass beads"'),
         *(
             Key(section, _material_table(section), description)
             for section, description in MATERIAL_SECTIONS.items()
@@ -89,11 +89,15 @@ LAYOUT = Table(
             "Further parameters, of your own model.",
         ),
         Key("test", Tests(), "The bulk tests that were measured."),
-        Key("strategy", StrategySection(_homes()), "How to search; all optional."),
+        Key(
+            "strategy",
+            StrategySection(_homes()),
+            "Strategy and options of the search; all optional.",
+        ),
         Key(
             "cluster",
             Table(CLUSTER, cluster_options, _homes()),
-            "Jobs of a cluster to make the runs in; without it they are made on this machine.",
+            "Cluster jobs for the runs; without it, they run on this machine.",
         ),
     ),
     homes=_homes(),
@@ -106,7 +110,7 @@ def read_document(document: dict[str, Any], place: Place) -> Values:
     Parameters
     ----------
     document : dict
-        As Python's own TOML reader gives it.
+        As returned by `tomllib`.
     place : Place
         The top of the file.
     """
@@ -200,7 +204,7 @@ def _note_useless_parameters(simulated: list[_Simulated], values: Values, place:
 
 
 def _note_impossible_tests(simulated: list[_Simulated], values: Values, place: Place) -> None:
-    """Note geometries that cannot be; only the test itself can tell, from sizes and options."""
+    """Note impossible geometries, which only the test itself can find from sizes and options."""
     sizes = (values.get("particle") or {}).get("diameter")
     if sizes is None:
         return

@@ -1,4 +1,4 @@
-"""Find the line of every key in a TOML text, which Python's own TOML reader does not tell."""
+"""Find the line of every key in a TOML text; `tomllib` does not report it."""
 
 from __future__ import annotations
 

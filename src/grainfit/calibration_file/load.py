@@ -1,4 +1,4 @@
-"""Read a calibration file: everything that is wrong with it in one go, and nothing is executed."""
+"""Read a calibration file: report all its faults at once, and execute nothing."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def load_calibration_file(path: str | os.PathLike[str]) -> CalibrationFile:
     Returns
     -------
     CalibrationFile
-        What it says, in SI units and degrees.
+        Its content, in SI units and degrees.
 
     Raises
     ------

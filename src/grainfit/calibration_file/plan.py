@@ -1,4 +1,4 @@
-"""What a calibration will do and cost, told before anything is run."""
+"""Plan of a calibration: its work and cost, before anything is run."""
 
 from __future__ import annotations
 
@@ -23,13 +23,13 @@ class Plan:
     name : str
         Name of the calibration.
     parameters, targets : sequence
-        What is free, and what has to be met.
+        Free parameters, and targets to meet.
     lines : tuple of str
         Solvers, time step, and cost.
     executes : tuple of str
         Programs, functions and shell lines that a run executes.
     problems : tuple of str
-        What keeps it from running; empty when nothing does.
+        Problems that keep it from running; empty when there are none.
     """
 
     name: str
@@ -41,13 +41,13 @@ class Plan:
 
 
 def describe_plan(setup: CalibrationSetup) -> Plan:
-    """Say what a calibration will do; starts no simulation and none of the user's code."""
+    """Describe what a calibration will do; starts no simulation and none of the user's code."""
     problems: list[str] = []
     lines: list[str] = []
     executes: list[str] = []
     for test, solver in setup.solvers.items():
         try:
-            # Before the check: it is shown whatever else is wrong.
+            # Before the check, so that it is shown even if the check fails.
             executes += [f"test {test}: {line}" for line in solver.executes()]
             solver.check()
             lines.append(f"Test {test}: {solver.readiness()}")

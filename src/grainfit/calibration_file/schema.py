@@ -12,11 +12,11 @@ from grainfit.calibration_file.layout import LAYOUT
 def calibration_file_schema() -> dict[str, Any]:
     """Return the JSON Schema (draft 2020-12) of the calibration file.
 
-    It knows keys, kinds of values and limits; units and whatever concerns several keys together
-    are checked by `grainfit.calibration_file.load_calibration_file` only.
+    It covers keys, kinds of values and limits. Units, and rules that span several keys, are
+    checked by `grainfit.calibration_file.load_calibration_file` only.
     """
     schema = LAYOUT.schema()
-    # The reader has words of its own for a missing test.
+    # The reader has its own message for a missing test.
     schema["required"] = [*schema["required"], "test"]
     return {
         "$schema": "https://json-schema.org/draft/2020-12/schema",

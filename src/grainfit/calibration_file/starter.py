@@ -47,7 +47,7 @@ rolling_friction = 0.005
 restitution = 0.82
 rolling_damping = 0.25
 
-# What was measured. Two responses can settle two free parameters, hardly more.
+# What was measured. Two responses can determine two free parameters, hardly more.
 [[test]]
 type = "heap"                           # lifted cylinder: fill, strike off, lift, heap at rest
 solver = "$solver"$padding                       # or "$other_solver"

@@ -30,7 +30,7 @@ RAYLEIGH_WEIGHT = Key(
     "larger time step. Strategy: staged.",
     default="0",
 )
-#: Options of every calibration, whatever its strategy.
+#: Options of every calibration, with any strategy.
 CALIBRATION_KEYS = (*option_keys(CalibrationOptions), RAYLEIGH_WEIGHT)
 
 
@@ -38,11 +38,11 @@ def name_key() -> Key:
     """Return the key that names the strategy."""
     default = f'"{DEFAULT_STRATEGY}"'
     kind = Choice(tuple(strategies()))
-    return Key("name", kind, "How runs are chosen.", example=default, default=default)
+    return Key("name", kind, "Strategy that chooses the runs.", example=default, default=default)
 
 
 def strategy_keys() -> list[str]:
-    """Return the names of all keys but that of the strategy's name."""
+    """Return the names of all keys except that of the strategy's name."""
     return [*(known.name for known in CALIBRATION_KEYS), *all_options()]
 
 
@@ -53,7 +53,7 @@ class StrategySection(Kind):
     Parameters
     ----------
     homes : mapping of str to str
-        Keys that belong elsewhere, to where: for the remedy.
+        Right section of keys that belong elsewhere, for the remedy.
     """
 
     homes: Mapping[str, str]
@@ -67,7 +67,7 @@ class StrategySection(Kind):
                 own = option_keys(strategies()[name])
                 for fault in option_faults(name, _of_strategies(value)):
                     place.at(fault.key).fault(fault.message, fault.remedy)
-            # The name is a fault of its own, and those of other strategies have theirs.
+            # A wrong name is noted below; options of other strategies are noted above.
             names = {key.name for key in own}
             value = {k: v for k, v in value.items() if k in names or k not in all_options()}
         options: SearchOptions | None = self._of_calibration(own).read(value, place)

@@ -1,4 +1,4 @@
-"""Targets in the calibration file: what was measured in the laboratory, and how well."""
+"""Targets in the calibration file: laboratory measurements and their uncertainty."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from grainfit.options.tables import Key, Table, Values
 from grainfit.problem import Target
 from grainfit.units import percentage
 
-#: A longer text is not repeated in what to write instead.
+#: Longer texts are not repeated in a remedy.
 _LONGEST_SHOWN = 40
 
 _SMALLEST_SHARE, _LARGEST_SHARE = 1e-9, 10.0
@@ -26,7 +26,7 @@ _SMALLEST_SHARE, _LARGEST_SHARE = 1e-9, 10.0
 class Deviation(Kind):
     """A deviation from a target: absolute in its unit, or relative as a percentage.
 
-    What is read is a pair: the number, and whether it is a share of the target's value.
+    The value read is a pair: the number, and whether it is a share of the target's value.
     """
 
     unit: str | None
@@ -64,7 +64,7 @@ class TargetTable(Kind):
     unit: str | None = None
 
     def read(self, value: Any, place: Place) -> Target | None:
-        """Read a measured value, or repeated measurements, with what belongs to it."""
+        """Read a measured value, or repeated measurements, with their options."""
         if not isinstance(value, dict):
             note_wrong_kind(
                 value, place, "a table", f"Write {place.key} = {{ value = {_as_toml(value)} }}."
@@ -132,7 +132,7 @@ def _target_keys(quantity: Quantity) -> tuple[Key, ...]:
 
 
 def _measured(values: Values, place: Place) -> tuple[float | None, float | None]:
-    """Return value and uncertainty, from one value or from measurements; note what is wrong."""
+    """Return value and uncertainty, from one value or from measurements; note faults."""
     if "measurements" not in values:
         if "value" not in values:
             place.at("value").fault(

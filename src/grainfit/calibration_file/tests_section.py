@@ -25,7 +25,7 @@ def layout_of_test(kind: TypeOfTest) -> Table:
     targets, example = _targets(kind.bulk_test)
     return Table(
         (
-            Key("type", Choice((kind.name,)), "Which test.", required=True),
+            Key("type", Choice((kind.name,)), "Type of the test.", required=True),
             Key("name", Name(), "Its name, when there are several tests; unique."),
             *kind.keys,
             Key(
@@ -106,5 +106,5 @@ def _note_equal_names(tests: list[Any], place: Place) -> None:
         if isinstance(name, str) and counts[name] > 1 and name in names[:index]:
             place.at(index, "name").fault(
                 f"{show(name)} is the name of another test too.",
-                'Give each test a name of its own: name = "...".',
+                'Give each test its own name: name = "...".',
             )

@@ -1,4 +1,4 @@
-"""Material cards: a calibrated material in the words of a solver, and how well it is known."""
+"""Material cards: a calibrated material in the syntax of a solver, with its uncertainty."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ _RENDERERS: Mapping[str, Callable[[MaterialCard], str]] = {
     "json": render_json,
     "csv": render_csv,
 }
-#: What a card can be written for.
+#: Formats of a card.
 FORMATS = tuple(_RENDERERS)
 
 
@@ -57,7 +57,7 @@ class WritableCard(MaterialCard):
         Raises
         ------
         InputError
-            There is no such format, the solver needs what the card does not have, or the file
+            There is no such format, the card lacks a value that the solver needs, or the file
             cannot be written.
         """
         write_card(Path(path), render(self, to))
@@ -73,9 +73,9 @@ def material_card(
     Parameters
     ----------
     source : path or SavedCalibration
-        The work folder, or what was read of it.
+        The work folder, or the calibration read from it.
     posterior : mapping of str to pair of float, optional
-        95 % credible intervals of the free parameters. Without it they are worked out.
+        95 % credible intervals of the free parameters. Calculated by default.
 
     Raises
     ------
@@ -115,18 +115,18 @@ def render(card: MaterialCard, to: str) -> str:
     card : MaterialCard
         The material.
     to : {"liggghts", "lammps", "yade", "json", "csv"}
-        What for.
+        The format.
 
     Raises
     ------
     InputError
-        There is no such format, or the solver needs what the card does not have.
+        There is no such format, or the card lacks a value that the solver needs.
     """
     return require_format(to)(card)
 
 
 def require_format(to: str) -> Callable[[MaterialCard], str]:
-    """Return what writes a card in a format.
+    """Return the function that writes a card in a format.
 
     Raises
     ------
@@ -158,7 +158,7 @@ def write_card(path: Path, text: str) -> None:
 def _credible_intervals(
     reading: SavedCalibration,
 ) -> tuple[dict[str, tuple[float, float]], tuple[str, ...]]:
-    """Intervals by name of the free parameter, and what the reader should know of them."""
+    """Intervals by name of the free parameter, and notices about them."""
     answer = read_answer(reading).parameters
     if reading.why_nothing_agrees:
         return {}, (reading.why_nothing_agrees,)

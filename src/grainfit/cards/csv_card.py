@@ -29,7 +29,7 @@ Cell = str | float | bool | None
 
 
 def render_csv(card: MaterialCard) -> str:
-    """Return a line for each parameter and each response; every one says how it ended."""
+    """Return a line for each parameter and each response; each line has the status."""
     file = io.StringIO()
     writer = csv.writer(file, lineterminator="\n")
     writer.writerow(COLUMNS)
@@ -76,5 +76,5 @@ def _as_text(cell: Cell) -> str:
     if isinstance(cell, float):
         return repr(cell)
     text = plain(cell)
-    # A spreadsheet would calculate it; behind an apostrophe it is text.
+    # A spreadsheet would calculate it; after an apostrophe it is text.
     return f"'{text}" if text.lstrip().startswith(_FORMULA_SIGNS) else text

@@ -1,4 +1,4 @@
-"""The material card: what is known of a calibrated material and where it comes from."""
+"""Build the material card of a calibration."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ from grainfit.work_folder.saved_calibration import SavedCalibration, read_answer
 def make_card(
     reading: SavedCalibration, intervals: Mapping[str, tuple[float, float]]
 ) -> MaterialCard:
-    """Make the card of a calibration.
+    """Build the card of a calibration.
 
     Parameters
     ----------
     reading : SavedCalibration
-        What the work folder tells.
+        The calibration, read from its work folder.
     intervals : mapping of str to pair of float
         95 % credible intervals of free parameters, as far as there are any.
 
@@ -36,7 +36,7 @@ def make_card(
         The result is damaged.
     """
     answer = read_answer(reading)
-    # A start that came to no end leaves the result of the one before.
+    # A start that was interrupted leaves the result of the previous one.
     status = reading.state if answer.status == "calibrated" else answer.status
     conditions = _conditions(reading)
     origin: Origin = "calibrated" if status == "calibrated" else "not calibrated"
@@ -114,8 +114,8 @@ def _conditions(reading: SavedCalibration) -> list[Conditions]:
         tests = [recreate_test(definition) for definition in definitions.values()]
     except InputError as error:
         raise StoreError(
-            f"a run in {str(reading.folder)!r} is defined in another way than this version of "
-            f"grainfit does: {error}"
+            f"a run in {str(reading.folder)!r} is not defined as in this version of "
+            f"grainfit: {error}"
         ) from error
     return list(dict.fromkeys(test.conditions for test in tests if test is not None))
 

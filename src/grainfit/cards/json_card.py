@@ -7,7 +7,7 @@ from typing import Any
 
 from grainfit.materials.card import CardParameter, CardResponse, MaterialCard
 
-#: Raised when a key gets another meaning or goes; keys may be added.
+#: Raised when a key gets another meaning or is removed; keys may be added.
 FORMAT_VERSION = 1
 
 

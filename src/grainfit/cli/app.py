@@ -1,6 +1,6 @@
 """The command line: parse, call, print.
 
-What a command needs is imported when it is called: help and status are there at once.
+A command imports what it needs when it is called, so that help and status are fast.
 """
 
 from __future__ import annotations
@@ -75,14 +75,15 @@ def run(
     strategy: Annotated[
         str | None,
         typer.Option(
-            metavar="|".join(strategies()), help="How runs are chosen. [default: from the file]"
+            metavar="|".join(strategies()),
+            help="Strategy that chooses the runs. [default: from the file]",
         ),
     ] = None,
     runs_from: Annotated[
         list[str] | None,
         typer.Option(
             metavar="DIR-or-URL",
-            help="Work folder or store whose runs are used as far as they fit. Repeat as needed.",
+            help="Work folder or store of earlier runs to reuse. Repeat as needed.",
         ),
     ] = None,
     store: Annotated[
@@ -90,19 +91,19 @@ def run(
         typer.Option(
             metavar="URL",
             envvar="GRAINFIT_STORE",
-            help="Store that several machines share: no run is made twice.",
+            help="Store that several machines share: no run is repeated.",
         ),
     ] = None,
     retry_failed: Annotated[
         bool,
         typer.Option(
             "--retry-failed",
-            help="Make all failed runs of the work folder again. Without it: those that failed by "
-            "the machine or by time.",
+            help="Repeat all failed runs of the work folder. Without it: only those that failed "
+            "because of the machine or a time-out.",
         ),
     ] = False,
     local: Annotated[
-        bool, typer.Option("--local", help="Make the runs here, not on the file's cluster.")
+        bool, typer.Option("--local", help="Run here, not on the file's cluster.")
     ] = False,
     no_report: Annotated[
         bool, typer.Option("--no-report", help="Do not write report.html at the end.")
@@ -177,7 +178,7 @@ def new(
 def status(
     workdir: Annotated[Path, typer.Argument(metavar="DIR", help="Work folder of a calibration.")],
 ) -> None:
-    """Show how far a calibration is and what came of it. Disturbs nothing."""
+    """Show the progress and the result of a calibration, also while it is running."""
     from grainfit.work_folder.status import read_status
 
     show.print_status(_out, read_status(workdir))
@@ -199,14 +200,13 @@ def report(
         bool, typer.Option("--open", help="Show it in the web browser afterwards.")
     ] = False,
 ) -> None:
-    """Write a page that shows all that a calibration tells.
+    """Write the report of a calibration, also while it is running.
 
-    One HTML file that needs neither network nor grainfit to be read: is it
+    One HTML file that can be read without network and without grainfit: is it
     calibrated, what are the values, how sure are they, what do the responses
     depend on, what does the heap look like, and every run.
 
-    'grainfit run' writes it at its end; this does so at any time, also half-way,
-    and disturbs nothing.
+    'grainfit run' writes it at its end; this command writes it at any time.
     """
     path = _write_report(workdir, output)
     _out.print(f"Report: {path}", highlight=False, markup=False, soft_wrap=True)
@@ -232,7 +232,7 @@ def simulate(
     ] = 1,
     workdir: Workdir = None,
 ) -> None:
-    """Make one DEM run of every test and show its responses and its folder.
+    """Simulate every test once and show its responses and its folder.
 
     Free parameters that are not set take the middle of their interval.
     """
@@ -255,7 +255,7 @@ def measure(
         Path, typer.Argument(metavar="DIR-or-DUMP", help="A run folder, or a dump of particles.")
     ],
 ) -> None:
-    """Measure the responses on the particles that a run left behind, again."""
+    """Measure the responses again, on the particles of a finished run."""
     from grainfit.work_folder.remeasure import measure_path
 
     show.print_measurement(_out, measure_path(path))
@@ -265,7 +265,7 @@ app.command()(export)
 
 
 def _write_report(workdir: Path, output: Path | None = None) -> Path:
-    """Write the report; what is done meanwhile is shown, for it takes some seconds."""
+    """Write the report and show its progress, because it takes some seconds."""
     with _err.status("report") as status:
         from grainfit.report.page import write_report
 
@@ -276,7 +276,7 @@ def _write_report(workdir: Path, output: Path | None = None) -> Path:
 
 @contextmanager
 def _report_of_failure(workdir: Path) -> Iterator[None]:
-    """Write a report also of a calibration that cannot go on because its runs fail."""
+    """Write a report also when a calibration stops because its runs fail."""
     try:
         yield
     except RunFailedError:
@@ -285,13 +285,13 @@ def _report_of_failure(workdir: Path) -> Iterator[None]:
 
 
 def _report_if_possible(workdir: Path) -> None:
-    """Write the report of a calibration that has ended; without one, the result is what it was."""
+    """Write the report of a calibration that has ended; a fault is only a warning."""
     try:
         path = _write_report(workdir)
     except KeyboardInterrupt:
         reason = "stopped"
     except Exception as error:
-        # The result is written and printed: whatever goes wrong here must not look like its end.
+        # The result is written and printed: a fault here must not look like a failed calibration.
         reason = " ".join(str(error).split()) or type(error).__name__
     else:
         _out.print(f"Report: {path}", highlight=False, markup=False, soft_wrap=True)
@@ -317,7 +317,7 @@ def main() -> None:
     signal.signal(signal.SIGTERM, _stop)
     code = _exit_code()
     if code == _INTERRUPTED:
-        # A function of the user's that still runs in a thread would hold up the end of Python.
+        # A user's function that still runs in a thread would delay the exit of Python.
         sys.stdout.flush()
         sys.stderr.flush()
         os._exit(code)
@@ -331,7 +331,7 @@ def _exit_code() -> int:
         code = stop.code if isinstance(stop.code, int) else 0
         return _BAD_INPUT if code == _USAGE_ERROR else code
     except KeyboardInterrupt:
-        _err.print("Interrupted. Finished runs are kept; start again to go on.")
+        _err.print("Interrupted. Finished runs are kept; start again to continue.")
         return _INTERRUPTED
     except GrainfitError as error:
         show.print_error(_err, error)

@@ -1,4 +1,4 @@
-"""What the command line shows: progress while it runs, tables at the end, errors in one line."""
+"""Output of the command line: progress while it runs, tables at the end, errors in one line."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def _table(*columns: str) -> Table:
 
 
 def _text(text: str, style: str = "") -> Text:
-    """Return text as it is: no markup, and no signs that a terminal would obey.
+    """Return text as it is: no markup, and no control characters for a terminal.
 
     It may come from somebody else's file, from a program's output, or from the name of a file.
     """
@@ -99,7 +99,7 @@ def _time_step_line(result: Result) -> str:
 
 
 def print_plan(console: Console, plan: Plan) -> None:
-    """Print what a calibration file asks for."""
+    """Print the plan of a calibration file."""
     console.print(_text(plan.name, "bold"))
     free = _table("free parameter", "from", "to", "scale")
     for parameter in plan.parameters:
@@ -134,7 +134,7 @@ def _execution_heading(plan: Plan) -> str:
 
 
 def print_status(console: Console, status: WorkdirStatus) -> None:
-    """Print how far a work folder is."""
+    """Print the progress of the calibration in a work folder."""
     console.print(_text(f"{status.name or 'no calibration'}: {status.state}", "bold"))
     if status.failure:
         console.print(_text(f"stopped by: {status.failure}", "red"), soft_wrap=True)
@@ -177,12 +177,12 @@ def print_measurement(console: Console, responses: Mapping[str, Response]) -> No
 
 
 def print_warning(console: Console, words: str) -> None:
-    """Print in one line what did not go as it should."""
+    """Print a warning in one line."""
     console.print(_text(words, "yellow"), soft_wrap=True)
 
 
 def print_error(console: Console, error: GrainfitError) -> None:
-    """Print what is wrong, every fault in a line of its own."""
+    """Print an error, every fault on its own line."""
     if isinstance(error, InputError):
         for fault in error.faults:
             where = f"{error.source}: " if error.source else ""

@@ -40,7 +40,7 @@ def export(
     text = render(card)
     console = Console(stderr=True)
     if output is None:
-        # As bytes: the card is UTF-8 whatever the terminal is.
+        # As bytes: the card is UTF-8 on every terminal.
         typer.echo(text.encode(), nl=False)
     else:
         write_card(output, text)

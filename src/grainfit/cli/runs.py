@@ -1,4 +1,4 @@
-"""The commands that look at runs, take them in and hand them out."""
+"""Commands that list, show, export, import and prune runs."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ Where = Annotated[
     list[str] | None,
     typer.Option(
         metavar="CONDITION",
-        help="Only those with such a parameter, response, seed or duration: "
+        help="Only those that meet a condition on a parameter, response, seed or duration: "
         "'particle.density > 2 g/cm^3', 'seconds < 60'. Repeat as needed; all must hold.",
     ),
 ]
@@ -72,7 +72,7 @@ def show_run(
         str, typer.Argument(metavar="IDENTITY", help="As the list shows it, or in full.")
     ],
 ) -> None:
-    """Show everything of a run: what it was made of, what came of it, its log and its folder."""
+    """Show all about a run: its definition, its outcome, its log and its folder."""
     from grainfit.campaign.work_folder import run_folder
     from grainfit.cli import runs_console as show
 
@@ -120,7 +120,7 @@ def import_table(
         ),
     ],
     test: Annotated[
-        str | None, typer.Option(metavar="NAME", help="Which test, when the file has several.")
+        str | None, typer.Option(metavar="NAME", help="The test, when the file has several.")
     ] = None,
     workdir: Annotated[
         Path | None,
@@ -130,7 +130,7 @@ def import_table(
         ),
     ] = None,
 ) -> None:
-    """Take in runs that were made elsewhere: the next calibration of the file learns from them."""
+    """Import runs from elsewhere: the next calibration of the file has a warm start from them."""
     from grainfit.calibration_file.build import build_calibration
     from grainfit.calibration_file.load import load_calibration_file
     from grainfit.campaign.work_folder import default_workdir
@@ -149,7 +149,7 @@ def prune(
 ) -> None:
     """Free disk space: of every finished run, only record, logs and pictures stay.
 
-    What is known of the runs stays known, and none is made again.
+    No result is lost, and no run is repeated.
     """
     from grainfit.cli import runs_console as show
     from grainfit.work_folder.prune import prune_runs

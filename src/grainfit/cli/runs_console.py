@@ -1,4 +1,4 @@
-"""What `grainfit runs` shows."""
+"""Output of `grainfit runs`."""
 
 from __future__ import annotations
 
@@ -21,9 +21,9 @@ from grainfit.work_folder.prune import Pruned
 from grainfit.work_folder.run_import import Imported
 from grainfit.work_folder.run_table import runs_table
 
-#: So many digits of an identity tell runs apart, and `grainfit runs show` takes them.
+#: This many digits of an identity distinguish runs, and `grainfit runs show` accepts them.
 SHORT_IDENTITY = 7
-#: Where nobody looks at a terminal, lines are as long as they need to be.
+#: Width of output that does not go to a terminal: no line is cut.
 _WIDE = 100_000
 _NUMBER_WIDTH = 9
 _LEAST_STATUS = 8
@@ -55,7 +55,7 @@ def print_runs(
     failed = (selected["status"] == "failed").sum()
     parts = [counted(len(selected), "run"), *([f"{failed} failed"] if failed else [])]
     if len(selected) < len(runs):
-        parts.append(f"of {len(runs)} that there are")
+        parts.append(f"of {len(runs)}  in total")
     if more > 0:
         parts.append(f"{more} more than shown: --limit {len(selected)} shows all")
     console.print(Text(", ".join(parts) + "."), soft_wrap=True)
@@ -71,12 +71,12 @@ def _columns_that_fit(
     if runs["test"].nunique() == 1:
         first.remove("test")
     last = [] if (runs["status"] == "finished").all() else ["status"]
-    # What is fixed is the same in all runs, and says nothing here.
+    # Fixed parameters are the same in all runs, so they are not shown.
     varied = [name for name in runs.attrs["parameters"] if runs[name].nunique(dropna=False) > 1]
     responses = [name for name in runs.attrs["responses"] if selected[name].notna().any()]
     left_out: list[str] = []
     while (varied or responses) and _width(first + varied + responses, shown, last) > width:
-        # The last of the longer list: some of both stay in sight.
+        # The last of the longer list, so that some of both remain.
         longer = varied if len(varied) > len(responses) else responses
         left_out.insert(0, longer.pop())
     return first + varied + responses + last, left_out
@@ -93,7 +93,7 @@ def _column_width(name: str, shown: pd.DataFrame) -> int:
 
 
 def _as_rich(columns: Sequence[str], shown: pd.DataFrame, width: int) -> Table:
-    # With the column of its separator, the gap is of two.
+    # With the separator's own column, the gap is two.
     table = Table(box=box.SIMPLE, show_edge=False, pad_edge=False, padding=(0, _GAP - 1, 0, 0))
     left = width - _width([name for name in columns if name != "status"], shown) - _GAP
     for name in columns:
@@ -122,7 +122,7 @@ def _texts(name: str, shown: pd.DataFrame) -> list[str]:
 
 
 def _heading(name: str) -> str:
-    """Break a long name where its words meet: numbers need little room."""
+    """Break a long name between its words: columns of numbers are narrow."""
     lines = [""]
     for word in re.findall(r"[^._]*[._]|[^._]+", plain(name)):
         if lines[-1] and len(lines[-1]) + len(word) > _NUMBER_WIDTH:
@@ -152,7 +152,7 @@ def print_record(console: Console, record: RunRecord, folder: Path | None) -> No
 
 
 def print_imported(console: Console, imported: Imported, folder: Path) -> None:
-    """Print what came of an import."""
+    """Print the outcome of an import."""
     replaced = f", {imported.replaced} corrected" if imported.replaced else ""
     _line(
         console,
@@ -163,7 +163,7 @@ def print_imported(console: Console, imported: Imported, folder: Path) -> None:
         console.print(Text(plain(notice), style="yellow"), soft_wrap=True)
     _line(
         console,
-        f"A calibration that starts in {folder} can learn from "
+        f"A calibration in {folder} can warm start from "
         f"{counted(imported.usable, 'parameter set')}.",
     )
 

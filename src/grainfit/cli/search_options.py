@@ -19,12 +19,12 @@ _PANEL = "Options of the search (default: from the file)"
 
 
 def with_search_options(command: Callable[..., None]) -> Callable[..., None]:
-    """Give a command an option for every one that a calibration or a strategy has.
+    """Add the options of calibrations and strategies to a command.
 
     Parameters
     ----------
     command : callable
-        Gets those that were given as the dictionary ``search_options``.
+        Gets the options that were given as the dictionary ``search_options``.
     """
     of_strategies = map(merged_key, all_options().values())
     added = [_parameter(key) for key in (*option_keys(CalibrationOptions), *of_strategies)]

@@ -1,1 +1,1 @@
-"""Contact models: parameters, closed forms, and words for each solver."""
+"""Contact models: parameters, closed forms, and the syntax of each solver."""

@@ -1,19 +1,19 @@
-"""Contact models: parameters, and words for each solver that has the model.
+"""Contact models: parameters, and keywords for each solver that has the model.
 
-A *contact law* is several contact models that act together, one of each kind: how two bodies push
-and rub ("contact"), how they hold together ("cohesion"), and how they resist rolling ("rolling").
-A model is data: its parameters, and for each solver an object with the words that the solver's
-decks and material cards take.
+A *contact law* is several contact models that act together, one of each kind: normal and
+tangential force ("contact"), cohesion ("cohesion"), and resistance to rolling ("rolling").
+A model is data: its parameters, and for each solver an object with the keywords for the solver's
+decks and material cards.
 
 A new contact model is a folder of `grainfit.contact_models` and a line of
 `grainfit.contact_models.registry`:
 
 1. it declares its parameters (`grainfit.materials.parameters.declare`). Give them a default at
-   which the model has no effect, if there is one: then files need not name them, and a material at
-   the default is the material that it was before the model existed;
-2. it writes its words for every solver that has it. Where a solver takes two models in one word
-   (as LAMMPS takes adhesion with the normal force), the later kind replaces the word of the
-   earlier one;
+   which the model has no effect, if there is one: then files need not name them, and the model
+   changes no earlier material;
+2. it writes its keywords for every solver that has it. Where one keyword of a solver stands for
+   two models (as in LAMMPS for adhesion and the normal force), the later kind replaces the keyword
+   of the earlier one;
 3. its tests inherit `grainfit.testing.contact_model_contract.ContactModelContract`.
 """
 
@@ -26,12 +26,12 @@ from typing import ClassVar, Literal
 from grainfit.materials.parameters import MaterialParameter
 
 Kind = Literal["contact", "cohesion", "rolling"]
-#: In the order in which solvers want the words.
+#: In the order in which solvers need the keywords.
 KINDS: tuple[Kind, ...] = ("contact", "cohesion", "rolling")
 
 
 class SolverWords:
-    """Words of a contact model for one solver; each solver has a class of its own."""
+    """Keywords of a contact model for one solver; each solver has its own class."""
 
     #: Name of the solver.
     solver: ClassVar[str]
@@ -48,7 +48,7 @@ class ContactModel:
     name : str
         Name of its folder.
     kind : {"contact", "cohesion", "rolling"}
-        Of every kind, one model acts at a time.
+        One model of each kind acts at a time.
     parameters : tuple of MaterialParameter
         Models of one kind may share a parameter.
     words : tuple of SolverWords
@@ -93,7 +93,7 @@ class ContactLaw:
 
     @property
     def words(self) -> list[SolverWords]:
-        """Words of all models, for all solvers."""
+        """Keywords of all models, for all solvers."""
         return [words for model in self.models for words in model.words]
 
     def without(self, solver: str) -> list[ContactModel]:

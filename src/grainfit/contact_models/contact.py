@@ -21,7 +21,7 @@ class Contact:
     Parameters
     ----------
     material : mapping of str to float
-        All material parameters by dotted name; those of the wall are of this very wall.
+        All material parameters by dotted name; those of walls are those of this wall.
     radius : float
         Of the particle, m.
     other_radius : float or None

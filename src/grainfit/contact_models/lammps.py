@@ -11,7 +11,7 @@ from grainfit.contact_models.contact import Contact
 
 
 class LammpsWords(SolverWords, ABC):
-    """Words of a contact model for LAMMPS."""
+    """Keywords of a contact model for LAMMPS."""
 
     solver: ClassVar[str] = "lammps"
     #: Meaning of the coefficients in a few words, for a comment in a deck.
@@ -32,12 +32,12 @@ class LammpsWords(SolverWords, ABC):
 
 
 def lammps_words(law: ContactLaw) -> list[LammpsWords]:
-    """Return the words of all models of a contact law that have some for LAMMPS."""
+    """Return the LAMMPS keywords of all models of a contact law that have them."""
     return [words for words in law.words if isinstance(words, LammpsWords)]
 
 
 def lammps_clauses(law: ContactLaw, contact: Contact) -> list[str]:
-    """Return all clauses for a contact, in the order that LAMMPS wants."""
+    """Return all clauses for a contact, in the order that LAMMPS needs."""
     clauses: dict[str, str] = {}
     for words in lammps_words(law):
         clauses |= words.clauses(contact)

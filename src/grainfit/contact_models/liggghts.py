@@ -1,4 +1,4 @@
-"""Contact laws for LIGGGHTS: the words of ``gran model``, and the properties that they read."""
+"""Contact laws for LIGGGHTS: keywords of ``gran model``, and the properties they need."""
 
 from __future__ import annotations
 
@@ -13,15 +13,15 @@ Value = TypeVar("Value")
 
 @dataclass(frozen=True)
 class LiggghtsWords(SolverWords):
-    """Words of a contact model for LIGGGHTS.
+    """Keywords of a contact model for LIGGGHTS.
 
     Parameters
     ----------
     model : str
         Part of ``pair_style gran model ...`` and ``fix wall/gran model ...``.
     body_properties, pair_properties : mapping of str to str
-        ``property/global`` of type ``peratomtype`` and ``peratomtypepair``, to the key of the
-        parameter that it takes in the sections of bodies and of contacts.
+        ``property/global`` of type ``peratomtype`` and ``peratomtypepair``, with the key of its
+        parameter in the sections of bodies and of contacts.
     """
 
     solver: ClassVar[str] = "liggghts"
@@ -31,12 +31,12 @@ class LiggghtsWords(SolverWords):
 
 
 def liggghts_words(law: ContactLaw) -> list[LiggghtsWords]:
-    """Return the words of all models of a contact law that have some for LIGGGHTS."""
+    """Return the LIGGGHTS keywords of all models of a contact law that have them."""
     return [words for words in law.words if isinstance(words, LiggghtsWords)]
 
 
 def liggghts_model(law: ContactLaw) -> str:
-    """Return the words of ``gran model``, for pairs and walls alike."""
+    """Return the keywords of ``gran model``, for pairs and walls alike."""
     return " ".join(words.model for words in liggghts_words(law))
 
 
@@ -90,5 +90,5 @@ def _of_pairs(key: str, walls: Sequence[Mapping[str, Value]]) -> list[list[Value
     values = [walls[0][f"particle_particle.{key}"]]
     values += [wall[f"particle_wall.{key}"] for wall in walls]
     types = range(len(values))
-    # Walls never meet walls; LIGGGHTS wants a value all the same.
+    # Walls never meet walls, but LIGGGHTS requires a value.
     return [[values[min(i, j) or max(i, j)] for j in types] for i in types]

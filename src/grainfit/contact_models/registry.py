@@ -1,4 +1,4 @@
-"""All contact models, the parameters of a material, and the law that its values make."""
+"""Registry of contact models, material parameters, and the contact law of a material."""
 
 from __future__ import annotations
 
@@ -10,15 +10,15 @@ from grainfit.contact_models.hertz_mindlin.contact_model import HERTZ_MINDLIN
 from grainfit.errors import Fault, InputError
 from grainfit.materials.parameters import BODY_PARAMETERS, SECTIONS, MaterialParameter
 
-#: A new contact model is a line here. Of models of one kind that all have effect without being
-#: asked for, the first is the one that acts by default.
+#: A new contact model is a line here. If several models of one kind
+#: have an effect by default, the first one acts.
 CONTACT_MODELS: tuple[ContactModel, ...] = (
     HERTZ_MINDLIN,
     EPSD,
 )
 
-#: The order of parameters is part of a calibration's identity, so that the first keys keep theirs;
-#: those of new models follow in the order of the models.
+#: The order of parameters is part of a calibration's identity, so that the first keys keep their
+#: places; those of new models follow in the order of the models.
 _FIRST_KEYS = ("sliding_friction", "rolling_friction", "restitution", "rolling_damping")
 
 
@@ -67,7 +67,7 @@ def contact_law(
     """Return the contact models that act in a material.
 
     Those are the chosen models and, of every other kind, the model that has a parameter away from
-    its default, or else the first one that has effect without being asked for.
+    its default, or else the first one that has an effect by default.
 
     Parameters
     ----------
@@ -115,7 +115,7 @@ def _contradiction(
 
 
 def contact_law_faults(material: Mapping[str, float], solver: str) -> list[Fault]:
-    """Say why a solver cannot compute the contacts of a material; empty if it can.
+    """Return why a solver cannot compute the contacts of a material; empty if it can.
 
     Parameters
     ----------

@@ -1,7 +1,7 @@
 """Contact laws for YADE: ``Ip2_FrictMat_FrictMat_MindlinPhys`` and ``Law2_ScGeom_MindlinPhys_...``.
 
-The words are Python, for a module that has a dictionary ``PARAMETERS`` of the material parameters
-and a function ``_of_pairs(between_particles, on_wall)``, which returns a ``MatchMaker``.
+The keywords are Python code, for a module that has a dictionary ``PARAMETERS`` of the material
+parameters and a function ``_of_pairs(between_particles, on_wall)``, which returns a ``MatchMaker``.
 """
 
 from __future__ import annotations
@@ -23,9 +23,9 @@ class YadeArgument(NamedTuple):
 
 
 class YadeWords(SolverWords, ABC):
-    """Words of a contact model for YADE.
+    """Keywords of a contact model for YADE.
 
-    A functor has one number for all contacts, where it has no ``MatchMaker``: that of two equal
+    Without a ``MatchMaker``, a functor has one number for all contacts: that of two equal
     particles of mean size.
     """
 
@@ -42,12 +42,12 @@ class YadeWords(SolverWords, ABC):
         return ()
 
     def notes(self, contact: Contact) -> str:  # noqa: ARG002 (a door)
-        """Return how far the parameters mean the same in YADE, in lines of text."""
+        """Return differences in the meaning of the parameters in YADE, in lines of text."""
         return ""
 
 
 def yade_words(law: ContactLaw) -> list[YadeWords]:
-    """Return the words of all models of a contact law that have some for YADE."""
+    """Return the YADE keywords of all models of a contact law that have them."""
     return [words for words in law.words if isinstance(words, YadeWords)]
 
 

@@ -28,7 +28,7 @@ class CardParameter:
     value : float
         SI.
     origin : {"calibrated", "not calibrated", "given"}
-        Whether it was free, and if so whether the calibration met its targets.
+        Given, or free; if free, whether the calibration met its targets.
     interval : pair of float, optional
         95 % credible interval.
     """
@@ -44,7 +44,7 @@ class CardParameter:
 
 @dataclass(frozen=True)
 class CardResponse:
-    """What the material gives in a bulk test, against what was measured.
+    """Response of the material in a bulk test, against the measured value.
 
     Parameters
     ----------
@@ -59,11 +59,11 @@ class CardResponse:
     deviation_percent : float
         Of the expected value from the target.
     verified : bool
-        Whether it is that of verification runs.
+        Whether the expected value is that of verification runs.
     met : bool
         Whether it is verified that the target is met within its tolerance.
     in_doubt : bool
-        Whether the verification runs meet it unsurely, and all runs together do not.
+        Whether the verification runs meet the target marginally, but all runs together do not.
     """
 
     name: str
@@ -80,7 +80,7 @@ class CardResponse:
 
 @dataclass(frozen=True)
 class Program:
-    """What made the runs: ``lammps``, ``liggghts``, or the kind of the user's own model."""
+    """Program of the runs: ``lammps``, ``liggghts``, or the kind of the user's own model."""
 
     name: str
     version: str
@@ -88,14 +88,14 @@ class Program:
 
 @dataclass(frozen=True)
 class MaterialCard:
-    """A material, how well it is known, and how it was found.
+    """A calibrated material: its values, their uncertainty and their origin.
 
     Parameters
     ----------
     name : str
-        What was calibrated.
+        Name of the calibration.
     status : str
-        ``calibrated``, or how it ended otherwise.
+        ``calibrated``, or another end of the calibration.
     parameters : tuple of CardParameter
         The free ones and those that were given, those of `grainfit.contact_models.registry` first.
     responses : tuple of CardResponse
@@ -109,11 +109,11 @@ class MaterialCard:
     time_step_fraction : float
         Recommended time step over the Rayleigh time step: that of the tests.
     programs : tuple of Program
-        What it was calibrated with.
+        Solvers of the calibration.
     runs, failed_runs : int
-        DEM runs that it rests on, and how many of them gave no responses.
+        Number of DEM runs, and of those that gave no responses.
     date : str
-        When the last of them ended, ISO 8601 in UTC; empty when that is not known.
+        End of the last run, ISO 8601 in UTC; empty when that is not known.
     calibration_file, identity, version : str
         Name of the calibration file (empty when it was started from Python), identity of the
         calibration, and version of grainfit.
@@ -141,12 +141,12 @@ class MaterialCard:
 
     @property
     def calibrated(self) -> bool:
-        """Whether every target is met, and that is verified."""
+        """Whether every target is met and verified."""
         return self.status == "calibrated"
 
     @property
     def verdict(self) -> str:
-        """How the calibration ended, in words, with the targets that are not met."""
+        """End of the calibration in words, with the targets that are not met."""
         words = _STATUS_WORDS.get(self.status, _NOT_ENDED)
         missed = [
             f"{response.name}, which is in doubt" if response.in_doubt else response.name

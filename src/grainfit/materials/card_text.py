@@ -1,4 +1,4 @@
-"""What a card says for people, as comments that no name in them can end."""
+"""Comments of a card, safe from names that would end a comment."""
 
 from __future__ import annotations
 
@@ -9,12 +9,12 @@ from grainfit.formatting import plain
 from grainfit.materials.card import CardParameter, CardResponse, MaterialCard
 
 _WIDTH = 96
-#: A name longer than this is no name, and decks have limits on their lines.
+#: Longer texts are cut: decks have limits on their lines.
 _LONGEST = 300
 
 
 def header(card: MaterialCard) -> str:
-    """Return the lines that a card begins with: what it is, how sure, and where it comes from."""
+    """Return the first lines of a card: the material, its uncertainty and its origin."""
     lines = [f"Material: {card.name}" if card.name else "Material"]
     verdict = card.verdict[:1].upper() + card.verdict[1:]
     verdict = verdict if card.calibrated else f"*** {verdict} ***"
@@ -25,7 +25,7 @@ def header(card: MaterialCard) -> str:
 
 
 def about(parameter: CardParameter) -> str:
-    """Return unit, meaning and origin of a parameter, for a comment behind its value."""
+    """Return unit, meaning and origin of a parameter, for a comment after its value."""
     meaning = parameter.description or parameter.name
     words = f"{meaning}, {parameter.unit}: {_origin(parameter)}"
     return comment(words if parameter.unit else f"{meaning}: {_origin(parameter)}")
@@ -40,7 +40,7 @@ def comment(text: str) -> str:
     "# sand\\nprint 'gravel' & #"
     """
     # LAMMPS looks for triple quotes and for & at the end of a line before it drops comments: both
-    # would draw the lines that follow into the comment.
+    # would make the next lines part of the comment.
     shown = _short(plain(text)).replace('"', "'").rstrip()
     return f"# {shown} #" if shown.endswith("&") else f"# {shown}".rstrip()
 

@@ -1,4 +1,4 @@
-"""Material parameters: how they are declared, and those of the two bodies of a contact.
+"""Material parameters: their declaration, and those of the two bodies of a contact.
 
 The parameters of the contact itself are declared by the contact models; all of them together are
 in `grainfit.contact_models.registry`.
@@ -23,9 +23,9 @@ class MaterialParameter:
     lowest, highest : float
         Physical limits (inclusive) that no interval may leave.
     default : float, optional
-        Value of a material that says nothing of it, at which the parameter has no effect. A
-        parameter without a default must be given. At its default it is no part of a run's
-        identity, so that a new parameter leaves all earlier runs as they are.
+        Value when it is not given, at which the parameter has no effect. A
+        parameter without a default must be given. At its default it is not part of a run's
+        identity, so that a new parameter does not change earlier runs.
     example : str
         A good value, as TOML.
     """

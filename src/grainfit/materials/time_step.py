@@ -72,7 +72,7 @@ class RayleighTimeStep:
         object.__setattr__(self, "fixed", fixed)
 
     def faults(self, intervals: Mapping[str, tuple[float, float]]) -> list[Fault]:
-        """Say why there is no Rayleigh time step somewhere in the intervals; empty if there is."""
+        """Return why the intervals have no Rayleigh time step; empty if they have one."""
         found = _value_faults("radius", self.radius, self.radius)
         for name in _NAMES:
             if name in intervals:
@@ -128,7 +128,7 @@ class RayleighTimeStep:
 
 
 def _plain(value: Any) -> Any:
-    """The number as a float; what is no number is left for `RayleighTimeStep.faults` to name."""
+    """The number as a float; anything else is left for `RayleighTimeStep.faults` to report."""
     return float(value) if isinstance(value, Real) and not isinstance(value, bool) else value
 
 

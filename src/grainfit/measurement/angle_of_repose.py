@@ -1,6 +1,6 @@
 """Angle of repose of a heap from silhouettes at several azimuths.
 
-What a silhouette shows is not the heap's surface but its outermost particles. Far from the axis
+A silhouette shows not the heap's surface but its outermost particles. Far from the axis
 many particles compete for the outline and it lies close under the surface that envelops them all;
 near the axis few do and it lies deeper. A line fitted to the outline is therefore too flat, by
 about half a degree for a heap some ten particle diameters high. `outline_depth` gives that depth in
@@ -91,7 +91,7 @@ class AngleOfRepose:
     apex_height : float
         Height of the heap, averaged over the views, m.
     views : tuple of View
-        What was fitted, one for each azimuth.
+        Fitted flanks, one view for each azimuth.
     """
 
     value: float
@@ -108,8 +108,8 @@ class AngleOfRepose:
 def on_plate(particles: Particles, plate_radius: float) -> Particles:
     """Return the particles that lie on the plate; the others fell off its edge.
 
-    Those count whose centre is above the plate (z > 0) and no further from the z axis than the
-    plate's radius and a quarter of a particle diameter.
+    A particle lies on the plate if its centre is above the plate (z > 0) and no further from the
+    z axis than the plate's radius plus a quarter of a particle diameter.
     """
     if len(particles) == 0:
         return particles
@@ -119,7 +119,7 @@ def on_plate(particles: Particles, plate_radius: float) -> Particles:
 
 
 def heap_silhouette(heap: Particles, azimuth: float, plate_radius: float) -> Silhouette:
-    """Render what `angle_of_repose` measures from one azimuth (degrees).
+    """Render the silhouette that `angle_of_repose` measures from one azimuth (degrees).
 
     The picture ends where no heap of these particles could reach, however flat or steep, so that a
     particle that flew away does not make it huge.
@@ -160,7 +160,7 @@ def angle_of_repose(
     Returns
     -------
     AngleOfRepose
-        The mean inclination of all flanks, and what it was measured on.
+        The mean inclination of all flanks, and the views it was measured on.
 
     Raises
     ------
@@ -190,7 +190,7 @@ def angle_of_repose_in(
     silhouettes : sequence of Silhouette
         The heap from different sides; its axis is at the horizontal coordinate 0.
     azimuths : sequence of float
-        From where each was taken, degrees.
+        Azimuth of each silhouette, degrees.
     ground : float
         Height from which the flanks are measured, m.
     diameter : float
@@ -343,7 +343,7 @@ def _require_flanks(angles: Array) -> float:
 def _fit_flanks(distance: Array, outlines: Array, diameter: float) -> list[Flank | None]:
     slope, _ = np.polyfit(distance, outlines.mean(axis=0), 1)
     flanks: list[Flank | None] = []
-    # The depth depends weakly on the angle: two rounds settle it to a hundredth of a degree.
+    # The depth depends weakly on the angle: two iterations converge to a hundredth of a degree.
     for _ in range(3):
         depth = outline_depth(distance, math.degrees(math.atan(-slope)), diameter)
         lines = [_robust_line(distance, outline + depth) for outline in outlines]
@@ -387,9 +387,9 @@ def _standard_error(angles: Array) -> float:
 
     A flank shows the particles of about 60 degrees of azimuth: on simulated heaps of glass beads
     and on synthetic cones the correlation of two flanks' angles is 0.7, 0.4, 0.2 and 0.1 when they
-    are 15, 30, 45 and 60 degrees apart, and its integral is 60 degrees. So however many views there
-    are, they count as six flanks. One heap is too little to estimate a correlation of its own from:
-    doing so scattered twice as much and was no better on average.
+    are 15, 30, 45 and 60 degrees apart, and its integral is 60 degrees. So any number of
+    views counts as six flanks. One heap is too little to estimate its own correlation from: that
+    scattered twice as much and was no better on average.
     """
     independent = min(float(len(angles)), 360.0 / _CORRELATION_AZIMUTH)
     return float(np.std(angles)) / math.sqrt(independent - 1)

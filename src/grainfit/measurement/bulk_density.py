@@ -46,13 +46,13 @@ def bulk_density(particles: Particles, radius: float, bottom: float, top: float)
 
     Notes
     -----
-    The volume is known exactly and so is the mass in it; uncertain is how well this stretch of the
-    bed stands for the bed. The standard error is that of the mean of horizontal layers, each one
+    Volume and mass are known exactly; the uncertainty is how well this part represents the whole
+    bed. The standard error is that of the mean of horizontal layers, each one
     mass-weighted mean particle diameter thick, from the second differences of their masses: what
     all beds have in common (layers at the plate, compression by the bed's own weight) changes
     smoothly with height and is no error. On 24 simulated beds of glass beads it was 4.4 kg/m^3
-    (root mean square), and the scatter from seed to seed 4.3: nearly all of it is in it. A line
-    taken out instead leaves the layers at the plate in, and 5.5.
+    (root mean square), and the scatter from seed to seed 4.3, so it includes nearly all of the
+    scatter. Subtracting a line instead keeps the layers at the plate, and gives 5.5.
 
     Raises
     ------

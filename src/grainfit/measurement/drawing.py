@@ -37,7 +37,7 @@ class Drawing:
     path : str
         Outline as an SVG path; the plate is at y = 0 and heights are negative.
     half_width, height : int
-        Extent of what is drawn.
+        Extent of the drawing.
     fitted, wanted : tuple of Line
         The fitted flanks, and beside them lines at the target angle.
     """
@@ -55,7 +55,7 @@ def draw(silhouette: Silhouette, view: View | None = None, target: float | None 
     Parameters
     ----------
     silhouette : Silhouette
-        What is seen.
+        The silhouette to draw.
     view : View, optional
         The flanks that were fitted to it.
     target : float, optional
@@ -79,7 +79,7 @@ def draw(silhouette: Silhouette, view: View | None = None, target: float | None 
 
 
 def simplified(heights: NDArray[np.float64], tolerance: float) -> list[int]:
-    """Return which points of an outline to keep, so that the others are near lines between them.
+    """Select points of an outline to keep, so that the others are near lines between them.
 
     References
     ----------

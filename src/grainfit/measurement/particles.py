@@ -1,4 +1,4 @@
-"""The particles that a run left behind: read from a dump, written for ParaView."""
+"""Particles of a run: read from a dump, written for ParaView."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ class Particles:
     Raises
     ------
     NotMeasurableError
-        A value is one that no particle can have: a simulation that went astray leaves such values.
+        A value is impossible for a particle: an unstable simulation leaves such values.
     """
 
     positions: NDArray[np.float64]
@@ -179,7 +179,7 @@ def write_vtk(path: Path, particles: Particles) -> None:
     path : Path
         File to write; ends in ``.vtk``.
     particles : Particles
-        What to write.
+        Particles to write.
 
     References
     ----------

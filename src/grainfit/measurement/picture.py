@@ -32,7 +32,7 @@ _PAPER = "#ffffff"
 _INK = "#1f2933"
 _QUIET_INK = "#616e7c"
 _HEAP = "#b4bfca"
-# Vermilion: told apart from grey and from all else in any kind of colour blindness
+# Vermilion: distinct from grey and all other colours in any kind of colour blindness
 # (Okabe & Ito, Color Universal Design).
 _FLANK = "#d55e00"
 
@@ -55,7 +55,7 @@ def draw_heap(
     plate_radius, ground : float
         As given to `angle_of_repose`, m.
     measured : AngleOfRepose or str
-        What was measured, or the reason why nothing could be: then no flanks are drawn.
+        The measurement, or the reason why there is none: then no flanks are drawn.
     """
     if isinstance(measured, str):
         title = "Angle of repose: not measurable"

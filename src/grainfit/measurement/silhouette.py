@@ -1,4 +1,4 @@
-"""Silhouettes: what is seen of a heap from the side, rendered from particles or photographed."""
+"""Silhouettes of a heap from the side, rendered from particles or photographed."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from grainfit.measurement.particles import Particles
 
 @dataclass(frozen=True)
 class Silhouette:
-    """A boolean image of a heap seen from the side, and where it is.
+    """A boolean image of a heap seen from the side, and its position.
 
     A photograph becomes one by thresholding and by the size of its pixels.
 
@@ -64,7 +64,7 @@ def render_silhouette(
     Parameters
     ----------
     particles : Particles
-        What is seen.
+        The particles to render.
     azimuth : float
         Angle about the z axis between the x axis and the picture's horizontal axis, degrees.
     half_width : float

@@ -1,4 +1,4 @@
-"""Kinds of option: what a value can be, in a calibration file and in Python.
+"""Kinds of option: the values that it accepts, in a calibration file and in Python.
 
 A kind does two things: it reads a value, noting every fault, and it describes the values that it
 accepts as JSON Schema. So the reader and the published schema cannot disagree on the keys.
@@ -32,7 +32,7 @@ class Kind(ABC):
 
     @abstractmethod
     def read(self, value: Any, place: Place) -> Any:
-        """Return the value as the program uses it; None after noting what is wrong with it."""
+        """Return the value as the program uses it; None after noting its faults."""
 
     @abstractmethod
     def schema(self) -> Schema:
@@ -107,7 +107,7 @@ class Choice(Kind):
 
 
 def suggest(wrong: object, known: Iterable[str], otherwise: str) -> str:
-    """Return a sentence that names what was probably meant, or all there is."""
+    """Return a sentence that suggests the closest known word, or lists all known words."""
     options = list(known)
     close = difflib.get_close_matches(str(wrong)[:64], options, n=1)
     if close:

@@ -25,7 +25,7 @@ class FileFault(Fault):
     key, message, remedy : str
         As in `Fault`.
     line : int, optional
-        Line of the key in the file, counted from 1; of what surrounds it when a key is missing.
+        Line of the key in the file, counted from 1; of its table when it is missing.
     """
 
     line: int | None = None
@@ -36,7 +36,7 @@ class FileFault(Fault):
 
 @dataclass
 class Findings:
-    """Collects every fault of one file.
+    """All faults found in one file.
 
     Parameters
     ----------
@@ -82,7 +82,7 @@ class Place:
 
 
 def dotted(path: KeyPath) -> str:
-    """Write a path as people do: ``test[0].targets.bulk_density.value``."""
+    """Write a path in dotted form: ``test[0].targets.bulk_density.value``."""
     text = ""
     for part in path:
         if isinstance(part, int):
@@ -103,7 +103,7 @@ def show(value: object) -> str:
 
 
 def kind_of(value: object) -> str:
-    """Say what a TOML value is."""
+    """Return the kind of a TOML value in words."""
     words: tuple[tuple[type | tuple[type, ...], str], ...] = (
         (bool, "a truth value"),
         ((int, float), "a number"),

@@ -1,4 +1,4 @@
-"""Tables of options: their keys, and what is wrong with a table."""
+"""Tables of options: their keys, and the faults of a table."""
 
 from __future__ import annotations
 
@@ -18,9 +18,9 @@ from grainfit.options.kinds import (
 )
 from grainfit.options.places import Place
 
-#: What was read of a table by key; None where the value was faulty.
+#: Values read from a table, by key; None where a value was faulty.
 Values = dict[str, Any]
-#: Makes a result of the values of a table.
+#: Builds a result from the values of a table.
 Finish = Callable[[Values, Place], Any]
 
 
@@ -33,7 +33,7 @@ class Key:
     name : str
         As written in the file.
     kind : Kind
-        What its value can be.
+        Kind of its value.
     description : str
         For the editor's completion.
     required : bool
@@ -41,7 +41,7 @@ class Key:
     example : str
         A good value, as TOML.
     default : str
-        What holds without it, in words, where the description does not say so.
+        Default in words, unless the description states it.
     """
 
     name: str
@@ -78,10 +78,10 @@ class Table(Kind):
     keys : tuple of Key
         All keys that it can have.
     finish : callable
-        Makes the result of the values read, and notes what is wrong with several of them
-        together. Absent keys are absent from the values; faulty ones are None.
+        Builds the result from the values read, and notes faults that concern several of them.
+        Absent keys are absent from the values; faulty ones are None.
     homes : mapping of str to str
-        Keys that belong elsewhere, to where: for the remedy.
+        Right section of keys that belong elsewhere, for the remedy.
     """
 
     keys: tuple[Key, ...]
@@ -97,7 +97,7 @@ class Table(Kind):
         unknown = [name for name in value if name not in kinds]
         for name in unknown:
             place.at(name).fault("is not a known key.", self._meant(name))
-        # A misspelt key is one fault, not a second one for the key that it was to be.
+        # A misspelt key is one fault: the key that was meant is not missing, too.
         meant = {self._close(name) for name in unknown}
         for key in self.keys:
             if key.required and key.name not in value and key.name not in meant:
@@ -107,7 +107,7 @@ class Table(Kind):
             for name, entry in value.items()
             if name in kinds
         }
-        # What was meant is there, only not readable.
+        # The key that was meant is there, but cannot be read.
         values.update({name: None for name in meant if name and name not in values})
         return self.finish(values, place)
 
@@ -144,7 +144,7 @@ class Named(Kind):
     Parameters
     ----------
     entry : Kind
-        What every value is.
+        Kind of every value.
     shortest : int
         Number of entries that it needs.
     reserved : tuple of str

@@ -1,1 +1,1 @@
-"""The report: one page that answers whether it is calibrated, what the numbers are, how sure."""
+"""Report of a calibration: one page with the answer, its uncertainty and all runs."""

@@ -1,4 +1,4 @@
-"""The page itself: one file that holds all it needs, and asks nothing of the network."""
+"""Write the page: one file that works offline and contains everything that it shows."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def write_report(
     *,
     on_progress: Callable[[str], None] | None = None,
 ) -> Path:
-    """Write the report of the calibration in a work folder: one HTML file, whole or not at all.
+    """Write the report of the calibration in a work folder: one HTML file, complete or absent.
 
     It can be written at any time, also while the calibration is running; nothing else in the folder
     is changed.
@@ -39,16 +39,16 @@ def write_report(
     Parameters
     ----------
     source : path or SavedCalibration
-        The work folder, or what was read of it.
+        The work folder, or the calibration read from it.
     output : path, optional
-        Where to write; ``report.html`` in the folder by default.
+        The file to write; ``report.html`` in the folder by default.
     on_progress : callable, optional
         Called with a few words before each step.
 
     Returns
     -------
     Path
-        Where it was written.
+        The file that was written.
 
     Raises
     ------
@@ -62,7 +62,7 @@ def write_report(
     tell(f"analysing {len(reading.known)} parameter sets")
     analysis = reading.analyse()
     tell("drawing")
-    # Metamodels are small: threads of linear algebra would only wait for one another.
+    # Metamodels are small: threads of linear algebra would only wait for each other.
     with threadpool_limits(limits=1, user_api="blas"):
         page = render_page(ReportContext(reading, analysis))
     path = Path(output) if output is not None else reading.folder / REPORT_NAME
@@ -92,7 +92,7 @@ def render_page(context: ReportContext) -> str:
         data=_data(sections),
         plotly=_element_text(_plotly()) if figures else None,
     )
-    # Names of files may hold bytes that are no text; no page can.
+    # Names of files may contain bytes that are not text; a page may not.
     return page.encode("utf-8", errors="replace").decode("utf-8")
 
 

@@ -1,4 +1,4 @@
-"""From templates to HTML, and from plain data to JSON that may stand in a page."""
+"""Render templates as HTML, and plain data as JSON that is safe in a page."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ from markupsafe import Markup
 
 from grainfit.formatting import counted, duration, number, plain, rounded
 
-# In a script element, HTML knows no escapes of its own: what could end it, or begin another one,
-# is written as JSON's escapes.
+# A script element has no HTML escapes: characters that could end it, or begin another one, are
+# written as JSON escapes.
 _ESCAPES = str.maketrans({sign: f"\\u{ord(sign):04x}" for sign in "<>&"})
 
 
@@ -27,7 +27,7 @@ def render(template: str, **values: Any) -> Markup:
     template : str
         File in ``templates`` or ``sections``, without ``.html.jinja``, such as ``particles/page``.
     **values
-        What it mentions.
+        Values of its variables.
     """
     return Markup(_environment().get_template(f"{template}.html.jinja").render(values))
 
@@ -38,7 +38,7 @@ def script_json(value: Any, digits: int | None = None) -> Markup:
     Parameters
     ----------
     value : object
-        Plain data and NumPy arrays. What is not finite becomes null.
+        Plain data and NumPy arrays. Numbers that are not finite become null.
     digits : int, optional
         Significant digits of its numbers: enough to draw them. All of them by default.
     """

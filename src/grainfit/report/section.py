@@ -1,4 +1,4 @@
-"""What a section of the report is, and what it is made from.
+"""A section of the report, and the context that it is made from.
 
 A section is a function of the context: it returns its HTML, its figures as Plotly's JSON, and data
 for its own script, or None when it has nothing to say. It reads no files but run folders, and knows
@@ -31,13 +31,13 @@ class Section:
     key : str
         Its address in the page, and prefix of the keys of its figures.
     title : str
-        Heading: a question that a person asks, or a noun.
+        Heading: a question of the reader, or a noun.
     html : Markup
-        Content. An element ``<div data-figure="KEY">`` is where a figure goes.
+        Content. An element ``<div data-figure="KEY">`` is the place of a figure.
     figures : mapping of str to Figure
         By key.
     data : mapping
-        What its script reads, as JSON.
+        Data of its script, as JSON.
     """
 
     key: str
@@ -49,14 +49,14 @@ class Section:
 
 @dataclass(frozen=True)
 class ReportContext:
-    """What all sections are made from.
+    """Context of all sections: the calibration and its analysis.
 
     Parameters
     ----------
     reading : SavedCalibration
-        What the work folder tells.
+        The calibration, read from its work folder.
     analysis : Analysis
-        What follows from it.
+        The analysis of its runs.
     """
 
     reading: SavedCalibration
@@ -69,12 +69,12 @@ class ReportContext:
 
     @property
     def posterior(self) -> Posterior | None:
-        """Parameter sets in line with the measurements; None where nothing agrees with them."""
+        """Parameter sets that agree with the measurements; None if there are none."""
         return None if self.reading.why_nothing_agrees else self.analysis.posterior
 
     @property
     def why_no_posterior(self) -> str:
-        """Why there is none, if so."""
+        """Reason why there is no posterior; empty if there is one."""
         notes = " ".join(plain(note) for note in self.analysis.notes)
         return (
             self.reading.why_nothing_agrees
@@ -89,20 +89,20 @@ class ReportContext:
 
     @property
     def targets(self) -> tuple[Target, ...]:
-        """What was measured."""
+        """The targets."""
         return tuple(self.reading.problem.targets)
 
     def parameter_label(self, name: str) -> Label:
-        """How a free or fixed parameter is called on the page."""
+        """Return the label of a free or fixed parameter on the page."""
         return label_of_parameter(self.reading, name)
 
     def response_label(self, name: str) -> Label:
-        """How a response is called on the page."""
+        """Return the label of a response on the page."""
         return label_of_response(self.reading, name)
 
 
 def waiting(context: ReportContext, key: str, title: str, reason: str = "") -> Section:
-    """Return a section that has nothing to say yet, and says why.
+    """Return a section that has no content yet, with the reason.
 
     Parameters
     ----------
@@ -118,7 +118,7 @@ def waiting(context: ReportContext, key: str, title: str, reason: str = "") -> S
 
 
 def without_metamodel(context: ReportContext) -> list[Label]:
-    """Responses that are missing in all that rests on metamodels."""
+    """Responses without a metamodel, which are missing in sections that need one."""
     metamodels = context.analysis.metamodels
     known = {target.name for target in metamodels.problem.targets} if metamodels else set()
     return [context.response_label(t.name) for t in context.targets if t.name not in known]

@@ -1,4 +1,4 @@
-"""Reads a table of runs that were made elsewhere: every fault in one go, with its line."""
+"""Read a table of runs from elsewhere: report all its faults at once, with their lines."""
 
 from __future__ import annotations
 
@@ -38,11 +38,11 @@ class TableRow:
     Parameters
     ----------
     line : int
-        Where it is in the file.
+        Line in the file, counted from 1.
     parameters : mapping of str to float
         Values of the free parameters.
     responses : mapping of str to Response
-        What came of it.
+        Responses of the run.
     seed : int, optional
         Its insertion seed, when the table gives one.
     """
@@ -55,7 +55,7 @@ class TableRow:
 
 @dataclass(frozen=True)
 class _Column:
-    """What a column holds, and in which unit it is to be and was written."""
+    """Content of a column, the unit it was written in, and the unit to convert it to."""
 
     name: str
     quantity: Quantity
@@ -81,7 +81,7 @@ def read_import_table(
     rows : list of TableRow
         The runs.
     ignored : list of str
-        Columns that say nothing of a run's outcome.
+        Columns that are not used.
 
     Raises
     ------
@@ -207,7 +207,7 @@ class _Reader:
 
     @staticmethod
     def _conversion(unit: str | None, quantity: Quantity) -> str:
-        """Unit to convert from; empty when numbers are as they are to be."""
+        """Unit to convert from; empty when there is nothing to convert."""
         written = (unit or "").strip()
         return "" if written in (*_NO_UNIT, quantity.unit) or not quantity.unit else written
 
@@ -291,7 +291,7 @@ class _Reader:
 
 
 def _number(text: str) -> float | None:
-    # Python reads 1_000 as a thousand; whoever wrote it in a table meant something else.
+    # Python reads 1_000 as a thousand; in a table it means something else.
     try:
         return None if "_" in text else float(text)
     except ValueError:

@@ -1,4 +1,4 @@
-"""Frees the disk of what solvers read and wrote in runs that have ended."""
+"""Free disk space: remove the files that solvers read and wrote in runs that have ended."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _RUNS = "runs"
 
 @dataclass(frozen=True)
 class Pruned:
-    """What pruning a work folder did.
+    """Outcome of pruning a work folder.
 
     Parameters
     ----------
@@ -34,15 +34,15 @@ class Pruned:
 def prune_runs(folder: Path, failed: bool = False) -> Pruned:
     """Keep record, logs and pictures of the finished runs of a work folder, and remove the rest.
 
-    Nothing is known of the runs any less. Folders of runs that have not ended, and all that is not
-    a run's, are left alone; links are not followed.
+    No result is lost. Folders of runs that have not ended, and files that do not belong to a
+    run, are kept; links are not followed.
 
     Parameters
     ----------
     folder : Path
         The work folder.
     failed : bool
-        Whether those of failed runs are pruned too.
+        Whether failed runs are pruned too.
 
     Raises
     ------
@@ -92,7 +92,7 @@ def disk_use(folder: Path, seconds: float) -> int | None:
     folder : Path
         The work folder.
     seconds : float
-        After this time it is given up, and None returned.
+        Time limit; None is returned after it.
     """
     end = time.monotonic() + seconds
     total = 0

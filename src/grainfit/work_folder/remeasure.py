@@ -1,4 +1,4 @@
-"""Measure again what a run left behind, without simulating."""
+"""Measure the responses of a finished run again, without simulating."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def measure_path(path: Path) -> dict[str, Response]:
     NotMeasurableError
         What is there cannot be measured, with the reason.
     RunFailedError
-        The run did not go as its test must.
+        The run did not end as its test requires.
     """
     if path.is_dir():
         return _test_of(path).measure(path)
@@ -49,7 +49,7 @@ def measure_path(path: Path) -> dict[str, Response]:
 
 
 def _test_of(folder: Path) -> BulkTest:
-    """Make the test again that a run folder's record defines."""
+    """Rebuild the test that a run folder's record defines."""
     record = read_record(folder)
     if record is None:
         raise InputError(

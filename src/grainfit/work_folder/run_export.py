@@ -1,4 +1,4 @@
-"""Writes runs to a file that spreadsheets and data frames read."""
+"""Write runs to a file for spreadsheets and data frames."""
 
 from __future__ import annotations
 
@@ -19,16 +19,14 @@ def writer_for(path: Path) -> Write:
     Raises
     ------
     InputError
-        The name tells no format, or the package that writes it is missing.
+        The name has no known ending, or the package that writes the format is missing.
     """
     suffix = path.suffix.lower()
     if suffix == ".csv":
         return _write_csv
     if suffix != ".parquet":
         raise InputError(
-            Fault(
-                "", f"{str(path)!r} is of no format that is known.", "End it in .csv or .parquet."
-            )
+            Fault("", f"{str(path)!r} has no known format.", "End it in .csv or .parquet.")
         )
     try:
         import pyarrow.parquet  # noqa: F401
@@ -44,12 +42,12 @@ def writer_for(path: Path) -> Write:
 
 
 def export_runs(path: Path, runs: pd.DataFrame) -> None:
-    """Write one line for each run, with SI units and angles in degrees; all of it or nothing.
+    """Write one line for each run, in SI units, angles in degrees; the file is complete or absent.
 
     Parameters
     ----------
     path : Path
-        Ends in ``.csv`` or ``.parquet``; is replaced when it is there.
+        Ends in ``.csv`` or ``.parquet``; an existing file is replaced.
     runs : pandas.DataFrame
         As `runs_table` returns it.
 
@@ -69,8 +67,7 @@ def export_runs(path: Path, runs: pd.DataFrame) -> None:
 
 
 def _write_csv(runs: pd.DataFrame, path: Path) -> None:
-    # The line ends of CSV's standard; with them, a reason of several lines is quoted however its
-    # lines end.
+    # The line ends of the CSV standard; with them, a reason of several lines is always quoted.
     runs.to_csv(
         path,
         index=False,

@@ -1,4 +1,4 @@
-"""Takes runs that were made elsewhere into a work folder, as runs of a calibration file's test."""
+"""Import runs from elsewhere into a work folder, as runs of a calibration file's test."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from grainfit.errors import Fault, InputError, SolverNotFoundError
 from grainfit.solvers.base import Solver
 from grainfit.work_folder.import_table import TableRow, read_import_table
 
-#: Runs whose seed is not known get the ones from here on: no calibration asks for seeds above
+#: First seed for runs whose seed is not known: no calibration asks for seeds above
 #: 900,000,000.
 FIRST_SEED = 1_000_000_001
 _NAMED_LINES = 5
@@ -27,18 +27,18 @@ _NAMED_LINES = 5
 
 @dataclass(frozen=True)
 class Imported:
-    """What came of an import.
+    """Outcome of an import.
 
     Parameters
     ----------
     test : str
-        Test that they are runs of.
+        Name of their test.
     new, known, replaced : int
-        Runs that are there now and were not, that were there already, and that an earlier import of
-        this table had given other responses.
+        Number of runs that were added, that were there already, and that had other responses from
+        an earlier import of this table.
     usable : int
-        Parameter sets, of all runs in the work folder, that a calibration of the file can learn
-        from.
+        Parameter sets, of all runs in the work folder, that a calibration of the file can
+        warm start from.
     notices : tuple of str
         What the user should know.
     """
@@ -56,8 +56,8 @@ def import_runs(
 ) -> Imported:
     """Take the runs of a CSV table into a work folder.
 
-    Rows without a seed are runs of seeds of their own, so that those with equal parameters count as
-    repeats. The same table imported again changes nothing; where it was corrected, its runs are.
+    Each row without a seed gets its own seed, so that rows with equal parameters count as repeats.
+    Importing the same table again changes nothing; importing a corrected table corrects its runs.
 
     Parameters
     ----------
@@ -67,7 +67,7 @@ def import_runs(
         CSV file: a column for each free parameter and each target of the test, perhaps with a unit
         in brackets; perhaps ``seed`` and ``<response>.standard_error``.
     folder : Path
-        The work folder; is made when it is not there.
+        The work folder; created when it does not exist.
     test : str, optional
         Name of the test; needed when the file has several.
 
@@ -76,7 +76,7 @@ def import_runs(
     InputError
         With every fault of the table.
     SolverNotFoundError
-        The test's solver is not installed: its version is part of what a run is.
+        The test's solver is not installed: its version is part of a run's identity.
     StoreError
         The work folder cannot be used.
     """
@@ -131,7 +131,7 @@ def _specification(setup: CalibrationSetup, test: str | None) -> TestSpecificati
 
 @dataclass
 class _Importing:
-    """Finds the place of every row among the runs that are there."""
+    """Assignment of every row to a run in the store."""
 
     test: str
     solver: Solver
@@ -145,7 +145,7 @@ class _Importing:
     _left_over: int = 0
 
     def take(self, rows: list[TableRow]) -> None:
-        """Note what is to be saved of each row."""
+        """Note the run to save for each row."""
         there = {record.identity: record for record in self.store.runs("finished")}
         unnumbered: dict[tuple[float, ...], list[TableRow]] = defaultdict(list)
         # Seeds that are given come first: no other run may take their place.
@@ -185,14 +185,14 @@ class _Importing:
             else:
                 places.remove(place)
                 self._fill(replace(place, responses=row.responses), there[place.identity])
-        # What an earlier import of this table left over, it has other responses for now.
+        # Runs of an earlier import of this table that match no row get the responses of other rows.
         mine = [p for p in places if p.identity in there and self._is_mine(there[p.identity])]
         empty = [place for place in places if place.identity not in there]
         for row, place in zip(others, mine + empty, strict=False):
             self._fill(replace(place, responses=row.responses), there.get(place.identity))
 
     def _places_for(self, rows: list[TableRow], there: Mapping[str, RunRecord]) -> list[RunRecord]:
-        """Return the runs at the parameters of these rows: those there, and enough that are not."""
+        """Return runs at the parameters of these rows: the existing ones, and enough new ones."""
         places: list[RunRecord] = []
         empty = 0
         seeds = count(FIRST_SEED)
@@ -207,7 +207,7 @@ class _Importing:
         return record.origin == self.origin
 
     def _place(self, row: TableRow, seed: int) -> RunRecord:
-        """Return the run that a row is with a seed."""
+        """Return the run of a row with a seed."""
         definition = self.solver.definition(row.parameters, seed)
         return RunRecord(
             definition.identity,
@@ -228,7 +228,7 @@ class _Importing:
         self.records.append(record)
 
     def notices(self) -> Iterator[str]:
-        """Say what was not taken, and what stays of earlier imports."""
+        """Report rows that were not imported, and runs that stay from earlier imports."""
         for line, origin in self._others[:_NAMED_LINES]:
             yield (
                 f"line {line}: this run is there already with other responses ({origin}); "
@@ -253,7 +253,7 @@ def _ignored(columns: list[str]) -> Iterator[str]:
 
 
 def _outside(setup: CalibrationSetup, rows: list[TableRow]) -> Iterator[str]:
-    """Say which rows no calibration of the file as it is now can use."""
+    """Report rows that no calibration of the present file can use."""
     for parameter in setup.problem.parameters:
         lines = [
             str(row.line) for row in rows if not parameter.contains(row.parameters[parameter.name])
@@ -270,8 +270,8 @@ def _outside(setup: CalibrationSetup, rows: list[TableRow]) -> Iterator[str]:
 def _not_by_earlier_ones(store: RunStore) -> Iterator[str]:
     if store.latest_calibration() is not None:
         yield (
-            "A calibration that was started in this folder before goes on without these runs. "
-            "Another one, such as one with another --seed, learns from them."
+            "A calibration that was started in this folder before continues without these runs. "
+            "A new one, such as one with another --seed, has a warm start from them."
         )
 
 

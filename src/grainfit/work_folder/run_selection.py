@@ -42,7 +42,7 @@ def select_runs(
     Raises
     ------
     InputError
-        A condition cannot be read, or no run has what it names.
+        A condition cannot be read, or no run has the number that it names.
     """
     faults: list[Fault] = []
     chosen = pd.Series(True, index=runs.index)

@@ -85,7 +85,7 @@ def runs_table(records: Iterable[RunRecord]) -> pd.DataFrame:
 
 
 def find_run(store: RunStore, identity: str) -> RunRecord:
-    """Return the run whose identity is, or begins like, this.
+    """Return the run with this identity, or with an identity that begins with it.
 
     Raises
     ------
@@ -138,7 +138,7 @@ def _seed(seed: int) -> int | None:
 
 
 def _text(value: Any) -> str:
-    # A text that is not valid Unicode must not cost the whole table.
+    # A text that is not valid Unicode must not prevent the whole table.
     return value.encode("utf-8", "backslashreplace").decode() if isinstance(value, str) else ""
 
 
@@ -150,7 +150,7 @@ def _moment(seconds: float) -> datetime | None:
 
 
 def _unit(response: str, records: Iterable[RunRecord]) -> str | None:
-    """Return the unit of a response, where all runs that have it agree on one."""
+    """Return the unit of a response, if all runs that have it agree on one."""
     units = {_unit_in_test(response, record) for record in records if response in record.responses}
     return units.pop() if len(units) == 1 else None
 
@@ -166,7 +166,7 @@ def _distinct(names: Iterable[Iterable[str]]) -> list[str]:
 
 
 def _free(name: str, kind: str, taken: set[str]) -> str:
-    """Take a column name that no other column has."""
+    """Reserve a column name that no other column has."""
     column = next(c for c in _candidates(_text(name), kind) if c not in taken)
     taken.add(column)
     return column

@@ -1,4 +1,4 @@
-"""What a work folder tells of its calibration, read from outside while it may be running."""
+"""The calibration in a work folder, read from outside while it may be running."""
 
 from __future__ import annotations
 
@@ -32,38 +32,38 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class SavedCalibration:
-    """What a work folder tells of the calibration that was started last.
+    """The calibration that was started last in a work folder.
 
     Parameters
     ----------
     folder : Path
         The work folder.
     name, identity : str
-        What it is called, and what it is.
+        Its name, and its identity.
     state : str
         ``running``, or how it ended; ``interrupted`` also when its process died.
     problem : Problem
-        What is calibrated; the intervals hold all that was asked for, also where they were moved.
+        Parameters and targets; the intervals include all proposals, also where a bound was moved.
     strategy, seed : str, int
-        How runs were chosen.
+        Name of the strategy, and its seed.
     evaluations : tuple of Evaluation
         Every parameter set of which all runs have ended, in the order in which it was asked for.
     learnt : tuple of Evaluation
-        What was known before from other calibrations, and was learnt from.
+        Evaluations from other calibrations, used for a warm start.
     running : int
         Runs under way.
     records : mapping of str to RunRecord
         Runs of the evaluations, by identity.
     result : Result, optional
-        What result.json holds; None while it runs.
+        Content of result.json; None while it runs.
     result_fault : str
-        Why it cannot be used, if so.
+        Reason why the result cannot be used; empty if it can.
     fixed : mapping of str to float
         Parameters that are not free, SI, as far as they are known.
     units : mapping of str to str
         SI units of free and fixed parameters.
     source, source_text : str
-        Name of the calibration file and what stood in it; empty when started from Python.
+        Name of the calibration file and its text; empty when started from Python.
     version : str
         Version of grainfit that started it.
     workers : int
@@ -73,7 +73,7 @@ class SavedCalibration:
     max_runs : int, optional
         Largest number of DEM runs, where there was a limit.
     failure : str
-        What stopped it, if it failed.
+        Reason why it stopped, if it failed.
     """
 
     folder: Path
@@ -101,7 +101,7 @@ class SavedCalibration:
 
     @classmethod
     def open(cls, folder: str | Path) -> SavedCalibration:
-        """Read a work folder once; nothing in it is changed, and nobody at work disturbed.
+        """Read a work folder once, without changing it or disturbing a running calibration.
 
         Parameters
         ----------
@@ -133,7 +133,7 @@ class SavedCalibration:
             store.close()
         state = state_of(calibration, is_held(folder))
         if state == "failed":
-            # Failures that stopped it are forgotten, for the next start to make them again.
+            # Failures that stopped it are forgotten, so that the next start repeats these runs.
             kept = (read_record(run_folder(folder, run)) for run in asked - records.keys())
             records |= {record.identity: record for record in kept if record is not None}
         with _naming(folder):
@@ -164,19 +164,19 @@ class SavedCalibration:
 
     @property
     def why_nothing_agrees(self) -> str:
-        """Why no parameter set is in line with the measurements; "" where some may be."""
+        """Reason why no parameter set agrees with the measurements; "" where some may."""
         if self.state == "unreachable":
             return "No parameter set within the intervals agrees with the measurements."
         return ""
 
     @property
     def known(self) -> tuple[Evaluation, ...]:
-        """The evaluations, and behind them those that were learnt from and not asked for too."""
+        """The evaluations, then those of the warm start that were not asked for again."""
         asked = set(map(_run_of, self.evaluations))
         return (*self.evaluations, *(e for e in self.learnt if _run_of(e) not in asked))
 
     def analyse(self) -> Analysis:
-        """Return all that the runs tell: posterior, sensitivity, and more.
+        """Return the analysis of the runs: posterior, sensitivity, and more.
 
         The same analysis as in the report and on the material card; it takes seconds and is made
         once for each object.
@@ -216,12 +216,12 @@ def _run_of(evaluation: Evaluation) -> tuple[float, ...]:
 
 @contextmanager
 def _naming(folder: Path) -> Iterator[None]:
-    """Say of a calibration that cannot be read where it is."""
+    """Name the file of a calibration that cannot be read."""
     try:
         yield
     except (GrainfitError, KeyError, TypeError, ValueError, AttributeError) as error:
         raise StoreError(
-            f"the calibration that {str(folder / STORE_NAME)!r} tells of cannot be read: {error}. "
+            f"the calibration in {str(folder / STORE_NAME)!r} cannot be read: {error}. "
             "It was written by another version of grainfit, or edited."
         ) from error
 
@@ -280,9 +280,9 @@ def _saved(
 
 
 def _why_unusable(result: Result, problem: Problem, state: str) -> str:
-    """Return why a result does not tell how this calibration ended; "" when it does."""
+    """Return why a result is not that of this calibration; "" when it is."""
     if state in get_args(Status) and state not in ("interrupted", result.status):
-        # What the last start found could not be written.
+        # The result of the last start could not be written.
         return f"it says {result.status!r} of a calibration that has ended as {state!r}"
     if not (result.parameters or result.responses):
         return ""
@@ -309,7 +309,7 @@ def _problem(
 
 
 def _widened(parameter: Parameter, evaluations: Iterable[Evaluation]) -> Parameter:
-    """Hold all values that were asked for: a strategy may move a bound that is in the way."""
+    """Widen an interval to all proposals: a strategy may move a bound that is in the way."""
     values = [evaluation.proposal.parameters[parameter.name] for evaluation in evaluations]
     low, high = parameter.minimum, parameter.maximum
     return replace(parameter, minimum=min([low, *values]), maximum=max([high, *values]))
@@ -358,17 +358,17 @@ def _no_answer(reading: SavedCalibration) -> Fault:
         ),
         "interrupted": (
             f"the calibration in {folder!r} was interrupted before.",
-            "Start it again: it goes on where it was.",
+            "Start it again: it continues where it stopped.",
         ),
         "failed": (
             f"the calibration in {folder!r} failed.",
-            f"Mend what made it fail and start it again: grainfit status {folder}",
+            f"Remove the cause and start it again: grainfit status {folder}",
         ),
     }.get(
         reading.state,
         (
             f"{str(reading.folder / RESULT_NAME)!r} is missing.",
-            "Start the calibration again: it is written anew, and no finished run is repeated.",
+            "Start the calibration again: it is written again, and no finished run is repeated.",
         ),
     )
     return Fault("", f"there is no answer yet; {message}", remedy)

@@ -1,4 +1,4 @@
-"""How far the calibration in a work folder is, read from outside while it may be running."""
+"""Progress of the calibration in a work folder, read from outside while it may be running."""
 
 from __future__ import annotations
 
@@ -42,11 +42,11 @@ class WorkdirStatus:
     kept : int
         Finished runs in the store, those of other calibrations included.
     result : Result, optional
-        What result.json holds, when there is one.
+        Content of result.json, when there is one.
     result_fault : str
-        Why it cannot be used, if so.
+        Reason why the result cannot be used; empty if it can.
     failure : str
-        What stopped the calibration, if it failed.
+        Reason why the calibration stopped, if it failed.
     """
 
     name: str
@@ -62,7 +62,7 @@ class WorkdirStatus:
 
 
 def read_status(folder: Path) -> WorkdirStatus:
-    """Read the state of a work folder; nothing in it is changed, and nobody at work disturbed.
+    """Read the state of a work folder, without changing it or disturbing a running calibration.
 
     Raises
     ------
@@ -133,7 +133,7 @@ def _failures(
 def read_result(folder: Path, calibration: CalibrationRecord | None) -> tuple[Result | None, str]:
     """Read the result of a calibration, or why there is none that can be used.
 
-    That of an earlier calibration in the folder is not this one's, and no fault.
+    The result of an earlier calibration in the folder is not used, and is no fault.
     """
     path = folder / RESULT_NAME
     if calibration is None or not path.exists():

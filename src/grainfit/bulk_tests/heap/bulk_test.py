@@ -34,7 +34,7 @@ from grainfit.measurement.picture import draw_heap
 from grainfit.options.fields import Amount, option
 from grainfit.options.kinds import Quantity, Whole
 
-#: Part of the identity of runs: give it another value whenever the rendered decks change. Up to
+#: Part of the identity of runs: change it whenever the rendered decks change. Up to
 #: version 0.1.0 it was a hash of the templates; this is theirs.
 DECK_REVISION = "e11f78288590e984"
 #: Files of a run: the particles at the end, and their silhouettes.
@@ -47,7 +47,7 @@ _LARGEST_MEAN_OVERLAP = 0.08
 _SPEED = {"lammps": 2.2e6, "liggghts": 2.5e6}
 #: Two ranks are about 15 % faster than one: a heap is too small to share.
 _RANKS_EXPONENT = 0.2
-#: The bed is at rest soon after the shortest fill stage; the lift ends before its longest way.
+#: The bed is at rest soon after the shortest fill stage; the lift ends before its longest travel.
 _FILL_SHARE = 1.25
 _LIFT_SHARE = 0.9
 
@@ -62,7 +62,7 @@ class Heap(BulkTest):
     """Lifted cylinder: bulk density and angle of repose from one test.
 
     Particles rain into an upright cylinder on a plate. Once the bed is at rest its bulk density is
-    measured, what stands above the strike-off height is taken away, the cylinder is lifted slowly,
+    measured, particles above the strike-off height are removed, the cylinder is lifted slowly,
     and once the heap is at rest its angle of repose is measured on silhouettes. Every stage ends
     when the particles are at rest, not after a fixed time.
 
@@ -110,7 +110,10 @@ class Heap(BulkTest):
     }
 
     particle_count: int | None = option(
-        Whole(1), "Particles rained in.", example="1500", words="as many as fill the cylinder"
+        Whole(1),
+        "Number of particles rained in.",
+        example="1500",
+        words="as many as fill the cylinder",
     )
     cylinder_radius: Amount | None = option(
         _LENGTH, "Inner radius of the cylinder.", example='"60 mm"', words="6 d"
@@ -130,7 +133,7 @@ class Heap(BulkTest):
     )
     strike_off_height: Amount | None = option(
         _LENGTH,
-        "Particles with their centre above are taken away before the lift.",
+        "Particles with their centre above are removed before the lift.",
         example='"105 mm"',
         words="10.5 d",
     )
@@ -142,14 +145,14 @@ class Heap(BulkTest):
     )
     lift_speed: Amount | None = option(
         Quantity("m/s", above_zero=True),
-        "Speed of the cylinder. It decides the angle of repose and must be that of the laboratory.",
+        "Speed of the cylinder. It affects the angle of repose: use the speed of the laboratory.",
         example='"0.05 m/s"',
         words="0.05 m/s for d = 10 mm",
     )
     lift_height: Amount | None = option(
         _LENGTH,
-        "Longest way of the cylinder; the lift ends earlier once the cylinder is clear of a heap "
-        "at rest.",
+        "Longest travel of the cylinder; the lift ends earlier once the cylinder is clear of a "
+        "heap at rest.",
         example='"100 mm"',
         words="10 d",
     )
@@ -180,20 +183,20 @@ class Heap(BulkTest):
     )
     views: int = option(
         Whole(1, 360),
-        "Silhouettes on which the angle of repose is measured.",
+        "Number of silhouettes on which the angle of repose is measured.",
         example="12",
         default=12,
     )
-    #: Geometry and procedure with every default worked out.
+    #: Geometry and procedure, with every default resolved.
     setup: HeapSetup = field(init=False, repr=False, compare=False)
 
     def prepare(self) -> None:
-        """Work out geometry and procedure."""
+        """Resolve geometry and procedure."""
         options = {key.name: getattr(self, key.name) for key in self.option_keys()}
         object.__setattr__(self, "setup", plan_setup(self.sizes, options))
 
     def definition(self) -> dict[str, Any]:
-        """Return all of the test that decides a run's outcome, as JSON."""
+        """Return everything in the test that affects a run's outcome, as JSON."""
         return {
             "type": self.type,
             "revision": self.revision,
@@ -210,8 +213,8 @@ class Heap(BulkTest):
 
     @classmethod
     def from_definition(cls, definition: Mapping[str, Any]) -> Self:
-        """Make the test again from the definition in the record of a run."""
-        # Geometry and procedure are recorded with every default worked out.
+        """Rebuild the test from the definition in the record of a run."""
+        # Geometry and procedure are recorded with every default resolved.
         return super().from_definition({**definition["setup"], **definition})
 
     @property
@@ -251,8 +254,8 @@ class Heap(BulkTest):
         Raises
         ------
         RunFailedError
-            The simulation did not go as a heap test must: a bed did not come to rest, particles
-            broke out or overlap grossly, or a stage is missing.
+            The simulation did not end as a heap test requires: a bed did not come to rest,
+            particles broke out or overlap grossly, or a stage is missing.
         NotMeasurableError
             A response has no value, with the reason.
         """

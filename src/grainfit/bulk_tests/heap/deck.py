@@ -28,7 +28,7 @@ _PARTICLES = "particles.data"
 
 @dataclass(frozen=True)
 class HeapDeck:
-    """All that decides the input of one run, apart from the seed.
+    """Everything that determines the input of one run, except the seed.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Geometry and procedure of a heap test with every default worked out, and what is impossible."""
+"""Geometry and procedure of a heap test: every default resolved, impossible values rejected."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from grainfit.materials.sizes import ParticleSizes
 _REFERENCE_DIAMETER = 0.010
 _REFERENCE_GRAVITY = 9.81
 
-#: Solid fraction for working out the number of particles: a settled bed is looser, so that it
+#: Solid fraction to calculate the number of particles: a settled bed is looser, so that it
 #: rises above the strike-off height.
 _FILLING_MONOSIZE = 0.66
 _FILLING_POLYDISPERSE = 0.70
@@ -37,17 +37,17 @@ class HeapSetup:
     plate_radius, rim_height : float
         Plate under the cylinder; without rim, particles fall off its edge.
     strike_off_height : float
-        Particles with their centre above are taken away before the lift.
+        Particles with their centre above are removed before the lift.
     bulk_density_bottom, bulk_density_top : float
         The bulk density is that of the bed between these heights.
     lift_speed, lift_height : float
-        Speed, m/s, and longest way of the cylinder.
+        Speed, m/s, and longest travel of the cylinder.
     gravity : float
         m/s^2.
     quiet_speed : float
         A bed is at rest when its kinetic energy is less than if every particle had this speed, m/s.
     check_interval : float
-        Simulated time between two looks at the kinetic energy.
+        Simulated time between two checks of the kinetic energy.
     fill_time : float
         Shortest simulated time of the fill stage: the particles have fallen by then.
     settling_time_limit : float
@@ -73,7 +73,7 @@ class HeapSetup:
 
 
 def plan_setup(sizes: ParticleSizes, options: Mapping[str, float | None]) -> HeapSetup:
-    """Work out every default of a heap test.
+    """Resolve every default of a heap test.
 
     Parameters
     ----------

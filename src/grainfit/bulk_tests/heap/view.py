@@ -1,4 +1,4 @@
-"""A heap as a report shows it: its silhouette, its flanks, and the plate below it."""
+"""View of a heap in a report: its silhouette, its flanks, and the plate below it."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ class HeapView(RunView):
 
 
 def _unlike(view: View, angle: float) -> float:
-    """How far the flanks of a view are from an angle; one that lacks a flank is no example."""
+    """Distance of a view's flanks from an angle; infinite when a flank is missing."""
     if view.left is None or view.right is None:
         return np.inf
     return abs(view.left.angle - angle) + abs(view.right.angle - angle)

@@ -1,4 +1,4 @@
-"""A random column of particles that do not touch: what is rained into the cylinder.
+"""Random column of particles that do not touch, to rain into the cylinder.
 
 Positions come from random sequential addition, so both solvers start from the same particles and
 the seed is all that differs between two fillings.
@@ -37,7 +37,7 @@ class Column:
     positions : ndarray of shape (n, 3)
         Centres, m; the cylinder's axis is z, its ground is at z = 0.
     size_indices : ndarray of shape (n,)
-        Which of the diameters of the particle size distribution each particle has.
+        Index of each particle's diameter in the particle size distribution.
     height : float
         Height of the column, m.
     """
@@ -70,7 +70,7 @@ def mean_particle_volume(sizes: ParticleSizes) -> float:
 
 
 def column_height(sizes: ParticleSizes, count: int, radius: float) -> float:
-    """Return the height that a random column of so many particles begins with, m."""
+    """Return the first height to try for a random column of this many particles, m."""
     room = radius - max(sizes.diameters) / 2
     area = math.pi * (radius**2 + room**2) / 2
     height = count * mean_particle_volume(sizes) / (_SOLID_FRACTION * area)
@@ -147,7 +147,7 @@ def _without_contacts(places: NDArray[np.float64], distance: float) -> NDArray[n
     pairs = cKDTree(places).query_pairs(distance, output_type="ndarray")
     pairs = pairs[np.lexsort((pairs[:, 1], pairs[:, 0]))]
     kept = np.ones(len(places), dtype=bool)
-    # Pairs come in order of their first member, so its fate is settled when its turn comes.
+    # Pairs come in order of their first member, so it is decided already whether that one is kept.
     for first, second in pairs:
         if kept[first]:
             kept[second] = False

@@ -1,4 +1,4 @@
-"""Stages of a run as its deck reports them in the log, and whether all of them went well."""
+"""Read the stages of a run from its log, and check that all of them ended well."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _REMEDY = "a smaller time_step_fraction or more dissipative contacts may help"
 
 @dataclass(frozen=True)
 class Stage:
-    """How one stage ended.
+    """End of one stage.
 
     Parameters
     ----------
@@ -71,7 +71,7 @@ def require_complete(
     time_limit : float
         Simulated time that a bed had for coming to rest, s.
     container : str
-        Where particles may break out of.
+        Container that particles may break out of.
     """
     stages = read_stages(log)
     for stage in stages:

@@ -1,4 +1,4 @@
-"""EPSD in the words of LAMMPS: ``rolling sds``."""
+"""EPSD in the syntax of LAMMPS: ``rolling sds``."""
 
 from __future__ import annotations
 
@@ -29,5 +29,5 @@ class EpsdLammps(LammpsWords):
         return {"rolling": f"rolling sds {spring.stiffness} {spring.damping} {friction}"}
 
     def notes(self, gravity: float) -> str:
-        """Return the meaning of the coefficients, and for which load they hold."""
+        """Return the meaning of the coefficients, and the load for which they are valid."""
         return _NOTES.format(load=TYPICAL_LOAD, gravity=gravity)

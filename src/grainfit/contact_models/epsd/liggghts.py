@@ -1,4 +1,4 @@
-"""EPSD in the words of LIGGGHTS: ``rolling_friction epsd``."""
+"""EPSD in the syntax of LIGGGHTS: ``rolling_friction epsd``."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
 """EPSD rolling friction in closed form, as a spring and a dashpot of constant coefficients.
 
-The reference is what LIGGGHTS computes (``rolling_friction epsd``) from rolling friction, rolling
-damping and the stiffness of the Hertz contact.
+The reference is LIGGGHTS (``rolling_friction epsd``), which computes it from rolling friction,
+rolling damping and the stiffness of the Hertz contact.
 
 References
 ----------
@@ -49,10 +49,10 @@ def rolling_spring(
     rolling_friction: float,
     rolling_damping: float,
 ) -> RollingSpring:
-    """Return the spring and dashpot that stand for EPSD at a normal force.
+    """Return the spring and dashpot that are equivalent to EPSD at a normal force.
 
     EPSD: spring ``k_r = 2.25 k_n (mu_r R*)^2`` (N m), dashpot ``2 eta_r sqrt(I_r k_r)`` (N m s).
-    The force acts on the rolling displacement R* theta and its torque has the lever R*, hence both
+    The force acts on the rolling displacement R* theta and its torque has the lever R*, so both
     are divided by R*^2. EPSD's k_n = F_n / overlap grows with the load while the coefficient here
     is a constant.
 

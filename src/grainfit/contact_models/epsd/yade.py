@@ -1,4 +1,4 @@
-"""EPSD in the words of YADE: ``eta`` and ``krot`` of the ``Ip2`` functor, without dashpot."""
+"""EPSD in the syntax of YADE: ``eta`` and ``krot`` of the ``Ip2`` functor, without dashpot."""
 
 from __future__ import annotations
 
@@ -38,11 +38,11 @@ class EpsdYade(YadeWords):
         )
 
     def law(self, contact: Contact) -> Sequence[YadeArgument]:
-        """Return whether there is a moment at all."""
+        """Return whether there is a moment."""
         return (YadeArgument("includeMoment", f"{_moment_stiffness(contact) > 0}"),)
 
     def notes(self, contact: Contact) -> str:
-        """Return how YADE's rolling friction differs."""
+        """Return the differences of YADE's rolling friction, in lines of text."""
         on_wall = contact.material.get("particle_wall.rolling_friction")
         return _NOTES.format(
             diameter=2 * contact.radius,

@@ -1,4 +1,4 @@
-"""Hertz-Mindlin in the words of LAMMPS: ``hertz/material`` and ``mindlin``."""
+"""Hertz-Mindlin in the syntax of LAMMPS: ``hertz/material`` and ``mindlin``."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ class HertzMindlinLammps(LammpsWords):
         """Return normal and tangential force of a contact."""
         moduli = particle_moduli(contact.material, contact.body)
         poissons_ratio = contact.material["particle.poissons_ratio"]
-        # LAMMPS works out E* of two particles of this material, against a wall too.
+        # LAMMPS computes E* of two particles of this material, also for a wall.
         modulus = 2 * (1 - poissons_ratio**2) * moduli.young
         return {
             "normal": f"hertz/material {modulus} {contact.value('restitution')} {poissons_ratio} "

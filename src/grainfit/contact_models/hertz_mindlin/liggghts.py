@@ -1,4 +1,4 @@
-"""Hertz-Mindlin in the words of LIGGGHTS: ``hertz`` with ``tangential history``."""
+"""Hertz-Mindlin in the syntax of LIGGGHTS: ``hertz`` with ``tangential history``."""
 
 from __future__ import annotations
 

@@ -13,7 +13,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-#: Time of contact of an elastic impact over largest overlap by speed:
+#: Contact time of an elastic impact, divided by largest overlap over speed:
 #: 4/5 sqrt(pi) Gamma(2/5) / Gamma(9/10).
 _IMPACT_TIME = 4 / 5 * math.sqrt(math.pi) * math.gamma(2 / 5) / math.gamma(9 / 10)
 

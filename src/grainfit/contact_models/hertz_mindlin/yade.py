@@ -1,4 +1,4 @@
-"""Hertz-Mindlin in the words of YADE: restitution and friction angle of the ``Ip2`` functor."""
+"""Hertz-Mindlin in the syntax of YADE: restitution and friction angle of the ``Ip2`` functor."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ class HertzMindlinYade(YadeWords):
         )
 
     def notes(self, contact: Contact) -> str:  # noqa: ARG002 (for all contacts)
-        """Return how far the parameters mean the same in YADE."""
+        """Return the meaning of the parameters in YADE, in lines of text."""
         return (
             "Young's modulus, Poisson's ratio, density, sliding friction and restitution mean the "
             "same in YADE."

@@ -1,11 +1,11 @@
 // The page itself: figures when they come into view, light and dark, printing, explanations.
 //
 // For the scripts of sections:
-//   grainfitData(key)               what the section of that key gave as its data, or null
+//   grainfitData(key)               data of the section of that key, or null
 //   grainfitFigure(key)             a figure as the section gave it: {data, layout}, or null
 //   grainfitDraw(element, figure)   draw {data, layout} there in the page's theme, again if need be
 //   grainfitTheme()                 colours of now by the names of the CSS variables
-//   grainfitPlotly()                Plotly, which is not there before somebody needs it
+//   grainfitPlotly()                Plotly, loaded when it is first needed
 //   event "grainfit:drawn"          on an element whose figure was drawn for the first time (bubbles)
 //   event "grainfit:theme"          on the document, when the colours have changed
 (() => {
@@ -14,7 +14,7 @@
   const root = document.documentElement;
   const dark = matchMedia("(prefers-color-scheme: dark)");
   const touch = matchMedia("(pointer: coarse)");
-  // After Okabe & Ito: told apart in any kind of colour blindness, on light and on dark paper.
+  // After Okabe & Ito: distinct in any kind of colour blindness, on light and on dark paper.
   const COLOURS = [
     "#1f83c4", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#999999", "#f0e442",
   ];
@@ -53,7 +53,7 @@
 
   // --- Figures ---------------------------------------------------------------------------------
 
-  // What the page decides, by Plotly's paths; a section's own layout is below it, but for colours.
+  // Settings of the page, by Plotly's paths; they override those of a section's layout.
   const themed = (layout) => {
     const theme = window.grainfitTheme();
     const paths = {
@@ -129,7 +129,7 @@
     displaylogo: false,
     // Fingers have gestures, and where nothing hovers the buttons would cover the figure.
     displayModeBar: touch.matches ? false : "hover",
-    // Above all that which sends the figure to Plotly's cloud: the report stays where it is.
+    // Above all the button that sends the figure to Plotly's cloud: the report stays local.
     modeBarButtonsToRemove: [
       "sendChartToCloud", "select2d", "lasso2d", "autoScale2d", "zoomIn2d", "zoomOut2d",
     ],

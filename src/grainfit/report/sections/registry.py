@@ -1,4 +1,4 @@
-"""The sections of the report, in the order in which a person asks."""
+"""The sections of the report, in the order of the page."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from grainfit.report.sections.tradeoff.section import tradeoff
 from grainfit.report.sections.undetermined.section import undetermined
 from grainfit.report.sections.verification.section import verification
 
-#: Each returns its section, or None when it has nothing to say.
+#: Each returns its section, or None when it has no content.
 SECTIONS: Sequence[Callable[[ReportContext], Section | None]] = (
     answer,
     particles,

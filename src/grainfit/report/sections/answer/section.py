@@ -1,4 +1,4 @@
-"""The answer in one box: calibrated or not, the numbers, how sure, what it took."""
+"""Answer in one box: verdict, values, uncertainty and cost."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from grainfit.result import ResponseResult, Result, RunCounts
 
 @dataclass(frozen=True)
 class Verdict:
-    """What came of it: how good that is, one line, and what there is to add."""
+    """Outcome of a calibration: a grade, one line, and details."""
 
     grade: Literal["good", "warn", "bad"]
     line: str
@@ -25,7 +25,7 @@ class Verdict:
 
     @property
     def mark(self) -> str:
-        """A sign that tells the grade without colour."""
+        """A sign that shows the grade without colour."""
         return {"good": "✓", "warn": "!", "bad": "✗"}[self.grade]
 
 
@@ -77,7 +77,7 @@ def answer(context: ReportContext) -> Section:
 
 
 def verdict(context: ReportContext) -> Verdict:
-    """Say in words what came of the calibration, or how far it is."""
+    """Return the outcome of the calibration in words, or its progress."""
     reading = context.reading
     ended = f"Simulated so far: {counted(len(reading.evaluations), 'parameter set')}"
     match reading.state:
@@ -92,11 +92,11 @@ def verdict(context: ReportContext) -> Verdict:
             return Verdict("bad", "Stopped by an error.", tuple(details))
         case "interrupted":
             so_far = "The numbers are the best so far." if context.answer else "No answer yet."
-            words = f"{ended}. Start the same command again to go on."
+            words = f"{ended}. Start the same command again to continue."
             return Verdict("warn", f"Interrupted. {so_far}", (words,))
     if not context.answer:
         words = plain(reading.result_fault) or (
-            "Its result.json is missing. Start the same command again: it is written anew."
+            "Its result.json is missing. Start the same command again: it is written again."
         )
         ended = f"It has ended ({plain(reading.state)}), but there is no answer to be read."
         return Verdict("warn", ended, (words,))
@@ -168,7 +168,7 @@ def _shown(value: float | None, half_width: float | None) -> str:
 
 
 def _position(parameter: Parameter, value: float) -> float:
-    """Where a value is in its interval, percent."""
+    """Position of a value in its interval, percent."""
     return round(100 * min(max(parameter.to_unit(value), 0.0), 1.0), 2)
 
 
@@ -201,7 +201,7 @@ def _response_row(context: ReportContext, target: Target) -> ResponseRow:
 
 
 def _percent(value: float) -> str:
-    # Adding zero: there is no minus zero for people.
+    # Adding zero removes the sign of a minus zero.
     return f"{round(value, 2) + 0.0:+.2f} %".replace("-", "−")
 
 

@@ -1,4 +1,4 @@
-"""Convergence: how the runs came to the measurements, one after another."""
+"""Convergence: deviation from the measurements, run by run."""
 
 from __future__ import annotations
 

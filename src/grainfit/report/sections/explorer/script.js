@@ -1,5 +1,5 @@
-// Sliders: what the metamodels expect of any parameter set, at once.
-// Its body runs when all other scripts are there, whatever their order.
+// Sliders: predictions of the metamodels at any parameter set, at once.
+// Its body runs when all other scripts are there, in any order.
 document.addEventListener("DOMContentLoaded", () => {
   "use strict";
 

@@ -1,4 +1,4 @@
-"""The explorer: what the metamodels expect of any parameter set, computed in the page."""
+"""Explorer: predictions of the metamodels at any parameter set, computed in the page."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _KEY, _TITLE = "explorer", "What would another parameter set give?"
 
 
 def explorer(context: ReportContext) -> Section:
-    """Sliders for the free parameters, and what the metamodels expect of them."""
+    """Sliders for the free parameters, and the responses that the metamodels predict."""
     metamodels = context.analysis.metamodels
     if metamodels is None:
         return waiting(context, _KEY, _TITLE)
@@ -49,7 +49,7 @@ def held_values(context: ReportContext) -> Mapping[str, float]:
 
 
 def held_at(context: ReportContext) -> str:
-    """What `held_values` are, in words."""
+    """Description of `held_values` in words."""
     return "the answer" if context.answer else "the middle of the intervals"
 
 
@@ -98,6 +98,6 @@ def _response(context: ReportContext, metamodels: Metamodels, index: int) -> Map
         "tolerance": target.tolerance,
         # Half of the gauge: all runs are on it.
         "reach": max(abs(run.responses[target.name].value - target.value) for run in runs),
-        # The page factorises itself: the factors of 150 runs would be some megabytes.
+        # The page computes the factors: the factors of 150 runs would be some megabytes.
         "model": model.to_plain(factors=False),
     }

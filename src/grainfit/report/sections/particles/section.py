@@ -31,13 +31,13 @@ from grainfit.report.sections.particles.shown_runs import (
 #: Runs in the strip, and parameters that are named below each.
 _STRIP = 6
 _NAMED = 3
-#: Positions are whole numbers of that many to the largest one.
+#: Positions are whole numbers up to this one.
 _STEPS = 32_000
 
 
 @dataclass(frozen=True)
 class StripRun:
-    """A run of the strip: how it looks, and the values of some parameters."""
+    """A run of the strip: its silhouette, and the values of some parameters."""
 
     number: int
     value: str
@@ -48,7 +48,7 @@ class StripRun:
 
 @dataclass(frozen=True)
 class SeenTest:
-    """All that is seen of one bulk test."""
+    """View of one bulk test on the page."""
 
     key: str
     title: str
@@ -137,19 +137,19 @@ def _with_particles(
 
 
 def _response(runs: list[ShownRun]) -> str:
-    """The response that is seen, in words."""
+    """The response shown, in words."""
     return plain(runs[0].shown.response.replace("_", " ")) if runs else ""
 
 
 def _with_unit(runs: list[ShownRun], value: float, digits: int) -> str:
-    """The value of the response that is seen, with its unit."""
+    """The value of the response shown, with its unit."""
     test = class_of_test(runs[0].record.definition) if runs else None
     unit = "" if test is None else test.responses[runs[0].shown.response].unit
     return with_unit(number(value, digits), unit_for_people(unit))
 
 
 def _target(context: ReportContext, runs: list[ShownRun]) -> Target | None:
-    """The target of the response that is seen."""
+    """The target of the response shown."""
     names = {run.response for run in runs}
     return next((target for target in context.targets if target.name in names), None)
 
@@ -157,7 +157,7 @@ def _target(context: ReportContext, runs: list[ShownRun]) -> Target | None:
 def _candidates(
     context: ReportContext, runs: list[ShownRun], target: Target | None
 ) -> tuple[list[ShownRun], str]:
-    """Runs to show, the most telling first, and what they are."""
+    """Runs to show, the best first, and a description of them."""
     answer = context.answer
     response = _response(runs)
     verified = [
@@ -206,7 +206,7 @@ def _named_value(context: ReportContext, run: ShownRun, name: str) -> tuple[Labe
 
 
 def _named(context: ReportContext, target: Target | None) -> list[str]:
-    """The parameters that decide most about the response that is seen."""
+    """The parameters with the largest effect on the response shown."""
     names = [parameter.name for parameter in context.parameters]
     sensitivity = context.analysis.sensitivity
     if target is None or sensitivity is None or target.name not in sensitivity.responses:
@@ -217,7 +217,7 @@ def _named(context: ReportContext, target: Target | None) -> list[str]:
 
 
 def _scene(view: RunView) -> dict[str, Any]:
-    """What the page draws in three dimensions: positions and radii as small whole numbers."""
+    """Data of the drawing in three dimensions: positions and radii as small whole numbers."""
     shown: Particles = visible(view.particles)
     table = np.column_stack([shown.positions, shown.radii])
     step = float(np.abs(table).max()) / _STEPS

@@ -1,4 +1,4 @@
-"""Runs whose particles a report shows, as far as they are still there and whole."""
+"""Runs whose particles a report shows, if their files still exist and are intact."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ from grainfit.errors import InputError, NotMeasurableError
 from grainfit.evaluation import Evaluation, response_name
 from grainfit.measurement.particles import Particles
 
-#: More than that many particles are not all shown: those deep inside are left out.
+#: Above this number of particles, those deep inside are not shown.
 _MOST_PARTICLES = 20_000
-#: How deep below the surface a particle is seen, in diameters.
+#: Depth below the surface to which particles are shown, in diameters.
 _SEEN_DEPTH = 3.0
-#: A picture larger than that is none of ours.
+#: A larger picture is not one of grainfit.
 _LARGEST_PICTURE = 2_000_000
 _PNG = b"\x89PNG\r\n"
 
@@ -35,15 +35,15 @@ class ShownRun:
     number : int
         Of its parameter set, as in the table of runs.
     evaluation : Evaluation
-        What it was asked for.
+        The evaluation that asked for it.
     record : RunRecord
         The run.
     shown : Shown
-        What its test leaves for a report.
+        Files and response that its test shows.
     response, value : str, float
-        The response that is seen: as it is called among the responses, and its value.
+        The response shown: its name and its value.
     folder : Path
-        Where its files are, if they are.
+        Folder of its files, if there is one.
     """
 
     number: int
@@ -56,7 +56,7 @@ class ShownRun:
 
     @property
     def has_particles(self) -> bool:
-        """Whether the particles were kept."""
+        """True if the particles were kept."""
         return (self.folder / self.shown.particles).is_file()
 
 
@@ -99,7 +99,7 @@ def _shown(record: RunRecord) -> Shown | None:
 
 
 def read_view(run: ShownRun) -> RunView | None:
-    """Read the end of a run; None when it is not there any more, or damaged."""
+    """Read the end of a run; None when it is missing or damaged."""
     try:
         test = recreate_test(run.record.definition)
         return None if test is None else test.view(run.folder)
@@ -135,7 +135,7 @@ def spread(runs: Iterable[ShownRun], count: int) -> list[tuple[ShownRun, RunView
 
 
 def picture(run: ShownRun) -> str | None:
-    """Return the picture that was kept of a run, as the address of an image in a page."""
+    """Return the kept picture of a run, as the address of an image in a page."""
     path = run.folder / run.shown.picture
     try:
         if path.stat().st_size > _LARGEST_PICTURE:

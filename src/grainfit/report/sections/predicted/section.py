@@ -1,4 +1,4 @@
-"""Predicted against simulated: how far the metamodels can be trusted, by leaving runs out."""
+"""Predicted against simulated: leave-one-out check of the metamodels."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ _JUDGEMENTS = (
 
 
 def predicted(context: ReportContext) -> Section:
-    """Each run against what the metamodel of all other runs expects of it."""
+    """Each run against the prediction of the metamodel of all other runs."""
     if context.analysis.metamodels is None:
         return waiting(context, _KEY, _TITLE)
     checks = leave_one_out_checks(context.reading, context.analysis)
@@ -37,7 +37,7 @@ def predicted(context: ReportContext) -> Section:
 
 
 def _notes(context: ReportContext) -> list[str]:
-    """What the reader should know of all that follows from the runs."""
+    """Warnings about the metamodels, which concern all sections that use them."""
     posterior = context.analysis.posterior
     elsewhere = {posterior.convergence} if posterior else set()
     return [plain(note) for note in context.analysis.notes if note not in elsewhere]

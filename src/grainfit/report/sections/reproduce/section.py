@@ -1,4 +1,4 @@
-"""How to reproduce it: file, versions, seeds, command."""
+"""Steps to reproduce the calibration: file, versions, seeds, command."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ def _date(seconds: float) -> str:
 
 
 def _solvers(runs: Iterable[RunRecord]) -> list[str]:
-    """Which solver made the runs, in which version, for which test."""
+    """Solver of the runs, its version, and the test."""
     found: dict[str, None] = {}
     for run in runs:
         solver, release = run.definition.model.get("solver"), run.definition.model.get("version")

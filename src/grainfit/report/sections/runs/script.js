@@ -38,7 +38,7 @@
     if (cell.dataset.value !== undefined) {
       return Number(cell.dataset.value);
     }
-    // What has no number comes last, whatever the direction.
+    // Rows without a number come last, in both directions.
     return cell.classList.contains("number") ? null : cell.textContent.trim();
   };
   const compare = (a, b) =>

@@ -44,7 +44,7 @@ class RunRow:
 
 
 def runs(context: ReportContext) -> Section:
-    """Table of all parameter sets, with what came of them."""
+    """Table of all parameter sets, with their outcome."""
     evaluations = context.reading.evaluations
     html = render(
         "runs/page",

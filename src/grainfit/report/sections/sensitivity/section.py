@@ -1,4 +1,4 @@
-"""Sensitivity: which parameter a response depends on, over the intervals."""
+"""Sensitivity: effect of each parameter on each response, over the intervals."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ _KEY, _TITLE = "sensitivity", "Which parameters matter?"
 
 
 def sensitivity(context: ReportContext) -> Section:
-    """Sobol' indices of every response with their intervals, and what they mean in words."""
+    """Sobol' indices of every response with their intervals, and their meaning in words."""
     found = context.analysis.sensitivity
     if found is None:
         return waiting(context, _KEY, _TITLE)

@@ -1,4 +1,4 @@
-"""Response surfaces and slices: how each response depends on the parameters, as far as known."""
+"""Response surfaces and slices: dependence of each response on the parameters."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ def surfaces(context: ReportContext) -> Section:
 def _leading_pair(context: ReportContext, metamodels: Metamodels) -> tuple[int, int]:
     """Return the two parameters that matter most, in the order of the problem.
 
-    By total sensitivity; without it, by how strongly the responses bend along them.
+    By total sensitivity; without it, by the curvature of the responses along them.
     """
     sensitivity = context.analysis.sensitivity
     if sensitivity is not None:
@@ -63,7 +63,7 @@ def _data(context: ReportContext, metamodels: Metamodels) -> Mapping[str, Any]:
 
 
 def _runs(context: ReportContext, metamodels: Metamodels) -> list[Mapping[str, Any]]:
-    """All that gave a response."""
+    """All runs that gave a response."""
     return [
         {
             "name": name,

@@ -92,7 +92,7 @@
     return row;
   };
 
-  // Of a response, with a mark that tells whether it is within tolerance.
+  // Of a response, with a mark that shows whether it is within tolerance.
   const cellOf = (value, response = null) => {
     const cell = document.createElement("td");
     cell.className = "number";

@@ -1,4 +1,4 @@
-"""The trade-off between a small misfit and a large time step; its points can be picked."""
+"""Trade-off between a small misfit and a large time step, with points to pick."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _FIGURE = f"{_KEY}-front"
 
 
 def tradeoff(context: ReportContext) -> Section:
-    """Misfit against Rayleigh time step: what a larger time step would cost."""
+    """Misfit against Rayleigh time step: the cost of a larger time step."""
     metamodels, front = context.analysis.metamodels, context.analysis.pareto
     if metamodels is None:
         return waiting(context, _KEY, _TITLE)
@@ -47,7 +47,7 @@ def tradeoff(context: ReportContext) -> Section:
 
 
 def _first_pick(front: ParetoFront) -> int:
-    """Return the largest time step that probably agrees, or the point that likeliest does."""
+    """Return the point of largest time step that probably agrees, or the most probable one."""
     likely = [index for index, share in enumerate(front.probability_all_met) if share >= 0.5]
     return likely[-1] if likely else int(front.probability_all_met.argmax())
 

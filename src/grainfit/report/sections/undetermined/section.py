@@ -1,4 +1,4 @@
-"""What the tests leave open: verdicts in words first, then what they rest on."""
+"""Parameters that the tests do not determine: verdicts in words, then the evidence."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Verification: what the answer gives with fresh seeds that nothing was fitted to."""
+"""Verification: responses of the answer with fresh seeds that nothing was fitted to."""
 
 from __future__ import annotations
 
