@@ -1,4 +1,4 @@
-"""What a run costs besides its simulation: 1,000 runs of a function that takes no time.
+"""Overhead of a run besides its simulation, with 1,000 runs of a function that takes no time.
 
 Usage: python benchmarks/bookkeeping.py [--runs N] [--workers N] [--json PATH]
 """

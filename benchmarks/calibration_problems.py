@@ -1,4 +1,4 @@
-"""Calibration problems that cost no simulation, with the truth known: for comparing strategies.
+"""Calibration problems with a known solution and no simulation, to compare strategies.
 
 (a) the heap test of `data/dem_study/data.csv`, (b) that of `data4.csv`, each as an emulator of the
 recorded runs plus their noise, and (c) an analytic problem of six parameters and four responses.

@@ -1,6 +1,6 @@
-"""Calibrations of all kinds in work folders, for reports to be made of.
+"""Calibrations of all kinds in work folders, to test reports with.
 
-All are made by `grainfit.calibrate` or by the conversation behind it, with a Python function that
+All come from `grainfit.calibrate` or from its `CalibrationLoop`, with a Python function that
 scatters as real runs do; the same seeds make the same runs.
 """
 

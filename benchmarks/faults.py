@@ -1,11 +1,10 @@
-"""Faults that are inflicted on calibrations, and what they cost: runs lost, runs made again.
+"""Inject faults into calibrations and count lost and repeated runs.
 
 Each row is one kind of fault, at random moments, with real processes and a real program that counts
 its own starts (see `grainfit.testing.crash_harness`). After each fault the calibration is started
-again; at its end, status, parameters, responses and history are compared with those of a
-calibration that nobody disturbed. With several workers the order in which runs come back decides
-what is asked next, and where the record of what was asked is destroyed there is none to follow:
-then only the status is compared.
+again; at its end, status, parameters, responses and history are compared with those of an
+undisturbed calibration. With several workers, where the order in which runs finish decides the next
+proposals, and where the record of the proposals is destroyed, only the status is compared.
 
 A full disk is a file system of 32 MB, which only root may mount; without that the row is left out.
 Exits with code 1 when anything was lost, made again, or other than it should be.
@@ -40,7 +39,7 @@ from grainfit.testing.crash_harness import (
     truncate_newest,
 )
 
-#: Takes the folder to work in, and is told of every fault.
+#: Called with the work folder; reports every fault.
 Infliction = Callable[[Path, Progress], Tally]
 
 

@@ -1,4 +1,4 @@
-"""Other methods of calibration, with which `strategies.py` compares those of grainfit.
+"""Other calibration methods, with which `strategies.py` compares those of grainfit.
 
 Each is a function of a case, a budget and a seed. It makes `budget` noisy runs, each with an
 insertion seed of its own, and returns what it would answer after 1, 2, ... runs. All of them get
@@ -221,7 +221,7 @@ def cma_es(case: Case, budget: int, seed: int) -> list[Parameters]:
 
 
 class _GrainLearning:
-    """A process with GrainLearning, and the conversation with it."""
+    """A process with GrainLearning, and the exchange of messages with it."""
 
     def __init__(self, interpreter: str) -> None:
         script = str(Path(__file__).with_name("peer_grainlearning.py"))

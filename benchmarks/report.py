@@ -1,4 +1,4 @@
-"""The report of a large calibration: how long it takes to write and to open, and its size.
+"""Time to write and to open the report of a large calibration, and its size.
 
 Five parameters, two responses and so many runs of a smooth model with scatter, analysed and written
 as `grainfit report` does it. It is opened in Chromium, which has to be installed, without a network

@@ -1,4 +1,4 @@
-"""How many runs a second material takes that finds those of the first one.
+"""Runs that a second material needs with a warm start from the calibration of a first one.
 
 Two materials on the same test: the targets of the second are other responses within the sampled
 range. It is calibrated from nothing, and with the runs of the first one's calibration at hand. The

@@ -1,4 +1,4 @@
-"""A work folder with many finished runs: how long status, going on and learning from them take.
+"""Time of status, restart and warm start with a work folder of many finished runs.
 
 The runs are those of the heap test, with definitions as LAMMPS has them and a folder each.
 

@@ -1,4 +1,4 @@
-"""Stated standard errors: do they help where they are right, and harm where they are wrong?
+"""Effect of right and wrong stated standard errors on the sequential strategy.
 
 The sequential strategy calibrates problems of `calibration_problems.py`, whose truth is known. The
 runs scatter equally, or by 1 to 5 from run to run (long and short averages, the mean variance the

@@ -88,7 +88,7 @@ def calibrate(name: str, method: str, seed: int) -> Record:
 
 
 def _sequential(case: Case, checkpoints: Sequence[int], seed: int) -> Record:
-    """All the budget is used, whatever is decided; where it stops by itself is looked at apart."""
+    """Use the whole budget; where the search would stop by itself is evaluated separately."""
     never_sure_enough = Sequential(confidence=1.0)
     search = never_sure_enough.start(case.problem, seed, checkpoints[-1])
     answers = list(_answers(case, search))

@@ -1,4 +1,4 @@
-"""How long something took, over all starts of it, even of those that were killed."""
+"""Wall time of a task over all its starts, also of those that were killed."""
 
 from __future__ import annotations
 

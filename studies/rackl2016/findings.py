@@ -1,4 +1,4 @@
-"""What the records of the study amount to: rows of its tables, and whether its goals are met."""
+"""Findings of the study: the rows of its tables, and whether its goals are met."""
 
 from __future__ import annotations
 

@@ -3,8 +3,8 @@
 The script in ``octave/`` was written from the paper's description. It asks for DEM runs, and they
 are made here with the same decks and the same evaluation: those of the design and of one set of
 finite differences in parallel, all others one after the other, as ``nonlin_residmin`` asks for
-them. Octave is started anew after an interruption and, as it asks for the same runs again, finds
-them made.
+them. Octave is started again after an interruption; as it asks for the same runs, they come from
+the store.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ TOLERANCE_OF_MISFIT, MOST_ITERATIONS, DIFFERENCE = 0.002, 4, 0.001
 
 
 def settings_of(problem: Problem, seed: int, weight: float, design_runs: int) -> dict[str, Any]:
-    """What the script is told."""
+    """Settings for the script."""
     return {
         "lower": [p.minimum for p in problem.parameters],
         "upper": [p.maximum for p in problem.parameters],

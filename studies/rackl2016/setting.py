@@ -1,4 +1,4 @@
-"""What is studied: the paper's material, targets, intervals and seeds, and what it published."""
+"""Setting of the study: material, targets, intervals, seeds, and the published results."""
 
 from __future__ import annotations
 

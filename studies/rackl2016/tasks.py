@@ -1,4 +1,4 @@
-"""Steps of the study as tasks whose records are kept, so that a study goes on where it was."""
+"""Steps of the study as tasks with saved records, so that an interrupted study continues."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from grainfit.run_definition import identity_of
 from grainfit.solvers.base import Solver
 from studies.rackl2016.clock import Clock, Cost
 
-#: Plain data: what came of a task.
+#: Result of a task as plain data.
 Record = dict[str, Any]
 #: Told what is going on within a task: done, of about how many, in words.
 Report = Callable[[int, int, str], None]
@@ -36,7 +36,7 @@ class Context:
     records : mapping of str to dict
         Records of the tasks that it needs.
     clock : Clock
-        Is told where the search ends.
+        Records where the search ends.
     report : callable
         For progress.
     """
@@ -60,9 +60,9 @@ class Task:
     step : str
         The step that it belongs to.
     definition : mapping
-        All that decides what comes of it, but for the heap test and the records that it needs.
+        Everything that decides its result, except the heap test and the records that it needs.
     make : callable
-        Makes the record. Killed and called again, it must go on where it was.
+        Makes the record. Killed and called again, it must continue.
     runs : int
         DEM runs that it usually takes, several at a time.
     serial_runs : int
@@ -114,7 +114,7 @@ class Results:
         return Cost() if kept is None else Cost(**kept["cost"])
 
     def save(self, task: Task, record: Record, cost: Cost) -> None:
-        """Keep what came of a task."""
+        """Save the result of a task."""
         kept = {"made_from": self._made_from(task), "cost": asdict(cost), "record": record}
         path = self._path(task.name)
         path.parent.mkdir(parents=True, exist_ok=True)
@@ -129,7 +129,7 @@ class Results:
         return {name: kept["record"] for name, kept in found.items() if kept is not None}
 
     def work_folder(self, task: Task) -> Path:
-        """Folder of a task as it is defined now: runs of another definition are not learnt from."""
+        """Folder of a task with its current definition; runs of another one are not reused."""
         return self.folder / task.step / task.name / identity_of(self._made_from(task))[:8]
 
     def _made_from(self, task: Task) -> dict[str, Any]:

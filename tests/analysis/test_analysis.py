@@ -1,4 +1,4 @@
-"""The whole analysis from runs: what a user is told, and when there is not enough to tell."""
+"""The whole analysis from runs: its messages, and too few runs for an analysis."""
 
 import warnings
 from collections.abc import Callable

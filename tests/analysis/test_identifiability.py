@@ -1,4 +1,4 @@
-"""What samples of known shape are said to determine."""
+"""Verdicts on parameters for samples of known shape."""
 
 import math
 

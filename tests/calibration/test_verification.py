@@ -1,4 +1,4 @@
-"""What verification runs settle, and when all other runs have a say."""
+"""Verdicts of the verification runs, and when all other runs count as well."""
 
 import grainfit as gf
 from grainfit.calibration.verification import contradictions, mean_with_interval

@@ -1,4 +1,4 @@
-"""Whatever is in the file, reading it succeeds or ends in an InputError."""
+"""Any content of a file is either read or refused with an InputError."""
 
 from __future__ import annotations
 

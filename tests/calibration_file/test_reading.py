@@ -1,4 +1,4 @@
-"""What a good file says is what the program gets, in SI units."""
+"""A valid file is read completely, in SI units."""
 
 from __future__ import annotations
 

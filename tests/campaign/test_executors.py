@@ -1,4 +1,4 @@
-"""Runs are made by whatever executor the user has."""
+"""Runs work with any executor of the user."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a material card says, in every format, and what it refuses to say."""
+"""Contents of a material card in every format, and cards that are refused."""
 
 from __future__ import annotations
 

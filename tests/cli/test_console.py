@@ -1,4 +1,4 @@
-"""What is printed about a result."""
+"""Printed results."""
 
 import io
 from dataclasses import replace

@@ -1,4 +1,4 @@
-"""The report as a file: whole, on its own, and written whatever state the calibration is in."""
+"""The report is one complete file and is written in every state of a calibration."""
 
 from __future__ import annotations
 

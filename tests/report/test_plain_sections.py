@@ -1,4 +1,4 @@
-"""What the plain sections say: answer, heap, convergence, verification, runs, reproduction."""
+"""Contents of the plain sections: answer, heap, convergence, verification, runs, reproduction."""
 
 from __future__ import annotations
 

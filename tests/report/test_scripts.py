@@ -1,4 +1,4 @@
-"""What the page calculates itself: the same numbers as Python's."""
+"""The page's own calculations give the same numbers as Python."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Sections that rest on the metamodels: whole, in words, and small, whatever was calibrated."""
+"""Sections that use the metamodels: complete, with text, and small, for every calibration."""
 
 from __future__ import annotations
 

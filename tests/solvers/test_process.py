@@ -1,4 +1,4 @@
-"""Solver processes: their end, however it comes, leaves nothing behind."""
+"""Solver processes leave nothing running, in whichever way they end."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Where runs can be expected to succeed."""
+"""Probability that a run succeeds, near failed and finished runs."""
 
 import numpy as np
 import pytest

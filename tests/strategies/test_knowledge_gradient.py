@@ -1,4 +1,4 @@
-"""What one more run is worth: never less than nothing, and what simulating it many times shows."""
+"""The knowledge gradient is never negative and agrees with repeated simulation of a run."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""What the sequential strategy saves where runs of others are there."""
+"""A warm start saves runs of the sequential strategy."""
 
 from __future__ import annotations
 

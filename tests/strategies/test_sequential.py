@@ -1,4 +1,4 @@
-"""What a user relies on of the sequential search: few runs, and an answer that can be trusted."""
+"""The sequential search needs few runs and its answer is reliable."""
 
 import re
 from collections.abc import Mapping

@@ -1,4 +1,4 @@
-"""Measuring again what a run left behind: what cannot be measured is said in words."""
+"""Measuring a finished run again; what cannot be measured has a message."""
 
 from __future__ import annotations
 

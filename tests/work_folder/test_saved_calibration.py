@@ -1,4 +1,4 @@
-"""What a work folder tells of its calibration, without the file that it was started from."""
+"""A work folder describes its calibration completely, without the calibration file."""
 
 from __future__ import annotations
 
