@@ -585,7 +585,7 @@ class Kriging:
         dict
             ``offset``, ``scale``, ``inflation`` (numbers); ``points`` (n lists of d numbers),
             ``values`` and ``known_noise`` of the runs (n), in units of the scale;
-            ``noise_ratios`` of the runs (n), or None where all are 1; and ``components``, one
+            ``noise_ratios`` of the runs (n), unless all are 1; and ``components``, one
             dictionary for each set of hyperparameters: ``weight``, ``signal_variance``,
             ``noise_variance`` (numbers); ``ranges`` (d); ``trend_columns`` (q - 1 indices of
             parameters, from 0). With factors also ``coefficients`` (n); ``trend_coefficients``
@@ -623,7 +623,7 @@ class Kriging:
             "points": self._components[0].points.tolist(),
             "values": self._components[0].values.tolist(),
             "known_noise": self._components[0].known_noise.tolist(),
-            "noise_ratios": None if ratios is None else ratios.tolist(),
+            **({} if ratios is None else {"noise_ratios": ratios.tolist()}),
             "components": [component.to_plain(factors) for component in self._components],
         }
 
