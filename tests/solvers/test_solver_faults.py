@@ -305,7 +305,8 @@ thermo          10
 run             1000000000
 """
     solver = Command(
-        model(tmp_path, in__deck=deck), [Lammps(None, {})._program(), "-in", "in.deck"]
+        model(tmp_path, in__deck=deck),
+        [Lammps(Heap(diameter="10 mm"), {})._program(), "-in", "in.deck"],
     )
     error = failure(solver, tmp_path / "run", timeout=30)
 
