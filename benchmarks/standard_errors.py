@@ -41,7 +41,7 @@ from calibration_problems import CASES, Case
 from grainfit.evaluation import Evaluation, Proposal, Response
 from grainfit.metamodels.kriging import Kriging
 from grainfit.strategies.answer import Answer
-from grainfit.strategies.sequential.options import SequentialOptions
+from grainfit.strategies.base import Search
 from grainfit.strategies.sequential.strategy import Sequential
 
 Array = NDArray[np.float64]
@@ -122,15 +122,14 @@ def calibrate(name: str, statement: str, treatment: str, seed: int) -> Record:
     """Calibrate once with a budget and once to the strategy's own end."""
     case, checkpoints = CASES[name](seed), CHECKPOINTS[name]
     with treated(treatment):
-        never_sure = SequentialOptions(confidence=1.0)
-        strategy = Sequential(case.problem, seed, checkpoints[-1], never_sure)
+        search = Sequential(confidence=1.0).start(case.problem, seed, checkpoints[-1])
         off = []
-        for runs in _run(case, strategy, statement, treatment):
+        for runs in _run(case, search, statement, treatment):
             if runs in checkpoints:
-                off.append(case.tolerances_off(strategy.answer().parameters))
-        strategy = Sequential(case.problem, seed)
-        runs = list(_run(case, strategy, statement, treatment))[-1]
-        answer = strategy.answer()
+                off.append(case.tolerances_off(search.answer().parameters))
+        search = Sequential().start(case.problem, seed)
+        runs = list(_run(case, search, statement, treatment))[-1]
+        answer = search.answer()
     return {
         "off": off,
         "runs": runs,
@@ -140,11 +139,11 @@ def calibrate(name: str, statement: str, treatment: str, seed: int) -> Record:
     }
 
 
-def _run(case: Case, strategy: Sequential, statement: str, treatment: str) -> Iterator[int]:
+def _run(case: Case, search: Search, statement: str, treatment: str) -> Iterator[int]:
     """Make the runs of a strategy to its end; yield their number."""
     made = 0
-    while (proposal := strategy.ask()) is not None:
-        strategy.tell(evaluation(case, proposal, statement, treatment))
+    while (proposal := search.ask()) is not None:
+        search.tell(proposal, evaluation(case, proposal, statement, treatment))
         made += 1
         yield made
 
