@@ -387,7 +387,7 @@ def test_the_next_calibration_learns_from_imported_runs(sand: Path) -> None:
     done = grainfit("runs", "import", sand, "theirs.csv", "--workdir", "ours")
     total = len(stored(Path("theirs")))
     assert f"Imported {total} runs of the test python; 0 were there already." in done.stdout
-    assert f"learn from {total} parameter sets" in done.stdout
+    assert f"warm start from {total} parameter sets" in done.stdout
     assert {r.identity for r in stored(Path("ours"))} == {
         r.identity for r in stored(Path("theirs"))
     }, "with its seed, a run is the same run wherever it was made"

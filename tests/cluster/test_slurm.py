@@ -18,7 +18,8 @@ import pytest
 
 import grainfit as gf
 from grainfit.bulk_tests.heap import Heap
-from grainfit.campaign.cluster import parsl_executor as parsl_jobs
+from grainfit.campaign.cluster import parsl_executor
+from grainfit.campaign.cluster import slurm as slurm_jobs
 from grainfit.campaign.cluster.executor import cluster_executor
 from grainfit.campaign.cluster.options import ClusterOptions
 from grainfit.campaign.store.records import RunRecord
@@ -182,7 +183,8 @@ def test_what_happens_to_jobs_costs_the_runs_in_them_alone(
     """
     # All that has to be noticed is noticed three times as fast as usual.
     for name, seconds in (("HEARTBEAT", 2), ("LOST", 6), ("STATUS", 3), ("LOOK", 1)):
-        monkeypatch.setattr(parsl_jobs, f"_{name}_SECONDS", seconds)
+        home = slurm_jobs if name == "STATUS" else parsl_executor
+        monkeypatch.setattr(home, f"_{name}_SECONDS", seconds)
     drum, here = drum_folder(tmp_path / "drum"), drum_folder(tmp_path / "drum here")
     disturbances = (take_its_node_down, let_its_time_run_out, cancel)
     disturbed = []
@@ -236,8 +238,8 @@ def test_runs_of_several_ranks_are_the_same_in_a_job(tmp_path: Path) -> None:
 def test_jobs_that_cannot_start_end_the_calibration_with_the_reason(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(parsl_jobs, "_FAILED_START_SECONDS", 3.0)
-    monkeypatch.setattr(parsl_jobs, "_STATUS_SECONDS", 2)
+    monkeypatch.setattr(slurm_jobs, "_FAILED_START_SECONDS", 3.0)
+    monkeypatch.setattr(slurm_jobs, "_STATUS_SECONDS", 2)
     hopeless = {
         "sbatch: error: invalid partition specified: nope": {"partition": "nope"},
         "PENDING, PartitionTimeLimit": {"partition": "closed"},
