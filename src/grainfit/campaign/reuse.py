@@ -25,7 +25,6 @@ from grainfit.problem import Problem
 from grainfit.run_definition import identity_of
 from grainfit.solvers.base import Solver
 
-_Path = tuple[str | int, ...]
 #: Largest number of runs for a warm start: the effort of metamodels grows with its cube.
 MOST_RUNS = 150
 
