@@ -254,6 +254,7 @@ def test_the_file_knows_every_bulk_test() -> None:
     for name, test in BUILT_IN.items():
         keys = {key.name: key for key in layout_of_test(types_of_test()[name]).keys}
         options = {f.name for f in dataclasses.fields(test) if f.init} - {"sizes"}
+        assert options == {key.name for key in test.option_keys()}
         assert options <= set(keys)
         targets = {key.name: key.kind.unit for key in keys["targets"].kind.keys}
         assert targets == {response: info.unit for response, info in test.responses.items()}
