@@ -16,13 +16,14 @@ from grainfit.tables import TextTable, as_html, as_text
 
 #: Half the width of a 95 % interval in standard errors.
 _NORMAL_QUANTILE = 1.96
-Status = Literal["calibrated", "out_of_tolerance", "unreachable", "interrupted"]
-Verdict = Literal["met", "in doubt", "missed", "not verified"]
+Status = Literal["calibrated", "undecided", "out_of_tolerance", "unreachable", "interrupted"]
+Verdict = Literal["met", "in doubt", "missed"]
 Bound = Literal["min", "max"]
 #: The status in words.
 STATUS_WORDS: Mapping[Status, str] = {
     "calibrated": "calibrated: every target is met within its tolerance",
-    "out_of_tolerance": "finished without meeting every target",
+    "undecided": "undecided: the runs do not tell whether every target is met",
+    "out_of_tolerance": "out of tolerance: no parameter set was found that meets every target",
     "unreachable": "out of reach within the given intervals",
     "interrupted": "interrupted: start it again to continue",
 }
@@ -48,13 +49,21 @@ class ResponseResult:
     predicted, standard_error : float
         Expected response by the metamodel, and its standard error.
     verified_mean, verified_standard_error : float, optional
-        Mean of the verification runs (fresh seeds at the answer) and its standard error.
+        Mean of the verification runs (fresh seeds at, or very near, the answer) and its standard
+        error: an independent check of the expected response.
     verified_interval : float, optional
         Half of the 95 % confidence interval of that mean.
     deviation_percent : float
-        Deviation of the verified mean (before verification: of the prediction) from the target.
-    within_tolerance : bool
-        Whether that deviation is accepted and not in doubt.
+        Deviation of the expected response from the target.
+    verdict : {"met", "in doubt", "missed"}
+        ``met`` when the expected response is within its tolerance with the demanded probability
+        and the fresh seeds do not contradict it; ``missed`` when it is outside with that
+        probability.
+    probability : float, optional
+        Probability, by all runs, that the expected response is within its tolerance. None in
+        results of version 0.1.0.
+    verified_runs : int
+        Number of verification runs.
     """
 
     target: float
@@ -66,28 +75,13 @@ class ResponseResult:
     verified_standard_error: float | None
     verified_interval: float | None
     deviation_percent: float
-    within_tolerance: bool
-
-    @property
-    def is_verified(self) -> bool:
-        """Whether the expected response comes from verification runs."""
-        return self.verified_mean is not None and self.verified_interval is not None
-
-    @property
-    def verdict(self) -> Verdict:
-        """Verdict on the target; in doubt if only the mean of the verification runs meets it."""
-        if not self.is_verified:
-            return "not verified"
-        if self.within_tolerance:
-            return "met"
-        mean, _ = self.expected
-        return "in doubt" if abs(mean - self.target) <= self.tolerance else "missed"
+    verdict: Verdict
+    probability: float | None = None
+    verified_runs: int = 0
 
     @property
     def expected(self) -> tuple[float, float]:
-        """Expected response and half of its 95 % interval; before verification, as predicted."""
-        if self.verified_mean is not None and self.verified_interval is not None:
-            return self.verified_mean, self.verified_interval
+        """Expected response, by all runs, and half of its 95 % interval."""
         return self.predicted, _NORMAL_QUANTILE * self.standard_error
 
 
@@ -135,9 +129,12 @@ class Result:
 
     Parameters
     ----------
-    status : {"calibrated", "out_of_tolerance", "unreachable", "interrupted"}
-        ``calibrated``: the mean of the verification runs meets every target within tolerance. If
-        these runs are not certain enough by themselves, so do the responses expected from all runs.
+    status : {"calibrated", "undecided", "out_of_tolerance", "unreachable", "interrupted"}
+        ``calibrated``: with the demanded probability (0.95 by default), every expected response is
+        within its tolerance by all runs, and fresh seeds at the answer do not contradict it.
+        ``out_of_tolerance``: with that probability, some expected response is not, at the best
+        parameter set found. ``unreachable``: the same for every parameter set within the intervals.
+        ``undecided``: the runs establish neither.
     parameters : mapping of str to float
         The calibrated values, SI. Empty when interrupted before there was an answer.
     responses : mapping of str to ResponseResult
@@ -260,11 +257,10 @@ class Result:
 
 def _response_cells(name: str, response: ResponseResult) -> tuple[str, ...]:
     expected, half_width = response.expected
-    kind = "" if response.is_verified else "predicted "
     return (
         name,
         f"{response.target:.5g} ± {response.tolerance:.3g} {response.unit}".rstrip(),
-        f"{kind}{expected:.5g} ± {half_width:.2g}",
+        f"{expected:.5g} ± {half_width:.2g}",
         f"{response.deviation_percent:+.2f} %",
         response.verdict,
     )
@@ -305,10 +301,16 @@ def _in_current_names(data: dict[str, Any]) -> dict[str, Any]:
         renamed["runs"] = _with_current_keys(counts)
     if isinstance(responses := data.get("responses"), dict):
         renamed["responses"] = {
-            name: _with_current_keys(found) if isinstance(found, dict) else found
+            name: _with_verdict(_with_current_keys(found)) if isinstance(found, dict) else found
             for name, found in responses.items()
         }
     return renamed
+
+
+def _with_verdict(response: dict[str, Any]) -> dict[str, Any]:
+    """Return a response of version 0.1.0 with the verdict that its flag stands for."""
+    within = response.pop("within_tolerance", False)
+    return {"verdict": "met" if within else "in doubt", **response}
 
 
 def _with_current_keys(data: dict[str, Any]) -> dict[str, Any]:

@@ -6,10 +6,11 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from importlib.metadata import version
 
-from grainfit.calibration.verification import Contradiction, Verified, verified_responses
+from grainfit.calibration.verdict import Outcome
+from grainfit.calibration.verification import Verified
 from grainfit.evaluation import Evaluation
 from grainfit.problem import Problem, Target
-from grainfit.result import ResponseResult, Result, RunCounts, RunSummary, Status
+from grainfit.result import ResponseResult, Result, RunCounts, RunSummary, Status, Verdict
 from grainfit.strategies.answer import Answer, bound_at
 from grainfit.strategies.base import Search
 
@@ -25,20 +26,11 @@ class About:
     status: Status
 
 
-@dataclass(frozen=True)
-class Verification:
-    """The evaluations that verify an answer, and the contradictions to them by all runs."""
-
-    runs: Sequence[Evaluation] = ()
-    contradictions: Sequence[Contradiction] = ()
-
-
 def make_result(
     about: About,
     strategy: Search,
-    answer: Answer | None,
+    outcome: Outcome | None,
     evaluations: Sequence[Evaluation],
-    verification: Verification,
     known: int = 0,
 ) -> Result:
     """Build the result of a calibration.
@@ -49,30 +41,27 @@ def make_result(
         Name, identity, duration and status.
     strategy : Search
         The search that has ended.
-    answer : Answer or None
-        The answer; None if the calibration was interrupted before there was one.
+    outcome : Outcome or None
+        The answer and the verdict; None if the calibration was interrupted before there was one.
     evaluations : sequence of Evaluation
         All parameter sets that were simulated.
-    verification : Verification
-        Evaluations that verify the answer, and contradictions to them.
     known : int
         Number of earlier runs used for the warm start.
     """
     problem = strategy.current_problem
     rayleigh = problem.rayleigh
     middle = strategy.problem.from_unit([0.5] * problem.dimension)
+    answer = outcome.answer if outcome else None
     parameters = dict(answer.parameters) if answer else {}
-    notices = [
-        *strategy.notices,
-        *map(str, verification.contradictions),
-        *_failure_notices(verification.runs),
-    ]
-    if answer:
-        notices += _edge_notices(problem, answer)
+    notices = [*strategy.notices]
+    if outcome:
+        notices += [str(contradiction) for contradiction in outcome.contradictions]
+        notices += _failure_notices(outcome.fresh.evaluations)
+        notices += _edge_notices(problem, outcome.answer)
     return Result(
         status=about.status,
         parameters=parameters,
-        responses=_responses(problem, answer, verification) if answer else {},
+        responses=_responses(problem, outcome) if outcome else {},
         runs=_counts(evaluations, known),
         rayleigh_time_step=problem.rayleigh_time_step(parameters) if answer else None,
         rayleigh_time_step_before=problem.rayleigh_time_step(middle),
@@ -93,42 +82,42 @@ def make_result(
     )
 
 
-def _responses(
-    problem: Problem, answer: Answer, verification: Verification
-) -> dict[str, ResponseResult]:
-    verified = verified_responses(problem, verification.runs)
-    contradicted = {contradiction.target.name for contradiction in verification.contradictions}
+def _responses(problem: Problem, outcome: Outcome) -> dict[str, ResponseResult]:
+    verified = outcome.fresh.verified()
+    contradicted = {contradiction.target.name for contradiction in outcome.contradictions}
     return {
         target.name: _response(
-            target,
-            answer,
-            verified.get(target.name),
-            # A target that the verification runs did not confirm is not met, even if predicted.
-            refuted=target.name in contradicted
-            or (bool(verification.runs) and target.name not in verified),
+            target, outcome, verified.get(target.name), target.name in contradicted
         )
         for target in problem.targets
     }
 
 
 def _response(
-    target: Target, answer: Answer, verified: Verified | None, *, refuted: bool
+    target: Target, outcome: Outcome, verified: Verified | None, contradicted: bool
 ) -> ResponseResult:
-    predicted = answer.predicted[target.name]
-    best = verified.mean if verified else predicted
-    close = abs(best - target.value) <= target.tolerance
+    answer, name = outcome.answer, target.name
+    probability = answer.probabilities[name]
     return ResponseResult(
         target=target.value,
         tolerance=target.tolerance,
         unit=target.unit,
-        predicted=predicted,
-        standard_error=answer.standard_errors[target.name],
+        predicted=answer.predicted[name],
+        standard_error=answer.standard_errors[name],
+        probability=probability,
         verified_mean=verified.mean if verified else None,
         verified_standard_error=verified.standard_error if verified else None,
         verified_interval=verified.half_width if verified else None,
-        deviation_percent=100 * target.relative_deviation(best),
-        within_tolerance=close and not refuted,
+        verified_runs=verified.runs if verified else 0,
+        deviation_percent=100 * target.relative_deviation(answer.predicted[name]),
+        verdict=_verdict(probability, outcome.confidence, contradicted),
     )
+
+
+def _verdict(probability: float, confidence: float, contradicted: bool) -> Verdict:
+    if probability <= 1 - confidence:
+        return "missed"
+    return "met" if probability >= confidence and not contradicted else "in doubt"
 
 
 def _counts(evaluations: Sequence[Evaluation], known: int) -> RunCounts:

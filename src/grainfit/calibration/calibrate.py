@@ -17,7 +17,7 @@ from grainfit.calibration.options import CalibrationOptions
 from grainfit.calibration.progress import Progress
 from grainfit.calibration.provenance import Provenance
 from grainfit.calibration.timeouts import default_timeouts
-from grainfit.calibration.verification import usual_verification_runs
+from grainfit.calibration.verification import VERIFICATION_RUNS
 from grainfit.campaign.campaign import Campaign, CampaignOptions
 from grainfit.campaign.keep import Keep
 from grainfit.campaign.reuse import open_source, take_runs
@@ -84,8 +84,7 @@ def calibrate(
     name : str
         Display name of the calibration.
     verification_runs : int, optional
-        Runs with fresh seeds at the answer, at least 2; by default 5, or slightly more so that no
-        worker is idle.
+        Fewest runs with fresh seeds at, or very near, the answer, at least 2; by default 3.
     timeouts : mapping of str to float, optional
         Longest wall time of one run by name of the test, s; ``math.inf`` for none. By default
         that of the solver: for a bulk test 10 minutes plus 100 times the estimated time of a run.
@@ -148,7 +147,7 @@ def calibrate(
     _check_timeouts(timeouts or {}, solvers)
     for solver in solvers.values():
         solver.check()
-    verification_runs = verification_runs or usual_verification_runs(workers)
+    verification_runs = verification_runs or VERIFICATION_RUNS
     search = start_search(chosen, problem, len(solvers), seed, max_runs, verification_runs)
     with ExitStack() as stack:
         tell = stack.enter_context(_shown(on_progress)) if progress else on_progress

@@ -10,19 +10,11 @@ from dataclasses import asdict, dataclass, replace
 from importlib.metadata import version
 from typing import Any
 
-from grainfit.calibration.build_result import About, Verification, make_result
+from grainfit.calibration.build_result import About, make_result
 from grainfit.calibration.progress import Progress
 from grainfit.calibration.provenance import Provenance
-from grainfit.calibration.verification import (
-    ROUNDS,
-    Contradiction,
-    Verified,
-    contradictions,
-    marginally_met,
-    meets_targets,
-    needs_more_runs,
-    verified_responses,
-)
+from grainfit.calibration.verdict import Outcome, judge
+from grainfit.calibration.verification import LIKELY, MOST_FRESH, FreshRuns, runs_near
 from grainfit.campaign.campaign import Campaign
 from grainfit.campaign.reuse import models_of, most_telling, runs_of
 from grainfit.campaign.store.records import RequestRecord
@@ -40,6 +32,8 @@ from grainfit.strategies.seeds import insertion_seed
 #: is stopped.
 _HOPELESS = 3
 _HOPELESS_WHATEVER = 8
+#: Fresh seeds after which a verdict is given in any case.
+_MOST_VERIFICATION = 40
 
 
 @dataclass(frozen=True)
@@ -73,7 +67,6 @@ class CalibrationLoop:
         self._evaluations: list[Evaluation] = []
         #: Number of runs of the warm start, by their source.
         self._origins: Mapping[str, int] = {}
-        self._answer_from = 0
         self._verification_asked = 0
         self._stage = "design"
         self._requested = 0
@@ -139,14 +132,14 @@ class CalibrationLoop:
             self._strategy.warm_start(known)
             self._show()
         self._campaign.fetch([run for r in self._recorded for run in r.runs.values()])
-        answer: Answer | None = None
-        status: Status
-        contradicted: list[Contradiction] = []
+        outcome: Outcome | None
+        status: Status = "interrupted"
         try:
-            answer, status, contradicted = self._converse()
+            outcome = self._search_and_verify()
+            status = outcome.status
         except KeyboardInterrupt:
             self._campaign.cancel()
-            answer, status = self._best_so_far(), "interrupted"
+            outcome = self._best_so_far()
         except BaseException as error:
             self._campaign.cancel()
             why = str(error) if isinstance(error, GrainfitError) else type(error).__name__
@@ -164,40 +157,64 @@ class CalibrationLoop:
             self._utilisation(wall_seconds),
             status,
         )
-        verification = Verification(self._verification_of(answer) if answer else (), contradicted)
         known_runs = sum(self._origins.values())
-        return make_result(
-            about, self._strategy, answer, self._evaluations, verification, known_runs
+        return make_result(about, self._strategy, outcome, self._evaluations, known_runs)
+
+    def _search_and_verify(self) -> Outcome:
+        """Alternate between search and fresh seeds at its answer until the verdict is known."""
+        strategy = self._strategy
+        self._run_strategy()
+        answer = strategy.answer(self._recorded_answer())
+        outcome = self._judge(answer)
+        while self._can_be_confirmed(answer):
+            self._run_fresh_seeds(answer, outcome.fresh)
+            answer = strategy.answer(self._recorded_answer())
+            outcome = self._judge(answer)
+            if outcome.status == "calibrated":
+                break
+            if strategy.resume_after_verification(self._left()):
+                self._run_strategy()
+                answer = strategy.answer(self._recorded_answer())
+                outcome = self._judge(answer)
+        return outcome
+
+    def _judge(self, answer: Answer) -> Outcome:
+        fresh = runs_near(self._problem, answer, self._evaluations, self._strategy.answer)
+        return judge(
+            self._problem,
+            answer,
+            fresh,
+            self._strategy.confidence,
+            self._options.verification_runs,
         )
 
-    def _converse(self) -> tuple[Answer, Status, list[Contradiction]]:
-        self._run_strategy()
-        answer = self._strategy.answer(self._recorded_answer())
-        while not self._verify(answer) and self._strategy.resume_after_verification(self._left()):
-            self._run_strategy()
-            earlier, answer = answer, self._strategy.answer(self._recorded_answer())
-            if answer.parameters == earlier.parameters:
-                break
-        # The verification runs also improve the probability that all targets are met.
-        known, verified = self._strategy.answer(answer.parameters), self._verified(answer)
-        answer = replace(answer, probability_all_met=known.probability_all_met)
-        contradicted = contradictions(self._problem, verified, known)
-        if meets_targets(self._problem, verified, contradicted):
-            return answer, "calibrated", contradicted
-        return answer, "unreachable" if answer.out_of_reach else "out_of_tolerance", contradicted
+    def _can_be_confirmed(self, answer: Answer) -> bool:
+        """Return whether a few fresh seeds at the answer could make it certain enough."""
+        if self._recorded:
+            return True
+        left = self._left()
+        return (
+            not answer.out_of_reach
+            and (left is None or left > 0)
+            and answer.probability_all_met >= LIKELY
+            and answer.runs_needed <= MOST_FRESH
+            and self._verification_asked < _MOST_VERIFICATION
+        )
 
     def _recorded_answer(self) -> Mapping[str, float] | None:
         """Return the answer that an earlier start was verifying when it ended."""
-        return self._recorded[0].parameters if self._recorded else None
+        if self._recorded and self._recorded[0].stage == "verification":
+            return self._recorded[0].parameters
+        return None
 
     def _utilisation(self, wall_seconds: float) -> float:
         """Return the share of the workers' time in which they simulated."""
         simulated = sum(evaluation.simulated_seconds for evaluation in self._evaluations)
         return min(1.0, simulated / (self._options.workers * max(wall_seconds, 1e-9)))
 
-    def _best_so_far(self) -> Answer | None:
+    def _best_so_far(self) -> Outcome | None:
         try:
-            return self._strategy.answer()
+            return self._judge(self._strategy.answer())
         except RunFailedError:
             return None
 
@@ -248,44 +265,14 @@ class CalibrationLoop:
         """Whether to ask for a proposal now: a worker is free, and no evaluation is waiting."""
         return self._campaign.has_free_worker and not self._campaign.has_complete
 
-    def _verify(self, answer: Answer) -> bool:
-        """Run fresh seeds at the answer until the outcome is clear; return True if it is met."""
-        self._answer_from = len(self._evaluations)
+    def _run_fresh_seeds(self, answer: Answer, fresh: FreshRuns) -> None:
+        """Run fresh seeds at the answer: as many as its confirmation lacks."""
         self._recall_verification(answer)
-        verified: dict[str, Verified] = {}
-        contradicted: list[Contradiction] = []
-        for _ in range(ROUNDS):
-            left = self._left()
-            if left is not None and left < 0:
-                break
-            self._verification_round(answer)
-            verified = self._verified(answer)
-            contradicted = self._contradictions(answer, verified)
-            if not needs_more_runs(self._problem, verified, contradicted):
-                break
-        return meets_targets(self._problem, verified, contradicted)
-
-    def _contradictions(
-        self, answer: Answer, verified: Mapping[str, Verified]
-    ) -> list[Contradiction]:
-        # The answer from all runs takes a while to compute.
-        if not marginally_met(self._problem, verified):
-            return []
-        known = self._strategy.answer(answer.parameters)
-        return contradictions(self._problem, verified, known)
-
-    def _verification_of(self, answer: Answer) -> list[Evaluation]:
-        """Return the verification runs at this answer since it was chosen."""
-        return [
-            evaluation
-            for evaluation in self._evaluations[self._answer_from :]
-            if evaluation.proposal.stage == "verification"
-            and evaluation.proposal.parameters == answer.parameters
-        ]
-
-    def _verification_round(self, answer: Answer) -> None:
+        usual = self._options.verification_runs
+        count = max(usual - fresh.count, min(answer.runs_needed, usual), 1)
+        left = self._left()
         waiting = []
-        for _ in range(self._options.verification_runs):
+        for _ in range(count if left is None else min(count, max(left, 1))):
             self._verification_asked += 1
             seed = insertion_seed(self._strategy.seed, "verification", self._verification_asked)
             waiting.append(Proposal(answer.parameters, seed, "verification"))
@@ -305,11 +292,10 @@ class CalibrationLoop:
             self._strategy.tell(evaluation.proposal, evaluation)
 
     def _left(self) -> int | None:
-        """Return the number of proposals left in the budget besides one round of verification."""
+        """Return the number of proposals left in the budget."""
         if self._options.max_runs is None:
             return None
-        affordable = self._options.max_runs // self._campaign.tests
-        return affordable - len(self._evaluations) - self._options.verification_runs
+        return self._options.max_runs // self._campaign.tests - len(self._evaluations)
 
     def _start(self, proposal: Proposal) -> None:
         self._stage = proposal.stage
@@ -372,9 +358,6 @@ class CalibrationLoop:
             "start again to continue.",
             kind="machine",
         )
-
-    def _verified(self, answer: Answer) -> dict[str, Verified]:
-        return verified_responses(self._problem, self._verification_of(answer))
 
     def _show(self) -> None:
         if self._options.on_progress is None:

@@ -1,37 +1,36 @@
-"""Verify an answer by runs with fresh seeds, to which nothing was fitted."""
+"""Verify an answer by runs with fresh seeds, which had no part in its choice.
+
+The fresh runs go into the metamodels like all others, and the answer is chosen again with them. So
+it moves a little, and runs very near it count as runs at it: their responses are carried over by
+the metamodels' difference between the two points.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from math import ceil, sqrt
+from math import sqrt
 from statistics import fmean, stdev
 
 from scipy.stats import t as student_t
 
 from grainfit.evaluation import Evaluation
 from grainfit.formatting import number, rounded, unit_for_people, with_unit
-from grainfit.metamodels.kriging import NORMAL_QUANTILE
 from grainfit.problem import Problem, Target
 from grainfit.strategies.answer import Answer
 
-#: Smallest default number of fresh seeds in a round of verification.
-VERIFICATION_RUNS = 5
-#: Largest number of rounds of verification at one answer.
-ROUNDS = 4
-
-
-def usual_verification_runs(workers: int) -> int:
-    """Return the default number of fresh seeds in a round: 5, or 6 or 8 to leave no worker idle.
-
-    Examples
-    --------
-    >>> [usual_verification_runs(workers) for workers in (1, 2, 3, 8)]
-    [5, 6, 6, 5]
-    """
-    if workers > VERIFICATION_RUNS:
-        return VERIFICATION_RUNS
-    return ceil(VERIFICATION_RUNS / workers) * workers
+#: Default number of fresh seeds at, or very near, the answer. Two could agree by chance.
+VERIFICATION_RUNS = 3
+#: Smallest probability of an answer at which fresh seeds are worth their runs.
+LIKELY = 0.5
+#: Most fresh seeds in all that a close call is worth.
+MOST_FRESH = 20
+#: Largest difference in any parameter, as a share of its interval, and in any expected response,
+#: in tolerances, of a parameter set that counts as very near.
+_NEAR_PARAMETERS, _NEAR_RESPONSES = 0.1, 0.5
+#: Standard errors between fresh seeds and all runs that contradict each other. By chance it
+#: happens in 3 of 1,000 checks.
+_CONTRADICTION = 3.0
 
 
 @dataclass(frozen=True)
@@ -44,146 +43,158 @@ class Verified:
         Over the runs.
     half_width : float
         Half of the 95 % confidence interval of the mean (Student's t).
+    runs : int
+        Number of runs.
     """
 
     mean: float
     standard_error: float
     half_width: float
-
-    def is_met(self, target: Target) -> bool:
-        """Whether the mean meets the target within tolerance."""
-        return abs(self.mean - target.value) <= target.tolerance
-
-    def is_marginally_met(self, target: Target) -> bool:
-        """Whether the mean is inside the tolerance, but its 95 % interval is not."""
-        deviation = abs(self.mean - target.value)
-        return deviation <= target.tolerance < deviation + self.half_width
-
-    def is_marginally_missed(self, target: Target) -> bool:
-        """Whether the mean is outside the tolerance, but its 95 % interval reaches inside."""
-        deviation = abs(self.mean - target.value)
-        return target.tolerance < deviation <= target.tolerance + self.half_width
+    runs: int
 
 
 @dataclass(frozen=True)
 class Contradiction:
-    """A target that the verification runs meet marginally, and that all runs together miss.
+    """A target for which the fresh seeds do not agree with what all runs together say.
 
     Parameters
     ----------
     target : Target
         The target.
     verified : Verified
-        Mean of the verification runs; its interval reaches beyond the tolerance.
-    expected, standard_error : float
-        Response at the answer by the metamodel of all runs, including those of the verification.
+        Mean of the verification runs.
+    expected : float
+        Response at the answer expected from all runs, including those of the verification.
     """
 
     target: Target
     verified: Verified
     expected: float
-    standard_error: float
 
     def __str__(self) -> str:
-        target, half_width = self.target, NORMAL_QUANTILE * self.standard_error
-        alone = _interval(self.verified.mean, self.verified.half_width)
-        together = _interval(self.expected, half_width)
-        accepted = f"{number(target.value, 6)} ± {number(target.tolerance, 3)}"
+        found = rounded(self.verified.mean, self.verified.half_width)
+        expected = with_unit(
+            number(self.expected, 4), unit_for_people(self.target.unit)
+        )
         return (
-            f"{target.name} is in doubt: the verification runs alone give {alone}, where "
-            f"{with_unit(accepted, unit_for_people(target.unit))} is accepted, but by all runs "
-            f"together {together} is expected."
+            f"{self.target.name} is in doubt: the {self.verified.runs} fresh seeds at the answer "
+            f"give {found} on average, where all runs together lead to expect {expected}. The "
+            "metamodel misses something there: more runs would tell."
         )
 
 
-def _interval(middle: float, half_width: float) -> str:
-    return f"{rounded(middle, half_width)} ± {number(half_width, 2)}"
+@dataclass(frozen=True)
+class FreshRuns:
+    """Responses of fresh seeds, carried over to the answer.
+
+    Parameters
+    ----------
+    values : mapping of str to sequence of float
+        By name of the target.
+    evaluations : sequence of Evaluation
+        The runs themselves, failed ones included.
+    """
+
+    values: Mapping[str, Sequence[float]]
+    evaluations: Sequence[Evaluation]
+
+    @property
+    def count(self) -> int:
+        """Number of fresh seeds that gave every response."""
+        return min((len(values) for values in self.values.values()), default=0)
+
+    def verified(self) -> dict[str, Verified]:
+        """Return the means of the responses that at least two fresh seeds gave."""
+        return {
+            name: mean_with_interval(values)
+            for name, values in self.values.items()
+            if len(values) >= 2
+        }
 
 
-def verified_responses(problem: Problem, runs: Iterable[Evaluation]) -> dict[str, Verified]:
-    """Return the means of the responses that at least two verification runs gave."""
-    known = list(runs)
-    found = {}
-    for target in problem.targets:
-        values = [e.responses[target.name].value for e in known if target.name in e.responses]
-        if len(values) >= 2:
-            found[target.name] = mean_with_interval(values)
-    return found
+def runs_near(
+    problem: Problem,
+    answer: Answer,
+    evaluations: Iterable[Evaluation],
+    describe: Callable[[Mapping[str, float]], Answer],
+) -> FreshRuns:
+    """Return the verification runs at or very near an answer.
+
+    Parameters
+    ----------
+    problem : Problem
+        Parameters and targets.
+    answer : Answer
+        The answer.
+    evaluations : iterable of Evaluation
+        All runs.
+    describe : callable
+        Returns the predictions for a parameter set; only called for the few that are verified.
+    """
+    values: dict[str, list[float]] = {target.name: [] for target in problem.targets}
+    near: list[Evaluation] = []
+    shifts: dict[tuple[float, ...], dict[str, float] | None] = {}
+    for evaluation in evaluations:
+        if evaluation.proposal.stage != "verification":
+            continue
+        place = tuple(evaluation.proposal.parameters.values())
+        if place not in shifts:
+            shifts[place] = _shift(problem, answer, evaluation.proposal.parameters, describe)
+        shift = shifts[place]
+        if shift is None:
+            continue
+        near.append(evaluation)
+        for name, response in evaluation.responses.items():
+            if name in values:
+                values[name].append(response.value + shift[name])
+    return FreshRuns(values, near)
+
+
+def _shift(
+    problem: Problem,
+    answer: Answer,
+    parameters: Mapping[str, float],
+    describe: Callable[[Mapping[str, float]], Answer],
+) -> dict[str, float] | None:
+    """Return the differences of expected responses to the answer; None if it is not near."""
+    if parameters == answer.parameters:
+        return dict.fromkeys(answer.predicted, 0.0)
+    apart = problem.to_unit(parameters) - problem.to_unit(answer.parameters)
+    if max(map(abs, apart)) > _NEAR_PARAMETERS:
+        return None
+    there = describe(parameters)
+    shift = {name: value - there.predicted[name] for name, value in answer.predicted.items()}
+    far = any(abs(shift[t.name]) > _NEAR_RESPONSES * t.tolerance for t in problem.targets)
+    return None if far else shift
 
 
 def mean_with_interval(values: Sequence[float]) -> Verified:
     """Return mean, standard error and 95 % confidence interval of at least two values."""
     error = stdev(values) / sqrt(len(values))
     quantile = float(student_t.ppf(0.975, len(values) - 1))
-    return Verified(fmean(values), error, quantile * error)
-
-
-def meets_targets(
-    problem: Problem,
-    verified: Mapping[str, Verified],
-    contradicted: Sequence[Contradiction] = (),
-) -> bool:
-    """Return True if every target is verified and met within tolerance, and none in doubt."""
-    return not contradicted and all(
-        target.name in verified and verified[target.name].is_met(target)
-        for target in problem.targets
-    )
-
-
-def marginally_met(problem: Problem, verified: Mapping[str, Verified]) -> list[Target]:
-    """Return targets that the verification runs meet, but not with their whole 95 % interval."""
-    return [
-        target
-        for target in problem.targets
-        if target.name in verified and verified[target.name].is_marginally_met(target)
-    ]
+    return Verified(fmean(values), error, quantile * error, len(values))
 
 
 def contradictions(
-    problem: Problem, verified: Mapping[str, Verified], known: Answer
+    problem: Problem, verified: Mapping[str, Verified], answer: Answer
 ) -> list[Contradiction]:
-    """Return the targets that the verification runs meet marginally, and all runs together miss.
+    """Return the targets for which the fresh seeds contradict all runs together.
 
-    An answer that is verified repeatedly until it passes finally passes by chance, and some pass
-    by chance the first time. The runs of the search are evidence, too.
-
-    Parameters
-    ----------
-    problem : Problem
-        The calibration problem.
-    verified : mapping of str to Verified
-        Means of the verification runs.
-    known : Answer
-        Answer of all runs together at the same parameter set.
+    The fresh seeds are a part of all runs, so the variance of the difference is that of their mean
+    less that of the expectation.
     """
-    return [
-        Contradiction(
-            target,
-            verified[target.name],
-            known.predicted[target.name],
-            known.standard_errors[target.name],
-        )
-        for target in marginally_met(problem, verified)
-        if abs(known.predicted[target.name] - target.value) > target.tolerance
-    ]
-
-
-def needs_more_runs(
-    problem: Problem,
-    verified: Mapping[str, Verified],
-    contradicted: Sequence[Contradiction] = (),
-) -> bool:
-    """Return True if further seeds could change the outcome.
-
-    That is so if a target is missed marginally, or is met marginally while all runs together miss
-    it, and no target is missed clearly.
-    """
-    missed = [
-        target
-        for target in problem.targets
-        if target.name not in verified or not verified[target.name].is_met(target)
-    ]
-    return bool(missed or contradicted) and all(
-        target.name in verified and verified[target.name].is_marginally_missed(target)
-        for target in missed
-    )
+    found = []
+    for target in problem.targets:
+        check = verified.get(target.name)
+        quality = answer.quality.get(target.name)
+        if check is None or quality is None:
+            continue
+        of_mean = quality.noise**2 / check.runs
+        # An expectation that rests on little else than the fresh seeds cannot contradict them.
+        difference = max(of_mean - answer.standard_errors[target.name] ** 2, 0.1 * of_mean)
+        expected = answer.predicted[target.name]
+        if abs(check.mean - expected) > max(
+            _CONTRADICTION * sqrt(difference), 1e-9 * target.tolerance
+        ):
+            found.append(Contradiction(target, check, expected))
+    return found

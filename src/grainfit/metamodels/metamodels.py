@@ -160,6 +160,10 @@ class Metamodels:
         means, variances = self.predict(points)
         return self._probability(means, caution**2 * variances)
 
+    def probabilities(self, points: ArrayLike) -> Array:
+        """Probability that each expected response is within its tolerance, shape (m, targets)."""
+        return self._inside(*self.predict(points))
+
     def probability_all_met_without_each_run(self, point: Array) -> Array:
         """Probability that every target is met with each run left out, shape (number of runs,).
 
@@ -175,10 +179,13 @@ class Metamodels:
         return np.concatenate(found)
 
     def _probability(self, means: Array, variances: Array) -> Array:
+        return np.asarray(self._inside(means, variances).prod(axis=1))
+
+    def _inside(self, means: Array, variances: Array) -> Array:
         off = means - self._targets
         error = np.sqrt(np.maximum(variances, (_NO_NOISE * self._tolerances) ** 2))
-        inside = ndtr((self._tolerances - off) / error) - ndtr((-self._tolerances - off) / error)
-        return np.asarray(inside.prod(axis=1))
+        upper, lower = (self._tolerances - off) / error, (-self._tolerances - off) / error
+        return np.asarray(ndtr(upper) - ndtr(lower))
 
     def runs_needed(self, point: Array, confidence: float) -> int:
         """Estimate how many more runs at a point would confirm that it agrees, at most a million.

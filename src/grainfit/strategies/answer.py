@@ -16,6 +16,8 @@ from grainfit.metamodels.metamodels import Metamodels
 from grainfit.problem import Problem
 from grainfit.result import Bound, MetamodelQuality, OutOfReach
 
+#: Demanded probability that every expected response is within its tolerance.
+CONFIDENCE = 0.95
 #: A value nearer to a bound than this share of the interval counts as on it.
 _ON_BOUND = 0.01
 #: Largest difference between two misfits that count as equal, in squared tolerances.
@@ -34,6 +36,11 @@ class Answer:
         Expected response and its standard error, by name of the target.
     probability_all_met : float
         Probability, by the metamodels, that all expected responses are within their tolerances.
+    probabilities : mapping of str to float
+        The same for each target alone, by its name.
+    runs_needed : int
+        Estimated number of further runs at these parameters that would make it certain enough, if
+        the expected responses are right.
     out_of_reach : tuple of OutOfReach
         Targets that no parameter set within the intervals meets.
     quality : mapping of str to MetamodelQuality
@@ -47,6 +54,8 @@ class Answer:
     predicted: Mapping[str, float]
     standard_errors: Mapping[str, float]
     probability_all_met: float
+    probabilities: Mapping[str, float] = field(default_factory=dict)
+    runs_needed: int = 0
     out_of_reach: tuple[OutOfReach, ...] = ()
     quality: Mapping[str, MetamodelQuality] = field(default_factory=dict)
     cut_off: Mapping[str, Bound] = field(default_factory=dict)
@@ -59,11 +68,13 @@ def make_answer(
     closest: NDArray[np.float64],
     *,
     spread: bool = True,
+    confidence: float = CONFIDENCE,
 ) -> Answer:
     """Make an answer from a parameter set and the metamodels' predictions for it.
 
     ``closest`` is the point of the unit cube where they meet the targets best; ``spread`` is True
-    if the runs are spread by a design, see `Kriging.warnings`.
+    if the runs are spread by a design, see `Kriging.warnings`; ``confidence`` is the demanded
+    probability that every target is met.
     """
     point: NDArray[np.float64] = metamodels.problem.to_unit(parameters)
     means, variances = metamodels.predict(point)
@@ -73,6 +84,8 @@ def make_answer(
         predicted=dict(zip(names, means[0].tolist(), strict=True)),
         standard_errors=dict(zip(names, np.sqrt(variances[0]).tolist(), strict=True)),
         probability_all_met=float(metamodels.probability_all_met(point)[0]),
+        probabilities=dict(zip(names, metamodels.probabilities(point)[0].tolist(), strict=True)),
+        runs_needed=metamodels.runs_needed(point, confidence),
         out_of_reach=tuple(out_of_reach),
         quality=metamodel_quality(metamodels, spread=spread),
         cut_off=dict(_cut_off(metamodels, closest)),

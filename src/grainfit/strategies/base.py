@@ -53,7 +53,7 @@ if TYPE_CHECKING:
     from grainfit.strategies.answer import Answer
 
 #: How often a verification that does not confirm the answer may lead back to the search.
-RESUMPTIONS = 2
+RESUMPTIONS = 8
 
 
 @dataclass(frozen=True)
@@ -159,6 +159,11 @@ class Search(ABC):
     @abstractmethod
     def expected_left(self) -> int:
         """Estimated number of outcomes still to be told; the time left is computed from it."""
+
+    @property
+    def confidence(self) -> float:
+        """Demanded probability that every target is met; 0.95 unless overridden."""
+        return 0.95
 
     @property
     def notices(self) -> Sequence[str]:

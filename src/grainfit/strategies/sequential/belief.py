@@ -26,6 +26,10 @@ CONFIDENCE_WITHOUT_ANY_RUN = 0.9
 #: that looks small by chance would end many calibrations too early.
 DEGREES_OF_FREEDOM = 10
 CAUTION = 2.0
+#: Smallest probability at which fresh seeds at an answer are worth their runs.
+LIKELY = 0.5
+#: The closest point counts as no answer when it misses a target by as many standard errors.
+_SEEMS_MISSED = 1.65
 #: A target must be missed by this many standard errors, because it is checked after every run.
 STANDARD_ERRORS = 3.0
 
@@ -64,10 +68,24 @@ class Belief:
     @cached_property
     def misses(self) -> tuple[OutOfReach, ...]:
         """Targets that are out of reach."""
-        hopeful = self.answers.most_hopeful(STANDARD_ERRORS)
-        if self.metamodels.shortfall(hopeful, STANDARD_ERRORS)[0] == 0:
+        if self.metamodels.shortfall(self.hopeful, STANDARD_ERRORS)[0] == 0:
             return ()
-        return out_of_reach(self.metamodels, hopeful, self._seed, STANDARD_ERRORS)
+        return out_of_reach(self.metamodels, self.hopeful, self._seed, STANDARD_ERRORS)
+
+    @cached_property
+    def hopeful(self) -> Array:
+        """Point at which the targets are missed least, if at all, by an optimistic estimate."""
+        return self.answers.most_hopeful(STANDARD_ERRORS)
+
+    @cached_property
+    def seems_missed(self) -> bool:
+        """Whether some target is missed at the closest point, and the standard errors are small."""
+        return bool(self.metamodels.shortfall(self.answers.closest[0], _SEEMS_MISSED)[0] > 0)
+
+    @cached_property
+    def is_likely(self) -> bool:
+        """Whether the answer agrees more likely than not."""
+        return self.probability >= LIKELY
 
     @cached_property
     def answer(self) -> Array:

@@ -54,6 +54,9 @@ def pending_is_enough(
 
 def next_point(belief: Belief, conditioned: Metamodels, random: np.random.Generator) -> Array:
     """Return the point of the unit cube for the next run."""
+    if belief.seems_missed:
+        # The best point that the metamodels know is no answer: another basin, or none, has one.
+        return belief.hopeful
     if not belief.agrees:
         return _most_improving_point(belief, conditioned, random)
     return belief.gain_point if belief.is_proven else belief.answer

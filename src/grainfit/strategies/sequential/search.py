@@ -93,7 +93,6 @@ class SequentialSearch(Search):
         self._indices: dict[int, int] = {}
         self._told: dict[int, Evaluation] = {}
         self._others: list[Evaluation] = []
-        self._has_learnt = False
         self._to_repeat: deque[Proposal] = deque()
         self._resumptions = 0
         self._latest: tuple[tuple[int, int], Belief] | None = None
@@ -108,6 +107,11 @@ class SequentialSearch(Search):
     def design_runs(self) -> int:
         """Size of the Latin hypercube."""
         return self._design_size
+
+    @property
+    def confidence(self) -> float:
+        """Demanded probability that every target is met, an option."""
+        return self._options.confidence
 
     @property
     def notices(self) -> Sequence[str]:
@@ -158,7 +162,6 @@ class SequentialSearch(Search):
             if names <= evaluation.responses.keys()
         }
         self._design_size = max(0, self._whole_design - len(places))
-        self._has_learnt = self._design_size == 0
 
     def replay(self, proposals: Sequence[Proposal]) -> None:
         """Repeat these proposals before any new one."""
@@ -198,7 +201,9 @@ class SequentialSearch(Search):
         misses = belief.misses if self._rule.is_out_of_reach(belief) else ()
         chosen = parameters or belief.problem.from_unit(belief.answer)
         closest = belief.answers.closest[0]
-        return make_answer(belief.metamodels, chosen, misses, closest, spread=False)
+        return make_answer(
+            belief.metamodels, chosen, misses, closest, spread=False, confidence=self.confidence
+        )
 
     def resume_after_verification(self, affordable: int | None = None) -> bool:
         """Continue with the verification runs added, if doubt and budget are left."""
@@ -237,7 +242,6 @@ class SequentialSearch(Search):
         return StoppingRule(
             confidence=self._options.confidence,
             is_confirmed=len(self._told) >= self._design_size + _RUNS_TO_CONFIRM,
-            has_learnt=self._has_learnt,
             runs_left=None if has_budget else self._allowed - len(self._told),
         )
 

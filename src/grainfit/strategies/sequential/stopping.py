@@ -11,8 +11,8 @@ from grainfit.strategies.sequential.belief import Belief
 _GAIN_WORTH_RUNS = 0.05
 #: Without a budget, the search ends when all runs left would narrow the standard errors by less.
 _NARROWING_WORTH_RUNS = 0.3
-#: After a warm start, the most missing runs at the answer that are left to its verification. A
-#: larger number saves runs of the search, and costs some certainty (docs/decisions.md).
+#: Most missing runs at the answer that are left to its verification: its fresh seeds go into the
+#: metamodels, too, so that they confirm the answer and make it certain at once.
 _LEFT_TO_VERIFICATION = 3
 _LARGEST_TIME_STEP = (
     "Of the parameter sets that agree with the measurements, the one with the largest Rayleigh "
@@ -30,8 +30,6 @@ class StoppingRule:
         Demanded probability that all expected responses are within their tolerances.
     is_confirmed : bool
         Whether enough runs have followed the design to call a target out of reach.
-    has_learnt : bool
-        Whether a warm start has replaced the design.
     runs_left : int, optional
         Runs left; None when the user gave a budget. Then the search does not end at the noise
         floor before the budget is used.
@@ -39,16 +37,13 @@ class StoppingRule:
 
     confidence: float
     is_confirmed: bool
-    has_learnt: bool
     runs_left: int | None
 
     def is_decided(self, belief: Belief) -> bool:
-        """Whether the answer is known, or no further run could help."""
+        """Whether the answer is known but for its verification, or no further run could help."""
         if self.is_out_of_reach(belief) or self._is_at_noise_floor(belief):
             return True
-        if self._is_left_to_verification(belief):
-            return True
-        return belief.agrees and belief.is_proven and belief.gain < _GAIN_WORTH_RUNS
+        return self._is_left_to_verification(belief) and belief.gain < _GAIN_WORTH_RUNS
 
     def is_out_of_reach(self, belief: Belief) -> bool:
         """Whether a target is out of reach of the intervals."""
@@ -58,26 +53,24 @@ class StoppingRule:
         """Tell the user why the search has ended, unless it is obvious."""
         if self.is_out_of_reach(belief):
             return [str(miss) for miss in belief.misses]
-        if not belief.agrees and not self._is_left_to_verification(belief):
+        if not self._is_left_to_verification(belief):
             return [belief.why_undecided(self.confidence)]
         if (gained := belief.time_step_gained) > EQUAL_TIME_STEPS:
             return [f"{_LARGEST_TIME_STEP} {gained:+.1%} against the closest one."]
         return []
 
     def _is_left_to_verification(self, belief: Belief) -> bool:
-        """Whether, after a warm start, the verification of the answer can decide it.
+        """Whether the verification of the answer can decide it.
 
         Runs with fresh seeds at the answer are needed in any case, and now tell the most.
         """
-        return (
-            self.has_learnt
-            and belief.is_proven
-            and belief.runs_needed(self.confidence) <= _LEFT_TO_VERIFICATION
-        )
+        if not (belief.is_proven and belief.is_likely):
+            return False
+        return belief.runs_needed(self.confidence) <= _LEFT_TO_VERIFICATION
 
     def _is_at_noise_floor(self, belief: Belief) -> bool:
         """Whether all further runs would neither decide the search nor add much information."""
-        if belief.agrees or self.runs_left is None:
+        if self.runs_left is None:
             return False
         needed = belief.runs_needed(self.confidence)
         return needed > self.runs_left and belief.narrowing(self.runs_left) < _NARROWING_WORTH_RUNS

@@ -1,0 +1,223 @@
+"""Verdicts of calibrations against the truth: how often they are wrong, after how many runs.
+
+Every calibration is that of `grainfit.calibrate` with its defaults, verification included, on a
+problem of `verdict_problems.py` whose truth is known. Finished calibrations are kept in the file
+``--kept`` and not repeated, so that the command can be stopped and started again.
+
+    python benchmarks/verdicts.py --kept verdicts.jsonl [--calibrations 100] [--processes 2]
+        [--problems NAME ...] [--workers 1]
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import sys
+import time
+from collections.abc import Iterable, Sequence
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from pathlib import Path
+from typing import Any
+
+os.environ["OMP_NUM_THREADS"] = "1"
+
+import numpy as np
+from scipy.stats import beta
+
+import grainfit
+from grainfit.calibration.progress import Progress
+from grainfit.errors import GrainfitError
+from grainfit.result import Result
+from verdict_problems import HOPELESS, NOISE, PROBLEMS, WELL_BEHAVED, KnownProblem
+
+Record = dict[str, Any]
+#: Classes of the stated probability in the reliability table.
+CLASSES = (0.0, 0.05, 0.25, 0.5, 0.75, 0.9, 0.95, 0.99, 1.0)
+#: A remaining number of runs is right between half and twice the truth, give or take one run.
+FACTOR, SLACK = 2.0, 1
+
+
+# One calibration ----------------------------------------------------------------------------
+
+
+def calibrate(name: str, seed: int, workers: int) -> Record:
+    """Calibrate a problem and compare what is stated with what is true."""
+    known = PROBLEMS[name](seed)
+    told: list[tuple[int, int, int]] = []
+
+    def note(progress: Progress) -> None:
+        low, high = getattr(progress, "left_range", (progress.left, progress.left))
+        if not told or told[-1][0] != progress.done:
+            told.append((progress.done, low, high))
+
+    start = time.perf_counter()
+    try:
+        result = grainfit.calibrate(
+            known.problem, known.simulate, seed=seed, workers=workers, on_progress=note
+        )
+    except GrainfitError as error:
+        return {"problem": name, "seed": seed, "status": "error", "why": str(error)}
+    seconds = time.perf_counter() - start
+    return {"problem": name, "seed": seed, "seconds": round(seconds, 2)} | _facts(
+        known, result, told
+    )
+
+
+def _facts(known: KnownProblem, result: Result, told: list[tuple[int, int, int]]) -> Record:
+    expected = known.expected(result.parameters)
+    middles, halves = zip(*(r.expected for r in result.responses.values()), strict=True)
+    covered = np.abs(expected - np.array(middles)) <= np.array(halves)
+    total = result.runs.total
+    return {
+        "status": result.status,
+        "runs": total,
+        "verification": result.runs.verification,
+        "probability": result.probability_all_met,
+        "off": known.tolerances_off(result.parameters),
+        "covered": covered.tolist(),
+        "told": [[done, low, high, total - done] for done, low, high in told],
+        "notices": list(result.notices),
+    }
+
+
+# All calibrations ---------------------------------------------------------------------------
+
+
+def measure(
+    names: Sequence[str], calibrations: int, processes: int, workers: int, kept: Path
+) -> list[Record]:
+    """Return the records of all calibrations; add new ones to the file as they end."""
+    records = _read(kept)
+    known = {(record["problem"], record["seed"]) for record in records}
+    # Seed by seed, so that a study that is stopped has as many calibrations of every problem.
+    jobs = [(n, s) for s in range(1, calibrations + 1) for n in names if (n, s) not in known]
+    start = time.monotonic()
+    with ProcessPoolExecutor(processes) as pool, kept.open("a") as file:
+        pending = [pool.submit(calibrate, *job, workers) for job in jobs]
+        try:
+            for done, future in enumerate(as_completed(pending), 1):
+                records.append(future.result())
+                file.write(json.dumps(records[-1]) + "\n")
+                file.flush()
+                _report(done, len(jobs), time.monotonic() - start)
+        except BaseException:
+            pool.shutdown(wait=False, cancel_futures=True)
+            raise
+    wanted = set(names)
+    return [r for r in records if r["problem"] in wanted and r["seed"] <= calibrations]
+
+
+def _read(kept: Path) -> list[Record]:
+    return [json.loads(line) for line in kept.read_text().splitlines()] if kept.exists() else []
+
+
+def _report(done: int, jobs: int, seconds: float) -> None:
+    if done % 20 == 0 or done == jobs:
+        left = seconds / done * (jobs - done) / 60
+        print(f"{done:,} of {jobs:,} calibrations, about {left:.0f} min left", file=sys.stderr)
+
+
+# What follows -------------------------------------------------------------------------------
+
+
+def share_with_limits(count: int, of: int) -> str:
+    """Share in percent with its 95 % confidence limits (Clopper & Pearson)."""
+    if of == 0:
+        return "-"
+    low = beta.ppf(0.025, count, of - count + 1) if count else 0.0
+    high = beta.ppf(0.975, count + 1, of - count) if count < of else 1.0
+    return f"{count}/{of} ({100 * low:.1f}-{100 * high:.1f} %)"
+
+
+def is_right(record: Record) -> bool:
+    """Whether the answer truly meets every target."""
+    return bool(record["off"] <= 1.0)
+
+
+def row(name: str, records: Sequence[Record]) -> str:
+    """One row of the table of verdicts."""
+    ended = [record for record in records if record["status"] != "error"]
+    if not ended:
+        return f"| {name} | {len(records)} failed |"
+    runs = [record["runs"] for record in ended]
+    counts = {word: sum(r["status"] == word for r in ended) for word in STATUSES}
+    calibrated = [record for record in ended if record["status"] == "calibrated"]
+    false = sum(not is_right(record) for record in calibrated)
+    right = [record for record in ended if is_right(record)]
+    refused = sum(record["status"] != "calibrated" for record in right)
+    covered = [inside for record in ended for inside in record["covered"]]
+    check = np.mean([record["verification"] for record in ended]) / np.mean(runs)
+    return (
+        f"| {name} | {len(records)} | {np.median(runs):g} / {np.quantile(runs, 0.9):g} | "
+        f"{100 * check:.0f} | {' / '.join(str(count) for count in counts.values())} | "
+        f"{share_with_limits(false, len(calibrated))} | {share_with_limits(refused, len(right))} | "
+        f"{100 * np.mean(covered):.0f} | {np.median([r['seconds'] for r in ended]):.1f} |"
+    )
+
+
+STATUSES = ("calibrated", "undecided", "out_of_tolerance", "unreachable")
+HEADER = (
+    "| problem | calibrations | runs, median / 90th percentile | verification, % of runs | "
+    "calibrated / undecided / out of tolerance / unreachable | false of calibrated | "
+    "refused of true answers | 95 % intervals that hold, % | s |\n" + "|---" * 9 + "|"
+)
+
+
+def print_tables(records: Sequence[Record], names: Iterable[str]) -> None:
+    """Print verdicts, reliability of the stated probability, and of the remaining runs."""
+    chosen = list(names)
+    for title, group in (("Well-behaved", WELL_BEHAVED), ("Noise", NOISE), ("Hopeless", HOPELESS)):
+        inside = [name for name in group if name in chosen]
+        if not inside:
+            continue
+        print(f"\n**{title}**\n\n{HEADER}")
+        for name in inside:
+            print(row(name, [record for record in records if record["problem"] == name]))
+        print(row("all", [record for record in records if record["problem"] in inside]))
+    _print_reliability([record for record in records if record["status"] != "error"])
+
+
+def _print_reliability(records: Sequence[Record]) -> None:
+    print("\n| stated probability | calibrations | mean stated, % | truly within, % |\n|---|---|---|---|")
+    for low, high in zip(CLASSES, CLASSES[1:], strict=False):
+        group = [
+            r
+            for r in records
+            if r["probability"] is not None
+            and (low <= r["probability"] < high or r["probability"] == high == 1.0)
+        ]
+        if group:
+            stated = 100 * np.mean([r["probability"] for r in group])
+            true = share_with_limits(sum(map(is_right, group)), len(group))
+            print(f"| {low:g} to {high:g} | {len(group)} | {stated:.1f} | {true} |")
+    told = [item for record in records for item in record["told"][:-1]]
+    right = sum(low / FACTOR - SLACK <= left <= high * FACTOR + SLACK for _, low, high, left in told)
+    inside = sum(low <= left <= high for _, low, high, left in told)
+    print(
+        f"\nRemaining runs: {100 * inside / max(len(told), 1):.0f} % within the stated range, "
+        f"{100 * right / max(len(told), 1):.0f} % between half and twice of it."
+    )
+
+
+def main() -> None:
+    """Read the command line, calibrate, print."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--kept", type=Path, required=True, help="file of finished calibrations")
+    parser.add_argument("--calibrations", type=int, default=100, help="of every problem")
+    parser.add_argument("--processes", type=int, default=2)
+    parser.add_argument("--workers", type=int, default=1, help="runs at a time")
+    parser.add_argument("--problems", nargs="+", default=list(PROBLEMS), choices=list(PROBLEMS))
+    arguments = parser.parse_args()
+    records = measure(
+        arguments.problems,
+        arguments.calibrations,
+        arguments.processes,
+        arguments.workers,
+        arguments.kept,
+    )
+    print_tables(records, arguments.problems)
+
+
+if __name__ == "__main__":
+    main()
