@@ -194,19 +194,21 @@ def _first_guess(problem: Problem, evaluations: list[Evaluation], seed: int) -> 
 
 def _fit(problem: Problem, evaluations: list[Evaluation], notes: list[str]) -> Metamodels | None:
     """Metamodels of the responses for which they can be fitted."""
-    targets, models = [], []
+    targets, models, outliers = [], [], []
     for target in problem.targets:
         alone = replace(problem, targets=(target,))
         try:
-            models += Metamodels.fit(alone, evaluations).models
+            fitted = Metamodels.fit(alone, evaluations)
         except GrainfitError as error:
             if evaluations:
                 notes.append(f"There is no metamodel of {target.name}: {error}")
         else:
             targets.append(target)
+            models += fitted.models
+            outliers += fitted.outliers
     if not targets:
         return None
-    return Metamodels(replace(problem, targets=tuple(targets)), models)
+    return Metamodels(replace(problem, targets=tuple(targets)), models, outliers)
 
 
 def _reduced(metamodels: Metamodels) -> Metamodels:
@@ -214,7 +216,7 @@ def _reduced(metamodels: Metamodels) -> Metamodels:
     effort = sum(model.n**2 + _EFFORT_OF_ASKING for model in metamodels.models)
     components = max(_LARGEST_EFFORT // effort, _FEWEST_COMPONENTS)
     models: list[Kriging] = [model.reduced(components) for model in metamodels.models]
-    return Metamodels(metamodels.problem, models)
+    return Metamodels(metamodels.problem, models, metamodels.outliers)
 
 
 def _is_spread(evaluations: Sequence[Evaluation]) -> bool:

@@ -70,6 +70,7 @@ def judge(
 def _status(answer: Answer, confidence: float, in_doubt: bool) -> Status:
     if answer.out_of_reach:
         return "unreachable"
-    if answer.probability_all_met >= confidence and not in_doubt:
+    both = (answer.probability_all_met, answer.probability_without_outliers)
+    if min(both) >= confidence and not in_doubt:
         return "calibrated"
-    return "out_of_tolerance" if answer.probability_all_met <= 1 - confidence else "undecided"
+    return "out_of_tolerance" if max(both) <= 1 - confidence else "undecided"

@@ -24,6 +24,7 @@ from scipy import stats
 from threadpoolctl import threadpool_limits
 
 from grainfit.errors import Fault, InputError
+from grainfit.metamodels.growing_scatter import GrowingScatter
 from grainfit.metamodels.hyperparameters import RANGE_MEDIAN, HyperparameterPosterior
 from grainfit.metamodels.noise_ratios import most_probable, noise_ratios
 from grainfit.metamodels.predictor import (
@@ -182,8 +183,11 @@ class Kriging:
         scale: float,
         degrees_of_freedom: int,
         judged_by: Kriging | None = None,
+        scatter: GrowingScatter | None = None,
     ) -> None:
         self._components = components
+        #: Change of the scatter over the cube; None when it is the same everywhere.
+        self.scatter = scatter
         self._weights = np.array([c.hyperparameters.weight for c in components])
         self._offset = offset
         self._scale = scale
@@ -200,6 +204,7 @@ class Kriging:
         *,
         standard_errors: ArrayLike | None = None,
         linear_trend: bool = True,
+        scatter: GrowingScatter | None = None,
     ) -> Kriging:
         """Fit a metamodel to runs.
 
@@ -218,6 +223,8 @@ class Kriging:
             between runs, and only if the runs support them. Equal ones change nothing.
         linear_trend : bool
             Whether the trend is linear; if not, or with too few runs, it is constant.
+        scatter : GrowingScatter, optional
+            Change of the scatter over the cube, taken into account if the runs support it.
 
         Returns
         -------
@@ -242,6 +249,8 @@ class Kriging:
             )
         known_noise = _checked_noise(noise_variance, n)
         candidates = noise_ratios(_checked_noise(standard_errors, n, "standard_errors"))
+        if scatter is not None:
+            candidates.append(scatter.ratios(points))
         trend = Trend.choose(points, linear_trend)
         contrasts = Contrasts.of(trend.matrix(points))
         offset = float(values.mean())
@@ -265,7 +274,7 @@ class Kriging:
                     HyperparameterPosterior(points, standardised, contrasts, known_noise, ratios)
                     for ratios in candidates
                 ]
-                best = most_probable([fit.log_density for fit in fits])
+                best = most_probable([fit.log_density for fit in fits], scatter is not None)
                 sets, ratios = fits[best].hyperparameters(), candidates[best]
         data = (trend, points, standardised, known_noise, contrasts, ratios)
         return cls(
@@ -273,6 +282,7 @@ class Kriging:
             offset=offset,
             scale=scale,
             degrees_of_freedom=contrasts.degrees_of_freedom,
+            scatter=scatter if ratios is candidates[-1] else None,
         )
 
     @property
@@ -286,6 +296,28 @@ class Kriging:
         if self._judged_by is not None:
             return self._judged_by.n
         return len(self._components[0].points)
+
+    @property
+    def values(self) -> FloatArray:
+        """Responses of the runs, shape (n,)."""
+        return np.asarray(self._offset + self._scale * (self._judged_by or self)._components[0].values)
+
+    def standardised_residuals(self) -> FloatArray:
+        """Deviations of the runs from what the others predict, in standard deviations, shape (n,).
+
+        They are exactly 0 where all runs are equal.
+        """
+        check = self.leave_one_out()
+        off = self.values - check.predicted
+        return np.asarray(off / np.maximum(check.standard_deviation, np.finfo(float).tiny))
+
+    def quantile(self, share: float) -> float:
+        """Number of standard deviations that a share of predictions misses the truth by.
+
+        Standard deviations are such that 1.96 of them miss it in 5 %; the tails are Student's.
+        """
+        freedom = self._degrees_of_freedom
+        return float(stats.t.isf(share / 2, freedom)) / math.sqrt(self._inflation)
 
     @property
     def components(self) -> int:
@@ -317,6 +349,16 @@ class Kriging:
         noise = np.array([c.hyperparameters.noise_variance for c in self._components])
         known = float(self._components[0].known_noise.mean())
         return self._scale**2 * (self._inflation * float(self._weights @ noise) + known)
+
+    def scatter_at(self, points: FloatArray) -> FloatArray:
+        """`variance_of_scatter` at points of the unit cube, shape (m,)."""
+        if self.scatter is None:
+            return np.full(len(points), self.variance_of_scatter)
+        return self.variance_of_scatter * self.scatter.ratios(points)
+
+    def _ratios_at(self, points: FloatArray) -> FloatArray:
+        """Ratios of the noise of added runs: average where the errors are not known."""
+        return np.ones(len(points)) if self.scatter is None else self.scatter.ratios(points)
 
     @cached_property
     def _inflation(self) -> float:
@@ -355,7 +397,7 @@ class Kriging:
         mean, variance = (np.concatenate(parts) for parts in zip(*blocks, strict=True))
         variance = self._scale**2 * variance
         return Prediction(
-            self._offset + self._scale * mean, variance, variance + self.variance_of_scatter
+            self._offset + self._scale * mean, variance, variance + self.scatter_at(points)
         )
 
     def _predict_block(self, points: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -502,7 +544,9 @@ class Kriging:
         points = _checked_points(points, self.d)
         added = (_checked_values(values, len(points)) - self._offset) / self._scale
         noise = self._usual_known_noise(len(points))
-        return self._with([c.condition(points, added, noise) for c in self._components], None)
+        return self._with([
+            c.condition(points, added, noise, self._ratios_at(points)) for c in self._components
+        ], None)
 
     def condition_on_pending(self, points: ArrayLike) -> Kriging:
         """Add pending runs: the mean stays the same, the variance shrinks to its later value.
@@ -523,7 +567,8 @@ class Kriging:
         """
         points = _checked_points(points, self.d)
         noise = self._usual_known_noise(len(points))
-        components = [c.condition_on_pending(points, noise) for c in self._components]
+        ratios = self._ratios_at(points)
+        components = [c.condition_on_pending(points, noise, ratios) for c in self._components]
         return self._with(components, self._judged_by or self)
 
     def _usual_known_noise(self, runs: int) -> FloatArray:
@@ -536,6 +581,7 @@ class Kriging:
             scale=self._scale,
             degrees_of_freedom=self._degrees_of_freedom,
             judged_by=judged_by,
+            scatter=self.scatter,
         )
 
     def reduced(self, components: int) -> Kriging:
@@ -569,6 +615,7 @@ class Kriging:
             scale=self._scale,
             degrees_of_freedom=self._degrees_of_freedom,
             judged_by=self._judged_by.reduced(components) if self._judged_by else None,
+            scatter=self.scatter,
         )
 
     def to_plain(self, *, factors: bool = True) -> dict[str, Any]:

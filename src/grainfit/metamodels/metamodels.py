@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -11,6 +12,7 @@ from scipy.special import ndtr
 from grainfit.errors import RunFailedError
 from grainfit.evaluation import Evaluation
 from grainfit.metamodels.kriging import Kriging
+from grainfit.metamodels.outliers import NO_OUTLIERS, Outliers, fit_without_outliers
 from grainfit.problem import Problem
 
 Array = NDArray[np.float64]
@@ -32,12 +34,23 @@ class Metamodels:
     problem : Problem
         Parameters and targets.
     models : sequence of Kriging
-        One per target.
+        One per target, of the runs without outliers.
+    outliers : sequence of Outliers, optional
+        Outlying runs, one object per target. Expected responses are those over all seeds: the
+        outliers shift them.
     """
 
-    def __init__(self, problem: Problem, models: Sequence[Kriging]) -> None:
+    def __init__(
+        self,
+        problem: Problem,
+        models: Sequence[Kriging],
+        outliers: Sequence[Outliers] | None = None,
+    ) -> None:
         self.problem = problem
         self.models = list(models)
+        self.outliers = list(outliers or [NO_OUTLIERS] * len(self.models))
+        self._shifts = np.array([found.shift for found in self.outliers])
+        self._shift_variances = np.array([found.variance_of_shift for found in self.outliers])
         self._targets = np.array([target.value for target in problem.targets])
         self._tolerances = np.array([target.tolerance for target in problem.targets])
         weights = np.array([target.weight for target in problem.targets])
@@ -60,7 +73,13 @@ class Metamodels:
         RunFailedError
             Too few runs yielded a response to fit a metamodel.
         """
-        return cls(problem, [_fit(problem, evaluations, t.name) for t in problem.targets])
+        fits = [_fit(problem, evaluations, target.name) for target in problem.targets]
+        return cls(problem, [model for model, _ in fits], [outliers for _, outliers in fits])
+
+    @property
+    def has_outliers(self) -> bool:
+        """Whether any run is an outlier."""
+        return any(found.indices for found in self.outliers)
 
     def predict(self, points: ArrayLike) -> tuple[Array, Array]:
         """Expected responses and their variances at points of the unit cube.
@@ -75,6 +94,10 @@ class Metamodels:
         means, variances : ndarray, shape (m, number of targets)
             The variance is that of the expected response, not of a single run.
         """
+        means, variances = self._predict_without_outliers(points)
+        return means + self._shifts, variances + self._shift_variances
+
+    def _predict_without_outliers(self, points: ArrayLike) -> tuple[Array, Array]:
         predictions = [model.predict(np.atleast_2d(points)) for model in self.models]
         return (
             np.column_stack([prediction.mean for prediction in predictions]),
@@ -91,10 +114,16 @@ class Metamodels:
         """Standard deviations of the responses from seed to seed, shape (number of targets,)."""
         return np.array([model.noise_standard_deviation for model in self.models])
 
-    @property
-    def scatter(self) -> Array:
-        """Variance that the scatter adds to a run's deviations, above zero, shape (targets,)."""
-        variances = np.array([model.variance_of_scatter for model in self.models])
+    def noise_at(self, point: ArrayLike) -> Array:
+        """Standard deviations of the responses from seed to seed at one point, shape (targets,)."""
+        at = np.atleast_2d(point)
+        ratios = [1.0 if m.scatter is None else float(m.scatter.ratios(at)[0]) for m in self.models]
+        return np.asarray(self.noise * np.sqrt(ratios))
+
+    def scatter_at(self, points: ArrayLike) -> Array:
+        """Variance that the scatter adds to a run's deviations, above zero, shape (m, targets)."""
+        at = np.atleast_2d(points)
+        variances = np.column_stack([model.scatter_at(at) for model in self.models])
         return np.asarray(np.maximum(variances / self._units**2, _NO_NOISE**2))
 
     @property
@@ -160,6 +189,10 @@ class Metamodels:
         means, variances = self.predict(points)
         return self._probability(means, caution**2 * variances)
 
+    def probability_without_outliers(self, points: ArrayLike) -> Array:
+        """Probability that all targets are met by runs that are no outliers, shape (m,)."""
+        return self._probability(*self._predict_without_outliers(points))
+
     def probabilities(self, points: ArrayLike) -> Array:
         """Probability that each expected response is within its tolerance, shape (m, targets)."""
         return self._inside(*self.predict(points))
@@ -174,7 +207,8 @@ class Metamodels:
         for index, model in enumerate(self.models):
             without, variance = model.without_each_run(point)
             many, spread = (np.repeat(known, len(without), axis=0) for known in (means, variances))
-            many[:, index], spread[:, index] = without, variance
+            many[:, index] = without + self._shifts[index]
+            spread[:, index] = variance + self._shift_variances[index]
             found.append(self._probability(many, spread))
         return np.concatenate(found)
 
@@ -194,8 +228,11 @@ class Metamodels:
         """
         _, variances = self.predict(point)
         counts = np.unique(np.geomspace(1, 1e6, 400).round())
-        scatter = self.scatter * self._units**2
+        scatter = self.scatter_at(point)[0] * self._units**2
+        variances = variances - self._shift_variances
+        runs = np.array([found.runs for found in self.outliers])
         left = variances / (1 + counts[:, None] * variances / scatter)
+        left += self._shift_variances * runs / (runs + counts[:, None])
         enough = self._probability(np.tile(self._targets, (len(counts), 1)), left) >= confidence
         return int(counts[enough][0]) if enough.any() else int(counts[-1])
 
@@ -203,7 +240,8 @@ class Metamodels:
         """Add pending runs at points: means stay the same, variances shrink."""
         if not len(points):
             return self
-        return Metamodels(self.problem, [m.condition_on_pending(points) for m in self.models])
+        models = [model.condition_on_pending(points) for model in self.models]
+        return Metamodels(self.problem, models, self.outliers)
 
 
 def runs_that_yield(evaluations: Sequence[Evaluation], name: str) -> list[Evaluation]:
@@ -227,7 +265,9 @@ def _places(evaluations: Sequence[Evaluation]) -> int:
     return len({tuple(e.proposal.parameters.values()) for e in evaluations})
 
 
-def _fit(problem: Problem, evaluations: Sequence[Evaluation], name: str) -> Kriging:
+def _fit(
+    problem: Problem, evaluations: Sequence[Evaluation], name: str
+) -> tuple[Kriging, Outliers]:
     known = runs_that_yield(evaluations, name)
     needed, places = _fewest_places(problem), _places(known)
     if places < needed:
@@ -239,8 +279,10 @@ def _fit(problem: Problem, evaluations: Sequence[Evaluation], name: str) -> Krig
         )
     points = np.array([problem.to_unit(e.proposal.parameters) for e in known])
     responses = [e.responses[name] for e in known]
-    return Kriging.fit(
+    model, outliers = fit_without_outliers(
         points,
         np.array([response.value for response in responses]),
-        standard_errors=np.array([response.standard_error for response in responses]),
+        np.array([response.standard_error for response in responses]),
     )
+    runs = tuple(known[index].proposal.seed for index in outliers.indices)
+    return model, replace(outliers, seeds=runs)

@@ -219,9 +219,13 @@ class Component:
         return self.values - self._coefficients / precision, 1.0 / precision
 
     def condition(
-        self, points: FloatArray, values: FloatArray, known_noise: FloatArray
+        self,
+        points: FloatArray,
+        values: FloatArray,
+        known_noise: FloatArray,
+        added_ratios: FloatArray,
     ) -> Component:
-        """Add runs."""
+        """Add runs; the ratios of their noise only count where those of the others are known."""
         ratios = self.noise_ratios
         return Component(
             self.hyperparameters,
@@ -229,13 +233,14 @@ class Component:
             np.vstack([self.points, points]),
             np.append(self.values, values),
             np.append(self.known_noise, known_noise),
-            # The errors of the added runs are not known: average ones are assumed.
-            noise_ratios=None if ratios is None else np.append(ratios, np.ones(len(points))),
+            noise_ratios=None if ratios is None else np.append(ratios, added_ratios),
         )
 
-    def condition_on_pending(self, points: FloatArray, known_noise: FloatArray) -> Component:
+    def condition_on_pending(
+        self, points: FloatArray, known_noise: FloatArray, added_ratios: FloatArray
+    ) -> Component:
         """Add pending runs, which get the predicted mean."""
-        return self.condition(points, self.predict(points)[0], known_noise)
+        return self.condition(points, self.predict(points)[0], known_noise, added_ratios)
 
     def weighing(self, weight: float) -> Component:
         """Return the component with another weight in the mixture."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from math import isfinite
 
 import numpy as np
@@ -13,6 +13,7 @@ from grainfit.errors import RunFailedError
 from grainfit.evaluation import Evaluation
 from grainfit.metamodels.kriging import Kriging
 from grainfit.metamodels.metamodels import Metamodels
+from grainfit.metamodels.outliers import Outliers
 from grainfit.problem import Problem
 from grainfit.result import Bound, MetamodelQuality, OutOfReach
 
@@ -38,6 +39,10 @@ class Answer:
         Probability, by the metamodels, that all expected responses are within their tolerances.
     probabilities : mapping of str to float
         The same for each target alone, by its name.
+    probability_without_outliers : float
+        Probability that all targets are met by runs that are no outliers.
+    outliers : mapping of str to Outliers
+        Outlying runs, by name of the target; without those that have none.
     runs_needed : int
         Estimated number of further runs at these parameters that would make it certain enough, if
         the expected responses are right.
@@ -55,6 +60,8 @@ class Answer:
     standard_errors: Mapping[str, float]
     probability_all_met: float
     probabilities: Mapping[str, float] = field(default_factory=dict)
+    probability_without_outliers: float = 1.0
+    outliers: Mapping[str, Outliers] = field(default_factory=dict)
     runs_needed: int = 0
     out_of_reach: tuple[OutOfReach, ...] = ()
     quality: Mapping[str, MetamodelQuality] = field(default_factory=dict)
@@ -85,9 +92,15 @@ def make_answer(
         standard_errors=dict(zip(names, np.sqrt(variances[0]).tolist(), strict=True)),
         probability_all_met=float(metamodels.probability_all_met(point)[0]),
         probabilities=dict(zip(names, metamodels.probabilities(point)[0].tolist(), strict=True)),
+        probability_without_outliers=float(metamodels.probability_without_outliers(point)[0]),
+        outliers={
+            name: found
+            for name, found in zip(names, metamodels.outliers, strict=True)
+            if found.indices
+        },
         runs_needed=metamodels.runs_needed(point, confidence),
         out_of_reach=tuple(out_of_reach),
-        quality=metamodel_quality(metamodels, spread=spread),
+        quality=_quality_at(metamodels, point, spread),
         cut_off=dict(_cut_off(metamodels, closest)),
     )
 
@@ -121,6 +134,18 @@ def metamodel_quality(
     names = [target.name for target in metamodels.problem.targets]
     return {
         name: _quality(model, spread) for name, model in zip(names, metamodels.models, strict=True)
+    }
+
+
+def _quality_at(
+    metamodels: Metamodels, point: NDArray[np.float64], spread: bool
+) -> dict[str, MetamodelQuality]:
+    """Return the quality of the metamodels, with the noise at a point."""
+    found = metamodel_quality(metamodels, spread=spread)
+    noise = metamodels.noise_at(point).tolist()
+    return {
+        name: replace(known, noise=local)
+        for (name, known), local in zip(found.items(), noise, strict=True)
     }
 
 

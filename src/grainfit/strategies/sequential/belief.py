@@ -150,7 +150,7 @@ class Belief:
     def narrowing(self, runs: int) -> float:
         """Share by which further runs at the answer would narrow its standard errors."""
         _, variances = self.metamodels.deviations(self.answer)
-        return float((1 - 1 / np.sqrt(1 + runs * variances[0] / self.metamodels.scatter)).max())
+        return float((1 - 1 / np.sqrt(1 + runs * variances[0] / self.metamodels.scatter_at(self.answer)[0])).max())
 
     def why_undecided(self, confidence: float) -> str:
         """Explain how certain the answer is, and how many runs would make it certain enough."""
@@ -170,7 +170,7 @@ class Belief:
     def _scatter(self) -> str:
         return ", ".join(
             f"{noise:.2g} in {target.name} (tolerance {target.tolerance:.2g})"
-            for noise, target in zip(self.metamodels.noise, self.problem.targets, strict=True)
+            for noise, target in zip(self.metamodels.noise_at(self.answer), self.problem.targets, strict=True)
         )
 
     @property

@@ -60,7 +60,7 @@ class KnowledgeGradient:
         self._pull = np.einsum("mkl,ml->mk", self._follows, means)
         self._now = (means * self._pull).sum(axis=1) + variances.sum(axis=1) + handicaps
         self._covariance = metamodels.covariance_with(points)
-        self._scatter = metamodels.scatter
+        self._scatter_at = metamodels.scatter_at
         self._outcomes = _normal_outcomes(means.shape[1])
 
     @property
@@ -79,7 +79,7 @@ class KnowledgeGradient:
 
     def _of_block(self, points: Array) -> Array:
         covariance, variance = self._covariance(points)
-        learnt = covariance / np.sqrt(variance + self._scatter[:, None])[:, None, :]
+        learnt = covariance / np.sqrt(variance + self._scatter_at(points).T)[:, None, :]
         settled = self._now[:, None] - (learnt**2).sum(axis=0)
         linear = 2.0 * self._pull.T[:, :, None] * learnt
         first, second = np.triu_indices(len(learnt))

@@ -1,0 +1,133 @@
+"""Find runs that do not belong to the scatter of the others: jams, avalanches, blow-ups.
+
+Runs are left out one after the other, always the one that the metamodel of the others predicts
+worst, and each is judged by that metamodel (generalised extreme studentised deviates). Normal
+scatter raises a false alarm in `FALSE_ALARM` of all responses that are checked once.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy import stats
+
+from grainfit.metamodels.growing_scatter import find_growing_scatter
+from grainfit.metamodels.kriging import NORMAL_QUANTILE, Kriging
+from grainfit.metamodels.predictor import FloatArray
+
+#: Probability that runs of normal scatter are found to have an outlier.
+FALSE_ALARM = 0.005
+#: Largest share of runs that can be outliers: beyond it, they are the rule.
+_LARGEST_SHARE = 0.25
+#: With a smaller largest residual, no run needs to be looked at.
+_SUSPICIOUS = 2.0
+#: Fewest runs per coefficient of a linear trend with which a run can be told from the others.
+_RUNS_PER_COEFFICIENT = 2
+
+
+@dataclass(frozen=True)
+class Outliers:
+    """Outlying runs of one response.
+
+    Parameters
+    ----------
+    indices : tuple of int
+        Their places among the runs.
+    residuals : ndarray
+        Their deviations from what the metamodel of the others expects.
+    runs : int
+        Number of all runs.
+    seeds : tuple of int
+        Seeds of the outlying runs, by which a user finds them.
+    """
+
+    indices: tuple[int, ...]
+    residuals: FloatArray
+    runs: int
+    seeds: tuple[int, ...] = ()
+
+    @property
+    def shift(self) -> float:
+        """Change of the expected response by such runs: the mean over seeds has them, too."""
+        return float(self.residuals.sum()) / self.runs
+
+    @property
+    def variance_of_shift(self) -> float:
+        """Squared standard error of the shift, widened for the few runs that it rests on."""
+        if not self.indices:
+            return 0.0
+        squares = float((self.residuals**2).sum()) - self.runs * self.shift**2
+        widened = float(stats.t.ppf(0.975, self.runs - 1)) / NORMAL_QUANTILE
+        return widened**2 * squares / (self.runs * (self.runs - 1))
+
+
+NO_OUTLIERS = Outliers((), np.empty(0), 1)
+
+
+def fit_without_outliers(
+    points: FloatArray, values: FloatArray, standard_errors: FloatArray
+) -> tuple[Kriging, Outliers]:
+    """Fit a metamodel to the runs that belong together.
+
+    Parameters
+    ----------
+    points : ndarray, shape (n, d)
+        Points of the runs in the unit cube.
+    values, standard_errors : ndarray, shape (n,)
+        Their responses, and the stated standard errors of these.
+
+    Returns
+    -------
+    Kriging
+        Of the runs without outliers.
+    Outliers
+        The others.
+
+    References
+    ----------
+    Rosner (1983), Technometrics 25, 165-172: generalised extreme studentised deviates.
+    """
+    everything = _fit(points, values, standard_errors)
+    most = _most_outliers(*points.shape)
+    if most == 0 or _largest_residual(everything)[1] < _SUSPICIOUS:
+        return everything, NO_OUTLIERS
+    kept = np.arange(len(values))
+    model, best = everything, (everything, kept)
+    for _ in range(most):
+        kept = np.delete(kept, _largest_residual(model)[0])
+        left_out = np.setdiff1d(np.arange(len(values)), kept)
+        model = _fit(points[kept], values[kept], standard_errors[kept])
+        if _all_outlying(model, points[left_out], values[left_out], len(values)):
+            best = (model, kept)
+    model, kept = best
+    left_out = np.setdiff1d(np.arange(len(values)), kept)
+    if not len(left_out):
+        return everything, NO_OUTLIERS
+    residuals = values[left_out] - model.predict(points[left_out]).mean
+    return model, Outliers(tuple(left_out.tolist()), residuals, len(values))
+
+
+def _fit(points: FloatArray, values: FloatArray, standard_errors: FloatArray) -> Kriging:
+    """Fit a metamodel, with a scatter that changes over the cube where the runs show it."""
+    model = Kriging.fit(points, values, standard_errors=standard_errors)
+    scatter = find_growing_scatter(points, model.standardised_residuals())
+    return model if scatter is None else Kriging.fit(points, values, scatter=scatter)
+
+
+def _most_outliers(runs: int, dimension: int) -> int:
+    spare = runs - _RUNS_PER_COEFFICIENT * (dimension + 1) - 1
+    return max(0, min(int(_LARGEST_SHARE * runs), spare))
+
+
+def _largest_residual(model: Kriging) -> tuple[int, float]:
+    """Return the run that the others predict worst, and by how many standard deviations."""
+    residuals = np.abs(model.standardised_residuals())
+    worst = int(np.argmax(residuals))
+    return worst, float(residuals[worst])
+
+
+def _all_outlying(model: Kriging, points: FloatArray, values: FloatArray, runs: int) -> bool:
+    found = model.predict(points)
+    away = np.abs(values - found.mean) / np.sqrt(found.variance_of_new_run)
+    return bool(away.min() > model.quantile(FALSE_ALARM / runs))
