@@ -13,7 +13,6 @@ import pytest
 from grainfit.calibration_file.layout import LAYOUT
 from grainfit.calibration_file.schema import calibration_file_schema, schema_path
 from grainfit.calibration_file.starter import starter_file
-from tools.strategy_tables import with_tables
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 GLASS_BEADS = (EXAMPLES / "glass_beads" / "calibration.toml").read_text(encoding="utf-8")
@@ -93,8 +92,3 @@ def test_every_key_is_in_the_reference() -> None:
     text = DOCS.read_text(encoding="utf-8")
     keys = keys_of(LAYOUT.schema())
     assert [key for key in keys if f"`{key}`" not in text and f"[{key}]" not in text] == []
-
-
-def test_the_tables_of_the_strategies_are_up_to_date() -> None:
-    text = DOCS.read_text(encoding="utf-8")
-    assert text == with_tables(text), "run: python tools/strategy_tables.py"
