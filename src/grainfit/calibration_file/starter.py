@@ -58,7 +58,7 @@ solver = "$solver"$padding                       # or "$other_solver"
 # rim_height = "0 mm"                   # a free edge: particles may fall off
 # lift_speed = "0.05 m/s"               # decides the angle of repose: use your laboratory's
 # plate_sliding_friction = 0.5
-# timeout = "30 min"                    # of one run; none by default
+# timeout = "30 min"                    # of one run; by default far above its estimated time
 
 # Mean and standard uncertainty of your measurements ...
 targets.bulk_density = { value = "1500 kg/m^3", uncertainty = "1 %" }
