@@ -63,7 +63,6 @@ BEADS: Mapping[str, float] = {
     "particle_wall.restitution": 0.55,
 }
 MASS = particle_mass(BEADS, RADIUS)
-INERTIA = 2 / 5 * MASS * RADIUS**2
 Simulate = Callable[..., Motion]
 
 
