@@ -1,9 +1,9 @@
 """Runs that a second material needs with a warm start from the calibration of a first one.
 
 Two materials on the same test: the targets of the second are other responses within the sampled
-range. It is calibrated from nothing, and with the runs of the first one's calibration at hand. The
-heap test is an emulator of recorded runs with their noise (see calibration_problems.py), so that
-the true deviation of every answer is known.
+range. It is calibrated without earlier runs, and with a warm start from the calibration of the
+first. The heap test is an emulator of recorded runs with their noise (see
+calibration_problems.py), so that the true deviation of every answer is known.
 
 Usage: python benchmarks/reuse.py [--pairs N] [--workers N] [--json PATH]
 """
@@ -30,13 +30,13 @@ from grainfit.solvers.own_model.python_callable import PythonCallable
 WIDTH = 0.66
 #: Distance of the second material's seed from the first one's.
 _OTHER = 5000
-#: A second material is to take at most this share of the runs that it takes from nothing.
+#: Largest share of runs that a second material should need with a warm start.
 GOAL = 1 / 3
 
 
 @dataclass(frozen=True)
 class Outcome:
-    """What a calibration took, and how far its answer truly is from the targets."""
+    """Runs of a calibration, and true distance of its answer from the targets."""
 
     status: str
     search: int
@@ -45,7 +45,7 @@ class Outcome:
 
 
 def pair(seed: int) -> tuple[Outcome, Outcome]:
-    """Calibrate a second material from nothing, and after a first one."""
+    """Calibrate a second material without earlier runs, and after a first one."""
     first, second = heap(seed, WIDTH), heap(seed + _OTHER, WIDTH)
     with tempfile.TemporaryDirectory() as folder:
         cold = _calibrate(second, Path(folder) / "cold", seed)
@@ -73,9 +73,11 @@ def _outcome(case: Case, result: Result) -> Outcome:
 
 
 def summarise(pairs: list[tuple[Outcome, Outcome]]) -> dict[str, dict[str, float]]:
-    """Return the figures of both ways by name."""
+    """Return the figures of both calibrations by name."""
     figures = {}
-    for name, outcomes in zip(("from nothing", "with runs"), zip(*pairs, strict=True), strict=True):
+    for name, outcomes in zip(
+        ("without earlier runs", "warm start"), zip(*pairs, strict=True), strict=True
+    ):
         totals = [outcome.total for outcome in outcomes]
         figures[name] = {
             "calibrated": float(np.mean([o.status == "calibrated" for o in outcomes])),
@@ -102,13 +104,13 @@ def main() -> None:
     figures = summarise(pairs)
     columns = ("search_median", "search_p90", "total_median", "calibrated", "within_tolerance")
     print(f"{len(pairs)} pairs of materials, intervals of +-{WIDTH:.0%}")
-    print(f"{'':14}" + "".join(f"{column:>18}" for column in columns))
+    print(f"{'':20}" + "".join(f"{column:>18}" for column in columns))
     for name, row in figures.items():
-        print(f"{name:14}" + "".join(f"{row[column]:18.3g}" for column in columns))
-    cold, warm = figures["from nothing"], figures["with runs"]
+        print(f"{name:20}" + "".join(f"{row[column]:18.3g}" for column in columns))
+    cold, warm = figures["without earlier runs"], figures["warm start"]
     for what in ("search", "total"):
         share = warm[f"{what}_sum"] / cold[f"{what}_sum"]
-        print(f"{what} runs: {share:.2f} of those from nothing (goal: at most {GOAL:.2f})")
+        print(f"{what} runs: {share:.2f} of those without earlier runs (goal: at most {GOAL:.2f})")
     if options.json:
         options.json.write_text(json.dumps(figures, indent=1))
 

@@ -20,11 +20,11 @@ from grainfit.contact_models.registry import (
     contact_law_faults,
     material_parameters,
     with_defaults,
-    without_defaults,
 )
 from grainfit.errors import InputError
 from grainfit.materials.parameters import CONTACTS, declare
 from grainfit.materials.sizes import ParticleSizes
+from grainfit.run_definition import without_defaults
 from grainfit.solvers.dem import program
 from grainfit.solvers.dem.lammps.program import Lammps
 from grainfit.solvers.dem.liggghts.program import Liggghts
@@ -174,8 +174,9 @@ def test_values_at_their_default_are_added_and_left_out_again():
     assert complete.keys() - GLASS_BEADS.keys() == {
         f"{section}.{key}" for section in CONTACTS for key in ("surface_energy", "cohesion")
     }
-    assert without_defaults(complete) == GLASS_BEADS
-    assert "particle_particle.surface_energy" in without_defaults(STICKY_BEADS)
+    assert without_defaults(complete, with_defaults({})) == GLASS_BEADS
+    sticky = without_defaults(STICKY_BEADS, with_defaults({}))
+    assert "particle_particle.surface_energy" in sticky
 
 
 @pytest.mark.usefixtures("cohesive")
