@@ -170,7 +170,7 @@ class CalibrationLoop:
             self._run_fresh_seeds(answer, outcome.fresh)
             answer = strategy.answer(self._recorded_answer())
             outcome = self._judge(answer)
-            if outcome.status == "calibrated":
+            if self._is_sure(outcome):
                 break
             if strategy.resume_after_verification(self._left()):
                 self._run_strategy()
@@ -187,6 +187,11 @@ class CalibrationLoop:
             self._strategy.confidence,
             self._options.verification_runs,
         )
+
+    def _is_sure(self, outcome: Outcome) -> bool:
+        """Return whether the outcome would hardly change with more runs."""
+        enough = outcome.answer.probability_all_met >= self._strategy.confidence_to_stop
+        return enough and outcome.status == "calibrated"
 
     def _can_be_confirmed(self, answer: Answer) -> bool:
         """Return whether a few fresh seeds at the answer could make it certain enough."""
@@ -268,8 +273,8 @@ class CalibrationLoop:
     def _run_fresh_seeds(self, answer: Answer, fresh: FreshRuns) -> None:
         """Run fresh seeds at the answer: as many as its confirmation lacks."""
         self._recall_verification(answer)
-        usual = self._options.verification_runs
-        count = max(usual - fresh.count, min(answer.runs_needed, usual), 1)
+        lacking = self._options.verification_runs - fresh.count
+        count = max(lacking, min(answer.runs_needed, self._options.workers), 1)
         left = self._left()
         waiting = []
         for _ in range(count if left is None else min(count, max(left, 1))):

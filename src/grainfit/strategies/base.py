@@ -54,6 +54,8 @@ if TYPE_CHECKING:
 
 #: How often a verification that does not confirm the answer may lead back to the search.
 RESUMPTIONS = 8
+#: Doubt at which a search stops, as a share of the accepted one (`benchmarks/verdicts.py`).
+_DOUBT_TO_STOP = 0.5
 
 
 @dataclass(frozen=True)
@@ -164,6 +166,15 @@ class Search(ABC):
     def confidence(self) -> float:
         """Demanded probability that every target is met; 0.95 unless overridden."""
         return 0.95
+
+    @property
+    def confidence_to_stop(self) -> float:
+        """Probability at which a search stops: higher than the demanded one.
+
+        A search that looks after every run, and stops as soon as the outcome is good enough, stops
+        rather when it looks better than it is: the doubt left has to be half of the accepted one.
+        """
+        return 1 - _DOUBT_TO_STOP * (1 - self.confidence)
 
     @property
     def notices(self) -> Sequence[str]:

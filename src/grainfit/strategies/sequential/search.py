@@ -149,7 +149,7 @@ class SequentialSearch(Search):
             return max(self._pending, min(self._allowed, usual) - len(self._told))
         if self._rule.is_decided(self._belief):
             return self._pending
-        needed = self._belief.runs_needed(self._options.confidence)
+        needed = self._belief.runs_needed(self.confidence_to_stop)
         return max(self._pending, min(self._allowed - len(self._told), needed))
 
     def warm_start(self, evaluations: Sequence[Evaluation]) -> None:
@@ -202,7 +202,7 @@ class SequentialSearch(Search):
         chosen = parameters or belief.problem.from_unit(belief.answer)
         closest = belief.answers.closest[0]
         return make_answer(
-            belief.metamodels, chosen, misses, closest, spread=False, confidence=self.confidence
+            belief.metamodels, chosen, misses, closest, spread=False, confidence=self.confidence_to_stop
         )
 
     def resume_after_verification(self, affordable: int | None = None) -> bool:
@@ -240,7 +240,7 @@ class SequentialSearch(Search):
     def _rule(self) -> StoppingRule:
         has_budget = self.max_evaluations is not None
         return StoppingRule(
-            confidence=self._options.confidence,
+            confidence=self.confidence_to_stop,
             is_confirmed=len(self._told) >= self._design_size + _RUNS_TO_CONFIRM,
             runs_left=None if has_budget else self._allowed - len(self._told),
         )
@@ -305,7 +305,7 @@ class SequentialSearch(Search):
     def _propose_most_useful(self, belief: Belief) -> Proposal | None:
         pending = self._pending_points(belief.problem)
         conditioned = belief.metamodels.condition_on_pending(pending)
-        confidence = self._options.confidence
+        confidence = self.confidence_to_stop
         if len(pending) and pending_is_enough(belief, conditioned, len(pending), confidence):
             return None
         point = next_point(belief, conditioned, self._random())
