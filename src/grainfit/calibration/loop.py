@@ -23,12 +23,14 @@ from grainfit.calibration.verification import (
     needs_more_runs,
     verified_responses,
 )
+from grainfit.calibration.warm_start import warm_start
 from grainfit.campaign.campaign import Campaign
-from grainfit.campaign.reuse import models_of, most_telling, runs_of
+from grainfit.campaign.reuse import models_of, runs_of
 from grainfit.campaign.store.records import RequestRecord
 from grainfit.campaign.store.store import RunStore
 from grainfit.errors import GrainfitError, RunFailedError, StoreError
 from grainfit.evaluation import Evaluation, Proposal
+from grainfit.metamodels.known_runs import nearest_runs
 from grainfit.problem import Problem
 from grainfit.result import Result, Status
 from grainfit.run_definition import identity_of
@@ -91,10 +93,10 @@ class CalibrationLoop:
         else:
             records = list(self._store.find_many(earlier.known).values())
         known = runs_of(self._problem, self._campaign.solvers, records)
-        telling = most_telling(self._problem, known)
-        used = {run for evaluation in telling for run in evaluation.runs.values()}
+        chosen = nearest_runs(self._problem, known, seed=self._strategy.seed)
+        used = {run for evaluation in chosen for run in evaluation.runs.values()}
         self._origins = Counter(record.origin for record in records if record.identity in used)
-        return telling
+        return chosen
 
     def _define(self) -> dict[str, Any]:
         # Another input deck or solver version makes another calibration: the requests of the old
@@ -136,7 +138,7 @@ class CalibrationLoop:
             self._identity, self._options.name, self._definition, runs, self._about(known)
         )
         if known:
-            self._strategy.warm_start(known)
+            warm_start(self._strategy, self._problem, known)
             self._show()
         self._campaign.fetch([run for r in self._recorded for run in r.runs.values()])
         answer: Answer | None = None
