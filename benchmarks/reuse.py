@@ -40,9 +40,9 @@ _OTHER = 5000
 GOAL = 1 / 3
 #: Cases of neighbours, number of materials calibrated before, and share of each interval.
 NEIGHBOURS = ("heap, +-66 %", "heap, four parameters", "analytic, six parameters")
-EARLIER, SHARE = 4, 0.5
+EARLIER, SHARE = 2, 0.5
 #: Largest distances beyond the intervals.
-REACHES = (0.0, 0.25, 0.5, 1.0)
+REACHES = (0.0, 0.5, 1.0)
 
 
 @dataclass(frozen=True)
