@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from functools import cached_property
 from typing import Any, Literal
 
@@ -109,6 +109,11 @@ class Parameter:
     def contains(self, value: float) -> bool:
         """Return True if a value is within the interval."""
         return self.minimum <= value <= self.maximum
+
+    def holding(self, values: Sequence[float]) -> Parameter:
+        """Return the parameter with its interval widened to hold some values."""
+        low, high = min([self.minimum, *values]), max([self.maximum, *values])
+        return replace(self, minimum=low, maximum=high)
 
     def to_unit(self, value: float) -> float:
         """Return the position of a value in the interval: 0 at the minimum, 1 at the maximum."""
@@ -322,6 +327,11 @@ class Problem:
     def intervals(self) -> dict[str, tuple[float, float]]:
         """Bounds by parameter name."""
         return {p.name: (p.minimum, p.maximum) for p in self.parameters}
+
+    def holding(self, points: Sequence[Mapping[str, float]]) -> Problem:
+        """Return the problem with its intervals widened to hold some parameter sets."""
+        parameters = [p.holding([values[p.name] for values in points]) for p in self.parameters]
+        return replace(self, parameters=parameters)
 
     def to_unit(self, values: Mapping[str, float]) -> NDArray[np.float64]:
         """Map parameter values to a point of the unit cube, shape (d,)."""

@@ -3,19 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from threadpoolctl import threadpool_limits
 
 from grainfit.analysis.fitting import fit_runs
 from grainfit.analysis.identifiability import Identifiability, assess_identifiability
+from grainfit.analysis.intervals import parameter_intervals
 from grainfit.analysis.pareto import ParetoFront, pareto_front
 from grainfit.analysis.posterior import Posterior, sample_posterior
 from grainfit.analysis.sensitivity import Sensitivity, estimate_sensitivity
 from grainfit.evaluation import Evaluation
 from grainfit.metamodels.metamodels import Metamodels
 from grainfit.problem import Problem
-from grainfit.result import MetamodelQuality
+from grainfit.result import MetamodelQuality, ParameterInterval
 from grainfit.strategies.answer import metamodel_quality
 
 
@@ -34,6 +35,8 @@ class Analysis:
         Parameter sets that agree with the measurements.
     sensitivity : Sensitivity or None
         Sensitivity of each response to each parameter.
+    intervals : mapping of str to ParameterInterval
+        95 % interval of each parameter, which holds the answer; empty without a posterior.
     identifiability : Identifiability or None
         Parameters that the tests determine, and those that they leave open.
     pareto : ParetoFront or None
@@ -46,6 +49,7 @@ class Analysis:
     quality: Mapping[str, MetamodelQuality] = field(default_factory=dict)
     posterior: Posterior | None = None
     sensitivity: Sensitivity | None = None
+    intervals: Mapping[str, ParameterInterval] = field(default_factory=dict)
     identifiability: Identifiability | None = None
     pareto: ParetoFront | None = None
     notes: tuple[str, ...] = ()
@@ -69,7 +73,8 @@ def analyse(
     seed : int
         The same seed gives the same analysis.
     answer : mapping of str to float, optional
-        The calibrated values; if there are many runs, those near them are preferred.
+        The calibrated values, which the intervals hold; if there are many runs, those near them
+        are preferred.
 
     Returns
     -------
@@ -83,20 +88,47 @@ def analyse(
     ('There is no run yet that yielded a response: nothing can be said.',)
     """
     with threadpool_limits(limits=1, user_api="blas"):
+        found = analyse_parameters(problem, evaluations, seed=seed, answer=answer)
+        if found.metamodels is None or found.posterior is None:
+            return found
+        return replace(
+            found,
+            sensitivity=estimate_sensitivity(found.metamodels, seed=seed),
+            identifiability=assess_identifiability(found.posterior, problem, answer),
+            pareto=pareto_front(found.metamodels, seed=seed),
+        )
+
+
+def analyse_parameters(
+    problem: Problem,
+    evaluations: Sequence[Evaluation],
+    *,
+    seed: int = 1,
+    answer: Mapping[str, float] | None = None,
+) -> Analysis:
+    """Return the part of `analyse` that the result of a calibration has: the 95 % intervals.
+
+    Parameters
+    ----------
+    problem, evaluations, seed, answer
+        As for `analyse`.
+
+    Returns
+    -------
+    Analysis
+        With metamodels, their quality, posterior and intervals.
+    """
+    with threadpool_limits(limits=1, user_api="blas"):
         fitted = fit_runs(problem, evaluations, seed=seed, answer=answer)
-        metamodels = fitted.reduced
-        if fitted.whole is None or metamodels is None:
+        if fitted.whole is None or fitted.reduced is None:
             return Analysis(notes=fitted.notes)
-        posterior = sample_posterior(metamodels, seed=seed)
-        rough = () if posterior.converged else (posterior.convergence,)
+        posterior = sample_posterior(fitted.reduced, seed=seed)
         return Analysis(
-            metamodels=metamodels,
+            metamodels=fitted.reduced,
             quality=metamodel_quality(fitted.whole, spread=_is_spread(fitted.runs)),
             posterior=posterior,
-            sensitivity=estimate_sensitivity(metamodels, seed=seed),
-            identifiability=assess_identifiability(posterior, metamodels.problem),
-            pareto=pareto_front(metamodels, seed=seed),
-            notes=(*fitted.notes, *rough),
+            intervals=parameter_intervals(posterior, problem, answer),
+            notes=(*fitted.notes, *(() if posterior.converged else (posterior.convergence,))),
         )
 
 

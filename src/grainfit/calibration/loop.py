@@ -11,6 +11,7 @@ from importlib.metadata import version
 from typing import Any
 
 from grainfit.calibration.build_result import About, Verification, make_result
+from grainfit.calibration.intervals import with_intervals
 from grainfit.calibration.progress import Progress
 from grainfit.calibration.provenance import Provenance
 from grainfit.calibration.verification import (
@@ -168,9 +169,10 @@ class CalibrationLoop:
         )
         verification = Verification(self._verification_of(answer) if answer else (), contradicted)
         known_runs = sum(self._origins.values())
-        return make_result(
+        result = make_result(
             about, self._strategy, answer, self._evaluations, verification, known_runs
         )
+        return with_intervals(result, self._problem, self._evaluations, known)
 
     def _converse(self) -> tuple[Answer, Status, list[Contradiction]]:
         self._run_strategy()

@@ -23,6 +23,7 @@ COLUMNS = (
     "deviation_percent",
     "met",
     "verdict",
+    "determination",
 )
 _FORMULA_SIGNS = ("=", "+", "-", "@")
 Cell = str | float | bool | None
@@ -50,6 +51,7 @@ def _lines(card: MaterialCard) -> Iterator[dict[str, Cell]]:
             "high_95": high,
             "origin": parameter.origin,
             "verdict": card.verdict,
+            "determination": parameter.determination,
         }
     for response in card.responses:
         yield {

@@ -56,6 +56,7 @@ def _parameter(parameter: CardParameter) -> dict[str, Any]:
         "description": parameter.description,
         "value": parameter.value,
         "interval_95": parameter.interval,
+        "determination": parameter.determination,
         "origin": parameter.origin,
     }
 

@@ -8,6 +8,7 @@ from typing import Literal
 from grainfit.materials.sizes import ParticleSizes
 
 Origin = Literal["calibrated", "not calibrated", "given"]
+Determination = Literal["determined", "narrowed", "not determined"]
 _STATUS_WORDS = {
     "calibrated": "calibrated: every target is met within its tolerance",
     "out_of_tolerance": "NOT CALIBRATED: finished without meeting every target",
@@ -30,7 +31,9 @@ class CardParameter:
     origin : {"calibrated", "not calibrated", "given"}
         Given, or free; if free, whether the calibration met its targets.
     interval : pair of float, optional
-        95 % credible interval.
+        95 % credible interval, which holds the value.
+    determination : {"determined", "narrowed", "not determined"}, optional
+        Whether the runs determine it; None without an interval.
     """
 
     name: str
@@ -40,6 +43,7 @@ class CardParameter:
     value: float
     origin: Origin
     interval: tuple[float, float] | None = None
+    determination: Determination | None = None
 
 
 @dataclass(frozen=True)
