@@ -196,6 +196,23 @@ def analytic(seed: int) -> Case:
     return Case(case.problem, case.truth, ANALYTIC_NOISE * case.targets)
 
 
+def part_of(case: Case, seed: int, share: float) -> Case:
+    """A part of a problem: a random share of each interval, with targets from within it."""
+    random = np.random.default_rng([seed, 1951])
+    parameters = []
+    for parameter in case.problem.parameters:
+        low = random.uniform(0.0, 1.0 - share)
+        bounds = parameter.from_unit(low), parameter.from_unit(low + share)
+        parameters.append(Parameter(parameter.name, *bounds, parameter.scale))
+    relative = {
+        target.name: target.tolerance / target.value
+        for target in case.problem.targets
+        if target.tolerance != ANGLE_TOLERANCE
+    }
+    part = Case(Problem(parameters, case.problem.targets), case.truth, case.noise)
+    return _target_the_responses_of(part, seed, relative)
+
+
 #: Cases by name: seed of the targets to case.
 CASES: dict[str, Callable[[int], Case]] = {
     "heap, +-33 %": lambda seed: heap(seed, 0.33),

@@ -22,12 +22,13 @@ from rich.progress import track
 from grainfit.calibration_file.build import CalibrationSetup, build_calibration
 from grainfit.calibration_file.load import load_calibration_file
 from grainfit.campaign.campaign import Campaign, CampaignOptions
-from grainfit.campaign.reuse import models_of, most_telling, runs_of
+from grainfit.campaign.reuse import models_of, runs_of
 from grainfit.campaign.store.records import RequestRecord, RunRecord
 from grainfit.campaign.store.store import RunStore
 from grainfit.campaign.work_folder import RECORD_NAME, hold, recover, run_folder
 from grainfit.evaluation import Proposal, Response
 from grainfit.metamodels.designs import maximin_latin_hypercube
+from grainfit.metamodels.known_runs import nearest_runs
 from grainfit.work_folder.status import read_status
 
 EXAMPLE = Path(__file__).parents[1] / "examples" / "glass_beads" / "calibration.toml"
@@ -86,7 +87,7 @@ def warm_start(folder: Path, setup: CalibrationSetup) -> None:
     with closing(RunStore.read_only(folder)) as store:
         records = store.runs_of(models_of(setup.solvers))
         known = runs_of(setup.problem, setup.solvers, records)
-    assert most_telling(setup.problem, known)
+    assert nearest_runs(setup.problem, known)
 
 
 def command(folder: Path) -> None:

@@ -96,9 +96,7 @@ def two_modes(scatter: float, apart: float) -> Noise:
 
 def cauchy(scatter: float) -> Noise:
     """Cauchy noise: it has neither mean nor variance."""
-    return lambda random, _point, count: np.clip(
-        scatter * random.standard_cauchy(count), -1e3, 1e3
-    )
+    return lambda random, _point, count: np.clip(scatter * random.standard_cauchy(count), -1e3, 1e3)
 
 
 # Surfaces -----------------------------------------------------------------------------------

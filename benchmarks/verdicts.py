@@ -179,8 +179,9 @@ def print_tables(records: Sequence[Record], names: Iterable[str]) -> None:
 
 
 def _print_reliability(records: Sequence[Record]) -> None:
-    print("\n| stated probability | calibrations | mean stated, % | truly within, % |\n|---|---|---|---|")
-    for low, high in zip(CLASSES, CLASSES[1:], strict=False):
+    print("\n| stated probability | calibrations | mean stated, % | truly within, % |")
+    print("|---" * 4 + "|")
+    for low, high in pairwise(CLASSES):
         group = [
             r
             for r in records
@@ -192,11 +193,14 @@ def _print_reliability(records: Sequence[Record]) -> None:
             true = share_with_limits(sum(map(is_right, group)), len(group))
             print(f"| {low:g} to {high:g} | {len(group)} | {stated:.1f} | {true} |")
     told = [item for record in records for item in record["told"][:-1]]
-    right = sum(low / FACTOR - SLACK <= left <= high * FACTOR + SLACK for _, low, high, left in told)
+    middles = [(math.sqrt(max(low, 1) * max(high, 1)), left) for _, low, high, left in told]
+    right = sum(
+        left / FACTOR - SLACK <= middle <= FACTOR * left + SLACK for middle, left in middles
+    )
     inside = sum(low <= left <= high for _, low, high, left in told)
     print(
         f"\nRemaining runs: {100 * inside / max(len(told), 1):.0f} % within the stated range, "
-        f"{100 * right / max(len(told), 1):.0f} % between half and twice of it."
+        f"{100 * right / max(len(told), 1):.0f} % of the middles between half and twice."
     )
 
 

@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 import grainfit as gf
+from grainfit.formatting import plain_ends
 from grainfit.tables import TextTable, as_html, as_text
 
 PROBLEM = gf.Problem(
@@ -54,9 +55,11 @@ def test_a_result_prints_as_a_short_table(saved: gf.OpenedCalibration) -> None:
     found = result.responses["angle"]
     expected, half = found.expected
     assert lines[0] == "beads: calibrated: every target is met within its tolerance"
-    assert f"friction           {result.parameters['friction']:.4g}".split() in map(
-        str.split, lines
-    )
+    friction = result.intervals["friction"]
+    shown = f"{result.parameters['friction']:.4g} {plain_ends(friction.low, friction.high)}"
+    assert ["friction", *shown.split(), "determined"] in map(str.split, lines)
+    (stiffness,) = (line for line in lines if line.startswith("<i>stiffness</i>"))
+    assert stiffness.endswith("not determined")
     angle = next(line for line in lines if line.startswith("angle"))
     assert "30 ± 0.5 deg" in angle
     assert f"{expected:.5g} ± {half:.2g}" in angle

@@ -46,10 +46,14 @@ def number(value: float | None, digits: int = 4) -> str:
     """
     if value is None or not isfinite(value):
         return "–"
+    return _with_power(_significant(value, digits))
+
+
+def _significant(value: float, digits: int) -> str:
     text = f"{value:.{digits}g}"
     if "e" in text and _FIXED[0] <= abs(value) < _FIXED[1]:
         text = f"{float(text):.0f}"
-    return _with_power(text)
+    return text
 
 
 def rounded(value: float | None, uncertainty: float | None) -> str:
@@ -70,6 +74,36 @@ def rounded(value: float | None, uncertainty: float | None) -> str:
         # Adding zero turns minus zero into zero.
         return _with_power(f"{round(value, decimals) + 0.0:.{max(decimals, 0)}f}")
     return _with_power(f"{value:.{max(magnitude + decimals, 0)}e}")
+
+
+def _telling_digits(low: float, high: float) -> int:
+    """Number of significant digits with which both ends of an interval differ."""
+    share = (high - low) / max(abs(low), abs(high), 1e-300)
+    return min(max(1 - floor(log10(max(share, 1e-9))), 3), _MOST_DIGITS)
+
+
+def ends(low: float, high: float) -> str:
+    """Return both ends of an interval, for readers.
+
+    Examples
+    --------
+    >>> ends(0.4712, 0.8193), ends(2256.8, 2256.9)
+    ('0.471 to 0.819', '2256.8 to 2256.9')
+    """
+    digits = _telling_digits(low, high)
+    return f"{number(low, digits)} to {number(high, digits)}"
+
+
+def plain_ends(low: float, high: float) -> str:
+    """Return both ends of an interval as programs write numbers, to be copied.
+
+    Examples
+    --------
+    >>> plain_ends(1.1234e6, 8.8e7)
+    '1.12e+06 to 8.8e+07'
+    """
+    digits = _telling_digits(low, high)
+    return f"{_significant(low, digits)} to {_significant(high, digits)}"
 
 
 def _with_power(text: str) -> str:

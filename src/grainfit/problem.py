@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from functools import cached_property
-from typing import Any, Literal
+from typing import Any, Literal, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -21,6 +21,7 @@ from grainfit.units import UnitError, percentage, to_si, to_unit
 DEFAULT_RELATIVE_TOLERANCE = 0.02
 
 Scale = Literal["linear", "log"]
+Statistic = Literal["mean", "median"]
 _TARGET_WIDTHS = ("uncertainty", "tolerance")
 
 
@@ -106,6 +107,11 @@ class Parameter:
         """Return True if a value is within the interval."""
         return self.minimum <= value <= self.maximum
 
+    def holding(self, values: Sequence[float]) -> Parameter:
+        """Return the parameter with its interval widened to hold some values."""
+        low, high = min([self.minimum, *values]), max([self.maximum, *values])
+        return replace(self, minimum=low, maximum=high)
+
     def to_unit(self, value: float) -> float:
         """Return the position of a value in the interval: 0 at the minimum, 1 at the maximum."""
         if self.scale == "log":
@@ -165,6 +171,9 @@ class Target:
         equal weights).
     unit : str
         SI unit, for display; by default that of the quantities.
+    statistic : {"mean", "median"}
+        Expected response: the mean over seeds, with jams and other outlying runs, or the median,
+        which these do not move.
 
     Examples
     --------
@@ -179,6 +188,7 @@ class Target:
     tolerance: float = None  # type: ignore[assignment]
     weight: float = 1.0
     unit: str = ""
+    statistic: Statistic = "mean"
 
     def __post_init__(self) -> None:
         _read_quantities(self, {"value": "value"})
@@ -205,6 +215,8 @@ class Target:
         So the identity of a calibration does not depend on whether the default was given.
         """
         data = asdict(self)
+        if self.statistic == "mean":
+            del data["statistic"]
         return {**data, "tolerance": None} if self.tolerance == self._usual_tolerance else data
 
     def relative_deviation(self, response: float) -> float:
@@ -225,6 +237,14 @@ def _target_faults(target: Target) -> Sequence[Fault]:
     if not target.name or not isinstance(target.name, str):
         return [Fault("target", "has no name.", "Give it the name of its response.")]
     faults = []
+    if target.statistic not in get_args(Statistic):
+        faults.append(
+            Fault(
+                f"{target.name}.statistic",
+                f"is {_shown(target.statistic)}.",
+                f"Possible here: {', '.join(get_args(Statistic))}.",
+            )
+        )
     if not 0 < as_number(target.value) < math.inf:
         faults.append(
             Fault(
@@ -318,6 +338,11 @@ class Problem:
     def intervals(self) -> dict[str, tuple[float, float]]:
         """Bounds by parameter name."""
         return {p.name: (p.minimum, p.maximum) for p in self.parameters}
+
+    def holding(self, points: Sequence[Mapping[str, float]]) -> Problem:
+        """Return the problem with its intervals widened to hold some parameter sets."""
+        parameters = [p.holding([values[p.name] for values in points]) for p in self.parameters]
+        return replace(self, parameters=parameters)
 
     def to_unit(self, values: Mapping[str, float]) -> NDArray[np.float64]:
         """Map parameter values to a point of the unit cube, shape (d,)."""

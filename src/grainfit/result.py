@@ -11,7 +11,16 @@ from typing import Any, Literal
 
 from grainfit.errors import StoreError
 from grainfit.files import write_atomically
-from grainfit.formatting import counted, probability
+from grainfit.formatting import (
+    counted,
+    ends,
+    number,
+    plain_ends,
+    probability,
+    unit_for_people,
+    with_unit,
+)
+from grainfit.materials.card import Determination
 from grainfit.tables import TextTable, as_html, as_text
 
 #: Half the width of a 95 % interval in standard errors.
@@ -19,6 +28,8 @@ _NORMAL_QUANTILE = 1.96
 Status = Literal["calibrated", "undecided", "out_of_tolerance", "unreachable", "interrupted"]
 Verdict = Literal["met", "in doubt", "missed"]
 Bound = Literal["min", "max"]
+#: From this percentage on, the ends of an interval are given instead.
+_LARGEST_PERCENTAGE = 50.0
 #: The status in words.
 STATUS_WORDS: Mapping[Status, str] = {
     "calibrated": "calibrated: every target is met within its tolerance",
@@ -62,8 +73,11 @@ class ResponseResult:
     probability : float, optional
         Probability, by all runs, that the expected response is within its tolerance. None in
         results of version 0.1.0.
-    verified_runs : int
-        Number of verification runs.
+    verified_values : tuple of float
+        Responses of the verification runs; those of runs very near the answer are carried over to
+        it by the metamodel.
+    verified_seeds : tuple of int
+        Their seeds.
     """
 
     target: float
@@ -77,12 +91,52 @@ class ResponseResult:
     deviation_percent: float
     verdict: Verdict
     probability: float | None = None
-    verified_runs: int = 0
+    verified_values: tuple[float, ...] = ()
+    verified_seeds: tuple[int, ...] = ()
 
     @property
     def expected(self) -> tuple[float, float]:
         """Expected response, by all runs, and half of its 95 % interval."""
         return self.predicted, _NORMAL_QUANTILE * self.standard_error
+
+
+@dataclass(frozen=True)
+class ParameterInterval:
+    """95 % interval of a parameter, which holds the answer, and a word for its width.
+
+    Parameters
+    ----------
+    low, high : float
+        Ends, SI; see `grainfit.analysis.intervals.parameter_intervals`.
+    determination : {"determined", "narrowed", "not determined"}
+        Whether the runs determine the parameter: at most a quarter of its interval fits; more; or
+        more than nine tenths.
+    """
+
+    low: float
+    high: float
+    determination: Determination
+
+    def percentage(self, value: float) -> str:
+        """Return the percentage about a value that covers the interval; "" if it is large."""
+        if not value:
+            return ""
+        percent = 100.0 * max(self.high - value, value - self.low) / abs(value)
+        return f"±{number(percent, 2)} %" if percent <= _LARGEST_PERCENTAGE else ""
+
+    def in_words(self, value: float, unit: str = "") -> str:
+        """Return how well the runs determine the parameter.
+
+        Examples
+        --------
+        >>> ParameterInterval(0.47, 0.82, "narrowed").in_words(0.6)
+        'only narrowed, 0.47 to 0.82'
+        """
+        between = with_unit(ends(self.low, self.high), unit_for_people(unit))
+        if self.determination == "narrowed":
+            return f"only narrowed, {between}"
+        share = self.percentage(value) if self.determination == "determined" else ""
+        return f"determined to {share}" if share else f"{self.determination}, {between}"
 
 
 @dataclass(frozen=True)
@@ -166,6 +220,9 @@ class Result:
         Notices for the user.
     history : sequence of RunSummary
         Every parameter set that was simulated, in order.
+    intervals : mapping of str to ParameterInterval
+        95 % intervals of the parameters, given all runs. Empty when these are too few, when no
+        parameter set agrees with the measurements, or in a file of an older version.
     """
 
     status: Status
@@ -188,6 +245,7 @@ class Result:
     metamodels: Mapping[str, MetamodelQuality] = field(default_factory=dict)
     notices: tuple[str, ...] = ()
     history: tuple[RunSummary, ...] = ()
+    intervals: Mapping[str, ParameterInterval] = field(default_factory=dict)
 
     @property
     def headline(self) -> str:
@@ -196,9 +254,22 @@ class Result:
         return f"{self.name}: {words}" if self.name else words
 
     def parameter_table(self) -> TextTable:
-        """Return the calibrated values with their units."""
-        rows = ((n, _with_unit(v, self.units.get(n, ""))) for n, v in self.parameters.items())
-        return TextTable(("parameter", "value"), tuple(rows))
+        """Return the calibrated values with their intervals, and how well they are determined."""
+        rows = (self._parameter_cells(name, value) for name, value in self.parameters.items())
+        header = ("parameter", "value", "95 % interval", "")
+        return TextTable(header, tuple(rows), "" if self.intervals else self._why_no_intervals)
+
+    def _parameter_cells(self, name: str, value: float) -> tuple[str, ...]:
+        shown, found = _with_unit(value, self.units.get(name, "")), self.intervals.get(name)
+        if found is None:
+            return (name, shown, "-", "")
+        return (name, shown, plain_ends(found.low, found.high), found.determination)
+
+    @property
+    def _why_no_intervals(self) -> str:
+        if self.status == "unreachable":
+            return "No intervals: no parameter set agrees with the measurements."
+        return "No intervals: there are too few runs, or an older version wrote the result."
 
     def response_table(self) -> TextTable:
         """Return each response: target, expected value, deviation and verdict."""

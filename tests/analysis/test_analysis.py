@@ -158,13 +158,23 @@ def test_of_many_runs_those_near_the_answer_count_whatever_came_of_them(
     assert (np.abs(points - 0.25) < reach).sum() >= 75
 
 
-def test_runs_outside_the_intervals_are_left_out_and_counted() -> None:
-    narrower = replace(STATIC, parameters=[replace(DENSITY, maximum=2600.0), SLIDING, ROLLING])
+def test_runs_not_far_outside_the_intervals_count_and_others_are_left_out() -> None:
+    narrower = replace(STATIC, parameters=[replace(DENSITY, maximum=2400.0), SLIDING, ROLLING])
     evaluations = runs(PROBLEM, 30)
-    inside = sum(e.proposal.parameters[DENSITY.name] <= 2600.0 for e in evaluations)
+    # The half of an interval of 400 beyond 2400.
+    near = sum(e.proposal.parameters[DENSITY.name] <= 2600.0 for e in evaluations)
     found = analyse(narrower, evaluations)
-    assert found.metamodels.models[0].n == inside
-    assert found.notes[0].startswith(f"{30 - inside} of 30 runs are outside the intervals")
+    assert found.metamodels.models[0].n == near
+    assert found.notes[0].startswith(
+        f"{30 - near} of 30 runs are farther outside the intervals than 50% of their widths"
+    )
+    assert found.posterior.values.max(axis=0)[0] <= 2400.0
+
+
+def test_the_order_of_the_runs_does_not_matter(whole: Analysis) -> None:
+    again = analyse(PROBLEM, runs(PROBLEM, 36, failing=4)[::-1], answer=ANSWER)
+    assert again.intervals == whole.intervals
+    np.testing.assert_array_equal(again.sensitivity.total, whole.sensitivity.total)
 
 
 def test_a_response_that_is_always_the_same_is_no_obstacle() -> None:

@@ -158,7 +158,7 @@ def test_the_ends_of_a_narrow_interval_differ_in_what_is_shown(
     random: np.random.Generator,
 ) -> None:
     (verdict,) = judged([DENSITY], random.normal(0.5, 1e-4, COUNT)).verdicts
-    assert verdict == "particle.density is determined to ±0.0078 % (2499.8 to 2500.2 kg/m³)."
+    assert verdict == "particle.density is determined to ±0.008 % (2499.8 to 2500.2 kg/m³)."
 
 
 def test_a_single_parameter_is_judged_too(random: np.random.Generator) -> None:

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import random
+from dataclasses import replace
 from pathlib import Path
+from statistics import stdev
 
 import pytest
 
@@ -11,10 +13,11 @@ import grainfit as gf
 from grainfit.bulk_tests.heap import Heap
 from grainfit.calibration_file.build import build_calibration
 from grainfit.calibration_file.load import load_calibration_file
-from grainfit.campaign.reuse import most_telling, runs_of
+from grainfit.campaign.reuse import runs_of
 from grainfit.campaign.store.records import RunRecord
 from grainfit.evaluation import Evaluation, Proposal, Response
 from grainfit.materials.sizes import ParticleSizes
+from grainfit.metamodels.known_runs import nearest_runs
 from grainfit.solvers.base import Solver
 from grainfit.solvers.dem.lammps.program import Lammps
 from grainfit.solvers.own_model.python_callable import PythonCallable
@@ -59,19 +62,29 @@ def test_parameters_of_equal_intervals_are_told_apart() -> None:
     assert found.proposal.parameters == values
 
 
-def test_only_runs_within_the_intervals_that_tell_something_count() -> None:
+def test_only_runs_not_far_from_the_intervals_that_tell_something_count() -> None:
     problem, solver = drum()
     inside = {"sliding": 0.3, "rolling": 0.4}
     records = [
         run(solver, inside, 1),
-        run(solver, {"sliding": 0.05, "rolling": 0.4}, 2),
-        run(solver, inside, 3, status="failed", responses={}, kind="simulation", reason="exploded"),
-        run(solver, inside, 4, status="failed", responses={}, kind="machine"),
-        run(solver, inside, 5, status="running", responses={}),
+        # The intervals are 0.8 wide, and the half of that is used.
+        run(solver, {"sliding": 1.29, "rolling": 0.4}, 2),
+        run(solver, {"sliding": 1.31, "rolling": 0.4}, 3),
+        run(solver, inside, 4, status="failed", responses={}, kind="simulation", reason="exploded"),
+        run(solver, inside, 5, status="failed", responses={}, kind="machine"),
+        run(solver, inside, 6, status="running", responses={}),
     ]
     found = runs_of(problem, {"drum": solver}, records)
-    assert [evaluation.proposal.seed for evaluation in found] == [1, 3]
+    assert sorted(evaluation.proposal.seed for evaluation in found) == [1, 2, 4]
     assert found[1].failures == {"drum": "exploded"}
+
+
+def test_a_negative_value_is_infinitely_far_from_a_logarithmic_interval() -> None:
+    problem = gf.Problem([gf.Parameter("E", 1e5, 1e7, "log")], [gf.Target("angle", 22.0)])
+    solver = PythonCallable(lambda p, s: {"angle": 1.0}, identity="drum")
+    records = [run(solver, {"E": value}, 1) for value in (-1.0, 0.0, 9e3, 1.1e4, 9e7)]
+    found = runs_of(problem, {"drum": solver}, records)
+    assert [e.proposal.parameters["E"] for e in found] == [1.1e4, 9e7]
 
 
 def test_with_several_tests_a_point_counts_when_all_of_them_were_run_with_its_seed() -> None:
@@ -112,18 +125,87 @@ def test_the_order_of_the_store_does_not_count() -> None:
     )
 
 
-def test_of_too_many_runs_the_nearest_are_taken_and_some_from_everywhere() -> None:
-    problem, _ = drum()
-    evaluations = [
-        Evaluation(Proposal({"sliding": 0.5, "rolling": 0.5}, seed, "design"), responses)
-        for seed in range(1000)
-        for responses in [{"angle": Response(20 + seed / 100)}]
+def angles(values: list[tuple[float, float]], scatter: float = 0.0) -> list[Evaluation]:
+    generator = random.Random(1)
+    return [
+        Evaluation(
+            Proposal({"sliding": x, "rolling": y}, seed, "design"),
+            {"angle": Response(10 + 20 * x + generator.gauss(0, scatter))},
+        )
+        for seed, (x, y) in enumerate(values)
     ]
-    chosen = most_telling(problem, evaluations, most=100)
-    assert len({e.proposal.seed for e in chosen}) == 100
-    assert {e.proposal.seed for e in chosen} >= set(range(180, 221))
-    assert max(e.proposal.seed for e in chosen) > 950
-    assert most_telling(problem, evaluations[:100], most=100) == evaluations[:100]
+
+
+def test_of_too_many_runs_those_near_the_answer_are_taken_and_some_from_everywhere() -> None:
+    problem, _ = drum()
+    generator = random.Random(2)
+    values = [(generator.uniform(0.1, 0.9), generator.uniform(0.1, 0.9)) for _ in range(1000)]
+    place = {"sliding": 0.6, "rolling": 0.5}
+    evaluations = angles(values)
+    chosen = nearest_runs(problem, evaluations, place, most=100)
+    ranked = sorted(values, key=lambda v: (v[0] - 0.6) ** 2 + (v[1] - 0.5) ** 2)
+    taken = {tuple(e.proposal.parameters.values()) for e in chosen}
+    assert len(chosen) == 100
+    assert taken >= set(ranked[:50])
+    assert taken & set(ranked[900:])
+    assert nearest_runs(problem, evaluations[:100], place, most=100) == evaluations[:100]
+
+
+def test_runs_are_not_taken_because_of_what_they_gave() -> None:
+    """At one place, the runs that hit the target by chance would make the scatter look small."""
+    problem, _ = drum()
+    generator = random.Random(3)
+    values = [(0.6, generator.uniform(0.1, 0.9)) for _ in range(1000)]
+    chosen = nearest_runs(problem, angles(values, scatter=2.0), most=150)
+    off = [e.responses["angle"].value - 22.0 for e in chosen]
+    assert stdev(off) == pytest.approx(2.0, rel=0.15)
+
+
+def test_runs_within_the_intervals_come_before_those_beyond_and_nearer_ones_before_others() -> None:
+    problem, _ = drum()
+    inside = [(0.1 + 0.08 * number, 0.5) for number in range(10)]
+    beyond = [(0.9 + 0.02 * number, 0.5) for number in range(20, 0, -1)]
+    chosen = nearest_runs(problem, angles([*beyond, *inside]), most=15)
+    assert {e.proposal.parameters["sliding"] for e in chosen} == {
+        x for x, _ in [*inside, *beyond[-5:]]
+    }
+
+
+@pytest.mark.parametrize("strategy", ["sequential", "staged"])
+def test_runs_beyond_the_intervals_teach_but_the_answer_stays_within(
+    tmp_path: Path, strategy: str
+) -> None:
+    """The first material is beyond the bound of the second, whose target is best met there."""
+
+    def simulate(parameters: dict[str, float], seed: int) -> dict[str, float]:
+        noise = random.Random(seed).gauss(0, 0.05)
+        return {"angle": 10 + 20 * parameters["sliding"] + noise}
+
+    solver = PythonCallable(simulate, identity="drum")
+    wide, target = gf.Parameter("sliding", 0.4, 1.0), gf.Target("angle", 26.2, tolerance=0.3)
+    gf.calibrate(gf.Problem([wide], [target]), solver, workdir=tmp_path, strategy=strategy)
+    narrow = gf.Problem([gf.Parameter("sliding", 0.3, 0.8)], [target])
+    result = gf.calibrate(narrow, solver, workdir=tmp_path, strategy=strategy)
+    saved = gf.open(tmp_path)
+    beyond = [e for e in saved.learnt if e.proposal.parameters["sliding"] > 0.8]
+    assert beyond
+    assert saved.analyse().metamodels.models[0].n == len(saved.known)
+    assert result.parameters["sliding"] <= 0.8
+    assert result.intervals["sliding"].high <= 0.8
+    assert all(e.proposal.parameters["sliding"] <= 0.8 for e in saved.evaluations)
+
+
+def test_runs_beyond_the_intervals_replace_no_run_of_the_design(tmp_path: Path) -> None:
+    solver = PythonCallable(lambda p, s: {"angle": 10 + 20 * p["sliding"]}, identity="drum")
+    target = gf.Target("angle", 20.0)
+    gf.calibrate(
+        gf.Problem([gf.Parameter("sliding", 0.45, 0.6)], [target]), solver, workdir=tmp_path
+    )
+    narrow = gf.Problem([gf.Parameter("sliding", 0.1, 0.44)], [replace(target, value=15.0)])
+    result = gf.calibrate(narrow, solver, workdir=tmp_path)
+    assert result.runs.warm_start_runs > 4
+    assert result.runs.design == 4
+    assert result.status == "calibrated"
 
 
 @pytest.mark.parametrize("strategy", ["sequential", "staged"])

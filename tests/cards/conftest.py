@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import fields, replace
 from pathlib import Path
 
 import pytest
@@ -11,7 +11,10 @@ from exported_beads import FIXED, NASTY, PROBLEM, SIZES, QuickHeap
 import grainfit
 from grainfit.bulk_tests.heap import Heap
 from grainfit.calibration.provenance import Provenance
-from grainfit.cards import CardParameter, MaterialCard, material_card
+from grainfit.cards import CardParameter, MaterialCard, WritableCard
+from grainfit.cards.from_calibration import make_card
+from grainfit.result import ParameterInterval
+from grainfit.work_folder.saved_calibration import SavedCalibration
 
 
 @pytest.fixture(scope="session")
@@ -31,7 +34,9 @@ def beads(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="session")
 def card(beads: Path) -> MaterialCard:
-    return material_card(beads, {"particle.density": (2290.0, 2330.0)})
+    known = {"particle.density": ParameterInterval(2290.0, 2330.0, "determined")}
+    made = make_card(SavedCalibration.open(beads), known)
+    return WritableCard(**{field.name: getattr(made, field.name) for field in fields(made)})
 
 
 @pytest.fixture(scope="session")

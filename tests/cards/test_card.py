@@ -118,7 +118,8 @@ def test_every_number_of_a_card_reads_back_exactly(card: MaterialCard, to: str) 
 @pytest.mark.parametrize("to", ["liggghts", "lammps", "yade"])
 def test_a_deck_is_told_units_origins_and_deviations(card: MaterialCard, to: str) -> None:
     text = render(card, to)
-    assert "particle density of the solid, kg/m^3: calibrated, 95 % interval 2290 to 2330" in text
+    density = "particle density of the solid, kg/m^3: calibrated, 95 % interval 2290 to 2330"
+    assert f"{density}, determined" in text
     assert "wall Young's modulus, Pa: given" in text
     assert "angle_of_repose: 22 +/- 0.5 deg" in text
     assert "Calibration file: beads.toml" in text
@@ -195,6 +196,37 @@ def test_a_card_that_is_not_calibrated_says_so_at_the_top(
     assert "NOT CALIBRATED" not in render(card, to)
 
 
+def test_what_is_not_determined_does_not_look_like_a_result(card: MaterialCard) -> None:
+    wide = (1000.0, 3500.0)
+    for word, heading, beside in (
+        ("not determined", "# NOT DETERMINED, other values agree as well: ", ", NOT DETERMINED"),
+        ("narrowed", "# Only narrowed: ", ", only narrowed"),
+    ):
+        open_card = replace(
+            card,
+            parameters=tuple(
+                replace(p, interval=wide, determination=word) if p.interval else p
+                for p in card.parameters
+            ),
+        )
+        for to in ("liggghts", "lammps", "yade"):
+            text = render(open_card, to)
+            assert f"{heading}particle.density" in text
+            assert f"95 % interval 1000 to 3500{beside}" in text
+        found = json.loads(render(open_card, "json"))["parameters"]
+        density = next(p for p in found if p["name"] == "particle.density")
+        assert density["determination"] == word
+        (line,) = (one for one in table(open_card) if one["name"] == "particle.density")
+        assert line["determination"] == word
+
+
+def test_the_card_has_the_intervals_of_the_result(calibrated_drum: Path) -> None:
+    [found] = grainfit.Result.from_json(calibrated_drum / "result.json").intervals.values()
+    [parameter] = material_card(calibrated_drum).parameters
+    assert parameter.interval == (found.low, found.high)
+    assert parameter.determination == found.determination == "determined"
+
+
 def test_a_card_tells_what_is_missed_from_what_is_in_doubt(card: MaterialCard) -> None:
     def said(**changes: object) -> tuple[str, str]:
         angle = replace(card.responses[1], target=22.0, tolerance=0.5, met=False, **changes)
@@ -212,7 +244,7 @@ def test_a_card_tells_what_is_missed_from_what_is_in_doubt(card: MaterialCard) -
 
 
 def test_a_target_out_of_reach_makes_a_card_that_is_not_calibrated(unreachable_drum: Path) -> None:
-    card = material_card(unreachable_drum, {})
+    card = material_card(unreachable_drum)
     assert not card.calibrated
     assert card.status == "unreachable"
     assert [parameter.origin for parameter in card.parameters] == ["not calibrated"]
@@ -222,10 +254,10 @@ def test_a_target_out_of_reach_makes_a_card_that_is_not_calibrated(unreachable_d
 def test_a_calibration_that_was_started_again_and_killed_is_not_calibrated(
     drum_folder: Path,
 ) -> None:
-    assert material_card(drum_folder, {}).calibrated
+    assert material_card(drum_folder).calibrated
     with sqlite3.connect(drum_folder / "runs.sqlite") as connection:
         connection.execute("UPDATE calibrations SET status = 'running'")
-    assert material_card(drum_folder, {}).verdict.startswith("NOT CALIBRATED: interrupted")
+    assert material_card(drum_folder).verdict.startswith("NOT CALIBRATED: interrupted")
 
 
 def test_an_answer_that_was_not_verified_is_not_called_met(drum_folder: Path) -> None:
@@ -239,9 +271,9 @@ def test_an_answer_that_was_not_verified_is_not_called_met(drum_folder: Path) ->
     edit_result(drum_folder, stop_before_verification)
     with sqlite3.connect(drum_folder / "runs.sqlite") as connection:
         connection.execute("UPDATE calibrations SET status = 'interrupted'")
-    (response,) = material_card(drum_folder, {}).responses
+    (response,) = material_card(drum_folder).responses
     assert (response.verified, response.met) == (False, False)
-    assert table(material_card(drum_folder, {}))[1]["origin"] == "predicted"
+    assert table(material_card(drum_folder))[1]["origin"] == "predicted"
 
 
 def test_without_an_answer_there_is_no_card_but_what_to_do(
@@ -276,6 +308,9 @@ def test_without_an_answer_there_is_no_card_but_what_to_do(
         lambda result: result.update(status="perfect"),
         lambda result: result.update(notices=7),
         lambda result: result.pop("status"),
+        lambda result: result["intervals"].update(other=result["intervals"]["Kohäsion"]),
+        lambda result: result["intervals"]["Kohäsion"].update(low=6e4),
+        lambda result: result["intervals"]["Kohäsion"].update(determination="sure"),
     ],
 )
 def test_a_damaged_result_is_named_and_never_exported(
@@ -283,7 +318,7 @@ def test_a_damaged_result_is_named_and_never_exported(
 ) -> None:
     edit_result(drum_folder, edit)
     with pytest.raises(StoreError, match=r"result\.json' is damaged: .*no finished run"):
-        material_card(drum_folder, {})
+        material_card(drum_folder)
 
 
 # --- models of one's own --------------------------------------------------------------------------
@@ -292,7 +327,7 @@ def test_a_damaged_result_is_named_and_never_exported(
 def test_a_model_of_ones_own_makes_cards_for_programs_and_no_others(
     calibrated_drum: Path,
 ) -> None:
-    card = material_card(calibrated_drum, {})
+    card = material_card(calibrated_drum)
     data = json.loads(render(card, "json"))
     assert data["parameters"][0]["name"] == "Kohäsion"
     assert data["particle_sizes"] is None

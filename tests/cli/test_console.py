@@ -9,7 +9,7 @@ from rich.console import Console
 
 import grainfit as gf
 from grainfit.cli.console import print_result
-from grainfit.result import Result
+from grainfit.result import ParameterInterval, Result
 
 
 @pytest.fixture(scope="module")
@@ -31,12 +31,33 @@ def printed(result: Result, **changes: object) -> str:
 
 def test_a_response_is_met_or_missed_by_its_verification_only(calibrated: Result) -> None:
     unverified = {"verified_mean": None, "verified_standard_error": None, "verified_interval": None}
-    assert printed(calibrated).rstrip().endswith("%   met")
+    assert printed(calibrated).rstrip().endswith("%  met")
     missed = {"verified_mean": 22.6, "within_tolerance": False}
-    assert printed(calibrated, **missed).rstrip().endswith("%   missed")
+    assert printed(calibrated, **missed).rstrip().endswith("%  missed")
     lucky = {"verified_mean": 22.4, "verified_interval": 0.6, "within_tolerance": False}
-    assert printed(calibrated, **lucky).rstrip().endswith("%   in doubt")
+    assert printed(calibrated, **lucky).rstrip().endswith("%  in doubt")
     for close in (True, False):
         shown = printed(calibrated, within_tolerance=close, **unverified).rstrip()
         assert "predicted 22 " in shown
         assert shown.endswith("not verified")
+
+
+def test_in_80_columns_every_parameter_has_its_whole_name_and_word(calibrated: Result) -> None:
+    words = ("determined", "narrowed", "not determined")
+    names = [f"particle_particle.sliding_friction{i}" for i in range(3)]
+    shown = replace(
+        calibrated,
+        parameters=dict.fromkeys(names, 1.234e6),
+        units=dict.fromkeys(names, "Pa"),
+        intervals={
+            name: ParameterInterval(1.1e6, 8.8e7, word)
+            for name, word in zip(names, words, strict=True)
+        },
+    )
+    console = Console(file=io.StringIO(), width=80)
+    print_result(console, shown, Path("sand.grainfit"))
+    assert isinstance(console.file, io.StringIO)
+    lines = console.file.getvalue().splitlines()
+    for name, word in zip(names, words, strict=True):
+        (line,) = (line.rstrip() for line in lines if line.startswith(f"{name} "))
+        assert line.endswith(f" {word}")

@@ -22,6 +22,7 @@ from grainfit.analysis import (
     pareto_front,
     sample_posterior,
 )
+from grainfit.analysis.intervals import parameter_intervals
 from grainfit.contact_models.registry import MATERIAL_PARAMETERS
 from grainfit.evaluation import Evaluation, Proposal, Response
 from grainfit.materials.time_step import RayleighTimeStep
@@ -167,6 +168,7 @@ def rough_analysis(wanted: Problem, known: Sequence[Evaluation]) -> Analysis:
         metamodels=metamodels,
         quality=metamodel_quality(metamodels),
         posterior=posterior,
+        intervals=parameter_intervals(posterior, wanted),
         sensitivity=estimate_sensitivity(metamodels, points=32),
         identifiability=assess_identifiability(posterior, wanted),
         pareto=pareto_front(metamodels, points=4),

@@ -33,7 +33,7 @@ from grainfit.report.sections.particles.shown_runs import read_view, shown_runs
 from grainfit.report.sections.reproduce.section import reproduce
 from grainfit.report.sections.runs.section import runs
 from grainfit.report.sections.verification.section import verification
-from grainfit.result import OutOfReach, Result, RunCounts
+from grainfit.result import OutOfReach, ParameterInterval, Result, RunCounts
 from grainfit.run_definition import RunDefinition
 from grainfit.work_folder.saved_calibration import SavedCalibration
 
@@ -168,6 +168,16 @@ def posterior(intervals: Mapping[str, tuple[float, float]]) -> Any:
     )
 
 
+def analysis_with(intervals: Mapping[str, tuple[float, float]]) -> Analysis:
+    """The first parameter determined, the second narrowed."""
+    words = ("determined", "narrowed")
+    found = {
+        name: ParameterInterval(*ends, word)
+        for (name, ends), word in zip(intervals.items(), words, strict=True)
+    }
+    return Analysis(posterior=posterior(intervals), intervals=found)
+
+
 # --- Answer ---------------------------------------------------------------------------------------
 
 
@@ -185,14 +195,16 @@ def test_values_have_the_digits_that_their_uncertainty_leaves() -> None:
 
 def test_the_answer_has_verdict_values_intervals_and_cost() -> None:
     intervals = {DENSITY: (2280.0, 2341.0), FRICTION: (0.4801, 0.5712)}
-    analysis = replace(Analysis(), posterior=posterior(intervals))
+    analysis = analysis_with(intervals)
     section = answer(context(analysis=analysis))
     shown = text(section)
     for words in (
         "Calibrated: every measurement is met within its tolerance.",
         "probability of 96 %",
-        "particle-particle rolling friction coefficient 0.520 0.480 … 0.571",
-        "ρ p kg/m³ particle density of the solid 2309 2280 … 2341",
+        "Particle density of the solid determined to ±1.4 %; particle-particle rolling friction "
+        "coefficient only narrowed, 0.48 to 0.571.",
+        "particle-particle rolling friction coefficient 0.520 0.480 … 0.571 ! narrowed",
+        "ρ p kg/m³ particle density of the solid 2309 2280 … 2341 ✓ determined",
         "✓ met 1500 ± 15 1501.8 ± 1.5 +0.12 %",
         "not verified 22 ± 0.5 21.60 ± 0.39 (predicted) −1.82 %",
         "2.153 ms , 1.05 times that of the middle of the intervals (2.054 ms)",
@@ -273,7 +285,7 @@ def test_an_interval_over_orders_of_magnitude_has_two_ends() -> None:
     problem = grainfit.Problem([wide, PROBLEM.parameters[1]], PROBLEM.targets)
     intervals = {DENSITY: (1.312e5, 8.4e7), FRICTION: (0.48, 0.57)}
     result = replace(RESULT, parameters={DENSITY: 3.04e6, FRICTION: 0.52})
-    analysis = replace(Analysis(), posterior=posterior(intervals))
+    analysis = analysis_with(intervals)
     found = answer(
         context(result=result, problem=problem, evaluations=(), units={}, analysis=analysis)
     )
@@ -281,7 +293,7 @@ def test_an_interval_over_orders_of_magnitude_has_two_ends() -> None:
 
 
 def test_where_nothing_agrees_there_is_no_interval() -> None:
-    analysis = replace(Analysis(), posterior=posterior({DENSITY: (1.0, 2.0), FRICTION: (0.4, 0.5)}))
+    analysis = analysis_with({DENSITY: (1.0, 2.0), FRICTION: (0.4, 0.5)})
     found = answer(context("unreachable", analysis=analysis))
     assert str(found.html).count("No parameter set within the intervals agrees") == 2
 

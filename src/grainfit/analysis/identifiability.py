@@ -2,26 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations
-from math import floor, log10, sqrt
+from math import sqrt
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import rankdata
 
 from grainfit.analysis.further_tests import to_settle, to_tell_apart
+from grainfit.analysis.intervals import DETERMINED, narrowing, parameter_intervals
 from grainfit.analysis.posterior import Posterior
-from grainfit.formatting import number, unit_for_people, with_unit
+from grainfit.formatting import ends, number, unit_for_people, with_unit
 from grainfit.problem import Parameter, Problem
+from grainfit.result import ParameterInterval
 
 Array = NDArray[np.float64]
 
-#: Width of a 95 % interval over that before the tests: up to the first determined, from the second
-#: on open.
-DETERMINED = 0.25
-OPEN = 0.9
 #: Smallest correlation (or as much information) of two parameters that replace each other.
 _STRONG = 0.7
 _CLASSES = 8
@@ -32,9 +30,6 @@ _END = 0.05
 #: A ridge farther from a straight line (share of the cube's edge) is described by three points.
 _BENT = 0.1
 _VARIANCE_BEFORE = 1.0 / 12.0
-#: From this percentage on, the ends of the interval are given instead.
-_LARGEST_PERCENTAGE = 50.0
-_MOST_DIGITS = 6
 #: Parts of an interval, and the share of an even spread below which a part counts as empty.
 _PARTS, _EMPTY = 20, 0.1
 
@@ -68,8 +63,8 @@ class Identifiability:
     directions : tuple of Direction
         Principal directions of the posterior distribution, best determined first.
     narrowing : dict of str to float
-        Width of each parameter's 95 % credible interval over that before the tests, 0 to 1; of
-        logarithms for a parameter with ``scale="log"``.
+        Width of each parameter's 95 % interval over that before the tests, 0 to 1; of logarithms
+        for a parameter with ``scale="log"``.
     verdicts : tuple of str
         Sentences; those about open parameters first.
     further_tests : tuple of str
@@ -82,7 +77,9 @@ class Identifiability:
     further_tests: tuple[str, ...]
 
 
-def assess_identifiability(posterior: Posterior, problem: Problem) -> Identifiability:
+def assess_identifiability(
+    posterior: Posterior, problem: Problem, answer: Mapping[str, float] | None = None
+) -> Identifiability:
     """Find the parameters that the tests determine, and those that they leave open.
 
     Parameters
@@ -91,13 +88,16 @@ def assess_identifiability(posterior: Posterior, problem: Problem) -> Identifiab
         A sample of the parameter sets that agree with the measurements.
     problem : Problem
         Has the intervals and units of the parameters.
+    answer : mapping of str to float, optional
+        The calibrated values, which the intervals hold; see `parameter_intervals`.
 
     Returns
     -------
     Identifiability
     """
     directions = _directions(posterior, posterior.names)
-    narrowing = _narrowing(posterior)
+    intervals = parameter_intervals(posterior, problem, answer)
+    narrowing = {p.name: _narrowing(p, intervals[p.name]) for p in problem.parameters}
     groups = _inseparable(posterior, narrowing)
     grouped = {name for group in groups for name in group}
     parameters = {parameter.name: parameter for parameter in problem.parameters}
@@ -105,7 +105,7 @@ def assess_identifiability(posterior: Posterior, problem: Problem) -> Identifiab
     is_open = [name for name in alone if narrowing[name] > DETERMINED]
     verdicts = [_verdict_of_group(posterior, parameters, group) for group in groups]
     verdicts += [
-        _verdict(posterior, parameters[name], narrowing[name])
+        _verdict(posterior, parameters[name], intervals[name], (answer or {}).get(name))
         + _what_would_narrow_it(posterior, name, narrowing)
         for name in alone
     ]
@@ -139,10 +139,8 @@ def _directions(posterior: Posterior, names: Sequence[str]) -> tuple[Direction, 
     return tuple(directions)
 
 
-def _narrowing(posterior: Posterior) -> dict[str, float]:
-    low, high = np.quantile(posterior.points, [0.025, 0.975], axis=0)
-    widths = np.minimum((high - low) / 0.95, 1.0)
-    return dict(zip(posterior.names, widths.tolist(), strict=True))
+def _narrowing(parameter: Parameter, found: ParameterInterval) -> float:
+    return narrowing(parameter, found.low, found.high)
 
 
 # Ridges -------------------------------------------------------------------------------------
@@ -238,25 +236,28 @@ def _verdict_of_group(
     return f"{whole} {' fits as well as '.join(sets)}."
 
 
-def _verdict(posterior: Posterior, parameter: Parameter, narrowing: float) -> str:
+def _verdict(
+    posterior: Posterior, parameter: Parameter, found: ParameterInterval, answer: float | None
+) -> str:
     name = parameter.name
-    low, high = posterior.interval(name)
-    between = _with_unit(_ends(low, high), parameter)
-    if narrowing > OPEN and len(ranges := _occupied(posterior, parameter)) > 1:
-        parts = " or ".join(f"{_shown(low)} to {_shown(high)}" for low, high in ranges)
-        return f"{name} is not determined: {_with_unit(parts, parameter)} fits."
-    if narrowing > OPEN:
-        whole = f"{_shown(parameter.minimum)} to {_shown(parameter.maximum)}"
-        return (
-            f"{name} is not determined: all of its interval ({_with_unit(whole, parameter)}) fits."
-        )
-    if narrowing > DETERMINED:
+    between = _with_unit(ends(found.low, found.high), parameter)
+    if found.determination == "not determined":
+        return f"{name} is not determined: {_what_fits(posterior, parameter)} fits."
+    if found.determination == "narrowed":
         return f"{name} is only narrowed: {between} with 95 % probability."
-    middle = abs(posterior.median(name))
-    percent = 100.0 * (high - low) / 2.0 / middle if middle > 0.0 else np.inf
-    if percent > _LARGEST_PERCENTAGE:
-        return f"{name} is determined: {between} with 95 % probability."
-    return f"{name} is determined to ±{number(percent, 2)} % ({between})."
+    value = posterior.median(name) if answer is None else answer
+    if share := found.percentage(value):
+        return f"{name} is determined to {share} ({between})."
+    return f"{name} is determined: {between} with 95 % probability."
+
+
+def _what_fits(posterior: Posterior, parameter: Parameter) -> str:
+    ranges = _occupied(posterior, parameter)
+    if len(ranges) > 1:
+        parts = " or ".join(f"{_shown(low)} to {_shown(high)}" for low, high in ranges)
+        return _with_unit(parts, parameter)
+    whole = f"{_shown(parameter.minimum)} to {_shown(parameter.maximum)}"
+    return f"all of its interval ({_with_unit(whole, parameter)})"
 
 
 def _occupied(posterior: Posterior, parameter: Parameter) -> list[tuple[float, float]]:
@@ -288,14 +289,6 @@ def _what_would_narrow_it(posterior: Posterior, name: str, narrowing: dict[str, 
 
 def _with_unit(text: str, parameter: Parameter) -> str:
     return with_unit(text, unit_for_people(parameter.unit))
-
-
-def _ends(low: float, high: float) -> str:
-    """Both ends, with enough digits to differ."""
-    share = (high - low) / max(abs(low), abs(high), 1e-300)
-    digits = 1 - floor(log10(max(share, 1e-9)))
-    digits = min(max(digits, 3), _MOST_DIGITS)
-    return f"{number(low, digits)} to {number(high, digits)}"
 
 
 def _shown(value: float) -> str:

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from importlib.metadata import version
 
-from grainfit.calibration.verdict import Outcome
+from grainfit.calibration.verdict import Outcome, reasons
 from grainfit.calibration.verification import Verified
 from grainfit.evaluation import Evaluation
 from grainfit.problem import Problem, Target
@@ -32,6 +32,7 @@ def make_result(
     outcome: Outcome | None,
     evaluations: Sequence[Evaluation],
     known: int = 0,
+    fewest_fresh: int = 0,
 ) -> Result:
     """Build the result of a calibration.
 
@@ -47,6 +48,8 @@ def make_result(
         All parameter sets that were simulated.
     known : int
         Number of earlier runs used for the warm start.
+    fewest_fresh : int
+        Number of fresh seeds without which no answer is calibrated.
     """
     problem = strategy.current_problem
     rayleigh = problem.rayleigh
@@ -55,7 +58,7 @@ def make_result(
     parameters = dict(answer.parameters) if answer else {}
     notices = [*strategy.notices]
     if outcome:
-        notices += [str(contradiction) for contradiction in outcome.contradictions]
+        notices += reasons(problem, outcome, fewest_fresh)
         notices += _failure_notices(outcome.fresh.evaluations)
         notices += _edge_notices(problem, outcome.answer)
     return Result(
@@ -108,7 +111,8 @@ def _response(
         verified_mean=verified.mean if verified else None,
         verified_standard_error=verified.standard_error if verified else None,
         verified_interval=verified.half_width if verified else None,
-        verified_runs=verified.runs if verified else 0,
+        verified_values=tuple(outcome.fresh.values[name].values()),
+        verified_seeds=tuple(outcome.fresh.values[name]),
         deviation_percent=100 * target.relative_deviation(answer.predicted[name]),
         verdict=_verdict(probability, outcome.confidence, contradicted),
     )

@@ -89,14 +89,18 @@ class LiveProgress:
             f"{progress.stage}: {progress.done} done",
             f"{progress.running} running",
             f"{progress.failed} failed",
-            f"about {progress.left} to come",
+            f"{_span(*map(str, progress.left_range))} to come",
         ]
         if progress.best_deviation is not None:
             parts.append(f"best run within {progress.best_deviation:.1%}")
         parts.append(f"{duration(time.monotonic() - self._started)} elapsed")
-        if progress.seconds_left is not None:
-            parts.append(f"about {duration(progress.seconds_left)} left")
+        if progress.seconds_left_range is not None:
+            parts.append(f"{_span(*map(duration, progress.seconds_left_range))} left")
         return ", ".join(parts)
+
+
+def _span(low: str, high: str) -> str:
+    return f"about {high}" if low == high else f"{low} to {high}"
 
 
 def _can_draw(console: Console) -> bool:

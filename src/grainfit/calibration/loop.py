@@ -6,21 +6,24 @@ import time
 from collections import Counter, deque
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass
 from importlib.metadata import version
 from typing import Any
 
 from grainfit.calibration.build_result import About, make_result
+from grainfit.calibration.intervals import with_intervals
 from grainfit.calibration.progress import Progress
 from grainfit.calibration.provenance import Provenance
 from grainfit.calibration.verdict import Outcome, judge
 from grainfit.calibration.verification import LIKELY, MOST_FRESH, FreshRuns, runs_near
+from grainfit.calibration.warm_start import warm_start
 from grainfit.campaign.campaign import Campaign
-from grainfit.campaign.reuse import models_of, most_telling, runs_of
+from grainfit.campaign.reuse import models_of, runs_of
 from grainfit.campaign.store.records import RequestRecord
 from grainfit.campaign.store.store import RunStore
 from grainfit.errors import GrainfitError, RunFailedError, StoreError
 from grainfit.evaluation import Evaluation, Proposal
+from grainfit.metamodels.known_runs import nearest_runs
 from grainfit.problem import Problem
 from grainfit.result import Result, Status
 from grainfit.run_definition import identity_of
@@ -84,10 +87,10 @@ class CalibrationLoop:
         else:
             records = list(self._store.find_many(earlier.known).values())
         known = runs_of(self._problem, self._campaign.solvers, records)
-        telling = most_telling(self._problem, known)
-        used = {run for evaluation in telling for run in evaluation.runs.values()}
+        chosen = nearest_runs(self._problem, known, seed=self._strategy.seed)
+        used = {run for evaluation in chosen for run in evaluation.runs.values()}
         self._origins = Counter(record.origin for record in records if record.identity in used)
-        return telling
+        return chosen
 
     def _define(self) -> dict[str, Any]:
         # Another input deck or solver version makes another calibration: the requests of the old
@@ -129,7 +132,7 @@ class CalibrationLoop:
             self._identity, self._options.name, self._definition, runs, self._about(known)
         )
         if known:
-            self._strategy.warm_start(known)
+            warm_start(self._strategy, self._problem, known)
             self._show()
         self._campaign.fetch([run for r in self._recorded for run in r.runs.values()])
         outcome: Outcome | None
@@ -158,7 +161,15 @@ class CalibrationLoop:
             status,
         )
         known_runs = sum(self._origins.values())
-        return make_result(about, self._strategy, outcome, self._evaluations, known_runs)
+        result = make_result(
+            about,
+            self._strategy,
+            outcome,
+            self._evaluations,
+            known_runs,
+            self._options.verification_runs,
+        )
+        return with_intervals(result, self._problem, self._evaluations, known)
 
     def _search_and_verify(self) -> Outcome:
         """Alternate between search and fresh seeds at its answer until the verdict is known."""
@@ -201,7 +212,7 @@ class CalibrationLoop:
         return (
             not answer.out_of_reach
             and (left is None or left > 0)
-            and answer.probability_all_met >= LIKELY
+            and min(answer.probability_all_met, answer.probability_without_outliers) >= LIKELY
             and answer.runs_needed <= MOST_FRESH
             and self._verification_asked < _MOST_VERIFICATION
         )
@@ -368,12 +379,9 @@ class CalibrationLoop:
         if self._options.on_progress is None:
             return
         evaluations = self._evaluations
-        left = self._strategy.expected_left
-        if self._stage == "verification":
-            verified = sum(e.proposal.stage == "verification" for e in evaluations)
-            left = self._verification_asked - verified
-        else:
-            left += self._options.verification_runs
+        fresh = sum(e.proposal.stage == "verification" for e in evaluations)
+        lacking = max(self._verification_asked, self._options.verification_runs) - fresh
+        left = max(self._strategy.expected_left, lacking, 0)
         simulated = [e.seconds for e in evaluations if not e.reused]
         seconds = (
             sum(simulated) / len(simulated) * left / self._options.workers if simulated else None

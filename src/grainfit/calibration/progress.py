@@ -4,6 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from math import ceil, floor
+
+#: Factor to both sides of the estimated remaining runs (`benchmarks/verdicts.py`).
+UNCERTAINTY_OF_LEFT = 1.6
 
 
 @dataclass(frozen=True)
@@ -17,7 +21,7 @@ class Progress:
     done, running, failed : int
         Finished parameter sets, running runs, and parameter sets with a failed run.
     left : int
-        Estimated number of remaining parameter sets.
+        Estimated number of remaining parameter sets, verification included.
     seconds_left : float, optional
         Estimated remaining time, s.
     best_deviation : float, optional
@@ -38,3 +42,15 @@ class Progress:
     best_deviation: float | None
     notices: tuple[str, ...]
     warm_start_runs: Mapping[str, int] = field(default_factory=dict)
+
+    @property
+    def left_range(self) -> tuple[int, int]:
+        """Range of the number of remaining parameter sets, see `UNCERTAINTY_OF_LEFT`."""
+        return floor(self.left / UNCERTAINTY_OF_LEFT), ceil(self.left * UNCERTAINTY_OF_LEFT)
+
+    @property
+    def seconds_left_range(self) -> tuple[float, float] | None:
+        """Range of the remaining time, s."""
+        if self.seconds_left is None:
+            return None
+        return self.seconds_left / UNCERTAINTY_OF_LEFT, self.seconds_left * UNCERTAINTY_OF_LEFT

@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from grainfit.calibration.verification import Contradiction, FreshRuns, contradictions
-from grainfit.problem import Problem
+from grainfit.formatting import counted, number, probability, unit_for_people, with_unit
+from grainfit.metamodels.outliers import Outliers
+from grainfit.problem import Problem, Target
 from grainfit.result import Status
 from grainfit.strategies.answer import Answer
+
+#: Most seeds of outlying runs in one sentence.
+_MOST_SHOWN = 5
 
 
 @dataclass(frozen=True)
@@ -74,3 +79,79 @@ def _status(answer: Answer, confidence: float, in_doubt: bool) -> Status:
     if min(both) >= confidence and not in_doubt:
         return "calibrated"
     return "out_of_tolerance" if max(both) <= 1 - confidence else "undecided"
+
+
+# Words --------------------------------------------------------------------------------------
+
+
+def reasons(problem: Problem, outcome: Outcome, fewest_fresh: int) -> Iterator[str]:
+    """Say what the user has to know about a verdict: outlying runs, doubts, and what would help.
+
+    Parameters
+    ----------
+    problem : Problem
+        Parameters and targets.
+    outcome : Outcome
+        The verdict.
+    fewest_fresh : int
+        Number of fresh seeds without which no answer is calibrated.
+    """
+    yield from map(str, outcome.contradictions)
+    answer = outcome.answer
+    for target in problem.targets:
+        if found := answer.outliers.get(target.name):
+            yield _about_outliers(target, found)
+    if outcome.status != "undecided":
+        return
+    with_all, without = answer.probability_all_met, answer.probability_without_outliers
+    if answer.outliers and abs(with_all - without) > 1 - outcome.confidence:
+        yield (
+            f"Undecided because of outlying runs: with them, every target is met with a "
+            f"probability of {_percent(with_all)}, without them {_percent(without)}. Look at "
+            "their pictures: if such runs also happen in the laboratory, make the test wider or "
+            'repeat it more often; if not, ask for the typical value with statistic = "median".'
+        )
+    elif with_all < outcome.confidence:
+        yield _about_noise(problem, outcome)
+    elif outcome.fresh.count < fewest_fresh and not outcome.contradictions:
+        yield (
+            f"Undecided because only {outcome.fresh.count} of {fewest_fresh} runs with fresh seeds "
+            "at the answer could be made: allow more runs."
+        )
+
+
+def _about_outliers(target: Target, found: Outliers) -> str:
+    size = max(found.residuals.tolist(), key=abs)
+    away = with_unit(number(abs(size), 3), unit_for_people(target.unit))
+    seeds = ", ".join(map(str, found.seeds[:_MOST_SHOWN]))
+    more = ", ..." if len(found.seeds) > _MOST_SHOWN else ""
+    return (
+        f"{target.name}: {counted(len(found.indices), 'run')} of {found.runs} "
+        f"{'lies' if len(found.indices) == 1 else 'lie'} far from the others (seed {seeds}{more}), "
+        f"up to {away} {'above' if size > 0 else 'below'} what they lead to expect."
+    )
+
+
+def _about_noise(problem: Problem, outcome: Outcome) -> str:
+    answer = outcome.answer
+    noisy = [
+        target
+        for target in problem.targets
+        if answer.probabilities[target.name] < outcome.confidence
+    ] or list(problem.targets)
+    scatter = ", ".join(
+        f"{number(answer.quality[target.name].noise, 2)} in {target.name} "
+        f"(tolerance {number(target.tolerance, 2)})"
+        for target in noisy
+    )
+    return (
+        f"Every expected response is within its tolerance with a probability of "
+        f"{_percent(answer.probability_all_met)}, and {outcome.confidence:.0%} is asked for. It "
+        f"would take about {counted(answer.runs_needed, 'more run')} at the answer: one run "
+        f"scatters by {scatter}. A wider tolerance, a larger sample in the test, or a response "
+        "that scatters less would help more."
+    )
+
+
+def _percent(share: float) -> str:
+    return probability(share).replace("\u00a0", " ")

@@ -73,9 +73,7 @@ class Contradiction:
 
     def __str__(self) -> str:
         found = rounded(self.verified.mean, self.verified.half_width)
-        expected = with_unit(
-            number(self.expected, 4), unit_for_people(self.target.unit)
-        )
+        expected = with_unit(number(self.expected, 4), unit_for_people(self.target.unit))
         return (
             f"{self.target.name} is in doubt: the {self.verified.runs} fresh seeds at the answer "
             f"give {found} on average, where all runs together lead to expect {expected}. The "
@@ -89,13 +87,13 @@ class FreshRuns:
 
     Parameters
     ----------
-    values : mapping of str to sequence of float
-        By name of the target.
+    values : mapping of str to mapping of int to float
+        By name of the target and seed of the run.
     evaluations : sequence of Evaluation
         The runs themselves, failed ones included.
     """
 
-    values: Mapping[str, Sequence[float]]
+    values: Mapping[str, Mapping[int, float]]
     evaluations: Sequence[Evaluation]
 
     @property
@@ -106,7 +104,7 @@ class FreshRuns:
     def verified(self) -> dict[str, Verified]:
         """Return the means of the responses that at least two fresh seeds gave."""
         return {
-            name: mean_with_interval(values)
+            name: mean_with_interval(list(values.values()))
             for name, values in self.values.items()
             if len(values) >= 2
         }
@@ -131,7 +129,7 @@ def runs_near(
     describe : callable
         Returns the predictions for a parameter set; only called for the few that are verified.
     """
-    values: dict[str, list[float]] = {target.name: [] for target in problem.targets}
+    values: dict[str, dict[int, float]] = {target.name: {} for target in problem.targets}
     near: list[Evaluation] = []
     shifts: dict[tuple[float, ...], dict[str, float] | None] = {}
     for evaluation in evaluations:
@@ -146,7 +144,7 @@ def runs_near(
         near.append(evaluation)
         for name, response in evaluation.responses.items():
             if name in values:
-                values[name].append(response.value + shift[name])
+                values[name][evaluation.proposal.seed] = response.value + shift[name]
     return FreshRuns(values, near)
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-from grainfit.calibration.verification import ROUNDS, usual_verification_runs
+from grainfit.calibration.verification import VERIFICATION_RUNS
 from grainfit.calibration_file.build import CalibrationSetup
 from grainfit.campaign.cluster.executor import describe_cluster, executed_by
 from grainfit.errors import GrainfitError, InputError
@@ -89,7 +89,7 @@ def _cost_lines(solver: Solver, problem: Problem) -> Iterator[str]:
 def _run_lines(setup: CalibrationSetup) -> Iterator[str]:
     dimension = setup.problem.dimension
     strategy = setup.strategy
-    verification = strategy.verification_runs or usual_verification_runs(setup.workers)
+    verification = strategy.verification_runs or VERIFICATION_RUNS
     tests = len(setup.solvers)
     search = start_search(
         strategy.strategy,
@@ -100,12 +100,12 @@ def _run_lines(setup: CalibrationSetup) -> Iterator[str]:
         verification_runs=verification,
     )
     design = search.design_runs
-    behind = search.expected_left - design
+    behind = max(search.expected_left - design, verification)
     yield (
-        f"DEM runs: {design * tests} for the design, usually {behind // 2 * tests} to "
-        f"{2 * behind * tests} for the optimisation, and {verification * tests} for the "
-        f"verification (up to {ROUNDS * verification * tests} where it is a close call); "
-        f"{setup.workers} at a time. Strategy: {search.name}."
+        f"DEM runs: {design * tests} for the design, then usually {behind * tests} to "
+        f"{4 * behind * tests}, more where a run scatters by more than the tolerance; the last "
+        f"{verification * tests} or more are fresh seeds at the answer. {setup.workers} at a time. "
+        f"Strategy: {search.name}."
     )
     if dimension > len(setup.problem.targets):
         yield (

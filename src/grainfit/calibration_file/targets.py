@@ -6,14 +6,14 @@ import json
 import math
 import statistics
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, get_args
 
 from grainfit.calibration_file.parameters import own_quantity
 from grainfit.formatting import plain
-from grainfit.options.kinds import Kind, ListOf, Quantity, Schema, Text, note_wrong_kind
+from grainfit.options.kinds import Choice, Kind, ListOf, Quantity, Schema, Text, note_wrong_kind
 from grainfit.options.places import Place, show
 from grainfit.options.tables import Key, Table, Values
-from grainfit.problem import Target
+from grainfit.problem import Statistic, Target
 from grainfit.units import percentage
 
 #: Longer texts are not repeated in a remedy.
@@ -90,6 +90,7 @@ class TargetTable(Kind):
             tolerance=_absolute(values.get("tolerance"), value),  # type: ignore[arg-type]
             weight=values.get("weight", 1.0),
             unit=self.unit if self.unit is not None else values.get("unit", ""),
+            statistic=values.get("statistic", "mean"),
         )
 
     def schema(self) -> Schema:
@@ -127,6 +128,12 @@ def _target_keys(quantity: Quantity) -> tuple[Key, ...]:
             "weight",
             Quantity("", above_zero=True),
             "Weight of this target's relative deviation against the others'; 1 by default.",
+        ),
+        Key(
+            "statistic",
+            Choice(get_args(Statistic)),
+            'What the measured value is compared with: the "mean" over seeds, with jams and other '
+            'outlying runs (default), or the "median", which these do not move.',
         ),
     )
 

@@ -7,7 +7,6 @@ are not free. The calibration that asked for it may have had other targets, inte
 
 from __future__ import annotations
 
-import math
 from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -21,12 +20,10 @@ from grainfit.campaign.store.records import RunRecord
 from grainfit.campaign.store.store import STORE_NAME, RunStore, not_a_work_folder
 from grainfit.errors import GrainfitError, InputError
 from grainfit.evaluation import Evaluation, Proposal
+from grainfit.metamodels.known_runs import REACH, beyond
 from grainfit.problem import Problem
 from grainfit.run_definition import identity_of
 from grainfit.solvers.base import Solver
-
-#: Largest number of runs for a warm start: the effort of metamodels grows with its cube.
-MOST_RUNS = 150
 
 
 class RunMatcher:
@@ -88,7 +85,7 @@ def runs_of(
     Parameters
     ----------
     problem : Problem
-        Only points within its intervals count.
+        Only points within its intervals count, or not far beyond them.
     solvers : mapping of str to Solver
         By name of the test.
     records : iterable of RunRecord
@@ -109,7 +106,7 @@ def runs_of(
             continue
         for test, matcher in matchers.items():
             run = matcher.match(record)
-            if run is not None and _is_inside(problem, run[0]):
+            if run is not None and beyond(problem, run[0]) <= REACH:
                 found[test].append(_Point(*run, {test: record}))
     points = reduce(_together, (found[test] for test in solvers))
     names = [parameter.name for parameter in problem.parameters]
@@ -161,45 +158,6 @@ def is_run_of(problem: Problem, solvers: Mapping[str, Solver]) -> Callable[[RunR
     except GrainfitError:
         return lambda _record: False
     return lambda record: any(r.match(record) is not None for r in matchers)
-
-
-def most_telling(
-    problem: Problem, evaluations: Sequence[Evaluation], most: int = MOST_RUNS
-) -> list[Evaluation]:
-    """Select a limited number of evaluations: the nearest to the targets, and some of the others.
-
-    Parameters
-    ----------
-    problem : Problem
-        The problem, with the targets.
-    evaluations : sequence of Evaluation
-        Evaluations, also failed ones, which count as farthest from the targets.
-    most : int
-        Largest number of evaluations to return.
-    """
-    if len(evaluations) <= most:
-        return list(evaluations)
-    ranked = sorted(evaluations, key=lambda evaluation: _distance(problem, evaluation))
-    nearest, others = ranked[: most // 2], ranked[most // 2 :]
-    left = most - len(nearest)
-    return nearest + [others[(number * len(others)) // left] for number in range(left)]
-
-
-def _distance(problem: Problem, evaluation: Evaluation) -> float:
-    if any(target.name not in evaluation.responses for target in problem.targets):
-        return math.inf
-    return sum(
-        ((evaluation.responses[target.name].value - target.value) / target.tolerance) ** 2
-        for target in problem.targets
-    )
-
-
-def _is_inside(problem: Problem, values: Mapping[str, float]) -> bool:
-    return all(
-        parameter.contains(values[parameter.name])
-        for parameter in problem.parameters
-        if parameter.name in values
-    )
 
 
 def take_runs(

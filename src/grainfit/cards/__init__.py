@@ -64,18 +64,13 @@ class WritableCard(MaterialCard):
         return Path(path)
 
 
-def material_card(
-    source: str | Path | SavedCalibration,
-    posterior: Mapping[str, tuple[float, float]] | None = None,
-) -> WritableCard:
+def material_card(source: str | Path | SavedCalibration) -> WritableCard:
     """Return the card of the calibration that was started last in a work folder.
 
     Parameters
     ----------
     source : path or SavedCalibration
         The work folder, or the calibration read from it.
-    posterior : mapping of str to pair of float, optional
-        95 % credible intervals of the free parameters. Calculated by default.
 
     Raises
     ------
@@ -96,10 +91,9 @@ def material_card(
     ('friction', True)
     """
     reading = source if isinstance(source, SavedCalibration) else SavedCalibration.open(source)
-    if posterior is not None:
-        return _writable(make_card(reading, posterior))
-    intervals, notes = _credible_intervals(reading)
-    card = make_card(reading, intervals)
+    read_answer(reading)
+    card = make_card(reading, reading.intervals)
+    notes = () if reading.intervals else _why_no_intervals(reading)
     return _writable(replace(card, notices=(*card.notices, *notes)))
 
 
@@ -155,14 +149,6 @@ def write_card(path: Path, text: str) -> None:
         raise InputError(Fault("", f"{str(path)!r} cannot be written: {reason}.")) from error
 
 
-def _credible_intervals(
-    reading: SavedCalibration,
-) -> tuple[dict[str, tuple[float, float]], tuple[str, ...]]:
-    """Intervals by name of the free parameter, and notices about them."""
-    answer = read_answer(reading).parameters
-    if reading.why_nothing_agrees:
-        return {}, (reading.why_nothing_agrees,)
-    analysis = reading.analyse()
-    if analysis.posterior is None:
-        return {}, analysis.notes
-    return {name: analysis.posterior.interval(name) for name in answer}, analysis.notes
+def _why_no_intervals(reading: SavedCalibration) -> tuple[str, ...]:
+    why = reading.why_nothing_agrees
+    return (why,) if why else reading.analyse().notes

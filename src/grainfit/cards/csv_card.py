@@ -23,6 +23,7 @@ COLUMNS = (
     "deviation_percent",
     "met",
     "verdict",
+    "determination",
 )
 _FORMULA_SIGNS = ("=", "+", "-", "@")
 Cell = str | float | bool | None
@@ -50,6 +51,7 @@ def _lines(card: MaterialCard) -> Iterator[dict[str, Cell]]:
             "high_95": high,
             "origin": parameter.origin,
             "verdict": card.verdict,
+            "determination": parameter.determination,
         }
     for response in card.responses:
         yield {
@@ -59,11 +61,11 @@ def _lines(card: MaterialCard) -> Iterator[dict[str, Cell]]:
             "value": response.expected,
             "low_95": response.interval[0],
             "high_95": response.interval[1],
-            "origin": "verified" if response.verified else "predicted",
+            "origin": "expected by all runs",
             "target": response.target,
             "tolerance": response.tolerance,
             "deviation_percent": response.deviation_percent,
-            "met": response.met,
+            "met": response.verdict == "met",
             "verdict": card.verdict,
         }
 

@@ -12,12 +12,12 @@ from grainfit.errors import InputError, StoreError
 from grainfit.materials.card import CardParameter, CardResponse, MaterialCard, Origin, Program
 from grainfit.materials.sizes import ParticleSizes
 from grainfit.materials.time_step import RayleighTimeStep
-from grainfit.result import ResponseResult
+from grainfit.result import ParameterInterval, ResponseResult
 from grainfit.work_folder.saved_calibration import SavedCalibration, read_answer
 
 
 def make_card(
-    reading: SavedCalibration, intervals: Mapping[str, tuple[float, float]]
+    reading: SavedCalibration, intervals: Mapping[str, ParameterInterval]
 ) -> MaterialCard:
     """Build the card of a calibration.
 
@@ -25,8 +25,8 @@ def make_card(
     ----------
     reading : SavedCalibration
         The calibration, read from its work folder.
-    intervals : mapping of str to pair of float
-        95 % credible intervals of free parameters, as far as there are any.
+    intervals : mapping of str to ParameterInterval
+        95 % intervals of free parameters, as far as there are any.
 
     Raises
     ------
@@ -69,7 +69,7 @@ def _parameters(
     reading: SavedCalibration,
     found: Mapping[str, float],
     origin: Origin,
-    intervals: Mapping[str, tuple[float, float]],
+    intervals: Mapping[str, ParameterInterval],
 ) -> Iterator[CardParameter]:
     rayleigh = reading.problem.rayleigh
     given = {**(rayleigh.fixed if rayleigh else {}), **reading.fixed}
@@ -85,7 +85,8 @@ def _parameters(
             known.description if known else "",
             float(values[name]),
             origin if name in found else "given",
-            None if interval is None else (float(interval[0]), float(interval[1])),
+            None if interval is None else (interval.low, interval.high),
+            None if interval is None else interval.determination,
         )
 
 
@@ -99,9 +100,8 @@ def _response(name: str, found: ResponseResult) -> CardResponse:
         expected,
         (expected - half, expected + half),
         found.deviation_percent,
-        found.is_verified,
-        found.verdict == "met",
-        found.verdict == "in doubt",
+        found.verdict,
+        found.verified_mean,
     )
 
 

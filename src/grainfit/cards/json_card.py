@@ -56,6 +56,7 @@ def _parameter(parameter: CardParameter) -> dict[str, Any]:
         "description": parameter.description,
         "value": parameter.value,
         "interval_95": parameter.interval,
+        "determination": parameter.determination,
         "origin": parameter.origin,
     }
 
@@ -69,7 +70,6 @@ def _response(response: CardResponse) -> dict[str, Any]:
         "expected": response.expected,
         "interval_95": response.interval,
         "deviation_percent": response.deviation_percent,
-        "verified": response.verified,
-        "met": response.met,
-        "in_doubt": response.in_doubt,
+        "verdict": response.verdict,
+        "verified_mean": response.verified_mean,
     }

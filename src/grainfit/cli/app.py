@@ -28,7 +28,13 @@ from grainfit.strategies.registry import strategies
 if TYPE_CHECKING:
     from grainfit.calibration_file.build import CalibrationSetup
 
-EXIT_CODES = {"calibrated": 0, "out_of_tolerance": 3, "unreachable": 3, "interrupted": 130}
+EXIT_CODES = {
+    "calibrated": 0,
+    "undecided": 3,
+    "out_of_tolerance": 3,
+    "unreachable": 3,
+    "interrupted": 130,
+}
 _BAD_INPUT = 1
 _INTERRUPTED = 130
 _USAGE_ERROR = 2

@@ -24,16 +24,25 @@ if TYPE_CHECKING:
 
 _STATUS_COLOURS = {
     "calibrated": "green",
+    "undecided": "yellow",
     "out_of_tolerance": "yellow",
     "unreachable": "red",
     "interrupted": "yellow",
 }
-_VERDICT_COLOURS = {"met": "green", "in doubt": "yellow", "missed": "red", "not verified": "yellow"}
+_VERDICT_COLOURS = {
+    "met": "green",
+    "in doubt": "yellow",
+    "missed": "red",
+    "not verified": "yellow",
+    "determined": "green",
+    "narrowed": "yellow",
+    "not determined": "red",
+}
 
 
 def _table(*columns: str) -> Table:
     """A table without boxes: it fits into 80 columns, and its text can be copied."""
-    return Table(*columns, box=box.SIMPLE, show_edge=False, pad_edge=False, expand=False)
+    return Table(*columns, box=box.SIMPLE, show_edge=False, pad_edge=False, padding=(0, 1, 0, 0))
 
 
 def _text(text: str, style: str = "") -> Text:
@@ -80,7 +89,9 @@ def print_result(console: Console, result: Result, folder: Path) -> None:
 
 def _rich_table(shown: TextTable) -> Table:
     table = _table(*shown.header)
-    for column in table.columns[1:4]:
+    # In a narrow terminal, lines break in the numbers: names are copied, and words must be seen.
+    table.columns[0].no_wrap = table.columns[-1].no_wrap = True
+    for column in table.columns[1:-1]:
         column.justify = "right"
     for *cells, last in shown.rows:
         table.add_row(*map(_text, cells), _text(last, _VERDICT_COLOURS.get(last, "")))
@@ -147,8 +158,11 @@ def print_status(console: Console, status: WorkdirStatus) -> None:
     )
     for failure in status.failed:
         console.print(_text(f"failed: {failure.reason} ({failure.folder})", "red"))
-    for name, value in status.result.parameters.items() if status.result else ():
-        console.print(_text(f"{name} = {value:.5g}"))
+    if status.result:
+        for name, value in status.result.parameters.items():
+            found = status.result.intervals.get(name)
+            words = f" ({found.in_words(value)})" if found else ""
+            console.print(_text(f"{name} = {value:.5g}{words}"))
     if status.result_fault:
         print_warning(console, status.result_fault)
 

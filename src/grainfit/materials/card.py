@@ -8,6 +8,7 @@ from typing import Literal
 from grainfit.materials.sizes import ParticleSizes
 
 Origin = Literal["calibrated", "not calibrated", "given"]
+Determination = Literal["determined", "narrowed", "not determined"]
 _STATUS_WORDS = {
     "calibrated": "calibrated: every target is met within its tolerance",
     "out_of_tolerance": "NOT CALIBRATED: finished without meeting every target",
@@ -30,7 +31,9 @@ class CardParameter:
     origin : {"calibrated", "not calibrated", "given"}
         Given, or free; if free, whether the calibration met its targets.
     interval : pair of float, optional
-        95 % credible interval.
+        95 % credible interval, which holds the value.
+    determination : {"determined", "narrowed", "not determined"}, optional
+        Whether the runs determine it; None without an interval.
     """
 
     name: str
@@ -40,6 +43,7 @@ class CardParameter:
     value: float
     origin: Origin
     interval: tuple[float, float] | None = None
+    determination: Determination | None = None
 
 
 @dataclass(frozen=True)
@@ -53,17 +57,16 @@ class CardResponse:
     target, tolerance : float
         Measured value and largest accepted deviation.
     expected : float
-        Mean of the verification runs; without any, what the metamodel predicts.
+        Expected response by all runs.
     interval : pair of float
         95 % interval of the expected value.
     deviation_percent : float
         Of the expected value from the target.
-    verified : bool
-        Whether the expected value is that of verification runs.
-    met : bool
-        Whether it is verified that the target is met within its tolerance.
-    in_doubt : bool
-        Whether the verification runs meet the target marginally, but all runs together do not.
+    verdict : {"met", "in doubt", "missed"}
+        Whether the expected value is within its tolerance with the demanded probability, outside
+        with that probability, or neither.
+    verified_mean : float, optional
+        Mean of the runs with fresh seeds at the answer, an independent check.
     """
 
     name: str
@@ -73,9 +76,8 @@ class CardResponse:
     expected: float
     interval: tuple[float, float]
     deviation_percent: float
-    verified: bool
-    met: bool
-    in_doubt: bool
+    verdict: Literal["met", "in doubt", "missed"]
+    verified_mean: float | None
 
 
 @dataclass(frozen=True)
@@ -149,9 +151,11 @@ class MaterialCard:
         """End of the calibration in words, with the targets that are not met."""
         words = _STATUS_WORDS.get(self.status, _NOT_ENDED)
         missed = [
-            f"{response.name}, which is in doubt" if response.in_doubt else response.name
+            f"{response.name}, which is in doubt"
+            if response.verdict == "in doubt"
+            else response.name
             for response in self.responses
-            if not response.met
+            if response.verdict != "met"
         ]
         return f"{words} (not met: {', '.join(missed)})" if missed else words
 

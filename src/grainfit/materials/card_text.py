@@ -18,7 +18,8 @@ def header(card: MaterialCard) -> str:
     lines = [f"Material: {card.name}" if card.name else "Material"]
     verdict = card.verdict[:1].upper() + card.verdict[1:]
     verdict = verdict if card.calibrated else f"*** {verdict} ***"
-    lines += [verdict, "", *_responses(card), *_time_step(card), "", *_provenance(card)]
+    lines += [verdict, *_open_parameters(card), ""]
+    lines += [*_responses(card), *_time_step(card), "", *_provenance(card)]
     if card.notices:
         lines += ["", "Notices:", *(f"  {notice}" for notice in card.notices)]
     return "\n".join(comment(line) for text in lines for line in _wrapped(text))
@@ -58,7 +59,24 @@ def _origin(parameter: CardParameter) -> str:
     if parameter.interval is None:
         return parameter.origin
     low, high = parameter.interval
-    return f"{parameter.origin}, 95 % interval {low:.5g} to {high:.5g}"
+    words = f"{parameter.origin}, 95 % interval {low:.5g} to {high:.5g}"
+    return f"{words}, {_determination(parameter)}" if parameter.determination else words
+
+
+def _determination(parameter: CardParameter) -> str:
+    if parameter.determination == "not determined":
+        return "NOT DETERMINED"
+    return "only narrowed" if parameter.determination == "narrowed" else "determined"
+
+
+def _open_parameters(card: MaterialCard) -> Iterator[str]:
+    for word, meaning in (
+        ("not determined", "NOT DETERMINED, other values agree as well"),
+        ("narrowed", "Only narrowed"),
+    ):
+        names = [p.name for p in card.parameters if p.determination == word]
+        if names:
+            yield f"{meaning}: {', '.join(names)}"
 
 
 def _responses(card: MaterialCard) -> Iterator[str]:
@@ -70,18 +88,16 @@ def _responses(card: MaterialCard) -> Iterator[str]:
 def _response(found: CardResponse) -> str:
     low, high = found.interval
     target = f"{found.target:.5g} +/- {found.tolerance:.3g} {found.unit}".rstrip()
+    fresh = found.verified_mean
+    check = "" if fresh is None else f"; fresh seeds {fresh:.5g}"
     return (
         f"{found.name}: {target}, {found.expected:.5g} ({low:.5g} to {high:.5g}), "
-        f"{found.deviation_percent:+.2f} %, {_verdict(found)}"
+        f"{found.deviation_percent:+.2f} %, {_verdict(found)}{check}"
     )
 
 
 def _verdict(found: CardResponse) -> str:
-    if found.met:
-        return "met"
-    if not found.verified:
-        return "NOT VERIFIED"
-    return "IN DOUBT" if found.in_doubt else "NOT MET"
+    return {"met": "met", "in doubt": "IN DOUBT", "missed": "NOT MET"}[found.verdict]
 
 
 def _time_step(card: MaterialCard) -> Iterator[str]:

@@ -295,7 +295,9 @@ class Kriging:
     @property
     def values(self) -> FloatArray:
         """Responses of the runs, shape (n,)."""
-        return np.asarray(self._offset + self._scale * (self._judged_by or self)._components[0].values)
+        return np.asarray(
+            self._offset + self._scale * (self._judged_by or self)._components[0].values
+        )
 
     def standardised_residuals(self) -> FloatArray:
         """Deviations of the runs from what the others predict, in standard deviations, shape (n,).
@@ -539,9 +541,10 @@ class Kriging:
         points = _checked_points(points, self.d)
         added = (_checked_values(values, len(points)) - self._offset) / self._scale
         noise = self._usual_known_noise(len(points))
-        return self._with([
-            c.condition(points, added, noise, self._ratios_at(points)) for c in self._components
-        ], None)
+        return self._with(
+            [c.condition(points, added, noise, self._ratios_at(points)) for c in self._components],
+            None,
+        )
 
     def condition_on_pending(self, points: ArrayLike) -> Kriging:
         """Add pending runs: the mean stays the same, the variance shrinks to its later value.

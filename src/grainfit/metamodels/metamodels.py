@@ -18,6 +18,8 @@ from grainfit.problem import Problem
 Array = NDArray[np.float64]
 
 _NO_NOISE = 1e-12
+#: A single outlying run may be the only one for long.
+_FEWEST_TORN = 2
 
 
 class Metamodels:
@@ -49,8 +51,12 @@ class Metamodels:
         self.problem = problem
         self.models = list(models)
         self.outliers = list(outliers or [NO_OUTLIERS] * len(self.models))
-        self._shifts = np.array([found.shift for found in self.outliers])
-        self._shift_variances = np.array([found.variance_of_shift for found in self.outliers])
+        counted = [
+            NO_OUTLIERS if target.statistic == "median" else found
+            for found, target in zip(self.outliers, problem.targets, strict=True)
+        ]
+        self._shifts = np.array([found.shift for found in counted])
+        self._shift_variances = np.array([found.variance_of_shift for found in counted])
         self._targets = np.array([target.value for target in problem.targets])
         self._tolerances = np.array([target.tolerance for target in problem.targets])
         weights = np.array([target.weight for target in problem.targets])
@@ -77,9 +83,14 @@ class Metamodels:
         return cls(problem, [model for model, _ in fits], [outliers for _, outliers in fits])
 
     @property
-    def has_outliers(self) -> bool:
-        """Whether any run is an outlier."""
-        return any(found.indices for found in self.outliers)
+    def is_torn(self) -> bool:
+        """Whether some target cannot be met both with its outlying runs and without them."""
+        return any(
+            target.statistic == "mean"
+            and len(found.indices) >= _FEWEST_TORN
+            and abs(found.shift) > target.tolerance
+            for found, target in zip(self.outliers, self.problem.targets, strict=True)
+        )
 
     def predict(self, points: ArrayLike) -> tuple[Array, Array]:
         """Expected responses and their variances at points of the unit cube.

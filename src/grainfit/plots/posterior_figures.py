@@ -10,13 +10,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from grainfit.analysis import Analysis, Identifiability, Posterior
-from grainfit.analysis.identifiability import DETERMINED, OPEN
-from grainfit.formatting import number, plain
+from grainfit.formatting import ends, number, plain
+from grainfit.materials.card import Determination
 from grainfit.plots.arrange import arrange, in_columns
 from grainfit.plots.figure import Figure, no_figure
 from grainfit.plots.labels import label_of_parameter
 from grainfit.plots.style import BLUE, ORANGE, QUIET, VERMILION
 from grainfit.problem import Parameter
+from grainfit.result import ParameterInterval
 from grainfit.work_folder.saved_calibration import SavedCalibration
 
 if TYPE_CHECKING:
@@ -27,6 +28,11 @@ _BINS = 30
 _ROUNDING = 1e-9
 #: With more parameters, the cells are too small for numbers.
 _MOST_NUMBERS = 8
+_COLORS: Mapping[Determination, str] = {
+    "determined": BLUE,
+    "narrowed": ORANGE,
+    "not determined": VERMILION,
+}
 _CELL = 44
 _BAR = 30
 _FRAME_HEIGHT = 100
@@ -66,21 +72,29 @@ def posterior(saved: SavedCalibration, analysis: Analysis | None = None) -> Plot
     analysis = analysis or saved.analyse()
     if analysis.posterior is None or analysis.identifiability is None:
         raise no_figure(" ".join(analysis.notes))
-    figures = posterior_figures(saved, analysis.posterior, analysis.identifiability)
+    figures = posterior_figures(
+        saved, analysis.posterior, analysis.identifiability, analysis.intervals
+    )
     rows = in_columns(figures.marginals, _columns(len(figures.marginals)))
     rows.append([figure for figure in (figures.narrowing, figures.correlations) if figure])
     return arrange(rows, "Parameters that agree with the measurements")
 
 
 def posterior_figures(
-    saved: SavedCalibration, posterior: Posterior, found: Identifiability
+    saved: SavedCalibration,
+    posterior: Posterior,
+    found: Identifiability,
+    intervals: Mapping[str, ParameterInterval],
 ) -> PosteriorFigures:
     """Return all figures of a posterior."""
     several = len(posterior.names) > 1
     return PosteriorFigures(
-        _narrowing_figure(saved, posterior, found.narrowing),
+        _narrowing_figure(saved, found.narrowing, intervals),
         _correlation_figure(saved, posterior) if several else None,
-        tuple(_marginal_figure(saved, posterior, i) for i in range(len(posterior.names))),
+        tuple(
+            _marginal_figure(saved, posterior, i, interval_in_words(intervals[name]))
+            for i, name in enumerate(posterior.names)
+        ),
     )
 
 
@@ -88,14 +102,15 @@ def _columns(marginals: int) -> int:
     return 2 if marginals in (2, 4) else min(marginals, 3)
 
 
-def interval_in_words(posterior: Posterior, name: str) -> str:
+def interval_in_words(found: ParameterInterval) -> str:
     """Return the 95 % interval of a parameter in words."""
-    low, high = posterior.interval(name)
-    return f"{number(low, 3)} to {number(high, 3)}"
+    return ends(found.low, found.high)
 
 
 def _narrowing_figure(
-    saved: SavedCalibration, posterior: Posterior, narrowing: Mapping[str, float]
+    saved: SavedCalibration,
+    narrowing: Mapping[str, float],
+    intervals: Mapping[str, ParameterInterval],
 ) -> Figure:
     # Plotly draws the first category at the bottom.
     parameters = [p for p in reversed(saved.problem.parameters) if p.name in narrowing]
@@ -107,13 +122,13 @@ def _narrowing_figure(
                 "orientation": "h",
                 "x": shares,
                 "y": list(range(len(parameters))),
-                "marker": {"color": [_color(narrowing[p.name]) for p in parameters]},
+                "marker": {"color": [_COLORS[intervals[p.name].determination] for p in parameters]},
                 "text": [f"{share:.0%}" for share in shares],
                 "textposition": "outside",
                 "cliponaxis": False,
                 "customdata": [
                     [
-                        interval_in_words(posterior, p.name),
+                        interval_in_words(intervals[p.name]),
                         f"{number(p.minimum, 3)} to {number(p.maximum, 3)}",
                     ]
                     for p in parameters
@@ -142,12 +157,6 @@ def _narrowing_figure(
         height=_FRAME_HEIGHT + _BAR * len(parameters),
         title="Ruled out by the measurements",
     )
-
-
-def _color(narrowing: float) -> str:
-    if narrowing <= DETERMINED:
-        return BLUE
-    return VERMILION if narrowing >= OPEN else ORANGE
 
 
 def _correlation_figure(saved: SavedCalibration, posterior: Posterior) -> Figure:
@@ -216,7 +225,9 @@ def _signed(value: float) -> str:
     return f"{value:+.2f}".replace("-", "−")
 
 
-def _marginal_figure(saved: SavedCalibration, posterior: Posterior, index: int) -> Figure:
+def _marginal_figure(
+    saved: SavedCalibration, posterior: Posterior, index: int, between: str
+) -> Figure:
     parameter = next(p for p in saved.problem.parameters if p.name == posterior.names[index])
     counts, edges = np.histogram(posterior.points[:, index], bins=_BINS, range=(0.0, 1.0))
     values = [parameter.from_unit(float(edge)) for edge in edges]
@@ -245,10 +256,10 @@ def _marginal_figure(saved: SavedCalibration, posterior: Posterior, index: int) 
         layout=layout,
         description=(
             f"How probable each value of {plain(parameter.name)} is, given the measurements; 95 % "
-            f"of the probability is from {interval_in_words(posterior, parameter.name)}."
+            f"of the probability is from {between}."
         ),
         height=170,
-        title=f"95 % from {interval_in_words(posterior, parameter.name)}",
+        title=f"95 % from {between}",
     )
 
 

@@ -19,6 +19,7 @@ from grainfit.plots.figure import Figure
 from grainfit.plots.labels import Label, label_of_parameter, label_of_response
 from grainfit.problem import Parameter, Target
 from grainfit.report.rendering import render
+from grainfit.result import ParameterInterval
 from grainfit.work_folder.saved_calibration import SavedCalibration
 
 
@@ -71,6 +72,14 @@ class ReportContext:
     def posterior(self) -> Posterior | None:
         """Parameter sets that agree with the measurements; None if there are none."""
         return None if self.reading.why_nothing_agrees else self.analysis.posterior
+
+    @property
+    def intervals(self) -> Mapping[str, ParameterInterval]:
+        """95 % intervals of the parameters: those of the result, else those of the analysis."""
+        if self.posterior is None:
+            return {}
+        result = self.reading.result
+        return (result.intervals if result else {}) or self.analysis.intervals
 
     @property
     def why_no_posterior(self) -> str:

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
-from functools import cached_property
+from dataclasses import dataclass
+from functools import cached_property, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, get_args
 
@@ -20,7 +20,8 @@ from grainfit.evaluation import ERROR_SUFFIX, Evaluation, Proposal, response_nam
 from grainfit.formatting import counted
 from grainfit.materials.time_step import RayleighTimeStep
 from grainfit.problem import Parameter, Problem, Target
-from grainfit.result import Result, Status, damaged_result
+from grainfit.result import ParameterInterval, Result, Status, damaged_result
+from grainfit.strategies.distinct_runs import distinct_runs
 from grainfit.tables import TextTable, as_html, as_text
 from grainfit.work_folder.open_folder import OpenFolder, open_folder
 
@@ -166,8 +167,16 @@ class SavedCalibration:
     @property
     def known(self) -> tuple[Evaluation, ...]:
         """The evaluations, then those of the warm start that were not asked for again."""
-        asked = set(map(_run_of, self.evaluations))
-        return (*self.evaluations, *(e for e in self.learnt if _run_of(e) not in asked))
+        return tuple(distinct_runs([*self.evaluations, *self.learnt]))
+
+    @property
+    def intervals(self) -> Mapping[str, ParameterInterval]:
+        """95 % intervals of the parameters: those of the result, else those of the analysis."""
+        if self.why_nothing_agrees:
+            return {}
+        if self.result is not None and self.result.intervals:
+            return self.result.intervals
+        return self.analyse().intervals
 
     def analyse(self) -> Analysis:
         """Return the analysis of the runs: posterior, sensitivity, and more.
@@ -202,10 +211,6 @@ class SavedCalibration:
 
         answer = self.result.parameters if self.result else None
         return analyse(self.problem, self.known, seed=self.seed, answer=answer or None)
-
-
-def _run_of(evaluation: Evaluation) -> tuple[float, ...]:
-    return (*evaluation.proposal.parameters.values(), evaluation.proposal.seed)
 
 
 @contextmanager
@@ -284,28 +289,29 @@ def _why_unusable(result: Result, problem: Problem, state: str) -> str:
         result.parameters.keys() == {parameter.name for parameter in problem.parameters}
         and {name: found.target for name, found in result.responses.items()} == targets
         and all(p.scale != "log" or result.parameters[p.name] > 0 for p in problem.parameters)
+        and all(map(partial(_holds_its_answer, result), result.intervals))
     )
     return "" if fits else "its parameters or targets are not those of the calibration"
 
 
+def _holds_its_answer(result: Result, name: str) -> bool:
+    found = result.intervals[name]
+    return name in result.parameters and found.low <= result.parameters[name] <= found.high
+
+
 def _problem(
-    definition: Mapping[str, Any], about: Mapping[str, Any], evaluations: Iterable[Evaluation]
+    definition: Mapping[str, Any], about: Mapping[str, Any], evaluations: Sequence[Evaluation]
 ) -> Problem:
     # Older versions kept it beside the definition.
     rayleigh = definition.get("rayleigh") or about.get("rayleigh")
-    return Problem(
-        [_widened(Parameter(**data), evaluations) for data in definition["parameters"]],
+    problem = Problem(
+        [Parameter(**data) for data in definition["parameters"]],
         [Target(**data) for data in definition["targets"]],
         RayleighTimeStep(rayleigh["radius"], rayleigh["fixed"]) if rayleigh else None,
         float(definition.get("rayleigh_weight") or about.get("rayleigh_weight", 0.0)),
     )
-
-
-def _widened(parameter: Parameter, evaluations: Iterable[Evaluation]) -> Parameter:
-    """Widen an interval to all proposals: a strategy may move a bound that is in the way."""
-    values = [evaluation.proposal.parameters[parameter.name] for evaluation in evaluations]
-    low, high = parameter.minimum, parameter.maximum
-    return replace(parameter, minimum=min([low, *values]), maximum=max([high, *values]))
+    # A strategy may move a bound that is in the way.
+    return problem.holding([evaluation.proposal.parameters for evaluation in evaluations])
 
 
 def _material(runs: Iterable[RunRecord], free: Iterable[str]) -> dict[str, float]:

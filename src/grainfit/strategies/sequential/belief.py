@@ -83,6 +83,11 @@ class Belief:
         return bool(self.metamodels.shortfall(self.answers.closest[0], _SEEMS_MISSED)[0] > 0)
 
     @cached_property
+    def is_torn(self) -> bool:
+        """Whether outlying runs decide the verdict, and more runs would not change that."""
+        return self.metamodels.is_torn
+
+    @cached_property
     def is_likely(self) -> bool:
         """Whether the answer agrees more likely than not."""
         return self.probability >= LIKELY
@@ -147,30 +152,25 @@ class Belief:
         """Estimated number of further runs at the answer that would decide it."""
         return self.metamodels.runs_needed(self.answers.closest[0], confidence)
 
+    @property
+    def usual_runs(self) -> int:
+        """Number of runs that problems with such a scatter usually take in all.
+
+        A mean of n runs has to be known to a tolerance over 2.24 standard errors (97.5 %), and the
+        slopes take a run each.
+        """
+        tolerances = np.array([target.tolerance for target in self.problem.targets])
+        ratio = float((self.metamodels.noise_at(self.answers.closest[0]) / tolerances).max())
+        return int(min(1.1 * (2.24 * ratio) ** 2 + self.problem.dimension + 4, 1e6))
+
     def narrowing(self, runs: int) -> float:
         """Share by which further runs at the answer would narrow its standard errors."""
         _, variances = self.metamodels.deviations(self.answer)
-        return float((1 - 1 / np.sqrt(1 + runs * variances[0] / self.metamodels.scatter_at(self.answer)[0])).max())
-
-    def why_undecided(self, confidence: float) -> str:
-        """Explain how certain the answer is, and how many runs would make it certain enough."""
-        inside = f"are all within their tolerances with a probability of {self.probability:.1%}"
-        if self.probability >= confidence:
-            return (
-                f"The expected responses {inside}, but that rests on few runs (without one of "
-                f"them it would be {self.probability_without_any_run:.1%}). More runs would tell."
-            )
-        needed = self.runs_needed(confidence)
-        return (
-            f"The expected responses {inside}, less than the {confidence:.0%} asked for. It would "
-            f"take about {needed:,} more run{'s' * (needed > 1)}: one run scatters by "
-            f"{self._scatter()}."
-        )
-
-    def _scatter(self) -> str:
-        return ", ".join(
-            f"{noise:.2g} in {target.name} (tolerance {target.tolerance:.2g})"
-            for noise, target in zip(self.metamodels.noise_at(self.answer), self.problem.targets, strict=True)
+        return float(
+            (
+                1
+                - 1 / np.sqrt(1 + runs * variances[0] / self.metamodels.scatter_at(self.answer)[0])
+            ).max()
         )
 
     @property

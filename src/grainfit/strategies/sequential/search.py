@@ -49,6 +49,8 @@ RUNS_PER_PARAMETER = 20
 #: Runs after the design before a target can be called out of reach.
 _RUNS_TO_CONFIRM = 2
 _TRIES_OF_A_MACHINE = 3
+#: Runs that usually follow the design where the scatter is small, verification included.
+_USUAL_AFTER_DESIGN = 5
 _MOST_WIDENINGS = 4
 
 
@@ -143,13 +145,14 @@ class SequentialSearch(Search):
 
     @property
     def expected_left(self) -> int:
-        """Pending runs, or those that the answer still needs."""
+        """Pending runs, or those that the answer still needs, with those of its verification."""
+        done = len(self._told) + len(self._others)
         if not self._design_is_told or self._belief is None:
-            usual = self._design_size + 2 * (self.problem.dimension + 2)
+            usual = self._design_size + _USUAL_AFTER_DESIGN
             return max(self._pending, min(self._allowed, usual) - len(self._told))
-        if self._rule.is_decided(self._belief):
-            return self._pending
-        needed = self._belief.runs_needed(self.confidence_to_stop)
+        belief = self._belief
+        usual = max(self._design_size + _USUAL_AFTER_DESIGN, belief.usual_runs) - done
+        needed = min(belief.runs_needed(self.confidence_to_stop), usual)
         return max(self._pending, min(self._allowed - len(self._told), needed))
 
     def warm_start(self, evaluations: Sequence[Evaluation]) -> None:
@@ -202,7 +205,12 @@ class SequentialSearch(Search):
         chosen = parameters or belief.problem.from_unit(belief.answer)
         closest = belief.answers.closest[0]
         return make_answer(
-            belief.metamodels, chosen, misses, closest, spread=False, confidence=self.confidence_to_stop
+            belief.metamodels,
+            chosen,
+            misses,
+            closest,
+            spread=False,
+            confidence=self.confidence_to_stop,
         )
 
     def resume_after_verification(self, affordable: int | None = None) -> bool:

@@ -41,7 +41,7 @@ class StoppingRule:
 
     def is_decided(self, belief: Belief) -> bool:
         """Whether the answer is known but for its verification, or no further run could help."""
-        if self.is_out_of_reach(belief) or self._is_at_noise_floor(belief):
+        if self.is_out_of_reach(belief) or belief.is_torn or self._is_at_noise_floor(belief):
             return True
         return self._is_left_to_verification(belief) and belief.gain < _GAIN_WORTH_RUNS
 
@@ -53,8 +53,6 @@ class StoppingRule:
         """Tell the user why the search has ended, unless it is obvious."""
         if self.is_out_of_reach(belief):
             return [str(miss) for miss in belief.misses]
-        if not self._is_left_to_verification(belief):
-            return [belief.why_undecided(self.confidence)]
         if (gained := belief.time_step_gained) > EQUAL_TIME_STEPS:
             return [f"{_LARGEST_TIME_STEP} {gained:+.1%} against the closest one."]
         return []

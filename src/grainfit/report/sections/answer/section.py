@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 from grainfit.formatting import counted, duration, number, plain, probability, rounded
+from grainfit.materials.card import Determination
 from grainfit.plots.labels import Label
 from grainfit.problem import Parameter, Target
 from grainfit.report.rendering import render
@@ -37,6 +38,7 @@ class ParameterRow:
     value: str
     interval: str
     why_no_interval: str
+    determination: Determination | Literal[""]
     position: float | None
     credible: tuple[float, float] | None
     searched: str
@@ -51,7 +53,6 @@ class ResponseRow:
     tolerance: str
     expected: str
     half_width: str
-    predicted: bool
     deviation: str
     verdict: str
 
@@ -93,7 +94,7 @@ def verdict(context: ReportContext) -> Verdict:
         case "interrupted":
             so_far = "The numbers are the best so far." if context.answer else "No answer yet."
             words = f"{ended}. Start the same command again to continue."
-            return Verdict("warn", f"Interrupted. {so_far}", (words,))
+            return Verdict("warn", f"Interrupted. {so_far}", (words, *_determinations(context)))
     if not context.answer:
         words = plain(reading.result_fault) or (
             "Its result.json is missing. Start the same command again: it is written again."
@@ -106,27 +107,29 @@ def verdict(context: ReportContext) -> Verdict:
 def _final_verdict(context: ReportContext) -> Verdict:
     result = context.reading.result
     assert result is not None, "an answer comes from a result"
-    sure = tuple(_sureness(result))
+    sure = (*_sureness(result), *_determinations(context))
     if context.reading.state == "calibrated":
         return Verdict("good", "Calibrated: every measurement is met within its tolerance.", sure)
     misses = tuple(map(str, result.out_of_reach))
     if context.reading.state == "unreachable" and misses:
         return Verdict("bad", "Out of reach within the given intervals.", misses)
-    missed = [
+    missed = "; ".join(
         _miss(context.response_label(name).words, response)
         for name, response in result.responses.items()
         if response.verdict != "met"
-    ]
-    return Verdict("bad", f"Not calibrated: {'; '.join(missed)}.", sure)
+    )
+    if context.reading.state == "undecided":
+        line = "Undecided: the runs do not tell whether every measurement is met"
+        return Verdict("warn", f"{line}{': ' + missed if missed else ''}.", sure)
+    return Verdict("bad", f"Not calibrated: {missed}.", sure)
 
 
 def _miss(words: str, response: ResponseResult) -> str:
-    if not response.is_verified:
-        return f"{words} could not be verified"
-    if response.verdict == "in doubt":
-        return f"{words} is met by the verification runs alone, but not by all runs together"
     accepted = number(100 * response.tolerance / response.target, 3)
     deviation = _percent(response.deviation_percent)
+    if response.verdict == "in doubt" and response.probability is not None:
+        likely = probability(response.probability)
+        return f"{words} is within ±{accepted} % with a probability of {likely}"
     return f"{words} deviates by {deviation}, and ±{accepted} % are accepted"
 
 
@@ -138,23 +141,33 @@ def _sureness(result: Result) -> Iterator[str]:
         )
 
 
+def _determinations(context: ReportContext) -> Iterator[str]:
+    """Say how well each parameter of the answer is determined."""
+    words = "; ".join(
+        f"{context.parameter_label(p.name).words} "
+        + context.intervals[p.name].in_words(context.answer[p.name], p.unit)
+        for p in context.parameters
+        if p.name in context.intervals and p.name in context.answer
+    )
+    if words:
+        yield f"{words[0].upper()}{words[1:]}."
+
+
 def _parameter_row(context: ReportContext, parameter: Parameter) -> ParameterRow:
     posterior, name = context.posterior, parameter.name
     value = context.answer.get(name)
     if value is None and posterior is not None:
         value = float(posterior.median(name))
-    interval = None
-    half_width = None
-    if posterior is not None:
-        low, high = (float(bound) for bound in posterior.interval(name))
-        interval = (low, high)
-        # On a logarithmic scale, the digits of one end mean nothing at the other.
-        half_width = (high - low) / 2 if parameter.scale == "linear" else None
+    found = context.intervals.get(name)
+    interval = (found.low, found.high) if found else None
+    # On a logarithmic scale, the digits of one end mean nothing at the other.
+    half_width = (found.high - found.low) / 2 if found and parameter.scale == "linear" else None
     return ParameterRow(
         label=context.parameter_label(name),
         value=_shown(value, half_width),
         interval=" … ".join(_shown(bound, half_width) for bound in interval) if interval else "",
         why_no_interval=context.why_no_posterior,
+        determination=found.determination if found else "",
         position=None if value is None else _position(parameter, value),
         credible=(_position(parameter, interval[0]), _position(parameter, interval[1]))
         if interval
@@ -184,7 +197,6 @@ def _response_row(context: ReportContext, target: Target) -> ResponseRow:
             **measured,
             expected="–",
             half_width="",
-            predicted=False,
             deviation="–",
             verdict="",
         )
@@ -194,7 +206,6 @@ def _response_row(context: ReportContext, target: Target) -> ResponseRow:
         **measured,
         expected=rounded(expected, half_width),
         half_width=number(half_width, 2),
-        predicted=not response.is_verified,
         deviation=_percent(response.deviation_percent),
         verdict=response.verdict,
     )

@@ -15,7 +15,7 @@ def undetermined(context: ReportContext) -> Section:
     posterior, found = context.posterior, context.analysis.identifiability
     if posterior is None or found is None:
         return waiting(context, _KEY, _TITLE, context.why_no_posterior)
-    drawn = posterior_figures(context.reading, posterior, found)
+    drawn = posterior_figures(context.reading, posterior, found, context.intervals)
     figures = {f"{_KEY}-learnt": drawn.narrowing}
     if drawn.correlations is not None:
         figures[f"{_KEY}-correlations"] = drawn.correlations
@@ -30,7 +30,7 @@ def undetermined(context: ReportContext) -> Section:
             {
                 "figure": key,
                 "label": context.parameter_label(name),
-                "between": interval_in_words(posterior, name),
+                "between": interval_in_words(context.intervals[name]),
             }
             for key, name in zip(histograms, posterior.names, strict=True)
         ],

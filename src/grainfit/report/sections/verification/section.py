@@ -7,8 +7,6 @@ from dataclasses import dataclass
 from html import escape
 from typing import Any
 
-from grainfit.calibration.verification import Verified, verified_responses
-from grainfit.evaluation import Evaluation
 from grainfit.formatting import number, rounded, with_unit
 from grainfit.plots.figure import Figure
 from grainfit.plots.labels import Label
@@ -16,6 +14,7 @@ from grainfit.plots.style import BLUE, STAGES, tolerance_band, value_range
 from grainfit.problem import Target
 from grainfit.report.rendering import render
 from grainfit.report.section import ReportContext, Section
+from grainfit.result import ResponseResult
 
 #: Colour of the runs, as in the other figures.
 _SYMBOL, _COLOUR = STAGES["verification"]
@@ -32,73 +31,62 @@ class VerifiedRow:
 
 
 def verification(context: ReportContext) -> Section:
-    """Fresh seeds at the answer against the measurements."""
-    runs = _runs_at_the_answer(context)
-    verified = verified_responses(context.reading.problem, runs)
-    rows = [
-        _row(context, target, verified[target.name])
-        for target in context.targets
-        if target.name in verified
-    ]
+    """Fresh seeds at the answer against all runs and the measurements."""
+    result = context.reading.result
+    responses = {} if result is None or not context.answer else result.responses
+    checked = [t for t in context.targets if len(_values(responses.get(t.name))) > 1]
+    rows = [_row(context, target, responses[target.name]) for target in checked]
     figures = {
         f"verification-{index}": _figure(
-            context.response_label(target.name), target, runs, verified[target.name]
+            context.response_label(target.name), target, responses[target.name]
         )
-        for index, target in enumerate(
-            target for target in context.targets if target.name in verified
-        )
+        for index, target in enumerate(checked)
     }
+    count = max((len(_values(found)) for found in responses.values()), default=0)
     html = render(
         "verification/page",
         rows=rows,
-        count=len(runs),
-        failed=sum(1 for run in runs if run.failures),
+        count=count,
         has_answer=bool(context.answer),
-        others=_other_verifications(context) - len(runs),
+        others=_all_verifications(context) - count,
     )
     return Section("verification", "Verification", html, figures)
 
 
-def _runs_at_the_answer(context: ReportContext) -> list[Evaluation]:
-    return [
-        evaluation
-        for evaluation in context.reading.evaluations
-        if evaluation.proposal.stage == "verification"
-        and evaluation.proposal.parameters == context.answer
-    ]
+def _values(response: ResponseResult | None) -> Sequence[float]:
+    return () if response is None else response.verified_values
 
 
-def _other_verifications(context: ReportContext) -> int:
+def _all_verifications(context: ReportContext) -> int:
     stages = [evaluation.proposal.stage for evaluation in context.reading.evaluations]
     return stages.count("verification")
 
 
-def _row(context: ReportContext, target: Target, verified: Verified) -> VerifiedRow:
+def _row(context: ReportContext, target: Target, response: ResponseResult) -> VerifiedRow:
     label = context.response_label(target.name)
-    mean = f"{rounded(verified.mean, verified.half_width)} ± {number(verified.half_width, 2)}"
+    mean, half_width = _mean(response)
+    expected, expected_half = response.expected
+    fresh = f"{rounded(mean, half_width)} ± {number(half_width, 2)}"
+    by_all = f"{rounded(expected, expected_half)} ± {number(expected_half, 2)}"
     wanted = f"{number(target.value, 6)} ± {number(target.tolerance, 3)}"
     words = (
-        f"their mean is {with_unit(mean, label.unit)}, "
-        f"and {with_unit(wanted, label.unit)} was measured"
+        f"their mean is {with_unit(fresh, label.unit)}; all runs together lead to expect "
+        f"{with_unit(by_all, label.unit)}, and {with_unit(wanted, label.unit)} was measured"
     )
-    result = context.reading.result
-    if verified.is_met(target):
-        if result is None or result.responses[target.name].verdict != "in doubt":
-            return VerifiedRow(label, "good", "✓ met", words)
-        words += (
-            ". The tolerance ends within the interval, and by all runs together a response outside "
-            "of it is expected"
-        )
-        return VerifiedRow(label, "warn", "! in doubt", words)
-    if verified.is_marginally_missed(target):
-        words += ". More runs could still turn it: the tolerance begins within the interval"
-        return VerifiedRow(label, "warn", "! missed narrowly", words)
-    return VerifiedRow(label, "bad", "✗ missed", words)
+    if abs(mean - expected) <= half_width + expected_half:
+        return VerifiedRow(label, "good", "✓ agrees", words)
+    return VerifiedRow(label, "warn", "! differs", words)
 
 
-def _figure(label: Label, target: Target, runs: Sequence[Evaluation], verified: Verified) -> Figure:
-    found = [run for run in runs if target.name in run.responses]
-    values = [run.responses[target.name].value for run in found]
+def _mean(response: ResponseResult) -> tuple[float, float]:
+    assert response.verified_mean is not None, "two values have a mean"
+    assert response.verified_interval is not None, "and an interval"
+    return response.verified_mean, response.verified_interval
+
+
+def _figure(label: Label, target: Target, response: ResponseResult) -> Figure:
+    values = list(response.verified_values)
+    middle, half_width = _mean(response)
     unit = escape(label.unit)
     points: dict[str, Any] = {
         "type": "scatter",
@@ -106,7 +94,7 @@ def _figure(label: Label, target: Target, runs: Sequence[Evaluation], verified: 
         "name": "fresh seeds",
         "x": values,
         "y": ["runs"] * len(values),
-        "customdata": [run.proposal.seed for run in found],
+        "customdata": list(response.verified_seeds),
         "marker": {"symbol": _SYMBOL, "color": _COLOUR, "size": 9, "opacity": 0.75},
         "hovertemplate": f"%{{x:.5g}} {unit}, seed %{{customdata}}<extra></extra>",
     }
@@ -114,13 +102,13 @@ def _figure(label: Label, target: Target, runs: Sequence[Evaluation], verified: 
         "type": "scatter",
         "mode": "markers",
         "name": "mean with 95 % interval",
-        "x": [verified.mean],
+        "x": [middle],
         "y": ["mean"],
-        "error_x": {"type": "data", "array": [verified.half_width], "color": BLUE, "width": 8},
+        "error_x": {"type": "data", "array": [half_width], "color": BLUE, "width": 8},
         "marker": {"symbol": "circle", "color": BLUE, "size": 11},
-        "hovertemplate": f"%{{x:.5g}} ± {verified.half_width:.2g} {unit}<extra>mean</extra>",
+        "hovertemplate": f"%{{x:.5g}} ± {half_width:.2g} {unit}<extra>mean</extra>",
     }
-    edges = [verified.mean - verified.half_width, verified.mean + verified.half_width]
+    edges = [middle - half_width, middle + half_width]
     layout = {
         "xaxis": {
             "title": {"text": label.axis},

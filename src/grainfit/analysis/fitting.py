@@ -1,0 +1,140 @@
+"""Fit the metamodels that all parts of the analysis rest on."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+from grainfit.evaluation import Evaluation
+from grainfit.metamodels.known_runs import (
+    MOST_RUNS,
+    REACH,
+    beyond,
+    fit_where_possible,
+    nearest_runs,
+)
+from grainfit.metamodels.metamodels import Metamodels
+from grainfit.problem import Problem
+
+#: Squared numbers of runs, times sets of hyperparameters, summed over the responses.
+_LARGEST_EFFORT = 400_000
+#: Fixed cost of a prediction, in the same unit.
+_EFFORT_OF_ASKING = 5_000
+_FEWEST_COMPONENTS = 2
+
+
+@dataclass(frozen=True)
+class Fitted:
+    """Metamodels of a calibration's runs.
+
+    Attributes
+    ----------
+    whole, reduced : Metamodels or None
+        Metamodels with all sets of hyperparameters, and with only the most probable ones, to
+        limit the effort; None when there are too few runs.
+    runs : tuple of Evaluation
+        The runs that they were fitted to.
+    notes : tuple of str
+        Runs and responses that are left out, and why.
+    """
+
+    whole: Metamodels | None
+    reduced: Metamodels | None
+    runs: tuple[Evaluation, ...]
+    notes: tuple[str, ...]
+
+
+def fit_runs(
+    problem: Problem,
+    evaluations: Sequence[Evaluation],
+    *,
+    seed: int,
+    answer: Mapping[str, float] | None,
+) -> Fitted:
+    """Fit metamodels to the runs of a calibration; their order does not matter.
+
+    Parameters
+    ----------
+    problem : Problem
+        Parameters and targets.
+    evaluations : sequence of Evaluation
+        All known runs, failed ones included.
+    seed : int
+        Decides the choice among too many runs.
+    answer : mapping of str to float or None
+        The calibrated values; of too many runs, those near them are preferred.
+    """
+    notes: list[str] = []
+    usable = _usable(problem, sorted(evaluations, key=_order), notes)
+    chosen = _chosen(problem, usable, answer, seed, notes)
+    whole, missing = fit_where_possible(problem, chosen)
+    if chosen:
+        notes += [f"There is no metamodel of {name}: {why}" for name, why in missing.items()]
+    return Fitted(whole, _reduced(whole) if whole else None, tuple(chosen), tuple(notes))
+
+
+def _order(evaluation: Evaluation) -> tuple[list[tuple[str, float]], int]:
+    return sorted(evaluation.proposal.parameters.items()), evaluation.proposal.seed
+
+
+def _usable(
+    problem: Problem, evaluations: Sequence[Evaluation], notes: list[str]
+) -> list[Evaluation]:
+    """Runs within the intervals, or not far beyond them, that yielded a response."""
+    names = [target.name for target in problem.targets]
+    telling = [e for e in evaluations if any(name in e.responses for name in names)]
+    near = [e for e in telling if _is_near(problem, e.proposal.parameters)]
+    if not telling:
+        notes.append(
+            f"None of {len(evaluations)} runs yielded a response: nothing can be said."
+            if evaluations
+            else "There is no run yet that yielded a response: nothing can be said."
+        )
+    elif len(near) < len(telling):
+        notes.append(
+            f"{len(telling) - len(near)} of {len(telling)} runs are farther outside the intervals "
+            f"than {REACH:.0%} of their widths and are left out."
+        )
+    return near
+
+
+def _is_near(problem: Problem, values: Mapping[str, float]) -> bool:
+    return _has_all(problem, values) and beyond(problem, values) <= REACH
+
+
+def _has_all(problem: Problem, values: Mapping[str, float]) -> bool:
+    return all(parameter.name in values for parameter in problem.parameters)
+
+
+def _chosen(
+    problem: Problem,
+    evaluations: list[Evaluation],
+    answer: Mapping[str, float] | None,
+    seed: int,
+    notes: list[str],
+) -> list[Evaluation]:
+    """Choose the runs for the metamodels, and say so if some are left out."""
+    holds = answer is not None and _has_all(problem, answer) and beyond(problem, answer) == 0.0
+    chosen = nearest_runs(problem, evaluations, answer if holds else None, seed=seed)
+    if len(chosen) < len(evaluations):
+        inside = sum(beyond(problem, e.proposal.parameters) == 0.0 for e in evaluations)
+        notes.append(
+            f"The analysis rests on {MOST_RUNS} of {len(evaluations)} runs, because its effort "
+            f"grows with the cube of their number: {_which(inside, holds)}."
+        )
+    return chosen
+
+
+def _which(inside: int, answer_is_known: bool) -> str:
+    if inside <= MOST_RUNS:
+        return f"the {inside} within the intervals and those nearest to them"
+    words = "the answer" if answer_is_known else "what looks like the answer"
+    half = MOST_RUNS // 2
+    return f"the {half} nearest to {words} and {MOST_RUNS - half} spread over the others"
+
+
+def _reduced(metamodels: Metamodels) -> Metamodels:
+    effort = sum(model.n**2 + _EFFORT_OF_ASKING for model in metamodels.models)
+    components = max(_LARGEST_EFFORT // effort, _FEWEST_COMPONENTS)
+    models = [model.reduced(components) for model in metamodels.models]
+    return Metamodels(metamodels.problem, models, metamodels.outliers)

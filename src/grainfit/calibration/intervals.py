@@ -1,0 +1,61 @@
+"""Complete the result of a calibration with the 95 % intervals of its parameters."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+from grainfit.errors import GrainfitError
+from grainfit.evaluation import Evaluation
+from grainfit.problem import Problem
+from grainfit.result import Result
+from grainfit.strategies.distinct_runs import distinct_runs
+
+
+def with_intervals(
+    result: Result,
+    problem: Problem,
+    evaluations: Sequence[Evaluation],
+    learnt: Sequence[Evaluation],
+) -> Result:
+    """Return the result with the intervals that report and material card show as well.
+
+    Parameters
+    ----------
+    result : Result
+        The result without them.
+    problem : Problem
+        The problem with the intervals that the user gave.
+    evaluations, learnt : sequence of Evaluation
+        All runs of the calibration, verification included, and those of the warm start.
+
+    Returns
+    -------
+    Result
+        Without intervals if there is no answer, or if no parameter set agrees.
+    """
+    if not result.parameters or result.status == "unreachable":
+        return result
+    # Imported here: emcee is needed only now.
+    from grainfit.analysis.analysis import analyse_parameters
+
+    try:
+        found = analyse_parameters(
+            problem.holding([evaluation.proposal.parameters for evaluation in evaluations]),
+            distinct_runs([*evaluations, *learnt]),
+            seed=result.seed,
+            answer=result.parameters,
+        )
+    except KeyboardInterrupt:
+        # The user is in a hurry; the result must not be lost.
+        return _without(result, "interrupted")
+    except (GrainfitError, ArithmeticError, ValueError) as error:
+        return _without(result, str(error))
+    rough = found.posterior is not None and not found.posterior.converged
+    notices = (*result.notices, *found.notes) if rough else result.notices
+    return replace(result, intervals=found.intervals, notices=notices)
+
+
+def _without(result: Result, why: str) -> Result:
+    notice = f"The 95 % intervals of the parameters were not calculated: {why}."
+    return replace(result, notices=(*result.notices, notice))
