@@ -11,7 +11,8 @@ Origin = Literal["calibrated", "not calibrated", "given"]
 Determination = Literal["determined", "narrowed", "not determined"]
 _STATUS_WORDS = {
     "calibrated": "calibrated: every target is met within its tolerance",
-    "out_of_tolerance": "NOT CALIBRATED: finished without meeting every target",
+    "undecided": "NOT CALIBRATED: undecided whether every target is met",
+    "out_of_tolerance": "NOT CALIBRATED: no parameter set was found that meets every target",
     "unreachable": "NOT CALIBRATED: out of reach within the given intervals",
     "interrupted": "NOT CALIBRATED: interrupted before it was decided",
 }
