@@ -14,7 +14,9 @@ import numpy as np
 import pytest
 
 from grainfit.analysis import Analysis, ParetoFront
+from grainfit.errors import InputError
 from grainfit.metamodels.metamodels import Metamodels
+from grainfit.plots.sensitivity_figures import sensitivity as sensitivity_plot
 from grainfit.problem import Problem
 from grainfit.report.rendering import script_json
 from grainfit.report.section import ReportContext, Section
@@ -235,6 +237,26 @@ def test_the_most_important_parameter_is_drawn_at_the_top() -> None:
         max(found.total_high[1].max() - found.total[1].max(), 0.0)
     )
     assert min(total["error_x"]["arrayminus"]) >= 0.0
+
+
+def test_an_unknown_sensitivity_is_a_sentence_without_bars() -> None:
+    made = usual()
+    found = made.analysis.sensitivity
+    assert found is not None
+    wide = found.total_high.copy()
+    wide[0] = found.total_low[0] + 0.51
+    analysis = replace(made.analysis, sensitivity=replace(found, total_high=wide))
+    section = sensitivity(replace(made, analysis=analysis))
+    assert "sensitivity-0" not in section.figures
+    assert 'data-figure="sensitivity-0"' not in section.html
+    assert f"On which parameters {found.responses[0]} depends is not known" in section.html
+    drawn = sensitivity_plot(made.reading, analysis)
+    assert f"not known: {found.responses[0]}" in str(drawn.layout.annotations) + str(
+        drawn.layout.title
+    )
+    all_wide = replace(found, total_low=np.zeros_like(wide), total_high=np.ones_like(wide))
+    with pytest.raises(InputError, match="is not known: its metamodel explains too little"):
+        sensitivity_plot(made.reading, replace(analysis, sensitivity=all_wide))
 
 
 def test_a_trade_off_can_be_picked_point_by_point() -> None:

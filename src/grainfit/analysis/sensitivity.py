@@ -6,31 +6,38 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import stats
 from threadpoolctl import threadpool_limits
 
+from grainfit.analysis.surfaces import draw_surfaces
 from grainfit.errors import Fault, InputError
+from grainfit.metamodels.kriging import Kriging
 from grainfit.metamodels.metamodels import Metamodels
 from grainfit.metamodels.unit_cube import spread_points
 
 Array = NDArray[np.float64]
 
-_RESAMPLES = 300
+_SURFACES = 200
+#: Ends of intervals nearer to 0 or 1 are 0 or 1.
+_NEXT_TO_NOTHING = 0.01
 #: A response that varies by less than this share of itself is constant except for rounding.
 _CONSTANT = 1e-9
 _PROBED = 256
 #: Shares of the variance: the smallest that is named, and the smallest due to interactions.
 _NAMED = 0.05
 _INTERACTION = 0.1
+#: Upper end from which on a parameter with a small share may matter all the same.
+_PERHAPS = 0.2
+#: Indices whose intervals are wider say nothing.
+_LARGEST_UNCERTAINTY = 0.5
 
 
 @dataclass(frozen=True)
 class Sensitivity:
-    """Sobol' indices of all responses, with 95 % bootstrap intervals.
+    """Sobol' indices of all responses, with 95 % intervals that hold the metamodel's error.
 
     All arrays have the shape (number of targets, d); all numbers are shares of the variance of
     the expected response over the intervals of the parameters, from 0 to 1, and 0 for a response
-    that is constant.
+    that is constant. An index is the mean of those of all surfaces that agree with the runs.
 
     Attributes
     ----------
@@ -53,14 +60,34 @@ class Sensitivity:
     total_low: Array
     total_high: Array
 
+    def uncertainty(self, row: int) -> float:
+        """Return the width of the widest interval of a response's total indices."""
+        return float((self.total_high[row] - self.total_low[row]).max())
+
+    def is_known(self, row: int) -> bool:
+        """Whether the indices of a response are certain enough to be shown.
+
+        Judged by the width of their own intervals, which means something wherever the runs are.
+        A Q2 does not for runs that a search has placed close together. Of a design, hardly any
+        metamodel with a Q2 below 0.5 passes.
+        """
+        return self.uncertainty(row) <= _LARGEST_UNCERTAINTY
+
     def in_words(self) -> tuple[str, ...]:
-        """Return one sentence per response that names the parameters on which it depends."""
+        """Return one or two sentences per response about the parameters on which it depends."""
         return tuple(self._sentence(row, name) for row, name in enumerate(self.responses))
 
     def _sentence(self, row: int, response: str) -> str:
         total = self.total[row]
         if not total.any():
             return f"{response} depends on none of the free parameters within their intervals."
+        if not self.is_known(row):
+            return (
+                f"On which parameters {response} depends is not known: its metamodel explains too "
+                "little of the runs, and shares of the variance are uncertain by up to "
+                f"{100 * self.uncertainty(row):.0f} %. More runs, spread over the intervals, or a "
+                "test that scatters less would tell."
+            )
         order = np.argsort(-total, kind="stable")
         named = [
             f"{self.names[i]} ({100 * total[i]:.0f} % of its variance"
@@ -68,8 +95,11 @@ class Sensitivity:
             for i in order
             if total[i] >= _NAMED or i == order[0]
         ]
-        hardly = [self.names[i] for i in order[1:] if total[i] < _NAMED]
-        rest = f", hardly on {_listed(hardly)}" if hardly else ""
+        others = [i for i in order[1:] if total[i] < _NAMED]
+        perhaps = [self.names[i] for i in others if self.total_high[row, i] > _PERHAPS]
+        hardly = [self.names[i] for i in others if self.total_high[row, i] <= _PERHAPS]
+        rest = f", perhaps on {_listed(perhaps)}" if perhaps else ""
+        rest += f", hardly on {_listed(hardly)}" if hardly else ""
         return f"{response} depends on {_listed(named)}{rest}."
 
     def _interacts(self, row: int, column: int) -> bool:
@@ -77,9 +107,16 @@ class Sensitivity:
 
 
 def estimate_sensitivity(
-    metamodels: Metamodels, *, seed: int = 1, points: int = 1024
+    metamodels: Metamodels, *, seed: int = 1, points: int = 512
 ) -> Sensitivity:
     """Estimate Sobol' indices of the expected responses over the intervals of the parameters.
+
+    The indices of many surfaces that agree with the runs are computed, each at another bootstrap
+    sample of the points: so their spread has the error of the metamodel and that of the points.
+    That is not enough, because a metamodel may take what it does not see for scatter. So the
+    intervals also hold the indices of the metamodel's mean if the part of the variance that it
+    leaves unexplained (of the surfaces drawn, or of runs left out) is due to one parameter alone,
+    or to others.
 
     Parameters
     ----------
@@ -88,7 +125,7 @@ def estimate_sensitivity(
     seed : int
         The same seed gives the same indices.
     points : int
-        Power of two; each metamodel predicts (d + 2) times as many points.
+        Power of two; each surface is computed at (d + 2) times as many points.
 
     Returns
     -------
@@ -102,16 +139,18 @@ def estimate_sensitivity(
     References
     ----------
     Saltelli, Annoni, Azzini, Campolongo, Ratto & Tarantola (2010), Comput. Phys. Commun. 181,
-    259-270.
+    259-270: indices.
+    Le Gratiet, Cannamela & Iooss (2014), SIAM/ASA J. Uncertain. Quantif. 2, 336-363: surfaces drawn
+    from the metamodel, with bootstrap.
     """
     if points < 2 or points & (points - 1):
-        raise InputError(Fault("points", f"is {points}.", "Give a power of two, such as 1024."))
+        raise InputError(Fault("points", f"is {points}.", "Give a power of two, such as 512."))
     problem = metamodels.problem
     with threadpool_limits(limits=1, user_api="blas"):
         varied = _varied(metamodels, np.random.default_rng(seed))
         found = np.zeros((6, len(problem.targets), problem.dimension))
-        if varied.any():
-            found[:, varied] = _indices(metamodels, varied, seed, points)
+        for row in np.flatnonzero(varied):
+            found[:, row] = _indices(metamodels.models[row], problem.dimension, seed, points)
     return Sensitivity(
         tuple(parameter.name for parameter in problem.parameters),
         tuple(target.name for target in problem.targets),
@@ -125,39 +164,60 @@ def _varied(metamodels: Metamodels, random: np.random.Generator) -> NDArray[np.b
     return np.asarray(np.ptp(means, axis=0) > _CONSTANT * np.abs(means).max(axis=0))
 
 
-def _indices(metamodels: Metamodels, varied: NDArray[np.bool_], seed: int, points: int) -> Array:
-    """First and total indices, each with the ends of its interval, of the responses that vary."""
-    dimension = metamodels.problem.dimension
-    shape = (int(varied.sum()), dimension)
+def _indices(model: Kriging, dimension: int, seed: int, points: int) -> Array:
+    """First and total indices of a response, each with its ends, shape (6, d)."""
     if dimension == 1:
         # By definition; an estimate from a sample could differ.
-        return np.ones((6, *shape))
+        return np.ones((6, 1))
     random = np.random.default_rng(seed)
+    asked = _points(dimension, points, random)
+    mean = model.predict(asked).mean
+    unseen = _mean_squared_error(model)
+    drawn, least, most = [], [], []
+    for surface in draw_surfaces(model, asked, _SURFACES, random):
+        chosen = random.integers(points, size=points)
+        of_mean, variance = _of_surface(mean, dimension, chosen)
+        _, unknown = _of_surface(surface - mean, dimension, chosen)
+        # Whatever the metamodel does not explain may be due to any parameter, or to none.
+        share = max(unknown, unseen) / (variance + max(unknown, unseen))
+        drawn.append(_of_surface(surface, dimension, chosen)[0])
+        least.append((1.0 - share) * of_mean)
+        most.append((1.0 - share) * of_mean + share)
+    low = np.quantile([drawn, least], 0.025, axis=1).min(axis=0)
+    high = np.quantile([drawn, most], 0.975, axis=1).max(axis=0)
+    # No surface that is drawn is exactly flat along a parameter.
+    low = np.where(low < _NEXT_TO_NOTHING, 0.0, low)
+    high = np.where(high > 1.0 - _NEXT_TO_NOTHING, 1.0, high)
+    best = np.clip(np.mean(drawn, axis=0), low, high)
+    return np.stack([best, low, high], axis=1).reshape(6, dimension)
+
+
+def _mean_squared_error(model: Kriging) -> float:
+    """Mean squared error of a run that is left out: scatter, and what the metamodel misses."""
+    components = model.to_plain(factors=False)
+    values = components["offset"] + components["scale"] * np.array(components["values"])
+    return float(np.mean((values - model.leave_one_out().predicted) ** 2))
+
+
+def _points(dimension: int, points: int, random: np.random.Generator) -> Array:
+    """Two samples, and the first with each coordinate in turn taken from the second."""
     base = spread_points(points, 2 * dimension, random)
     first, second = base[:, :dimension], base[:, dimension:]
     exchanged = np.tile(first, (dimension, 1, 1))
     for axis in range(dimension):
         exchanged[axis, :, axis] = second[:, axis]
-    asked = np.vstack([first, second, exchanged.reshape(-1, dimension)])
-    answers = metamodels.predict(asked)[0][:, varied].T.reshape(shape[0], dimension + 2, points)
+    return np.vstack([first, second, exchanged.reshape(-1, dimension)])
 
-    def estimates(chosen: NDArray[np.intp]) -> Array:
-        drawn = answers[..., chosen]
-        values = {
-            "f_A": drawn[:, 0],
-            "f_B": drawn[:, 1],
-            "f_AB": np.moveaxis(drawn[:, 2:], 1, 0),
-        }
-        found = stats.sobol_indices(func=values, n=points)
-        return np.array([found.first_order, found.total_order]).reshape(2, *shape)
 
-    # SciPy's own bootstrap cannot be seeded.
-    resampled = [estimates(random.integers(points, size=points)) for _ in range(_RESAMPLES)]
-    low, high = np.quantile(resampled, [0.025, 0.975], axis=0)
-    best = estimates(np.arange(points))
+def _of_surface(surface: Array, dimension: int, chosen: NDArray[np.intp]) -> tuple[Array, float]:
+    """First and total indices of a surface at some of the points, shape (2, d); its variance."""
+    answers = surface.reshape(dimension + 2, -1)[:, chosen]
+    first, second, exchanged = answers[0], answers[1], answers[2:]
+    middle, variance = answers[:2].mean(), float(answers[:2].var())
+    alone = ((second - middle) * (exchanged - first)).mean(axis=1)
+    whole = 0.5 * ((first - exchanged) ** 2).mean(axis=1)
     # Estimates of shares near 0 or 1 can lie outside that range.
-    found = np.stack([best, low, high], axis=1).reshape(6, *shape)
-    return np.asarray(np.clip(found, 0.0, 1.0))
+    return np.clip(np.array([alone, whole]) / max(variance, 1e-300), 0.0, 1.0), variance
 
 
 def _listed(words: list[str]) -> str:

@@ -31,18 +31,24 @@ def sensitivity(saved: SavedCalibration, analysis: Analysis | None = None) -> Pl
     Raises
     ------
     InputError
-        There are too few runs for a metamodel.
+        There are too few runs for a metamodel, or they do not show what any response depends on.
     """
     analysis = analysis or saved.analyse()
     if analysis.sensitivity is None:
         raise no_figure(" ".join(analysis.notes))
-    figures = sensitivity_figures(saved, analysis.sensitivity)
-    return arrange([[figure] for figure in figures], "Sensitivity")
+    found = analysis.sensitivity
+    figures = sensitivity_figures(saved, found)
+    if not figures:
+        raise no_figure(" ".join(found.in_words()))
+    unknown = [name for row, name in enumerate(found.responses) if row not in figures]
+    heading = f"Sensitivity (not known: {', '.join(unknown)})" if unknown else "Sensitivity"
+    return arrange([[figure] for figure in figures.values()], heading)
 
 
-def sensitivity_figures(saved: SavedCalibration, found: Sensitivity) -> list[Figure]:
-    """Return one figure for each response, in their order."""
-    return [_figure(saved, found, row) for row in range(len(found.responses))]
+def sensitivity_figures(saved: SavedCalibration, found: Sensitivity) -> dict[int, Figure]:
+    """Return a figure for each response whose indices are known, by its number."""
+    rows = range(len(found.responses))
+    return {row: _figure(saved, found, row) for row in rows if found.is_known(row)}
 
 
 def _figure(saved: SavedCalibration, found: Sensitivity, row: int) -> Figure:
@@ -105,7 +111,6 @@ def _dots(
         "error_x": {
             "type": "data",
             "symmetric": False,
-            # Resampled estimates may lie to one side of the estimate.
             "array": np.maximum(high - best, 0.0).tolist(),
             "arrayminus": np.maximum(best - low, 0.0).tolist(),
             "color": color,

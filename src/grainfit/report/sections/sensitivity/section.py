@@ -15,14 +15,18 @@ def sensitivity(context: ReportContext) -> Section:
     found = context.analysis.sensitivity
     if found is None:
         return waiting(context, _KEY, _TITLE)
-    drawn = enumerate(sensitivity_figures(context.reading, found))
-    figures = {f"{_KEY}-{row}": figure for row, figure in drawn}
+    drawn = sensitivity_figures(context.reading, found)
+    figures = {f"{_KEY}-{row}": figure for row, figure in drawn.items()}
     html = render(
         f"{_KEY}/page",
         responses=[
-            {"label": context.response_label(name), "sentence": plain(sentence), "figure": figure}
-            for name, sentence, figure in zip(
-                found.responses, found.in_words(), figures, strict=True
+            {
+                "label": context.response_label(name),
+                "sentence": plain(sentence),
+                "figure": f"{_KEY}-{row}" if row in drawn else "",
+            }
+            for row, (name, sentence) in enumerate(
+                zip(found.responses, found.in_words(), strict=True)
             )
         ],
     )
