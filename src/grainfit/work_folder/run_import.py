@@ -16,6 +16,7 @@ from grainfit.campaign.store.records import RunRecord
 from grainfit.campaign.store.store import RunStore
 from grainfit.campaign.work_folder import hold, recover
 from grainfit.errors import Fault, InputError, SolverNotFoundError
+from grainfit.metamodels.known_runs import REACH, beyond
 from grainfit.solvers.base import Solver
 from grainfit.work_folder.import_table import TableRow, read_import_table
 
@@ -255,15 +256,18 @@ def _ignored(columns: list[str]) -> Iterator[str]:
 def _outside(setup: CalibrationSetup, rows: list[TableRow]) -> Iterator[str]:
     """Report rows that no calibration of the present file can use."""
     for parameter in setup.problem.parameters:
+        name = parameter.name
         lines = [
-            str(row.line) for row in rows if not parameter.contains(row.parameters[parameter.name])
+            str(row.line)
+            for row in rows
+            if beyond(setup.problem, {name: row.parameters[name]}) > REACH
         ]
         if lines:
             some = ", ".join(lines[:_NAMED_LINES]) + (", ..." if len(lines) > _NAMED_LINES else "")
             ends = f"{parameter.minimum:g} to {parameter.maximum:g} {parameter.unit}".rstrip()
             yield (
-                f"Outside of the interval of {parameter.name} ({ends}), and not used while it is "
-                f"so: line {some}."
+                f"Outside of the interval of {name} ({ends}) by more than {REACH:.0%} of its "
+                f"width, and not used while it is so: line {some}."
             )
 
 
