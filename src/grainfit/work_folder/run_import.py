@@ -16,6 +16,7 @@ from grainfit.campaign.store.records import RunRecord
 from grainfit.campaign.store.store import RunStore
 from grainfit.campaign.work_folder import hold, recover
 from grainfit.errors import Fault, InputError, SolverNotFoundError
+from grainfit.metamodels.known_runs import REACH, beyond
 from grainfit.solvers.base import Solver
 from grainfit.work_folder.import_table import TableRow, read_import_table
 
@@ -253,18 +254,23 @@ def _ignored(columns: list[str]) -> Iterator[str]:
 
 
 def _outside(setup: CalibrationSetup, rows: list[TableRow]) -> Iterator[str]:
-    """Report rows that no calibration of the present file can use."""
+    """Report rows outside of the intervals, and whether the present file can use them."""
+    far = {row.line for row in rows if beyond(setup.problem, row.parameters) > REACH}
     for parameter in setup.problem.parameters:
-        lines = [
-            str(row.line) for row in rows if not parameter.contains(row.parameters[parameter.name])
+        outside = [
+            row.line for row in rows if not parameter.contains(row.parameters[parameter.name])
         ]
-        if lines:
-            some = ", ".join(lines[:_NAMED_LINES]) + (", ..." if len(lines) > _NAMED_LINES else "")
-            ends = f"{parameter.minimum:g} to {parameter.maximum:g} {parameter.unit}".rstrip()
-            yield (
-                f"Outside of the interval of {parameter.name} ({ends}), and not used while it is "
-                f"so: line {some}."
-            )
+        ends = f"{parameter.minimum:g} to {parameter.maximum:g} {parameter.unit}".rstrip()
+        place = f"utside of the interval of {parameter.name} ({ends})"
+        if near := [line for line in outside if line not in far]:
+            yield f"O{place}, but near enough to be learnt from: {_lines(near)}."
+        if not_used := [line for line in outside if line in far]:
+            yield f"Far o{place}, and not used while it is so: {_lines(not_used)}."
+
+
+def _lines(lines: list[int]) -> str:
+    more = ", ..." if len(lines) > _NAMED_LINES else ""
+    return f"line {', '.join(map(str, lines[:_NAMED_LINES]))}{more}"
 
 
 def _not_by_earlier_ones(store: RunStore) -> Iterator[str]:
