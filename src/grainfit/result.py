@@ -97,6 +97,9 @@ class ResponseResult:
     @property
     def expected(self) -> tuple[float, float]:
         """Expected response, by all runs, and half of its 95 % interval."""
+        if self.probability is None and self.verified_mean is not None and self.verified_interval:
+            # Version 0.1.0 predicted it without the verification runs, and gave their mean.
+            return self.verified_mean, self.verified_interval
         return self.predicted, _NORMAL_QUANTILE * self.standard_error
 
 
@@ -379,9 +382,23 @@ def _in_current_names(data: dict[str, Any]) -> dict[str, Any]:
 
 
 def _with_verdict(response: dict[str, Any]) -> dict[str, Any]:
-    """Return a response of version 0.1.0 with the verdict that its flag stands for."""
-    within = response.pop("within_tolerance", False)
-    return {"verdict": "met" if within else "in doubt", **response}
+    """Return a response of version 0.1.0 with the verdict that its flag stands for.
+
+    It was also false for what was not verified, and for what the verification runs alone met.
+    """
+    within = response.pop("within_tolerance", None)
+    if not isinstance(within, bool):
+        return response
+    missed = abs(_deviation(response)) > 1.0
+    return {"verdict": "met" if within else "missed" if missed else "in doubt", **response}
+
+
+def _deviation(response: dict[str, Any]) -> float:
+    """Return the deviation of the verification runs in tolerances; 0 where it is not known."""
+    try:
+        return float((response["verified_mean"] - response["target"]) / response["tolerance"])
+    except (KeyError, TypeError, ZeroDivisionError):
+        return 0.0
 
 
 def _with_current_keys(data: dict[str, Any]) -> dict[str, Any]:

@@ -16,6 +16,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 from exported_beads import FIXED, FREE
 from typer.testing import CliRunner
@@ -56,6 +57,19 @@ def unreachable_drum(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
+@pytest.fixture(scope="session")
+def undecided_drum(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A calibration whose runs scatter by several tolerances."""
+    folder = tmp_path_factory.mktemp("undecided.grainfit")
+
+    def scattering(parameters: dict[str, float], seed: int) -> dict[str, float]:
+        noise = 3 * np.random.default_rng(seed).standard_normal()
+        return {"angle": drum(parameters, seed)["angle"] + noise}
+
+    grainfit.calibrate(DRUM, scattering, workdir=folder, max_runs=20)
+    return folder
+
+
 @pytest.fixture
 def drum_folder(calibrated_drum: Path, tmp_path: Path) -> Path:
     """A work folder of its own, to be damaged."""
@@ -92,11 +106,12 @@ def test_a_card_says_how_the_targets_are_met_and_where_it_comes_from(
     result = json.loads((beads / "result.json").read_text())
     for response in card.responses:
         expected = result["responses"][response.name]
-        assert response.expected == expected["verified_mean"]
+        assert response.expected == expected["predicted"], "expected by all runs"
         assert response.interval[1] - response.expected == pytest.approx(
-            expected["verified_interval"]
+            1.96 * expected["standard_error"]
         )
-        assert (response.verified, response.met) == (True, True)
+        assert response.verified_mean == expected["verified_mean"], "beside it"
+        assert response.verdict == expected["verdict"] == "met"
     assert (card.runs, card.failed_runs) == (result["runs"]["total"], 0)
     assert (card.calibration_file, card.identity) == ("beads.toml", result["identity"])
     assert [program.name for program in card.programs] == ["lammps"]
@@ -122,6 +137,7 @@ def test_a_deck_is_told_units_origins_and_deviations(card: MaterialCard, to: str
     assert f"{density}, determined" in text
     assert "wall Young's modulus, Pa: given" in text
     assert "angle_of_repose: 22 +/- 0.5 deg" in text
+    assert f"met; fresh seeds {card.responses[1].verified_mean:.5g}" in text
     assert "Calibration file: beads.toml" in text
     assert card.identity in text
     assert ("CHECK: the values were calibrated with LAMMPS" in text) == (to != "lammps")
@@ -141,7 +157,7 @@ def test_the_keys_of_the_json_card_are_those_of_the_documentation(card: Material
         return {key for held in value for key in keys(held)} if isinstance(value, list) else set()
 
     assert keys(data) == written
-    assert data["format_version"] == 1
+    assert data["format_version"] == 2
     values = {parameter["name"]: parameter["value"] for parameter in data["parameters"]}
     assert values == card.values
 
@@ -156,7 +172,9 @@ def test_the_csv_card_has_a_line_for_each_parameter_and_response(card: MaterialC
         "2290.0",
         "2330.0",
     )
-    assert {line["met"] for line in lines if line["kind"] == "response"} == {"yes"}
+    responses = [line for line in lines if line["kind"] == "response"]
+    assert {line["met"] for line in responses} == {"yes"}
+    assert {line["origin"] for line in responses} == {"expected by all runs"}
 
 
 def test_the_lammps_card_has_the_coefficients_of_the_deck_it_was_calibrated_with(
@@ -184,11 +202,13 @@ def test_the_lammps_card_has_the_coefficients_of_the_deck_it_was_calibrated_with
 
 
 @pytest.mark.parametrize("to", FORMATS)
-@pytest.mark.parametrize("status", ["out_of_tolerance", "unreachable", "interrupted", "failed"])
+@pytest.mark.parametrize(
+    "status", ["undecided", "out_of_tolerance", "unreachable", "interrupted", "failed"]
+)
 def test_a_card_that_is_not_calibrated_says_so_at_the_top(
     card: MaterialCard, to: str, status: str
 ) -> None:
-    missed = tuple(replace(response, met=False) for response in card.responses)
+    missed = tuple(replace(response, verdict="missed") for response in card.responses)
     text = render(replace(card, status=status, responses=missed), to)
     top = text if to in ("json", "csv") else "\n".join(text.splitlines()[:12])
     assert "NOT CALIBRATED: " in top
@@ -228,19 +248,22 @@ def test_the_card_has_the_intervals_of_the_result(calibrated_drum: Path) -> None
 
 
 def test_a_card_tells_what_is_missed_from_what_is_in_doubt(card: MaterialCard) -> None:
-    def said(**changes: object) -> tuple[str, str]:
-        angle = replace(card.responses[1], target=22.0, tolerance=0.5, met=False, **changes)
-        missed = replace(card, responses=(card.responses[0], angle))
+    def said(verdict: str) -> tuple[str, str, dict[str, object], str]:
+        angle = replace(card.responses[1], verdict=verdict)
+        missed = replace(card, status="undecided", responses=(card.responses[0], angle))
         lines = render(missed, "liggghts").splitlines()
-        return missed.verdict, next(line for line in lines if "22 +/- 0.5" in line)
+        data = json.loads(render(missed, "json"))["responses"][1]
+        line = next(line for line in lines if "22 +/- 0.5" in line)
+        return missed.verdict, line, data, table(missed)[-1]["met"]
 
-    verdict, line = said(expected=22.4, in_doubt=True)
+    verdict, line, data, met = said("in doubt")
     assert verdict.endswith("(not met: angle_of_repose, which is in doubt)")
-    assert line.endswith(", IN DOUBT")
-    verdict, line = said(expected=22.6)
+    assert ", IN DOUBT; fresh seeds " in line
+    assert (data["verdict"], met) == ("in doubt", "no")
+    verdict, line, data, met = said("missed")
     assert verdict.endswith("(not met: angle_of_repose)")
-    assert line.endswith(", NOT MET")
-    assert said(expected=22.4, verified=False)[1].endswith(", NOT VERIFIED")
+    assert ", NOT MET; fresh seeds " in line
+    assert (data["verdict"], met) == ("missed", "no")
 
 
 def test_a_target_out_of_reach_makes_a_card_that_is_not_calibrated(unreachable_drum: Path) -> None:
@@ -260,7 +283,7 @@ def test_a_calibration_that_was_started_again_and_killed_is_not_calibrated(
     assert material_card(drum_folder).verdict.startswith("NOT CALIBRATED: interrupted")
 
 
-def test_an_answer_that_was_not_verified_is_not_called_met(drum_folder: Path) -> None:
+def test_an_answer_without_fresh_seeds_has_no_mean_of_theirs(drum_folder: Path) -> None:
     def stop_before_verification(result: dict) -> None:
         result["status"] = "interrupted"
         for response in result["responses"].values():
@@ -271,9 +294,28 @@ def test_an_answer_that_was_not_verified_is_not_called_met(drum_folder: Path) ->
     edit_result(drum_folder, stop_before_verification)
     with sqlite3.connect(drum_folder / "runs.sqlite") as connection:
         connection.execute("UPDATE calibrations SET status = 'interrupted'")
-    (response,) = material_card(drum_folder).responses
-    assert (response.verified, response.met) == (False, False)
-    assert table(material_card(drum_folder))[1]["origin"] == "predicted"
+    card = material_card(drum_folder)
+    assert not card.calibrated
+    assert card.parameters[0].origin == "not calibrated"
+    assert card.responses[0].verified_mean is None
+    assert json.loads(render(card, "json"))["responses"][0]["verified_mean"] is None
+
+
+def test_an_undecided_calibration_makes_a_card_that_is_not_calibrated(
+    undecided_drum: Path,
+) -> None:
+    card = material_card(undecided_drum)
+    assert (card.status, card.calibrated) == ("undecided", False)
+    assert card.verdict == (
+        "NOT CALIBRATED: undecided whether every target is met (not met: angle, which is in doubt)"
+    )
+    assert [parameter.origin for parameter in card.parameters] == ["not calibrated"]
+    data = json.loads(render(card, "json"))
+    assert (data["calibrated"], data["status"]) == (False, "undecided")
+    assert data["responses"][0]["verdict"] == "in doubt"
+    assert any("probability of" in notice for notice in data["notices"]), "it says why"
+    assert [line["verdict"] for line in table(card)] == [card.verdict] * 2
+    assert table(card)[1]["met"] == "no"
 
 
 def test_without_an_answer_there_is_no_card_but_what_to_do(
@@ -303,7 +345,7 @@ def test_without_an_answer_there_is_no_card_but_what_to_do(
         lambda result: result.update(parameters={"other": 1.0}),
         lambda result: result.update(responses=[]),
         lambda result: result["responses"].update(angle=3.0),
-        lambda result: result["responses"]["angle"].update(within_tolerance="yes"),
+        lambda result: result["responses"]["angle"].update(verdict="perhaps"),
         lambda result: result["responses"]["angle"].pop("target"),
         lambda result: result.update(status="perfect"),
         lambda result: result.update(notices=7),

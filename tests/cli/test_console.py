@@ -4,10 +4,12 @@ import io
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 from rich.console import Console
 
 import grainfit as gf
+from grainfit.cli.app import EXIT_CODES
 from grainfit.cli.console import print_result, print_status
 from grainfit.result import ParameterInterval, Result
 from grainfit.work_folder.status import WorkdirStatus
@@ -30,17 +32,34 @@ def printed(result: Result, **changes: object) -> str:
     return next(line for line in console.file.getvalue().splitlines() if line.startswith("angle "))
 
 
-def test_a_response_is_met_or_missed_by_its_verification_only(calibrated: Result) -> None:
-    unverified = {"verified_mean": None, "verified_standard_error": None, "verified_interval": None}
+def test_a_response_has_the_verdict_and_the_expectation_of_all_runs(calibrated: Result) -> None:
     assert printed(calibrated).rstrip().endswith("%  met")
-    missed = {"verified_mean": 22.6, "within_tolerance": False}
-    assert printed(calibrated, **missed).rstrip().endswith("%  missed")
-    lucky = {"verified_mean": 22.4, "verified_interval": 0.6, "within_tolerance": False}
-    assert printed(calibrated, **lucky).rstrip().endswith("%  in doubt")
-    for close in (True, False):
-        shown = printed(calibrated, within_tolerance=close, **unverified).rstrip()
-        assert "predicted 22 " in shown
-        assert shown.endswith("not verified")
+    for verdict in ("missed", "in doubt"):
+        line = printed(calibrated, predicted=22.6, standard_error=0.1, verdict=verdict)
+        # The mean of the fresh seeds, still 22, changes neither.
+        assert " 22.6 ± 0.2 " in line
+        assert line.rstrip().endswith(f"%  {verdict}")
+
+
+def test_an_undecided_calibration_says_so_why_and_how_likely() -> None:
+    problem = gf.Problem(
+        [gf.Parameter("friction", 0.1, 0.9)], [gf.Target("angle", 22.0, tolerance=0.5)]
+    )
+
+    def scattering(at: dict[str, float], seed: int) -> dict[str, float]:
+        return {"angle": 15 + 10 * at["friction"] + np.random.default_rng(seed).normal(0, 3)}
+
+    result = gf.calibrate(problem, scattering, seed=1, name="sand", max_runs=20)
+    console = Console(file=io.StringIO(), width=100)
+    print_result(console, result, Path("sand.grainfit"))
+    assert isinstance(console.file, io.StringIO)
+    shown = " ".join(console.file.getvalue().split())
+    assert result.status == "undecided"
+    assert EXIT_CODES["undecided"] == 3
+    assert "sand: undecided: the runs do not tell whether every target is met" in shown
+    assert " in doubt" in shown
+    assert "more runs at the answer: one run scatters by" in shown
+    assert "By all runs together, every expected response is within its tolerance" in shown
 
 
 def test_in_80_columns_every_parameter_has_its_whole_name_and_word(calibrated: Result) -> None:

@@ -113,7 +113,7 @@ def test_a_result_is_read_back_or_said_to_be_damaged_and_where(tmp_path: Path) -
     assert grainfit.Result.from_json(path) == result
     whole = path.read_text()
     for old, new, why in (
-        ('"within_tolerance": true', '"within_tolerance": "yes"', "responses.angle.within_tol"),
+        ('"verdict": "met"', '"verdict": "perhaps"', "responses.angle.verdict"),
         ('"predicted": 2', '"predicted": 1e9992', "not a finite number"),
         ('"wall_seconds": ', '"wall_seconds": NaN, "was": ', "NaN is not a finite number"),
         (whole, whole[:-20], "delimiter|Expecting|Unterminated"),

@@ -8,7 +8,7 @@ from typing import Any
 from grainfit.materials.card import CardParameter, CardResponse, MaterialCard
 
 #: Raised when a key gets another meaning or is removed; keys may be added.
-FORMAT_VERSION = 1
+FORMAT_VERSION = 2
 
 
 def render_json(card: MaterialCard) -> str:
