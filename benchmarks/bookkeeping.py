@@ -1,4 +1,4 @@
-"""Overhead of a run besides its simulation, with 1,000 runs of a function that takes no time.
+"""Overhead of a run beyond its simulation: 1,000 runs of a function that takes no time.
 
 Usage: python benchmarks/bookkeeping.py [--runs N] [--workers N] [--json PATH]
 """
@@ -24,7 +24,7 @@ def at_once(parameters: dict[str, float], seed: int) -> dict[str, float]:
 
 
 def milliseconds_per_run(runs: int, workers: int, folder: Path) -> float:
-    """Wall time of a campaign per run, in a fresh folder or in one that holds the runs."""
+    """Return the wall time of a campaign per run, in a fresh folder or in one that has the runs."""
     solver = PythonCallable(at_once)
     started = time.perf_counter()
     with hold(folder):

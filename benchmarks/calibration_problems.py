@@ -42,7 +42,7 @@ MARGIN = 0.1
 
 @dataclass(frozen=True)
 class Case:
-    """One calibration: what is asked, and the truth behind it.
+    """A calibration problem, and the true expected responses of its model.
 
     ``noise`` has the standard deviation of every response from seed to seed, shape (k,).
     """
@@ -72,7 +72,7 @@ class Case:
         return np.asarray(self.expected(parameters) + self.noise * scatter)
 
     def misfit(self, responses: Array) -> float:
-        """Sum of squared deviations in units of the tolerances: what every method minimises."""
+        """Sum of squared deviations in units of the tolerances, which every method minimises."""
         return float(np.sum(((responses - self.targets) / self.tolerances) ** 2))
 
     def deviations(self, parameters: Mapping[str, float]) -> Array:
@@ -86,13 +86,13 @@ class Case:
 
 
 def _inside(problem: Problem, seed: int) -> dict[str, float]:
-    """A random parameter set that is not too near the bounds."""
+    """Return a random parameter set that is not too near the bounds."""
     random = np.random.default_rng([seed, 2016])
     return problem.from_unit(random.uniform(MARGIN, 1 - MARGIN, problem.dimension))
 
 
 def _target_the_responses_of(case: Case, seed: int, relative: Mapping[str, float]) -> Case:
-    """The same problem with the responses of a random parameter set as targets."""
+    """Return the same problem with the responses of a random parameter set as targets."""
     values = case.expected(_inside(case.problem, seed))
     targets = [
         Target(
@@ -114,7 +114,7 @@ def _recorded_interval(column: str) -> Parameter:
 
 @cache
 def _emulator(file: str) -> tuple[tuple[str, ...], Truth]:
-    """Columns of the free parameters, and Kriging of all recorded runs."""
+    """Return the columns of the free parameters, and Kriging of all recorded runs."""
     with (DATA / file).open() as stream:
         rows = list(csv.DictReader(stream))
     columns = tuple(column for column in RECORDED if column in rows[0])

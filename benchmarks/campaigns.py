@@ -1,7 +1,7 @@
-"""Calibrations of all kinds in work folders, to test reports with.
+"""Calibrations of all kinds in work folders, for tests of reports.
 
 All come from `grainfit.calibrate` or from its `CalibrationLoop`, with a Python function that
-scatters as real runs do; the same seeds make the same runs.
+scatters as real runs do; the same seeds give the same runs.
 """
 
 from __future__ import annotations
@@ -58,7 +58,7 @@ _FIVE = (
     "particle_particle.rolling_friction",
     "particle_wall.sliding_friction",
 )
-#: What would be executed, or shown as something else, where a name is not escaped.
+#: Texts that a page would execute or show as something else if they were not escaped.
 NASTY_CALIBRATION = "Müllers \"Perlen\" & 'Kugeln' </script><script>window.executed = 1</script>"
 NASTY_PARAMETERS = (
     "<script>alert(1)</script>",
@@ -78,7 +78,7 @@ NASTY_TEXT = "name = '</script><script>window.executed = 1</script> <!-- {{ 7*7 
 
 
 class Model:
-    """A smooth model that meets its targets at one place, with the scatter of real runs.
+    """A smooth model that meets its targets at one parameter set, with the scatter of real runs.
 
     Every response depends on all parameters, mostly on one of them.
 
@@ -87,7 +87,7 @@ class Model:
     problem : Problem
         Its parameters and its targets.
     excess : float
-        What all responses are larger by than the targets at that place, relative.
+        Relative excess of all responses over the targets at that parameter set.
     """
 
     def __init__(self, problem: gf.Problem, excess: float = 0.0) -> None:
@@ -109,7 +109,7 @@ class Model:
 
 
 def problem(names: Sequence[str], targets: Sequence[gf.Target] = _HEAP) -> gf.Problem:
-    """Calibrate material parameters by these names, and their Rayleigh time step."""
+    """Return a problem of the material parameters of these names, with its Rayleigh time step."""
     return gf.Problem([_parameter(name) for name in names], targets, _rayleigh(names))
 
 
@@ -126,13 +126,13 @@ def _rayleigh(names: Sequence[str]) -> gf.RayleighTimeStep:
 
 
 def one_parameter(folder: Path) -> None:
-    """One parameter and one response, without a time step."""
+    """Calibrate one parameter with one response, without a time step."""
     wanted = gf.Problem([_parameter("particle_particle.rolling_friction")], _HEAP[1:])
     gf.calibrate(wanted, Model(wanted), workdir=folder, name="one parameter")
 
 
 def two_parameters(folder: Path) -> None:
-    """Make the usual calibration, as of a file."""
+    """Calibrate two parameters with two responses, as from a file."""
     wanted = problem(_TWO)
     provenance = Provenance(
         "beads.toml", 'name = "glass beads"\n', {"particle_wall.sliding_friction": 0.3}
@@ -143,7 +143,7 @@ def two_parameters(folder: Path) -> None:
 
 
 def five_parameters(folder: Path) -> None:
-    """Five parameters on two tests with three responses each, one of which fails at times."""
+    """Calibrate five parameters with two tests of three responses; one test fails at times."""
     six = [
         gf.Target("heap.bulk_density", 1500.0, uncertainty=15.0, unit="kg/m^3"),
         gf.Target("heap.angle_of_repose", 22.0, uncertainty=0.5, unit="deg"),
@@ -172,7 +172,7 @@ def _part_of(model: Model, test: str) -> Callable[[dict[str, float], int], dict[
 
 
 def fourteen_parameters(folder: Path) -> None:
-    """All that a medium and a wall have."""
+    """Calibrate all parameters of particles and wall."""
     wanted = problem(tuple(MATERIAL_PARAMETERS))
     _staged(wanted, Model(wanted), folder, "fourteen parameters", design_runs=20, max_runs=42)
 
@@ -185,12 +185,12 @@ def _staged(
 
 
 def no_run_finished(folder: Path) -> None:
-    """Stopped by Ctrl-C during the first run."""
+    """Stop a calibration by Ctrl-C during the first run."""
     _ended_at(folder, 1)
 
 
 def interrupted(folder: Path) -> None:
-    """Stopped by Ctrl-C after enough runs for metamodels."""
+    """Stop a calibration by Ctrl-C after enough runs for metamodels."""
     _ended_at(folder, 12)
 
 
@@ -209,7 +209,7 @@ def _ended_at(folder: Path, last: int) -> None:
 
 
 def all_failed(folder: Path) -> None:
-    """Given up because no run gave a response."""
+    """Let a calibration end because no run gave a response."""
 
     def simulate(parameters: dict[str, float], seed: int) -> dict[str, float]:
         raise gf.RunFailedError("no licence")
@@ -219,7 +219,7 @@ def all_failed(folder: Path) -> None:
 
 
 def only_failures_yet(folder: Path) -> None:
-    """Stopped by Ctrl-C after two runs that failed."""
+    """Stop a calibration by Ctrl-C after two runs that failed."""
     made = 0
 
     def simulate(parameters: dict[str, float], seed: int) -> dict[str, float]:
@@ -233,13 +233,13 @@ def only_failures_yet(folder: Path) -> None:
 
 
 def unreachable(folder: Path) -> None:
-    """Targets that the intervals do not allow."""
+    """Calibrate with targets that the intervals do not allow."""
     wanted = problem(_TWO)
     gf.calibrate(wanted, Model(wanted, excess=0.8), workdir=folder, name="unreachable")
 
 
 def nasty_names(folder: Path) -> None:
-    """Names, units and reasons that are something else where they are not escaped."""
+    """Calibrate with names, units and reasons that must be escaped."""
     wanted = gf.Problem(
         [gf.Parameter(name, 1.0, 2.0, unit=NASTY_UNIT) for name in NASTY_PARAMETERS],
         [gf.Target(name, 10.0, tolerance=0.4, unit=NASTY_UNIT) for name in NASTY_RESPONSES],
@@ -259,7 +259,7 @@ def nasty_names(folder: Path) -> None:
 
 @contextmanager
 def _running_half_way(folder: Path) -> Iterator[None]:
-    """Work in the folder until the end of the block, with nine runs finished and one under way."""
+    """Calibrate until the end of the block, with nine runs finished and one under way."""
     wanted = problem(_TWO)
     model, made = Model(wanted), 0
     under_way, end = threading.Event(), threading.Event()
@@ -287,7 +287,7 @@ def _running_half_way(folder: Path) -> Iterator[None]:
 
 
 class _Decided(BatchSearch):
-    """What is asked for and answered is decided beforehand: many runs without many metamodels."""
+    """A search with given proposals and a given answer: many runs without many metamodels."""
 
     def __init__(
         self, problem: gf.Problem, batches: Mapping[Stage, Points], answer: Points
@@ -335,7 +335,7 @@ class _Decided(BatchSearch):
 
 
 def many_runs(folder: Path, runs: int = 500) -> None:
-    """Five parameters and so many runs: a design, a search near the answer, a verification."""
+    """Calibrate five parameters with so many runs: design, search near the answer, verification."""
     wanted = problem(_FIVE)
     model = Model(wanted)
     scatter = np.random.default_rng(1).normal(0, 0.05, (runs // 10, wanted.dimension))
@@ -370,13 +370,13 @@ _MAKERS: Mapping[str, Callable[[Path], None]] = {
         many_runs,
     )
 }
-#: Names of all campaigns.
+#: Names of all calibrations.
 CAMPAIGNS = (*_MAKERS, "running_half_way")
 
 
 @contextmanager
 def campaign(name: str, folder: Path) -> Iterator[Path]:
-    """Make a campaign in a folder; the one that is running runs until the end of the block."""
+    """Make a calibration in a folder; the running one runs until the end of the block."""
     if name == "running_half_way":
         with _running_half_way(folder):
             yield folder

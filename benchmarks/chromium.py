@@ -1,4 +1,4 @@
-"""The Chromium of the machine, without a window."""
+"""Chromium as installed on the machine, without a window."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ EXECUTABLE = next(
 @contextmanager
 def browser() -> Iterator[Browser]:
     """Start Chromium."""
-    # It refuses to guard root against pages.
+    # Chromium does not start its sandbox as root.
     arguments = ["--no-sandbox"] if os.getuid() == 0 else []
     with sync_playwright() as playwright:
         started = playwright.chromium.launch(executable_path=EXECUTABLE, args=arguments)

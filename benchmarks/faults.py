@@ -7,7 +7,7 @@ undisturbed calibration. With several workers, where the order in which runs fin
 proposals, and where the record of the proposals is destroyed, only the status is compared.
 
 A full disk is a file system of 32 MB, which only root may mount; without that the row is left out.
-Exits with code 1 when anything was lost, made again, or other than it should be.
+Exits with code 1 when a run was lost or repeated, or a result differs.
 
     python benchmarks/faults.py [--kills N] [--seed N] [--json PATH]
 """
@@ -44,7 +44,7 @@ Infliction = Callable[[Path, Progress], Tally]
 
 
 def inflictions(kills: int, seed: int) -> Iterator[Infliction]:
-    """What is done, in the order of the table; the first kind as often as asked for."""
+    """Return the kinds of faults in the order of the table; the first as often as asked for."""
     some = max(1, kills // 5)
     for variant in VARIANTS:
         times = kills if variant is VARIANTS[0] else some

@@ -1,10 +1,10 @@
-"""Kriging of few noisy DEM runs: accuracy, honesty of the intervals, and time, against others.
+"""Kriging of few noisy DEM runs compared with other programs: accuracy, coverage, and time.
 
 Fits 12 random subsets of 10, 16 and 26 runs of the heap test (`data/dem_study/data.csv`) and
 predicts 20 other runs. Per column: mean RMSE; share of the runs inside their 95 % intervals; and
-seconds a fit (mean). STK, the toolbox of Rackl et al. (2016), takes part when Octave and its
+seconds per fit (mean). STK, the toolbox of Rackl et al. (2016), takes part when Octave and its
 package stk are installed, OpenTURNS when it can be imported. A second table has other problems,
-to see that nothing was fitted to this one.
+to check that the method was not fitted to this one.
 
     python benchmarks/kriging.py [--json PATH]
 """
@@ -55,7 +55,7 @@ BOUNDS = {
 
 @dataclass(frozen=True)
 class Case:
-    """One fit and the runs to predict; ``expected`` is known for synthetic problems only."""
+    """A fit and the runs to predict; ``expected`` is known for synthetic problems only."""
 
     column: str
     points: Array
@@ -67,7 +67,7 @@ class Case:
 
 @dataclass(frozen=True)
 class Answer:
-    """Mean and variance of a new run at the targets, and what the fit took."""
+    """Mean and variance of a new run at the targets, and the time of the fit."""
 
     mean: Array
     variance: Array
@@ -111,7 +111,7 @@ def cases_from(file: str, subsets: dict[int, list[list[int]]]) -> Iterator[Case]
 
 
 def heap_cases() -> list[Case]:
-    """The table of the issue: two free parameters."""
+    """Return the cases of the main table: two free parameters."""
     subsets = {
         size: [
             [int(row) - 1 for row in line.split(",")]
@@ -184,7 +184,7 @@ def grainfit_answer(case: Case) -> Answer:
 
 
 def _gpmp_answer(case: Case, weak_priors: bool) -> Answer:
-    """Standardised values; parameters: log variance, -log ranges, log noise variance."""
+    """Fit standardised values; parameters: log variance, -log ranges, log noise variance."""
     centre, scale = case.values.mean(), case.values.std(ddof=1)
     values = (case.values - centre) / scale
     d = case.points.shape[1]
@@ -226,7 +226,7 @@ def gpmp_weak_priors(case: Case) -> Answer:
 
 
 def openturns_answer(case: Case) -> Answer:
-    """Maximum likelihood with an estimated nugget, in OpenTURNS 1.24 or later."""
+    """Fit by maximum likelihood with an estimated nugget, in OpenTURNS 1.24 or later."""
     import openturns as ot  # type: ignore[import-not-found,unused-ignore]
 
     d = case.points.shape[1]
@@ -259,7 +259,7 @@ def openturns_answer(case: Case) -> Answer:
 
 
 def octave_with_stk() -> str | None:
-    """The Octave program, if it has the package stk."""
+    """Return the Octave program, if it has the package stk."""
     octave = shutil.which("octave-cli") or shutil.which("octave")
     if not octave:
         return None
@@ -273,7 +273,7 @@ def octave_with_stk() -> str | None:
 
 
 def stk_answers(cases: Sequence[Case]) -> list[Answer]:
-    """All cases in one Octave process."""
+    """Answer all cases in one Octave process."""
     octave = octave_with_stk()
     if octave is None:
         raise ImportError("Octave with its package stk")
@@ -315,7 +315,7 @@ Row = dict[str, dict[str, float]]
 
 
 def score(cases: Sequence[Case], answers: Sequence[Answer]) -> Row:
-    """Mean RMSE, coverage of new runs (and of the expected response), seconds; per column."""
+    """Return per column: mean RMSE, coverage of new runs and of the expected response, seconds."""
     pairs: dict[str, list[tuple[Case, Answer]]] = {}
     for case, answer in zip(cases, answers, strict=True):
         pairs.setdefault(case.column, []).append((case, answer))
@@ -340,7 +340,7 @@ def _score_column(found: list[tuple[Case, Answer]]) -> dict[str, float]:
 
 
 def judge(rows: dict[str, Row]) -> dict[str, bool]:
-    """The goals, where STK took part."""
+    """Return whether the goals are met; those against STK only if it took part."""
     ours, stk = rows["grainfit"], rows.get("STK")
     goals = {
         "coverage 0.88 to 0.99 in every column": all(
@@ -369,7 +369,7 @@ def print_table(rows: dict[str, Row]) -> None:
 
 
 def measure() -> dict[str, Any]:
-    """Run everything and print it."""
+    """Run all methods and print their tables."""
     cases = heap_cases()
     grainfit_answer(cases[0])
     rows: dict[str, Row] = {}
@@ -402,7 +402,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description="Accuracy, coverage and time of Kriging.")
     parser.add_argument("--json", type=Path, help="write all figures to this file")
     arguments = parser.parse_args()
-    # One thread for everybody; Octave obeys the environment.
+    # One thread for all methods; Octave takes the number from the environment.
     os.environ["OMP_NUM_THREADS"] = "1"
     with threadpool_limits(limits=1, user_api="blas"):
         figures = measure()

@@ -1,6 +1,6 @@
-"""Maximin Latin hypercubes: annealing against the best of many random ones, and against STK.
+"""Maximin Latin hypercubes: annealing compared with the best of many random ones, and with STK.
 
-The rival is the practice of the paper, `stk_sampling_maximinlhs` with 5,000 x d random Latin
+The reference is the practice of the paper, `stk_sampling_maximinlhs` with 5,000 x d random Latin
 hypercubes (jittered, as STK draws them), written here in batches of NumPy operations, which is
 faster than STK itself. STK runs too when Octave and its package stk are installed.
 
@@ -35,7 +35,7 @@ Row = dict[str, Any]
 
 
 def best_of_random(n: int, d: int, seed: int) -> Design:
-    """Best of 5,000 x d random Latin hypercubes by smallest distance, shape (n, d)."""
+    """Return the best of 5,000 x d random Latin hypercubes by smallest distance, shape (n, d)."""
     random = np.random.default_rng(seed)
     strata = np.tile(np.arange(n, dtype=np.float32), (_BATCH * d, 1))
     first, second = np.triu_indices(n, 1)
@@ -69,7 +69,7 @@ printf('%.10g %.10g', t, stk_mindist(x));
 
 
 def stk(n: int, d: int, seed: int) -> Row | None:
-    """Let STK make the design in Octave; None where it is not installed."""
+    """Make the design with STK in Octave; None if it is not installed."""
     if shutil.which("octave") is None:
         return None
     done = subprocess.run(
@@ -85,7 +85,7 @@ def stk(n: int, d: int, seed: int) -> Row | None:
 
 def measure(seeds: int) -> Iterator[Row]:
     for n, d in SIZES:
-        # In turn, so that whatever else the machine does disturbs all of them alike.
+        # In turn, so that other load of the machine affects all of them equally.
         for seed in range(seeds):
             for method, make in (
                 ("grainfit", maximin_latin_hypercube),
@@ -116,12 +116,12 @@ def print_table(rows: list[Row]) -> None:
 
 
 def main() -> int:
-    """Print the table, or JSON; fail when annealing is anywhere worse or slower."""
+    """Print the table, or JSON; return 1 if annealing is worse or slower at any size."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--seeds", type=int, default=5, help="designs of each kind and size")
     parser.add_argument("--json", action="store_true", help="print JSON instead of a table")
     arguments = parser.parse_args()
-    maximin_latin_hypercube(10, 2, 0)  # the first call pays for loading NumPy's parts
+    maximin_latin_hypercube(10, 2, 0)  # the first call also loads parts of NumPy
     rows = list(measure(arguments.seeds))
     if arguments.json:
         print(json.dumps(rows, indent=1))

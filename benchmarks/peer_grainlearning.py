@@ -27,11 +27,11 @@ from grainlearning.inference import SMC
 from grainlearning.iterative_bayesian_filter import IterativeBayesianFilter
 from grainlearning.sampling import GaussianMixtureModel
 
-#: Share of the ensemble that carries the weight, which GrainLearning chooses its sigma by. With its
-#: default of 0.3 ensembles of 6 to 14 collapse.
+#: Share of the ensemble that carries the weight; GrainLearning chooses its sigma by it. With its
+#: default of 0.3, ensembles of 6 to 14 collapse.
 EFFECTIVE_SAMPLE_SIZE = 0.5
-#: Sigma is a variance in units of the observations, which are made 1 tolerance each: its search
-#: for sigma is no finer than 0.01, so relative deviations of 1 % would be lost on it.
+#: Sigma is a variance in units of the observations, which are scaled to 1 tolerance each: the
+#: search for sigma has a resolution of 0.01, too coarse for relative deviations of 1 %.
 WIDEST_SIGMA, NARROWEST_SIGMA = 1e4, 1.0
 
 

@@ -1,7 +1,7 @@
 """Other calibration methods, with which `strategies.py` compares those of grainfit.
 
 Each is a function of a case, a budget and a seed. It makes `budget` noisy runs, each with an
-insertion seed of its own, and returns what it would answer after 1, 2, ... runs. All of them get
+insertion seed of its own, and returns its answers after 1, 2, ... runs. All of them get
 the same start, a maximin Latin hypercube of 2 (d + 1) points, and the same misfit, the sum of
 squared deviations in units of the tolerances. Until the start is over the answer is its best run.
 
@@ -13,7 +13,7 @@ because it needs NumPy 1; the environment variable GRAINLEARNING_PYTHON has the 
     export GRAINLEARNING_PYTHON=$PWD/grainlearning/bin/python
 
 Every peer has the best configuration of those that were tried, with seeds from 101 on, at the
-budgets of the comparison; what was tried is said in its docstring.
+budgets of the comparison; its docstring lists what was tried.
 """
 
 from __future__ import annotations
@@ -62,7 +62,7 @@ class Calibration:
 
     @property
     def left(self) -> int:
-        """Runs that are still affordable."""
+        """Number of runs that are left of the budget."""
         return self.budget - len(self.points)
 
     @property
@@ -78,7 +78,7 @@ class Calibration:
         return misfit
 
     def answer(self, point: ArrayLike) -> None:
-        """Say what is answered after the last run, and until another answer."""
+        """Set the answer after the last run, which holds until another answer."""
         self.answers[-1] = np.clip(np.asarray(point, dtype=float), 0, 1)
 
     def parameters(self) -> list[Parameters]:
@@ -97,7 +97,7 @@ class Calibration:
 
 @contextlib.contextmanager
 def _quietly() -> Iterator[None]:
-    """No warnings, and no threads: the matrices are small and the cores are shared."""
+    """Suppress warnings and threads: the matrices are small and the cores are shared."""
     with warnings.catch_warnings(), threadpool_limits(limits=1):
         warnings.simplefilter("ignore")
         yield
@@ -110,7 +110,7 @@ def optuna_tpe(case: Case, budget: int, seed: int) -> list[Parameters]:
     """Tree-structured Parzen estimator of Optuna; answers the best trial, as Optuna does.
 
     Multivariate, which is its default; independent marginals were worse. 96 candidates per
-    trial were a little better than the default of 24. It models from the end of the start on.
+    trial were a little better than the default of 24. Its model begins after the start runs.
     """
     import optuna
 
@@ -145,12 +145,12 @@ def gaussian_process(case: Case, budget: int, seed: int) -> list[Parameters]:
 
     Answers the run with the smallest posterior mean of the misfit. Its Gaussian process has a
     noise term and an amplitude, and a range of its own for every parameter, refitted after each
-    run. Ranges are kept below 2 cube edges: left free to 20, the parameter of the smaller effect
-    was soon taken for irrelevant, and the search stuck at a bound. The misfit is taken as it is.
+    run. Ranges are kept below 2 cube edges: with a limit of 20, the parameter of the smaller effect
+    was soon taken for irrelevant, and the search stuck at a bound. The misfit is not transformed.
 
     Tried: its defaults (one range, no noise, upper confidence bound with kappa 2.576), which were
-    worse in more than two dimensions; the square root and log(1 + misfit), for which noise looms
-    large near the optimum; upper confidence bounds with kappa 1 and 2; improvement over the best
+    worse in more than two dimensions; the square root and log(1 + misfit), which amplify the noise
+    near the optimum; upper confidence bounds with kappa 1 and 2; improvement over the best
     posterior mean; several starts of the likelihood search; the luckiest run as the answer, which
     was about as good.
     """
@@ -183,7 +183,7 @@ def gaussian_process(case: Case, budget: int, seed: int) -> list[Parameters]:
                 model, space, n_random=1000, n_smart=1, fit_gp=False, random_state=random
             )
             misfit = runs.run(candidate)
-            # It prints when a point comes twice.
+            # It prints when a point is repeated.
             with contextlib.redirect_stdout(io.StringIO()):
                 space.register(candidate, -misfit)
     return runs.parameters()
@@ -203,7 +203,7 @@ def cma_es(case: Case, budget: int, seed: int) -> list[Parameters]:
 
     with _quietly():
         runs = Calibration(case, budget, seed)
-        # Its seed 0 is the time.
+        # With seed 0 it takes the time as its seed.
         options = {"bounds": [0, 1], "seed": seed + 1, "verbose": -9}
         evolution = cma.CMAEvolutionStrategy(runs.best, 0.1, options)
         while runs.left:
@@ -221,7 +221,7 @@ def cma_es(case: Case, budget: int, seed: int) -> list[Parameters]:
 
 
 class _GrainLearning:
-    """A process with GrainLearning, and the exchange of messages with it."""
+    """Process that runs GrainLearning, and the messages to and from it."""
 
     def __init__(self, interpreter: str) -> None:
         script = str(Path(__file__).with_name("peer_grainlearning.py"))
@@ -242,7 +242,7 @@ class _GrainLearning:
         self._send({"begin": calibration})
 
     def iterate(self, points: Sequence[Array], deviations: Sequence[Array]) -> dict[str, Any]:
-        """Hand over an ensemble; see `peer_grainlearning.py` for the reply."""
+        """Send an ensemble; see `peer_grainlearning.py` for the reply."""
         self._send(
             {
                 "points": [point.tolist() for point in points],
@@ -267,7 +267,7 @@ class _GrainLearning:
 
 @cache
 def _grainlearning(interpreter: str, owner: int) -> _GrainLearning:
-    """The process of this process, `owner`: a fork must not talk to that of its parent."""
+    """Return the GrainLearning of process `owner`: a fork must not use that of its parent."""
     del owner
     return _GrainLearning(interpreter)
 
@@ -276,12 +276,12 @@ def grainlearning(case: Case, budget: int, seed: int) -> list[Parameters]:
     """Iterative Bayesian filter of GrainLearning; answers the weighted mean of the last ensemble.
 
     The start is its first ensemble, and all ensembles have that size, as is usual there. It is
-    not told the misfit but the deviations, in units of the tolerances. Runs of an ensemble that
-    the budget cuts short are not used. If its mixture cannot be fitted any more, it ends there.
+    given the deviations in units of the tolerances, not the misfit. Runs of an ensemble that
+    the budget cuts short are not used. It ends when its mixture can no longer be fitted.
 
     Tried: effective sample sizes of 0.3 (its default), 0.4, 0.5 and 0.7; full, tied and diagonal
     covariances; one or two components; slice sampling and plain sampling of the mixture, which
-    collapses early; sigma taken up again in every iteration or not; the most probable member
+    collapses early; sigma kept between iterations or not; the most probable member
     instead of the mean.
     """
     interpreter = os.environ.get(GRAINLEARNING)

@@ -1,4 +1,4 @@
-"""Time to write and to open the report of a large calibration, and its size.
+"""Time to write and to open the report of a large calibration, and size of the report.
 
 Five parameters, two responses and so many runs of a smooth model with scatter, analysed and written
 as `grainfit report` does it. It is opened in Chromium, which has to be installed, without a network
@@ -20,7 +20,7 @@ import campaigns
 import chromium
 from grainfit.report.page import write_report
 
-#: Written and opened in less than so many seconds, and smaller than so many megabytes.
+#: Upper limits: seconds to write and to open it, and megabytes.
 GOALS = {"writing": 20.0, "first paint": 3.0, "size": 8.0}
 UNITS = {"writing": "s", "first paint": "s", "size": "MB"}
 _PAINT = """() => new Promise((resolve) => {
@@ -32,7 +32,7 @@ _PAINT = """() => new Promise((resolve) => {
 
 
 def first_paints(page: Path, times: int) -> list[float]:
-    """Open the page so many times; return the seconds until there is something to read."""
+    """Open the page several times; return the seconds until it shows its first content."""
     found = []
     with chromium.browser() as browser:
         for _ in range(times):

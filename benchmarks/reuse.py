@@ -1,9 +1,9 @@
 """Runs that a second material needs with a warm start from the calibration of a first one.
 
 Two materials on the same test: the targets of the second are other responses within the sampled
-range. It is calibrated from nothing, and with the runs of the first one's calibration at hand. The
-heap test is an emulator of recorded runs with their noise (see calibration_problems.py), so that
-the true deviation of every answer is known.
+range. It is calibrated without earlier runs, and with a warm start from the calibration of the
+first. The heap test is an emulator of recorded runs with their noise (see
+calibration_problems.py), so that the true deviation of every answer is known.
 
 With --neighbours, the intervals differ as well: those of every material are a random part of the
 whole, and some other materials were calibrated before. Runs beyond the intervals are used up to
@@ -36,7 +36,7 @@ from grainfit.solvers.own_model.python_callable import PythonCallable
 WIDTH = 0.66
 #: Distance of the second material's seed from the first one's.
 _OTHER = 5000
-#: A second material is to take at most this share of the runs that it takes from nothing.
+#: Largest share of runs that a second material should need with a warm start.
 GOAL = 1 / 3
 #: Cases of neighbours, number of materials calibrated before, and share of each interval.
 NEIGHBOURS = ("heap, +-66 %", "heap, four parameters", "analytic, six parameters")
@@ -47,7 +47,7 @@ REACHES = (0.0, 0.5, 1.0)
 
 @dataclass(frozen=True)
 class Outcome:
-    """What a calibration took, and how far its answer truly is from the targets."""
+    """Runs of a calibration, and true distance of its answer from the targets."""
 
     status: str
     search: int
@@ -57,7 +57,7 @@ class Outcome:
 
 
 def pair(seed: int) -> tuple[Outcome, Outcome]:
-    """Calibrate a second material from nothing, and after a first one."""
+    """Calibrate a second material without earlier runs, and after a first one."""
     first, second = heap(seed, WIDTH), heap(seed + _OTHER, WIDTH)
     with tempfile.TemporaryDirectory() as folder:
         cold = _calibrate(second, Path(folder) / "cold", seed)
@@ -130,14 +130,14 @@ def compare_pairs(seeds: range, pool: Executor) -> dict[str, dict[str, float]]:
     """Calibrate pairs of materials, and print what the runs of the first one save."""
     pairs = list(track(pool.map(pair, seeds), "calibrating", total=len(seeds)))
     print(f"{len(pairs)} pairs of materials, intervals of +-{WIDTH:.0%}")
-    ways = ("from nothing", "with runs")
+    ways = ("no warm start", "warm start")
     columns = zip(*pairs, strict=True)
     figures = {name: figures_of(list(found)) for name, found in zip(ways, columns, strict=True)}
     show(figures)
     cold, warm = figures.values()
     for what in ("search", "total"):
         share = warm[f"{what}_sum"] / cold[f"{what}_sum"]
-        print(f"{what} runs: {share:.2f} of those from nothing (goal: at most {GOAL:.2f})")
+        print(f"{what} runs: {share:.2f} of those without it (goal: at most {GOAL:.2f})")
     return figures
 
 

@@ -32,12 +32,12 @@ from grainfit.metamodels.known_runs import nearest_runs
 from grainfit.work_folder.status import read_status
 
 EXAMPLE = Path(__file__).parents[1] / "examples" / "glass_beads" / "calibration.toml"
-#: Each of them is to take less than this, s.
+#: Each of them should take less than this, s.
 GOAL = 1.0
 
 
 def fill(folder: Path, setup: CalibrationSetup, count: int) -> list[Proposal]:
-    """Write a work folder as a calibration of so many runs leaves it."""
+    """Write a work folder such as a calibration of so many runs leaves."""
     [(test, solver)] = setup.solvers.items()
     cube = maximin_latin_hypercube(100, setup.problem.dimension, 1)
     proposals = [
@@ -69,7 +69,7 @@ def fill(folder: Path, setup: CalibrationSetup, count: int) -> list[Proposal]:
 
 
 def resume(folder: Path, setup: CalibrationSetup) -> None:
-    """Open the work folder, read the history, and answer all of it from the store."""
+    """Open the work folder, read the history, and take all its runs from the store."""
     with hold(folder), closing(RunStore.in_folder(folder)) as store:
         recover(folder, store)
         campaign = Campaign(setup.solvers, store, folder, CampaignOptions())
@@ -83,7 +83,7 @@ def resume(folder: Path, setup: CalibrationSetup) -> None:
 
 
 def warm_start(folder: Path, setup: CalibrationSetup) -> None:
-    """Read all runs and recognise those of the problem."""
+    """Read all runs and find those of the problem."""
     with closing(RunStore.read_only(folder)) as store:
         records = store.runs_of(models_of(setup.solvers))
         known = runs_of(setup.problem, setup.solvers, records)
@@ -91,7 +91,7 @@ def warm_start(folder: Path, setup: CalibrationSetup) -> None:
 
 
 def command(folder: Path) -> None:
-    """Run the command as a user does, the start of Python included."""
+    """Run the command as a user does, including the start of Python."""
     program = [sys.executable, "-m", "grainfit", "status", str(folder)]
     subprocess.run(program, check=True, capture_output=True)
 

@@ -48,7 +48,7 @@ def run_seeds(solver: DeckSolver, seeds: Sequence[int]) -> dict[str, list[float]
 
 
 def summarise(values: Sequence[float]) -> dict[str, Any]:
-    """Mean, standard deviation and 95 % confidence interval of the mean."""
+    """Return mean, standard deviation and 95 % confidence interval of the mean."""
     mean, deviation = float(np.mean(values)), float(np.std(values, ddof=1))
     half = float(stats.t.ppf(0.975, len(values) - 1)) * deviation / math.sqrt(len(values))
     return {
@@ -60,7 +60,7 @@ def summarise(values: Sequence[float]) -> dict[str, Any]:
 
 
 def difference(one: Sequence[float], other: Sequence[float]) -> dict[str, Any]:
-    """Difference of the means, ``other - one``, with its 95 % confidence interval (Welch)."""
+    """Return the difference of the means, ``other - one``, with its 95 % interval (Welch)."""
     test = stats.ttest_ind(other, one, equal_var=False)
     interval = test.confidence_interval(0.95)
     return {

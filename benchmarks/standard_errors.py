@@ -5,14 +5,14 @@ runs scatter equally, or by 1 to 5 from run to run (long and short averages, the
 same); the error that a run states is right, twice as large, half as large, leaves the scatter from
 seed to seed out, or is itself an estimate from few values. The metamodels treat it in three ways:
 
-* ignored: as if none were stated;
-* known: as the known variance of the run, the estimated scatter on top;
-* ratio: as grainfit does, see `grainfit.metamodels.noise_ratios`. Here a factor that all stated
-  errors have in common makes no difference, so it is not measured.
+* ignored: as if none was stated;
+* known: as the known variance of the run, in addition to the estimated scatter;
+* ratio: as in grainfit, see `grainfit.metamodels.noise_ratios`. A common factor of all stated
+  errors has no effect here, so it is not measured.
 
-The true deviation of the worst response after so many runs; and where the strategy stops by itself:
-after how many runs, whether the answer is truly within tolerance, whether the targets are called
-out of reach, which none is, and how many of the stated 95 % intervals contain the truth.
+Measured are the true deviation of the worst response after a number of runs; and where the strategy
+stops by itself: the number of runs, whether the answer is truly within tolerance, whether targets
+are called out of reach (none is), and how many of the stated 95 % intervals contain the truth.
 
     python benchmarks/standard_errors.py [--calibrations N] [--processes 2] [--keep PATH]
 """
@@ -52,11 +52,11 @@ Job = tuple[str, str, str, int]
 PROBLEMS = ("heap, +-66 %", "analytic, six parameters")
 CHECKPOINTS = {"heap, +-66 %": (10, 16), "analytic, six parameters": (16, 22)}
 LARGEST_RATIO = 5.0
-#: Values that a stated error is estimated from where it is an estimate.
+#: Number of values from which a stated error is estimated, where it is an estimate.
 FEW = 7
 INTERVAL = 1.96
-#: What runs scatter by, what error they state, and how it is treated; the most telling ones first.
-#: Where none is stated, or the same by all, `ratio` is `ignored`.
+#: Scatter of the runs and their stated error, and how it is treated; the most informative first.
+#: If no error is stated, or all runs state the same, `ratio` is `ignored`.
 KINDS = (
     ("equal, none stated", "ignored"),
     ("1 to 5, right", "ignored"),
@@ -77,7 +77,7 @@ FACTORS = {"twice": 2.0, "half": 0.5}
 
 
 def scatter_and_statement(statement: str, seed: int) -> tuple[float, float]:
-    """True and stated standard deviation of a run, relative to that of the problem."""
+    """Return true and stated standard deviation of a run, relative to that of the problem."""
     noise, _, stated = statement.partition(", ")
     random = np.random.default_rng([seed, 5])
     logarithm = np.log(LARGEST_RATIO)
@@ -105,7 +105,7 @@ def evaluation(case: Case, proposal: Proposal, statement: str, treatment: str) -
 
 @contextmanager
 def treated(treatment: str) -> Iterator[None]:
-    """Treat stated errors in another way than the metamodels do."""
+    """Treat stated errors differently from the metamodels."""
     fit = Kriging.fit
 
     def known(points: Array, values: Array, *, standard_errors: Array) -> Kriging:
@@ -119,7 +119,7 @@ def treated(treatment: str) -> Iterator[None]:
 
 
 def calibrate(name: str, statement: str, treatment: str, seed: int) -> Record:
-    """Calibrate once with a budget and once to the strategy's own end."""
+    """Calibrate once with a budget, and once until the strategy stops by itself."""
     case, checkpoints = CASES[name](seed), CHECKPOINTS[name]
     with treated(treatment):
         search = Sequential(confidence=1.0).start(case.problem, seed, checkpoints[-1])
@@ -140,7 +140,7 @@ def calibrate(name: str, statement: str, treatment: str, seed: int) -> Record:
 
 
 def _run(case: Case, search: Search, statement: str, treatment: str) -> Iterator[int]:
-    """Make the runs of a strategy to its end; yield their number."""
+    """Make the runs of a strategy until it ends; yield their number."""
     made = 0
     while (proposal := search.ask()) is not None:
         search.tell(proposal, evaluation(case, proposal, statement, treatment))
@@ -159,7 +159,7 @@ def _covered(case: Case, answer: Answer) -> list[bool]:
 def measure(
     problems: Sequence[str], calibrations: int, processes: int, kept: Path | None
 ) -> dict[Job, Record]:
-    """Calibrate everything with seeds 1, 2, ...; what is in the file ``kept`` is not repeated."""
+    """Calibrate everything with seeds 1, 2, ...; records in the file ``kept`` are not repeated."""
     jobs = [
         (name, statement, treatment, seed)
         for name in problems
@@ -193,7 +193,7 @@ def _read(kept: Path | None) -> dict[Job, Record]:
 
 
 def summarise(records: Sequence[Record]) -> dict[str, Any]:
-    """Medians, 90th percentiles and shares of calibrations of one kind."""
+    """Return medians, 90th percentiles and shares of calibrations of one kind."""
     off = np.array([record["off"] for record in records])
     runs = [record["runs"] for record in records]
     return {
@@ -206,7 +206,7 @@ def summarise(records: Sequence[Record]) -> dict[str, Any]:
 
 
 def print_table(name: str, found: Mapping[tuple[str, str], Mapping[str, Any]], number: int) -> None:
-    """Print what was found of one problem."""
+    """Print the table of one problem."""
     runs = " | ".join(f"off after {n}" for n in CHECKPOINTS[name])
     print(f"\n**{name}** ({number} calibrations each)\n")
     print(f"| scatter, stated error | treated as | {runs} | runs | within, % | out of reach "

@@ -1,4 +1,4 @@
-"""Methods of calibration against each other: how near to the truth, after how many DEM runs.
+"""Compare calibration methods: distance of the answer from the truth after a number of DEM runs.
 
 All of them calibrate the problems of `calibration_problems.py`, where every run is noisy and the
 truth is known, with the same numbers of runs and the same seeds. Per problem:
@@ -6,14 +6,14 @@ truth is known, with the same numbers of runs and the same seeds. Per problem:
 * the true relative deviation of every expected response at the answer after n runs;
 * the share of calibrations whose answer is truly within one and within two tolerances;
 * the runs until the answer is truly within all tolerances for the first time;
-* of the sequential strategy: where it stops by itself, and whether what it states there is true.
+* of the sequential strategy: where it stops by itself, and whether its statements there are true.
 
 `staged` has two figures. At n runs: calibrations that were given a budget of n. Runs until within
 tolerance: as the method prescribes, with a design of 13 runs per parameter, until its own end.
 
-The limit is the deviation that the mean of n runs would have that were all made at the right place.
+The limit is the deviation of the mean of n runs that are all made at the right place.
 
-The other methods are those of `peers.py`, which says what they need. A figure needs `plotly`, and
+The other methods are those of `peers.py`, which lists their packages. A figure needs `plotly`, and
 `kaleido` with a Chrome or Chromium for PNG.
 
     python benchmarks/strategies.py [--calibrations N] [--processes 2] [--json PATH] [--figure PATH]
@@ -50,7 +50,7 @@ Kind = TypeVar("Kind")
 Parameters = dict[str, float]
 #: Case, method and seed of a calibration.
 Job = tuple[str, str, int]
-#: Plain data: what one calibration came to, what all have, and what follows from them.
+#: Plain data: the outcome of one calibration, those of all, and statistics of them.
 Record = dict[str, Any]
 Figures = dict[str, Any]
 Summary = dict[str, Any]
@@ -64,7 +64,7 @@ CHECKPOINTS = {
     "heap, four parameters": (10, 12, 16, 20, 26, 36, 48),
     "analytic, six parameters": (12, 16, 26, 36, 48),
 }
-#: Numbers of runs after which the stated intervals are looked at.
+#: Numbers of runs after which the stated intervals are evaluated.
 COVERAGE_AT = (16, 36)
 #: Standard errors to each side of a 95 % interval; median and 90th percentile of |z|.
 INTERVAL, MEDIAN_OF_NOISE, P90_OF_NOISE = 1.96, 0.6745, 1.645
@@ -75,7 +75,7 @@ SECONDS_BETWEEN_REPORTS = 5.0
 
 
 def calibrate(name: str, method: str, seed: int) -> Record:
-    """Calibrate a case with a method and look at the answers."""
+    """Calibrate a case with a method and evaluate the answers."""
     case, checkpoints = CASES[name](seed), CHECKPOINTS[name]
     start = time.perf_counter()
     if method == OURS:
@@ -101,7 +101,7 @@ def _sequential(case: Case, checkpoints: Sequence[int], seed: int) -> Record:
 
 
 def _own_stop(case: Case, seed: int) -> Record:
-    """What the sequential strategy says, and what is true, where it stops with its defaults."""
+    """Return statements of the sequential strategy where it stops by itself, and the truth."""
     search = Sequential().start(case.problem, seed)
     runs = sum(1 for _ in _runs(case, search))
     answer = search.answer()
@@ -117,7 +117,7 @@ def _own_stop(case: Case, seed: int) -> Record:
 
 
 def _staged(case: Case, checkpoints: Sequence[int], seed: int) -> Record:
-    # Whatever comes after the first answer within tolerance would be fitted in vain.
+    # Answers after the first one within tolerance are not needed.
     first = _first_within(
         case, map(_parameters, _answers(case, Staged().start(case.problem, seed)))
     )
@@ -127,7 +127,7 @@ def _staged(case: Case, checkpoints: Sequence[int], seed: int) -> Record:
 
 
 def _runs(case: Case, search: Search) -> Iterator[None]:
-    """Make the runs of a strategy one at a time, to its end."""
+    """Make the runs of a strategy one at a time, until it ends."""
     while (proposal := search.ask()) is not None:
         search.tell(proposal, _evaluation(case, proposal))
         yield
@@ -140,7 +140,7 @@ def _evaluation(case: Case, proposal: Proposal) -> Evaluation:
 
 
 def _answers(case: Case, search: Search) -> Iterator[Answer | None]:
-    """Answers after 1, 2, ... runs; None while the design is under way."""
+    """Yield the answers after 1, 2, ... runs; None while the design is under way."""
     for n, _ in enumerate(_runs(case, search), 1):
         yield search.answer() if n >= search.design_runs else None
 
@@ -156,7 +156,7 @@ def _parameters(answer: Answer | None) -> Parameters | None:
 
 
 def _after(answers: Sequence[Kind], n: int) -> Kind:
-    """The answer after n runs; the last one behind the end."""
+    """Return the answer after n runs; the last one if there are fewer."""
     return answers[min(n, len(answers)) - 1]
 
 
@@ -167,7 +167,7 @@ def _scored(case: Case, checkpoints: Sequence[int], answers: Sequence[Parameters
 
 
 def _deviations(case: Case, answers: Sequence[Parameters | None]) -> Record:
-    """True deviations, None where there is no answer."""
+    """Return true deviations, None where there is no answer."""
     return {
         "deviations": [a and _all_rounded(case.deviations(a)) for a in answers],
         "tolerances_off": [a and _rounded(case.tolerances_off(a)) for a in answers],
@@ -182,7 +182,7 @@ def _first_within(case: Case, answers: Iterable[Parameters | None]) -> int | Non
 
 
 def _covered(case: Case, answer: Answer) -> list[bool]:
-    """Whether the stated 95 % intervals have the true expected responses."""
+    """Return whether each stated 95 % interval contains the true expected response."""
     expected = case.expected(answer.parameters)
     return [
         bool(abs(true - answer.predicted[t.name]) <= INTERVAL * answer.standard_errors[t.name])
@@ -215,7 +215,7 @@ def measure(
     seeds = range(1, calibrations + 1)
     with ProcessPoolExecutor(processes, initializer=_use_one_thread) as pool:
         taking_part = _available(pool, methods)
-        # Seed by seed, so that the share that is done tells the time left.
+        # Seed by seed, so that the time left can be estimated from the share that is done.
         jobs = [(c, m, seed) for seed in seeds for c in cases for m in taking_part]
         records = _collect(pool, jobs, kept)
     return {
@@ -239,7 +239,7 @@ def _use_one_thread() -> None:
 
 
 def _available(pool: ProcessPoolExecutor, methods: Sequence[str]) -> list[str]:
-    """Methods without those whose package is missing."""
+    """Return the methods whose packages are installed."""
     found = []
     for method, missing in zip(methods, pool.map(_why_missing, methods), strict=True):
         if missing:
@@ -262,7 +262,7 @@ def _why_missing(method: str) -> str | None:
 def _collect(
     pool: ProcessPoolExecutor, jobs: Sequence[Job], kept: Path | None
 ) -> dict[Job, Record]:
-    """Results of all jobs, with a progress line now and then."""
+    """Return the results of all jobs; print a line of progress regularly."""
     start = time.monotonic()
     records = _read_kept(kept)
     known = len(records)
@@ -304,11 +304,11 @@ def _report(done: int, jobs: int, seconds: float) -> None:
     print(text, file=sys.stderr, flush=True)
 
 
-# What follows -------------------------------------------------------------------------------
+# Statistics ---------------------------------------------------------------------------------
 
 
 def quantile(values: Sequence[float], share: float) -> float:
-    """Quantile of values that may be infinite."""
+    """Return a quantile of values that may be infinite."""
     ordered = sorted(values)
     position = share * (len(ordered) - 1)
     low, high = ordered[math.floor(position)], ordered[math.ceil(position)]
@@ -324,7 +324,7 @@ def _or_infinite(value: float | None) -> float:
 
 
 def summarise(figures: Figures) -> Summary:
-    """What the calibrations amount to, by case and method."""
+    """Return the statistics of the calibrations, by case and method."""
     return {name: _summary_of_case(of_case) for name, of_case in figures.items()}
 
 
@@ -352,7 +352,7 @@ def _summary_of_case(of_case: Figures) -> Summary:
 
 
 def _limit(of_case: Figures) -> Summary:
-    """Deviations of the mean of n runs that were all made at the right place."""
+    """Return deviations of the mean of n runs that are all made at the right place."""
     noise = np.median(of_case["relative_noise"], axis=0)
     root = np.sqrt(of_case["checkpoints"])
     return {
@@ -404,7 +404,7 @@ def _summary_of_own_stops(records: list[Record], responses: list[str]) -> Summar
 
 
 def _coverage(covered: list[list[bool] | None], responses: list[str]) -> dict[str, float]:
-    """Shares of intervals with the truth in them, by response and of all."""
+    """Return the shares of intervals that contain the truth, by response and of all."""
     known = np.array([of_one for of_one in covered if of_one is not None], dtype=float)
     by_response = dict(zip(responses, known.mean(axis=0).tolist(), strict=True))
     return by_response | {"all": float(known.mean())}
@@ -415,7 +415,7 @@ def _coverage(covered: list[list[bool] | None], responses: list[str]) -> dict[st
 
 @dataclass(frozen=True)
 class Goal:
-    """What was to be reached, and what was."""
+    """A goal in words, whether it was met, and the measured values."""
 
     text: str
     met: bool
@@ -430,13 +430,13 @@ DEVIATION_GOALS = {
     (16, "bulk_density"): (0.0012, 0.003),
     (36, "angle_of_repose"): (0.006, 0.015),
 }
-#: How many times fewer runs than the staged strategy and than the best other method.
+#: Factors of runs saved against the staged strategy and against the best other method.
 FEWER_RUNS_THAN_STAGED, FEWER_RUNS_THAN_OTHERS = 2.0, 1.5
 COVERAGE_GOAL = (0.90, 0.99)
 
 
 def judge(summary: Summary) -> list[Goal]:
-    """The goals of the sequential strategy, as far as they were measured."""
+    """Return the goals of the sequential strategy, as far as they were measured."""
     goals: list[Goal] = []
     for name, case in summary.items():
         if OURS not in case["methods"]:
@@ -450,7 +450,7 @@ def judge(summary: Summary) -> list[Goal]:
 
 
 def _at(case: Summary, method: str, response: str, n: int) -> tuple[float, float]:
-    """Median and 90th percentile of the deviation after n runs."""
+    """Return median and 90th percentile of the deviation after n runs."""
     found = case["methods"][method]["deviations"][response]
     at = case["checkpoints"].index(n)
     return found["median"][at], found["p90"][at]
@@ -504,7 +504,7 @@ def _goal_of_fewer_runs(name: str, ours: Summary, others: Summary, factor: float
     whom = STAGED if STAGED in others else "the best other"
     return Goal(
         f"{name}: {factor:g} times fewer runs to tolerance than {whom}, median and 90th percentile",
-        # An infinity of our own is no fewer than another.
+        # An infinite number of own runs is not fewer than another infinite number.
         all(
             math.isfinite(ours[key]) and others[best[key]][key] >= factor * ours[key]
             for key in best
@@ -534,7 +534,7 @@ def _coverage_goal(name: str, case: Summary) -> Goal:
 
 
 def percent(share: float) -> str:
-    """In percent, with three digits."""
+    """Format a share in percent, with three digits."""
     return "-" if math.isinf(share) else f"{100 * share:#.3g}".rstrip(".")
 
 
@@ -613,7 +613,7 @@ def _print_own_stop(case: Summary) -> None:
 
 
 def _chosen(names: Sequence[str]) -> Callable[[str], list[str]]:
-    """Names that contain a text."""
+    """Return a parser that finds the names that contain a text."""
 
     def choose(text: str) -> list[str]:
         found = [name for name in names if text.lower() in name.lower()]
@@ -666,7 +666,7 @@ def _arguments() -> argparse.Namespace:
             type=_chosen(names),
             metavar="TEXT",
             help="only those with one of these texts in their name, of: "
-            # A % would begin a placeholder of argparse.
+            # To argparse, a single % begins a placeholder.
             + "; ".join(names).replace("%", "%%"),
         )
     parser.add_argument(
@@ -685,19 +685,19 @@ def _arguments() -> argparse.Namespace:
         "--from-json",
         type=Path,
         metavar="PATH",
-        help="measure nothing: print and draw what an earlier --json has written",
+        help="measure nothing: print and draw the figures that an earlier --json wrote",
     )
     parser.add_argument(
         "--figure",
         type=_file_to_write,
         metavar="PATH",
-        help="draw deviation against number of runs: a .html file that needs nothing else, or .png",
+        help="draw deviation against number of runs: a self-contained .html file, or .png",
     )
     return parser.parse_args()
 
 
 def _plain(data: Any) -> Any:
-    """Without infinities, which JSON does not know."""
+    """Replace infinities by None, because JSON has none."""
     if isinstance(data, dict):
         return {key: _plain(value) for key, value in data.items()}
     if isinstance(data, list):
@@ -714,7 +714,7 @@ def _write_json(path: Path, figures: Figures, summary: Summary) -> None:
 def main() -> None:
     arguments = _arguments()
     if arguments.figure:
-        # Before the long measurement, not after it.
+        # A missing package is reported before the long measurement.
         try:
             import strategies_figure
         except ImportError as missing:

@@ -1,4 +1,4 @@
-"""The figure of `strategies.py`: deviation of the answers against the number of DEM runs."""
+"""Figure of `strategies.py`: deviation of the answers against the number of DEM runs."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ Summary = dict[str, Any]
 
 WIDTH, HEIGHT = 1200, 900
 COLUMNS = 2
-#: Colours of Okabe & Ito, which the colour-blind can tell apart, and marks for prints in grey.
+#: Colours of Okabe & Ito, distinct in colour blindness, and symbols distinct in grey prints.
 STYLES = {
     "sequential": ("#0072B2", "circle"),
     "staged": ("#D55E00", "square"),
@@ -45,7 +45,7 @@ def draw(summary: Summary, path: Path) -> None:
 
 
 def make_figure(summary: Summary) -> go.Figure:
-    """One panel per case."""
+    """Return a figure of one panel per case."""
     rows = math.ceil(len(summary) / COLUMNS)
     titles = [name.replace("+-", "±") for name in summary]
     figure = make_subplots(
@@ -67,7 +67,7 @@ def make_figure(summary: Summary) -> go.Figure:
 
 
 def _shown(name: str, case: Summary) -> list[str]:
-    """Responses over which a panel takes the mean: of a heap the angle alone, the noisy one."""
+    """Return the responses whose mean a panel shows: for a heap only the angle, the noisy one."""
     return ["angle_of_repose"] if name.startswith("heap") else list(case["limit"])
 
 
@@ -78,7 +78,7 @@ def _axis_title(name: str) -> str:
 
 
 def _curves(name: str, case: Summary) -> Iterator[tuple[str, list[float], list[float]]]:
-    """Method, median and 90th percentile in percent; that of grainfit on top."""
+    """Yield method, median and 90th percentile in percent; grainfit last, so drawn on top."""
     shown = _shown(name, case)
     found = {method: values["deviations"] for method, values in case["methods"].items()}
     for method, deviations in [(LIMIT, case["limit"]), *reversed(found.items())]:

@@ -1,6 +1,6 @@
-"""Read the imports of the package: which rooms there are, and which know which.
+"""Read the imports of the package: its rooms, and which room imports which.
 
-python tools/house.py            print what each room imports
+python tools/house.py            print the imports of each room
 python tools/house.py --draw     draw docs/images/house.svg as well
 """
 
@@ -45,7 +45,7 @@ OUTSIDE = ("testing", "__main__", "__init__")
 
 @dataclass(frozen=True)
 class Import:
-    """One module that imports another, and in which line."""
+    """An import of one module by another, with its line."""
 
     importer: str
     imported: str
@@ -154,9 +154,9 @@ _STYLE = (
 
 
 def drawing(source: Path = ROOT / "src") -> str:
-    """Return the house as SVG: floors from the ground up, arrows to what a room imports.
+    """Return the house as SVG: floors from the ground up, and arrows.
 
-    Arrows that others imply are left out.
+    The arrows show imports; those that others imply are left out.
     """
     places = dict(_places())
     height = len(FLOORS) * (_ROOM_HEIGHT + _GAP) + _GAP
@@ -179,7 +179,7 @@ def drawing(source: Path = ROOT / "src") -> str:
 
 
 def _direct(found: Iterable[Import]) -> list[tuple[str, str]]:
-    """Pairs of rooms of which one imports the other, without those that others imply."""
+    """Return pairs of rooms of which one imports the other, without those that others imply."""
     reached: dict[str, set[str]] = defaultdict(set)
     for one in found:
         if room_of(one.importer) != room_of(one.imported):
@@ -193,7 +193,7 @@ def _direct(found: Iterable[Import]) -> list[tuple[str, str]]:
 
 
 def _places() -> Iterator[tuple[str, tuple[float, float, float]]]:
-    """Left edge, top and width of every room; the ground is at the bottom."""
+    """Yield left edge, top and width of every room; the ground is at the bottom."""
     for number, rooms in enumerate(reversed(FLOORS)):
         width = (_WIDTH - _MARGIN * (len(rooms) + 1)) / len(rooms)
         for position, room in enumerate(rooms):
@@ -229,7 +229,7 @@ def _says(room: str, source: Path) -> str:
 
 
 def main() -> None:
-    """Print what each room imports, and what breaks the order; draw it if asked to."""
+    """Print the imports of each room and all violations of the order; draw the house on request."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--draw", action="store_true", help=f"write {PICTURE.relative_to(ROOT)}")
     if parser.parse_args().draw:

@@ -1,63 +1,80 @@
-"""Write the tables of bulk tests in docs/calibration_file.md from the declarations of the tests.
+"""Write the tables of options in docs/calibration_file.md from the declarations of the options.
 
 python tools/option_tables.py
 
-Responses and options of each built-in test stand between two comments of that page; a new test
-gets its section at the end of the others.
+Responses and options of each built-in test, and the options of the [strategy] section, stand
+between two comments of that page each; a new test gets its section at the end of the others.
 """
 
 from __future__ import annotations
 
 import argparse
 import re
+from collections.abc import Iterable
 from pathlib import Path
 
 from grainfit.bulk_tests.registry import BUILT_IN
+from grainfit.calibration_file.strategy_section import CALIBRATION_KEYS
 from grainfit.formatting import unit_for_people
+from grainfit.options.fields import option_keys
 from grainfit.options.kinds import Choice, Quantity, Whole
 from grainfit.options.tables import Key
 from grainfit.solvers.registry import types_of_test
 from grainfit.solvers.type_of_test import TypeOfTest
+from grainfit.strategies.registry import DEFAULT_STRATEGY, strategies
 
 PAGE = Path(__file__).parents[1] / "docs" / "calibration_file.md"
 _NONE = "–"
 _END = "<!-- end of the bulk tests -->"
+_STRATEGY = "[strategy]"
 
 
 def updated(page: str) -> str:
-    """Return the page with the tables of all built-in tests as they are declared now."""
+    """Return the page with all tables as the options are declared now."""
     for name in BUILT_IN:
         begin, end = _marks(name)
         if begin not in page:
             page = page.replace(_END, f"{_heading(name)}\n\n{begin}\n{end}\n\n{_END}")
-        between = f"{begin}\n\n{_tables(types_of_test()[name])}\n\n{end}"
-        pattern = f"{re.escape(begin)}.*{re.escape(end)}"
-        page = re.sub(pattern, lambda _, text=between: text, page, flags=re.DOTALL)
-    return page
+        page = _with_tables(page, name, _test_tables(types_of_test()[name]))
+    return _with_tables(page, _STRATEGY, _strategy_tables())
 
 
 def _marks(name: str) -> tuple[str, str]:
     return f"<!-- {name}: written by tools/option_tables.py -->", f"<!-- end of {name} -->"
 
 
+def _with_tables(page: str, name: str, tables: str) -> str:
+    begin, end = _marks(name)
+    pattern = f"{re.escape(begin)}.*{re.escape(end)}"
+    return re.sub(pattern, lambda _: f"{begin}\n\n{tables}\n\n{end}", page, flags=re.DOTALL)
+
+
 def _heading(name: str) -> str:
     return f'### `type = "{name}"`: {BUILT_IN[name].title}'
 
 
-def _tables(kind: TypeOfTest) -> str:
+def _test_tables(kind: TypeOfTest) -> str:
     assert kind.bulk_test is not None
-    lines = ["| response | unit | meaning |", "|---|---|---|"]
-    for name, info in kind.bulk_test.responses.items():
-        lines.append(f"| `{name}` | {unit_for_people(info.unit) or _NONE} | {info.words}. |")
-    lines += ["", "Give a target for one of them, or for several.", ""]
-    lines += ["| key | possible | default | meaning |", "|---|---|---|---|"]
-    lines += [_row(key) for key in kind.keys]
-    return "\n".join(lines)
-
-
-def _row(key: Key) -> str:
-    default = "required" if key.required else key.default or _NONE
-    return f"| `{key.name}` | {_possible(key)} | {default} | {key.description} |"
+    responses = (
+        (f"`{name}`", unit_for_people(info.unit) or _NONE, f"{info.words}.")
+        for name, info in kind.bulk_test.responses.items()
+    )
+    options = (
+        (
+            f"`{key.name}`",
+            _possible(key),
+            "required" if key.required else key.default or _NONE,
+            key.description,
+        )
+        for key in kind.keys
+    )
+    return "\n\n".join(
+        [
+            _table(("response", "unit", "meaning"), responses),
+            "Give a target for one of them, or for several.",
+            _table(("key", "possible", "default", "meaning"), options),
+        ]
+    )
 
 
 def _possible(key: Key) -> str:
@@ -67,6 +84,34 @@ def _possible(key: Key) -> str:
     if isinstance(kind, Quantity | Whole):
         return kind.limits()
     return _NONE
+
+
+def _strategy_tables() -> str:
+    """Return the tables of the options of every calibration, then of each strategy."""
+    words = "How runs are chosen, see [the method](method.md)."
+    name = ("`name`", f'`"{DEFAULT_STRATEGY}"`', words)
+    parts = [_strategy_table(CALIBRATION_KEYS, name)]
+    for strategy in strategies().values():
+        summary = (strategy.__doc__ or "").splitlines()[0]
+        parts += [
+            f'`name = "{strategy.name}"`. {summary}',
+            _strategy_table(option_keys(strategy)),
+        ]
+    return "\n\n".join(parts)
+
+
+def _strategy_table(keys: Iterable[Key], *first: tuple[str, ...]) -> str:
+    rows = ((f"`{key.name}`", key.default, key.description) for key in keys)
+    return _table(("key", "default", "meaning"), [*first, *rows])
+
+
+def _table(head: tuple[str, ...], rows: Iterable[tuple[str, ...]]) -> str:
+    lines = [_line(head), "|---" * len(head) + "|", *map(_line, rows)]
+    return "\n".join(lines)
+
+
+def _line(cells: tuple[str, ...]) -> str:
+    return f"| {' | '.join(cells)} |"
 
 
 def main() -> None:

@@ -15,6 +15,7 @@ from grainfit.checks import as_number
 from grainfit.contact_models.registry import MATERIAL_PARAMETERS
 from grainfit.errors import Fault, InputError
 from grainfit.materials.time_step import RayleighTimeStep
+from grainfit.units import UnitError, percentage, to_si, to_unit
 
 #: Relative tolerance of a target for which neither an uncertainty nor a tolerance is given.
 DEFAULT_RELATIVE_TOLERANCE = 0.02
@@ -43,9 +44,6 @@ def _read_quantities(owner: Any, keys: Mapping[str, str], usual_unit: str = "") 
     texts = {key: text for key in keys if isinstance(text := getattr(owner, key), str)}
     if not texts:
         return
-    # Most problems have plain numbers, and the import of units takes a while.
-    from grainfit.units import UnitError, to_si, to_unit
-
     faults = []
     for key, text in texts.items():
         unit = owner.unit or usual_unit
@@ -64,8 +62,6 @@ def _share(given: Any, value: Any) -> Any:
     """Return a percentage of a value as a number; anything else unchanged."""
     if not isinstance(given, str) or not given.strip().endswith("%"):
         return given
-    from grainfit.units import percentage
-
     share = percentage(given)
     return given if share is None else share * as_number(value)
 

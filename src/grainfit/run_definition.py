@@ -31,6 +31,13 @@ def identity_of(data: Mapping[str, Any]) -> str:
     return hashlib.sha256(canonical.encode()).hexdigest()[:32]
 
 
+def without_defaults(
+    values: Mapping[str, float], defaults: Mapping[str, float]
+) -> dict[str, float]:
+    """Return the values without those that are at their default."""
+    return {name: value for name, value in values.items() if defaults.get(name) != value}
+
+
 @dataclass(frozen=True)
 class RunDefinition:
     """Everything that determines the outcome of a run.

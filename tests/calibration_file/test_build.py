@@ -9,9 +9,9 @@ import pytest
 from grainfit.calibration.calibrate import calibrate
 from grainfit.calibration_file.build import CalibrationSetup, build_calibration
 from grainfit.calibration_file.load import load_calibration_file
-from grainfit.contact_models.registry import without_defaults
 from grainfit.errors import InputError
 from grainfit.materials.time_step import rayleigh_time_step
+from grainfit.run_definition import without_defaults
 from grainfit.solvers.base import Workspace
 from grainfit.solvers.parameters_for import ParametersFor
 from grainfit.strategies.sequential.strategy import Sequential
@@ -70,7 +70,7 @@ def test_the_glass_beads() -> None:
     [solver] = setup.solvers.values()
     assert solver.name == "lammps"
     material = solver.run_parameters(values)
-    assert without_defaults(material) == {**setup.file.fixed, **values}
+    assert without_defaults(material, solver.defaults) == {**setup.file.fixed, **values}
 
 
 def test_several_tests_give_their_names_to_their_responses(tmp_path: Path) -> None:

@@ -154,7 +154,7 @@ def simulated(known: Metamodels, possible: np.ndarray, point: np.ndarray) -> flo
         there = model.predict(point[None])
         misfits = []
         for z in (-1.0, 0.0, 1.0):
-            value = there.mean + z * there.new_run_standard_deviation
+            value = there.mean + z * np.sqrt(there.variance_of_new_run)
             models = list(known.models)
             models[index] = model.condition(point[None], value)
             means, variances = Metamodels(PROBLEM, models).deviations(possible)

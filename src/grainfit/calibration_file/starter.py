@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-from string import Template
-from typing import Literal
-
-_STARTER = Template("""\
+#: The file that `grainfit new` writes: it teaches, and loads as it is.
+STARTER_FILE = """\
 # Calibration file of grainfit. It is valid as it is: change it, then
 #
 #     grainfit check FILE     says what is wrong with it, and shows the plan
@@ -50,7 +48,7 @@ rolling_damping = 0.25
 # What was measured. Two responses can determine two free parameters, hardly more.
 [[test]]
 type = "heap"                           # lifted cylinder: fill, strike off, lift, heap at rest
-solver = "$solver"$padding                       # or "$other_solver"
+solver = "lammps"                         # or "liggghts"
 # Geometry and procedure, as in your laboratory. These defaults follow the particle diameter d.
 # cylinder_radius = "60 mm"             # 6 d
 # strike_off_height = "105 mm"          # 10.5 d
@@ -58,7 +56,7 @@ solver = "$solver"$padding                       # or "$other_solver"
 # rim_height = "0 mm"                   # a free edge: particles may fall off
 # lift_speed = "0.05 m/s"               # decides the angle of repose: use your laboratory's
 # plate_sliding_friction = 0.5
-# timeout = "30 min"                    # of one run; none by default
+# timeout = "30 min"                    # of one run; by default far above its estimated time
 
 # Mean and standard uncertainty of your measurements ...
 targets.bulk_density = { value = "1500 kg/m^3", uncertainty = "1 %" }
@@ -77,22 +75,4 @@ name = "sequential"                     # every run where it helps most; or "sta
 
 # A DEM model of your own, instead of the heap test or beside it, and all other keys:
 # docs/calibration_file.md; runs in jobs of a cluster: docs/clusters.md
-""")
-
-
-def starter_file(solver: Literal["lammps", "liggghts"] = "lammps", schema: str = "") -> str:
-    """Return a calibration file that teaches, and loads as it is.
-
-    Parameters
-    ----------
-    solver : {"lammps", "liggghts"}
-        Solver of its heap test.
-    schema : str
-        Where editors find the JSON Schema (`grainfit.calibration_file.schema_path`): a path or an
-        address. None is written by default, because a path is good on one machine only.
-    """
-    other_solver = "liggghts" if solver == "lammps" else "lammps"
-    text = _STARTER.substitute(
-        solver=solver, other_solver=other_solver, padding=" " * (len("liggghts") - len(solver))
-    )
-    return f"#:schema {schema}\n{text}" if schema else text
+"""

@@ -160,11 +160,11 @@ def new(
     file: Annotated[Path, typer.Argument(metavar="FILE")] = Path("calibration.toml"),
 ) -> None:
     """Write a commented calibration file to start from."""
-    from grainfit.calibration_file.starter import starter_file
+    from grainfit.calibration_file.starter import STARTER_FILE
 
     try:
         with file.open("x", encoding="utf-8") as target:
-            target.write(starter_file())
+            target.write(STARTER_FILE)
     except FileExistsError:
         raise InputError(
             Fault("", f"{str(file)!r} exists already.", "Choose another name.")

@@ -49,16 +49,6 @@ def with_defaults(values: Mapping[str, float]) -> dict[str, float]:
     return {**defaults, **values}
 
 
-def without_defaults(values: Mapping[str, float]) -> dict[str, float]:
-    """Return the values without those that are at the default of their parameter."""
-    return {name: value for name, value in values.items() if value != _default(name)}
-
-
-def _default(name: str) -> float | None:
-    known = MATERIAL_PARAMETERS.get(name)
-    return known.default if known else None
-
-
 def contact_law(
     material: Mapping[str, float],
     chosen: Iterable[str] = (),

@@ -88,15 +88,12 @@ class AngleOfRepose:
         Mean inclination of the flanks, degrees.
     standard_error : float
         Standard error of `value` as a measurement of this heap, degrees.
-    apex_height : float
-        Height of the heap, averaged over the views, m.
     views : tuple of View
         Fitted flanks, one view for each azimuth.
     """
 
     value: float
     standard_error: float
-    apex_height: float
     views: tuple[View, ...]
 
     @property
@@ -245,7 +242,6 @@ def _measure(
 ) -> AngleOfRepose:
     distance, outlines = _radial_outlines(silhouettes, diameter)
     profile = _smooth(outlines.mean(axis=0))
-    apex = float(profile.max())
     _require_heap(distance, outlines, profile, ground, diameter)
     window = _window(outlines, profile, ground, diameter)
     flanks = _fit_flanks(distance[window], outlines[:, window], diameter)
@@ -255,7 +251,7 @@ def _measure(
         View(azimuth, _mirror(flanks[2 * i + 1]), flanks[2 * i])
         for i, azimuth in enumerate(azimuths)
     )
-    return AngleOfRepose(float(np.nanmean(angles)), error, apex, views)
+    return AngleOfRepose(float(np.nanmean(angles)), error, views)
 
 
 def _radial_outlines(silhouettes: Sequence[Silhouette], diameter: float) -> tuple[Array, Array]:

@@ -70,11 +70,6 @@ class Prediction:
         """Square root of the variance of the mean, shape (m,)."""
         return np.asarray(np.sqrt(self.variance_of_mean))
 
-    @property
-    def new_run_standard_deviation(self) -> FloatArray:
-        """Square root of the variance of a new run, shape (m,)."""
-        return np.asarray(np.sqrt(self.variance_of_new_run))
-
 
 @dataclass(frozen=True)
 class LeaveOneOut:

@@ -29,10 +29,7 @@ _SMALLEST = 1e-3
 def convergence(saved: SavedCalibration) -> PlotlyFigure:
     """Draw the largest deviation and every response over the number of the run.
 
-    Parameters
-    ----------
-    saved : SavedCalibration
-        The calibration, which may still be running.
+    Takes a calibration, which may still be running; returns a Plotly figure.
 
     Raises
     ------

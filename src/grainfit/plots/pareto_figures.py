@@ -26,12 +26,7 @@ _TIME_NAMES = ("particle.density", "particle.youngs_modulus", "particle.poissons
 def pareto(saved: SavedCalibration, analysis: Analysis | None = None) -> PlotlyFigure:
     """Draw the smallest possible misfit at each Rayleigh time step.
 
-    Parameters
-    ----------
-    saved : SavedCalibration
-        The calibration.
-    analysis : Analysis, optional
-        An existing analysis; ``saved.analyse()`` by default.
+    Takes a calibration and its analysis, by default ``saved.analyse()``; returns a Plotly figure.
 
     Raises
     ------

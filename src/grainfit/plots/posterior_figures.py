@@ -60,12 +60,7 @@ class PosteriorFigures:
 def posterior(saved: SavedCalibration, analysis: Analysis | None = None) -> PlotlyFigure:
     """Draw the parameter values that agree with the measurements, and their correlations.
 
-    Parameters
-    ----------
-    saved : SavedCalibration
-        The calibration.
-    analysis : Analysis, optional
-        An existing analysis; ``saved.analyse()`` by default.
+    Takes a calibration and its analysis, by default ``saved.analyse()``; returns a Plotly figure.
 
     Raises
     ------

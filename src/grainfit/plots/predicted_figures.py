@@ -25,12 +25,7 @@ _COLUMNS = 2
 def predicted(saved: SavedCalibration, analysis: Analysis | None = None) -> PlotlyFigure:
     """Draw each run as simulated against its prediction from all other runs.
 
-    Parameters
-    ----------
-    saved : SavedCalibration
-        The calibration.
-    analysis : Analysis, optional
-        An existing analysis; ``saved.analyse()`` by default.
+    Takes a calibration and its analysis, by default ``saved.analyse()``; returns a Plotly figure.
 
     Raises
     ------

@@ -26,12 +26,7 @@ _FRAME_HEIGHT = 110
 def sensitivity(saved: SavedCalibration, analysis: Analysis | None = None) -> PlotlyFigure:
     """Draw the share of each response's variation that each parameter explains.
 
-    Parameters
-    ----------
-    saved : SavedCalibration
-        The calibration.
-    analysis : Analysis, optional
-        An existing analysis; ``saved.analyse()`` by default.
+    Takes a calibration and its analysis, by default ``saved.analyse()``; returns a Plotly figure.
 
     Raises
     ------

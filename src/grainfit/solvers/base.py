@@ -22,7 +22,7 @@ from typing import Any
 
 from grainfit.bulk_tests.run_cost import RunCost
 from grainfit.evaluation import Response
-from grainfit.run_definition import RunDefinition
+from grainfit.run_definition import RunDefinition, without_defaults
 
 
 @dataclass(frozen=True)
@@ -99,8 +99,7 @@ class Solver(ABC):
         SolverNotFoundError
             See `Solver.model`.
         """
-        values, defaults = self.run_parameters(parameters), self.defaults
-        given = {name: value for name, value in values.items() if defaults.get(name) != value}
+        given = without_defaults(self.run_parameters(parameters), self.defaults)
         return RunDefinition(self.model(), given, int(seed))
 
     @abstractmethod

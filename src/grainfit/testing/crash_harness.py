@@ -169,11 +169,6 @@ class Tally:
     repeated: list[str] = field(default_factory=list)
     different: list[str] = field(default_factory=list)
 
-    @property
-    def clean(self) -> bool:
-        """Whether no run was lost or repeated, and no answer changed."""
-        return not (self.lost or self.repeated or self.different)
-
 
 Progress = Callable[[Tally], None]
 

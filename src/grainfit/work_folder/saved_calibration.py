@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING, Any, get_args
 from grainfit.calibration.provenance import Provenance
 from grainfit.campaign.campaign import evaluation_of
 from grainfit.campaign.store.records import CalibrationRecord, RequestRecord, RunRecord
-from grainfit.campaign.store.store import STORE_NAME, RunStore, not_a_work_folder
-from grainfit.campaign.work_folder import RESULT_NAME, is_held, read_record, run_folder
+from grainfit.campaign.store.store import STORE_NAME
+from grainfit.campaign.work_folder import RESULT_NAME, read_record, run_folder
 from grainfit.contact_models.registry import MATERIAL_PARAMETERS
 from grainfit.errors import Fault, GrainfitError, InputError, StoreError
 from grainfit.evaluation import ERROR_SUFFIX, Evaluation, Proposal, response_name
@@ -23,7 +23,7 @@ from grainfit.problem import Parameter, Problem, Target
 from grainfit.result import ParameterInterval, Result, Status, damaged_result
 from grainfit.strategies.distinct_runs import distinct_runs
 from grainfit.tables import TextTable, as_html, as_text
-from grainfit.work_folder.status import read_result, state_of
+from grainfit.work_folder.open_folder import OpenFolder, open_folder
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -116,29 +116,23 @@ class SavedCalibration:
             calibrated in it.
         """
         folder = Path(folder)
-        if not (folder / STORE_NAME).is_file():
-            raise StoreError(str(not_a_work_folder(folder)))
-        store = RunStore.read_only(folder)
-        try:
-            calibration = store.latest_calibration()
+        with open_folder(folder) as opened:
+            calibration = opened.calibration
             if calibration is None:
                 raise StoreError(
                     f"nothing has been calibrated in {str(folder)!r} yet. Start 'grainfit run' "
                     "first."
                 )
-            requests = store.requests(calibration.identity)
             learnt = _learnt(folder, calibration)
-            asked = {run for request in [*requests, *learnt] for run in request.runs.values()}
-            records = store.find_many(asked)
-        finally:
-            store.close()
-        state = state_of(calibration, is_held(folder))
-        if state == "failed":
+            requests = [*opened.requests, *learnt]
+            asked = {run for request in requests for run in request.runs.values()}
+            records = opened.store.find_many(asked)
+        if opened.state == "failed":
             # Failures that stopped it are forgotten, so that the next start repeats these runs.
             kept = (read_record(run_folder(folder, run)) for run in asked - records.keys())
             records |= {record.identity: record for record in kept if record is not None}
         with _naming(folder):
-            return _saved(folder, calibration, state, requests, learnt, records)
+            return _saved(opened, calibration, learnt, records)
 
     def runs(self) -> pd.DataFrame:
         """Return the runs that this calibration asked for and that have ended, one row for each.
@@ -238,21 +232,20 @@ def _learnt(folder: Path, calibration: CalibrationRecord) -> list[RequestRecord]
 
 
 def _saved(
-    folder: Path,
+    opened: OpenFolder,
     calibration: CalibrationRecord,
-    state: str,
-    requests: Sequence[RequestRecord],
     learnt: Sequence[RequestRecord],
     records: Mapping[str, RunRecord],
 ) -> SavedCalibration:
-    ended = [request for request in requests if _has_ended(request, records)]
+    folder, state = opened.folder, opened.state
+    ended = [request for request in opened.requests if _has_ended(request, records)]
     evaluations = tuple(_evaluation(request, records) for request in ended)
     used = {run for request in ended for run in request.runs.values()}
     running = state == "running"
     definition, about = calibration.definition, calibration.about
     problem = _problem(definition, about, evaluations)
     provenance = Provenance.from_json(about.get("provenance", {}))
-    result, fault = (None, "") if running else read_result(folder, calibration)
+    result, fault = opened.read_result()
     if result is not None and (why := _why_unusable(result, problem, state)):
         result, fault = None, damaged_result(folder / RESULT_NAME, why)
     free = {parameter.name: parameter.unit for parameter in problem.parameters}

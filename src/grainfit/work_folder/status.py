@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from grainfit.campaign.store.records import CalibrationRecord, RequestRecord, RunRecord
-from grainfit.campaign.store.store import STORE_NAME, RunStore, not_a_work_folder
-from grainfit.campaign.work_folder import RESULT_NAME, is_held
-from grainfit.errors import StoreError
+from grainfit.campaign.store.records import RequestRecord, RunRecord
 from grainfit.result import Result
+from grainfit.work_folder.open_folder import open_folder
 
 
 @dataclass(frozen=True)
@@ -69,22 +67,15 @@ def read_status(folder: Path) -> WorkdirStatus:
     StoreError
         The folder is not a work folder, or its store cannot be read.
     """
-    if not (folder / STORE_NAME).exists():
-        raise StoreError(str(not_a_work_folder(folder)))
-    store = RunStore.read_only(folder)
-    try:
-        states = store.states()
-        failed = {record.identity: record for record in store.runs("failed")}
-        calibration = store.latest_calibration()
-        requests = store.requests(calibration.identity) if calibration else []
-    finally:
-        store.close()
-    state = state_of(calibration, is_held(folder))
-    running = state == "running"
-    result, fault = (None, "") if running else read_result(folder, calibration)
+    with open_folder(folder) as opened:
+        states = opened.store.states()
+        failed = {record.identity: record for record in opened.store.runs("failed")}
+    calibration, requests = opened.calibration, opened.requests
+    running = opened.state == "running"
+    result, fault = opened.read_result()
     return WorkdirStatus(
         name=calibration.name if calibration else "",
-        state=state,
+        state=opened.state,
         finished=_by_stage(requests, states, ("finished", "failed")),
         asked=_by_stage(requests, None, ()),
         running=sum(state == "running" for state in states.values()) if running else 0,
@@ -96,18 +87,8 @@ def read_status(folder: Path) -> WorkdirStatus:
     )
 
 
-def state_of(calibration: CalibrationRecord | None, held: bool) -> str:
-    """Return whether a calibration is running, or how it ended."""
-    if calibration is None:
-        return "running" if held else "not started"
-    # Another command may be at work in the folder of a calibration that has ended.
-    if held and calibration.status == "running":
-        return "running"
-    return "interrupted" if calibration.status == "running" else calibration.status
-
-
 def _by_stage(
-    requests: list[RequestRecord],
+    requests: Sequence[RequestRecord],
     known: Mapping[str, str] | None,
     states: tuple[str, ...],
 ) -> Mapping[str, int]:
@@ -120,7 +101,7 @@ def _by_stage(
 
 
 def _failures(
-    folder: Path, requests: list[RequestRecord], failed: Mapping[str, RunRecord]
+    folder: Path, requests: Sequence[RequestRecord], failed: Mapping[str, RunRecord]
 ) -> list[FailedRun]:
     wanted = {identity for request in requests for identity in request.runs.values()}
     return [
@@ -128,18 +109,3 @@ def _failures(
         for record in failed.values()
         if record.identity in wanted
     ]
-
-
-def read_result(folder: Path, calibration: CalibrationRecord | None) -> tuple[Result | None, str]:
-    """Read the result of a calibration, or why there is none that can be used.
-
-    The result of an earlier calibration in the folder is not used, and is no fault.
-    """
-    path = folder / RESULT_NAME
-    if calibration is None or not path.exists():
-        return None, ""
-    try:
-        result = Result.from_json(path)
-    except StoreError as error:
-        return None, str(error)
-    return (result if result.identity == calibration.identity else None), ""

@@ -90,7 +90,7 @@ class KnowledgeGradient:
         outcomes = self._outcomes
         factors = np.hstack([outcomes, outcomes[:, first] * outcomes[:, second]])
         then = np.tensordot(factors, terms, axes=1) + settled
-        return np.asarray(np.maximum(self._now.min() - then.min(axis=1).mean(axis=0), 0.0))
+        return np.asarray(np.maximum(self.smallest_misfit - then.min(axis=1).mean(axis=0), 0.0))
 
 
 @cache
