@@ -121,23 +121,23 @@ def figures_of(outcomes: list[Outcome]) -> dict[str, float]:
 def show(figures: Mapping[str, Mapping[str, float]]) -> None:
     """Print figures, one line for each way."""
     columns = list(next(iter(figures.values())))
-    print(f"{'':14}" + "".join(f"{column:>18}" for column in columns))
+    print(f"{'':22}" + "".join(f"{column:>18}" for column in columns))
     for name, row in figures.items():
-        print(f"{name:14}" + "".join(f"{row[column]:18.3g}" for column in columns))
+        print(f"{name:22}" + "".join(f"{row[column]:18.3g}" for column in columns))
 
 
 def compare_pairs(seeds: range, pool: Executor) -> dict[str, dict[str, float]]:
     """Calibrate pairs of materials, and print what the runs of the first one save."""
     pairs = list(track(pool.map(pair, seeds), "calibrating", total=len(seeds)))
     print(f"{len(pairs)} pairs of materials, intervals of +-{WIDTH:.0%}")
-    ways = ("no warm start", "warm start")
+    ways = ("without earlier runs", "warm start")
     columns = zip(*pairs, strict=True)
     figures = {name: figures_of(list(found)) for name, found in zip(ways, columns, strict=True)}
     show(figures)
     cold, warm = figures.values()
     for what in ("search", "total"):
         share = warm[f"{what}_sum"] / cold[f"{what}_sum"]
-        print(f"{what} runs: {share:.2f} of those without it (goal: at most {GOAL:.2f})")
+        print(f"{what} runs: {share:.2f} of those without earlier runs (goal: at most {GOAL:.2f})")
     return figures
 
 
