@@ -27,7 +27,7 @@ _SUSPICIOUS = 2.0
 #: Fewest runs per coefficient of a linear trend with which a run can be told from the others.
 _RUNS_PER_COEFFICIENT = 2
 #: Distance per root of the dimension within which runs tell about the same place.
-_NEAR = 0.05
+_NEAR = 0.02
 
 
 @dataclass(frozen=True)
@@ -103,7 +103,9 @@ def fit_without_outliers(
         left_out = np.setdiff1d(np.arange(len(values)), kept)
         model = _fit(points[kept], values[kept], standard_errors[kept])
         if _all_outlying(model, points[left_out], values[left_out], len(values)):
-            best = (model, kept) if _are_alone(points, left_out) else best
+            if not _are_alone(points, left_out):
+                return everything, NO_OUTLIERS
+            best = (model, kept)
     model, kept = best
     left_out = np.setdiff1d(np.arange(len(values)), kept)
     if not len(left_out):
@@ -132,7 +134,7 @@ def _largest_residual(model: Kriging) -> tuple[int, float]:
 
 
 def _are_alone(points: FloatArray, left_out: NDArray[np.intp]) -> bool:
-    """Whether most runs near each of these are not left out.
+    """Whether fewer than half of the runs near each of these are left out.
 
     Runs at one place that agree with each other show a response that the metamodel misses there.
     """
@@ -140,7 +142,7 @@ def _are_alone(points: FloatArray, left_out: NDArray[np.intp]) -> bool:
     is_out = np.isin(np.arange(len(points)), left_out)
     for row in distances:
         near = row <= _NEAR * np.sqrt(points.shape[1])
-        if near.sum() > 1 and 2 * (near & is_out).sum() > near.sum():
+        if near.sum() > 1 and 2 * (near & is_out).sum() >= near.sum():
             return False
     return True
 
