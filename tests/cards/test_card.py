@@ -307,8 +307,7 @@ def test_an_undecided_calibration_makes_a_card_that_is_not_calibrated(
     card = material_card(undecided_drum)
     assert (card.status, card.calibrated) == ("undecided", False)
     assert card.verdict == (
-        "NOT CALIBRATED: undecided whether every target is met "
-        "(not met: angle, which is in doubt)"
+        "NOT CALIBRATED: undecided whether every target is met (not met: angle, which is in doubt)"
     )
     assert [parameter.origin for parameter in card.parameters] == ["not calibrated"]
     data = json.loads(render(card, "json"))

@@ -33,7 +33,6 @@ _VERDICT_COLOURS = {
     "met": "green",
     "in doubt": "yellow",
     "missed": "red",
-    "not verified": "yellow",
     "determined": "green",
     "narrowed": "yellow",
     "not determined": "red",
