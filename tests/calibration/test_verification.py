@@ -1,33 +1,74 @@
-"""Verdicts of the verification runs, and when all other runs count as well."""
+"""Fresh seeds at an answer: which runs count, and when they contradict all runs together."""
+
+import pytest
 
 import grainfit as gf
-from grainfit.calibration.verification import contradictions, mean_with_interval
+from grainfit.calibration.verification import (
+    contradictions,
+    mean_with_interval,
+    runs_near,
+)
+from grainfit.evaluation import Evaluation, Proposal, Response
+from grainfit.result import MetamodelQuality
 from grainfit.strategies.answer import Answer
 
 ANGLE = gf.Target("angle_of_repose", 22.0, tolerance=0.5, unit="deg")
 PROBLEM = gf.Problem([gf.Parameter("friction", 0.1, 0.9)], [ANGLE])
-#: Mean 22.3, of which four runs are sure to 0.6 and forty to 0.1.
-SCATTERED, CLOSE = [21.9, 22.1, 22.5, 22.7], [22.0, 22.2, 22.4, 22.6] * 10
 
 
-def contradiction(values: list[float], expected: float) -> list[str]:
-    known = Answer({"friction": 0.5}, {"angle_of_repose": expected}, {"angle_of_repose": 0.1}, 0.5)
-    verified = {"angle_of_repose": mean_with_interval(values)}
-    return list(map(str, contradictions(PROBLEM, verified, known)))
+def answer(friction: float, expected: float, error: float = 0.2, noise: float = 0.8) -> Answer:
+    quality = MetamodelQuality(0.9, 0.95, noise)
+    name = ANGLE.name
+    return Answer(
+        {"friction": friction}, {name: expected}, {name: error}, 0.9, quality={name: quality}
+    )
 
 
-def test_runs_that_may_have_met_the_target_by_luck_need_all_others_on_their_side() -> None:
-    assert contradiction(SCATTERED, expected=22.4) == []
-    assert contradiction(SCATTERED, expected=22.6) == [
-        "angle_of_repose is in doubt: the verification runs alone give 22.30 ± 0.58, where "
-        "22 ± 0.5° is accepted, but by all runs together 22.60 ± 0.2 is expected."
+def fresh(friction: float, angle: float, seed: int, stage: str = "verification") -> Evaluation:
+    return Evaluation(
+        Proposal({"friction": friction}, seed, stage), {ANGLE.name: Response(angle)}, {}
+    )
+
+
+@pytest.mark.parametrize(("off", "contradicts"), [(0.0, 0), (1.1, 0), (1.5, 1), (-1.5, 1)])
+def test_four_fresh_seeds_contradict_beyond_three_standard_errors(
+    off: float, contradicts: int
+) -> None:
+    # The mean of four runs has 0.4, and the expectation, which they are part of, 0.2: the
+    # difference has sqrt(0.4^2 - 0.2^2) = 0.346, three of which are 1.04... and at 1.1 the fresh
+    # seeds would contradict an expectation without any error, 1.2.
+    known = answer(0.5, 22.0, error=0.1)
+    verified = {ANGLE.name: mean_with_interval([22 + off + d for d in (-0.3, -0.1, 0.1, 0.3)])}
+    assert len(contradictions(PROBLEM, verified, known)) == contradicts
+
+
+def test_a_contradiction_says_what_was_found_and_what_was_expected() -> None:
+    verified = {ANGLE.name: mean_with_interval([24.0, 24.2, 24.4])}
+    [found] = contradictions(PROBLEM, verified, answer(0.5, 22.0))
+    assert "3 fresh seeds at the answer give 24.2" in str(found)
+    assert "22°" in str(found)
+
+
+def test_runs_very_near_the_answer_count_and_are_carried_over_to_it() -> None:
+    def describe(parameters):
+        return answer(parameters["friction"], 22.0 + 10 * (parameters["friction"] - 0.5))
+
+    runs = [
+        fresh(0.5, 22.1, 1),
+        fresh(0.51, 22.3, 2),
+        fresh(0.5, 21.0, 3, stage="optimisation"),
+        # Expected 0.6 degrees higher, more than half a tolerance.
+        fresh(0.56, 22.6, 4),
+        # Farther than a tenth of the interval.
+        fresh(0.7, 24.0, 5),
     ]
-    assert len(contradiction(SCATTERED, expected=21.4)) == 1
+    found = runs_near(PROBLEM, describe({"friction": 0.5}), runs, describe)
+    assert found.values[ANGLE.name] == pytest.approx({1: 22.1, 2: 22.2})
+    assert found.count == 2
 
 
-def test_runs_that_settle_it_outweigh_the_metamodel() -> None:
-    assert contradiction(CLOSE, expected=22.6) == []
-
-
-def test_a_target_that_is_missed_anyway_is_not_contradicted() -> None:
-    assert contradiction([value + 1 for value in SCATTERED], expected=23.3) == []
+def test_a_failed_run_is_no_fresh_seed() -> None:
+    failed = Evaluation(Proposal({"friction": 0.5}, 7, "verification"), {}, {"heap": "it blew up"})
+    found = runs_near(PROBLEM, answer(0.5, 22.0), [failed, fresh(0.5, 22.0, 8)], lambda _: None)
+    assert found.count == 1
+    assert len(found.evaluations) == 2

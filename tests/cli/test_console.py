@@ -10,8 +10,9 @@ from rich.console import Console
 
 import grainfit as gf
 from grainfit.cli.app import EXIT_CODES
-from grainfit.cli.console import print_result
+from grainfit.cli.console import print_result, print_status
 from grainfit.result import ParameterInterval, Result
+from grainfit.work_folder.status import WorkdirStatus
 
 
 @pytest.fixture(scope="module")
@@ -80,3 +81,16 @@ def test_in_80_columns_every_parameter_has_its_whole_name_and_word(calibrated: R
     for name, word in zip(names, words, strict=True):
         (line,) = (line.rstrip() for line in lines if line.startswith(f"{name} "))
         assert line.endswith(f" {word}")
+
+
+def test_the_status_has_the_word_beside_every_value(calibrated: Result) -> None:
+    console = Console(file=io.StringIO(), width=80)
+    found = ParameterInterval(0.2, 0.85, "not determined")
+    for intervals, shown in (
+        ({"friction": found}, "friction = 0.7 (not determined, 0.2 to 0.85)"),
+        ({}, "friction = 0.7"),
+    ):
+        result = replace(calibrated, intervals=intervals)
+        print_status(console, WorkdirStatus("sand", "calibrated", {}, {}, 0, (), 5, result))
+        assert isinstance(console.file, io.StringIO)
+        assert shown in console.file.getvalue().splitlines()

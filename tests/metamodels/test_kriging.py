@@ -19,7 +19,7 @@ from grainfit.errors import InputError
 from grainfit.metamodels.hyperparameters import HyperparameterPosterior
 from grainfit.metamodels.kriging import Kriging
 from grainfit.metamodels.noise_ratios import noise_ratios
-from grainfit.metamodels.predictor import Component, Contrasts, Trend, matern
+from grainfit.metamodels.predictor import Contrasts, Trend, matern
 
 
 def design(n: int, d: int, seed: int) -> np.ndarray:
@@ -594,32 +594,10 @@ def test_covariances_have_the_variances_on_their_diagonal_and_say_what_a_run_tea
     component = metamodel._components[0]
     before, at = component.predict(here)[1], there[:1]
     covariance = component.joint(component.project(here), component.project(at))[:, 0]
-    added = component.condition_on_pending(at, np.zeros(1))
+    added = component.condition_on_pending(at, np.zeros(1), np.ones(1))
     noise = component.hyperparameters.noise_variance
     expected = before - covariance**2 / (component.predict(at)[1] + noise)
     np.testing.assert_allclose(added.predict(here)[1], expected, rtol=1e-6, atol=1e-9)
-
-
-def test_a_prediction_without_each_run_is_that_of_the_other_runs() -> None:
-    points = design(12, 2, 24)
-    values = points[:, 0] ** 2 + 0.1 * np.random.default_rng(24).normal(size=12)
-    metamodel = Kriging.fit(points, values)
-    at = np.array([0.3, 0.6])
-    means, variances = metamodel.without_each_run(at)
-    for run in range(12):
-        kept = np.arange(12) != run
-        parts = [
-            Component(c.hyperparameters, c.trend, points[kept], c.values[kept], np.zeros(11))
-            for c in metamodel._components
-        ]
-        others = Kriging(
-            parts,
-            offset=metamodel._offset,
-            scale=metamodel._scale,
-            degrees_of_freedom=metamodel._degrees_of_freedom,
-        ).predict([at])
-        assert means[run] == pytest.approx(others.mean[0], rel=1e-8)
-        assert variances[run] == pytest.approx(others.variance_of_mean[0], rel=1e-6)
 
 
 # Fewer sets of hyperparameters, and other programs ------------------------------------------

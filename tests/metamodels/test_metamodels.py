@@ -22,6 +22,7 @@ class Known(Kriging):
     def __init__(self, mean: float, error: float, noise: float = 1.0) -> None:
         self._known = mean, error**2
         self._scatter = noise
+        self.scatter = None
 
     def predict(self, points) -> Prediction:
         mean, variance = (np.full(len(points), value) for value in self._known)
@@ -71,7 +72,7 @@ def test_deviations_are_in_tolerances_times_weights() -> None:
     assert means[0] == pytest.approx([2.0, -1.0])
     assert variances[0] == pytest.approx([0.25, 0.0625])
     assert known.misfit([[0.5]]) == pytest.approx([4.0 + 0.25 + 1.0 + 0.0625])
-    assert known.scatter == pytest.approx([4.0, 1.0])
+    assert known.scatter_at([[0.5]])[0] == pytest.approx([4.0, 1.0])
     assert known.slopes([[0.5]])[0, :, 0] == pytest.approx([6.0, 0.75])
 
 
@@ -91,42 +92,6 @@ def test_runs_needed_says_one_where_it_is_decided_and_a_million_where_it_is_hope
     at = np.array([0.5])
     assert Metamodels(problem, [Known(10.0, 0.01)]).runs_needed(at, 0.95) == 1
     assert Metamodels(problem, [Known(10.0, 1e4, 1e4)]).runs_needed(at, 0.95) == 1_000_000
-
-
-def test_agreement_without_each_run_is_that_of_metamodels_without_it() -> None:
-    """Closed form: the same hyperparameters, fitted to the other runs."""
-    random = np.random.default_rng(1)
-    points = np.linspace(0.0, 1.0, 9)[:, None]
-    values = [10.0 + 2.0 * (points[:, 0] - 0.5), 20.0 + 3.0 * np.sin(3.0 * points[:, 0])]
-    models = [Kriging.fit(points, v + 0.3 * random.standard_normal(9)) for v in values]
-    known = Metamodels(PROBLEM, models)
-    at = np.array([0.45])
-    found = known.probability_all_met_without_each_run(at)
-    assert found.shape == (18,)
-    means, variances = known.predict(at)
-    for index, model in enumerate(models):
-        without, variance = model.without_each_run(at)
-        for run in range(9):
-            many, spread = means[0].copy(), variances[0].copy()
-            many[index], spread[index] = without[run], variance[run]
-            wanted = np.prod(
-                [
-                    inside(mean - target.value, target.tolerance, np.sqrt(v))
-                    for mean, v, target in zip(many, spread, PROBLEM.targets, strict=True)
-                ]
-            )
-            assert found[9 * index + run] == pytest.approx(wanted, rel=1e-9)
-
-
-def test_an_agreement_that_hangs_on_one_run_is_found_out() -> None:
-    # One run alone has a low response, and it lies at the point in question.
-    x = np.array([0.0, 0.2, 0.4, 0.5, 0.6, 0.8, 1.0])
-    values = np.array([12.0, 12.1, 11.9, 9.0, 12.1, 11.9, 12.0])
-    problem = Problem(PROBLEM.parameters, [Target("first", 10.0, tolerance=1.5)])
-    known = Metamodels(problem, [Kriging.fit(x[:, None], values)])
-    found = known.probability_all_met_without_each_run(np.array([0.5]))
-    assert found.argmin() == 3
-    assert found[3] < 0.5 * known.probability_all_met([[0.5]])[0]
 
 
 def test_metamodels_are_fitted_to_the_runs_that_yielded_a_response() -> None:

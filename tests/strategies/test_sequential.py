@@ -1,6 +1,5 @@
 """The sequential search needs few runs and its answer is reliable."""
 
-import re
 from collections.abc import Mapping
 from dataclasses import replace
 
@@ -11,7 +10,6 @@ from scipy.spatial.distance import pdist
 from grainfit.errors import RunFailedError
 from grainfit.evaluation import Evaluation, Proposal
 from grainfit.materials.time_step import RayleighTimeStep
-from grainfit.metamodels.metamodels import Metamodels
 from grainfit.problem import Parameter, Problem, Target
 from grainfit.strategies.answer import Answer
 from grainfit.strategies.sequential.search import RUNS_PER_PARAMETER
@@ -73,23 +71,19 @@ def test_most_answers_are_close_in_the_expected_responses(noisy) -> None:
         assert truth["bulk_density"] == pytest.approx(1500.0, abs=15.0)
 
 
-def test_it_never_stops_before_it_agrees_with_the_demanded_probability(noisy) -> None:
+def test_it_stops_where_a_few_fresh_seeds_will_decide(noisy) -> None:
     for _, answer in noisy:
         assert not answer.out_of_reach
-        assert answer.probability_all_met >= 0.95
+        assert answer.probability_all_met >= 0.5
+        assert answer.runs_needed <= 3
 
 
-def test_it_never_stops_by_virtue_of_a_single_run(noisy) -> None:
-    for evaluations, answer in noisy:
-        metamodels = Metamodels.fit(heap_problem(), evaluations)
-        point = heap_problem().to_unit(answer.parameters)
-        assert metamodels.probability_all_met_without_each_run(point).min() >= 0.9
-
-
-def test_a_higher_confidence_is_kept() -> None:
-    search = Sequential(confidence=0.99).start(heap_problem(), 1)
-    converse(search, lambda p: heap(p, 0.5))
-    assert search.answer().probability_all_met >= 0.99
+def test_a_higher_confidence_takes_more_runs() -> None:
+    runs = {}
+    for confidence in (0.8, 0.99):
+        search = Sequential(confidence=confidence).start(heap_problem(), 1)
+        runs[confidence] = len(converse(search, lambda p: heap(p, 0.5)))
+    assert runs[0.99] > runs[0.8]
 
 
 def test_without_noise_it_stops_soon_after_the_design() -> None:
@@ -111,30 +105,15 @@ def test_a_tolerance_far_below_the_noise_ends_it_with_the_runs_it_would_take(see
     evaluations = converse(search, heap)
     assert len(evaluations) < DEFAULT_BUDGET
     assert not search.answer().out_of_reach
-    [notice] = search.notices
-    found = re.search(r"about ([\d,]+) more runs", notice)
-    assert found, notice
-    # With n runs at the answer its standard error is 0.8 / sqrt(n), and 1.96 of it must be 0.02:
-    # 6100 runs. The noise is known from few runs only, within a factor of two.
-    assert 6100 / 4 < int(found[1].replace(",", "")) < 6100 * 4
+    # With n runs at the answer its standard error is 0.8 / sqrt(n), and 2.24 of it must be 0.02:
+    # 8000 runs. The noise is known from few runs only, within a factor of two.
+    assert 8000 / 4 < search.answer().runs_needed < 8000 * 4
 
 
 @pytest.mark.parametrize("seed", [1, 2])
 def test_a_budget_that_was_given_is_used_to_its_end(seed: int) -> None:
     search = Sequential().start(FLOOR, seed, 14)
     assert len(converse(search, heap)) == 14
-    assert "less than the 95% asked for" in search.notices[-1]
-
-
-@pytest.mark.parametrize("seed", [8, 36, 37])
-def test_what_it_says_of_an_undecided_answer_is_no_contradiction(seed: int) -> None:
-    # The budget ends some of these with a probability close to 95 %, or above but by virtue of a
-    # single run.
-    search = Sequential().start(heap_problem(), seed, 7)
-    converse(search, lambda p: heap(p, 0.3))
-    for notice in search.notices:
-        found = re.search(r"probability of (\d+)%, less than the (\d+)%", notice)
-        assert not found or int(found[1]) < int(found[2])
 
 
 # Targets out of reach ------------------------------------------------------------------------

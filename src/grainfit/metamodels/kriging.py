@@ -467,31 +467,6 @@ class Kriging:
 
         return covariances
 
-    def without_each_run(self, point: ArrayLike) -> tuple[FloatArray, FloatArray]:
-        """Expected response at a point, and its variance, with each run left out in turn.
-
-        Hyperparameters and their weights stay those of all runs.
-
-        Parameters
-        ----------
-        point : array_like, shape (d,)
-            Point in the unit cube.
-
-        Returns
-        -------
-        means, variances : ndarray, shape (n,)
-
-        Raises
-        ------
-        InputError
-            If the point has another shape or is not finite.
-        """
-        at = _checked("point", point, (self.d,))[None]
-        parts = [c.without_each_run(c.project(at)) for c in self._components]
-        means, variances = (np.array(part) for part in zip(*parts, strict=True))
-        mean, variance = self._combine(means, variances)
-        return self._offset + self._scale * mean, self._scale**2 * variance
-
     def leave_one_out(self) -> LeaveOneOut:
         """Prediction of each run from the others, without fitting again.
 

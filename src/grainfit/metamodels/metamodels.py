@@ -137,11 +137,6 @@ class Metamodels:
         variances = np.column_stack([model.scatter_at(at) for model in self.models])
         return np.asarray(np.maximum(variances / self._units**2, _NO_NOISE**2))
 
-    @property
-    def degrees_of_freedom(self) -> int:
-        """Degrees of freedom of the noise estimate, of the response that fewest runs yielded."""
-        return min(model.n for model in self.models) - (self.problem.dimension + 1)
-
     def deviations(self, points: ArrayLike) -> tuple[Array, Array]:
         """Expected deviations and their variances, shape (m, number of targets) each."""
         means, variances = self.predict(points)
@@ -191,14 +186,12 @@ class Metamodels:
 
         return covariances
 
-    def probability_all_met(self, points: ArrayLike, caution: float = 1.0) -> Array:
+    def probability_all_met(self, points: ArrayLike) -> Array:
         """Probability that every expected response is within its tolerance, shape (m,).
 
-        The metamodels are fitted one by one, so their errors count as independent. Standard
-        errors are multiplied by ``caution``.
+        The metamodels are fitted one by one, so their errors count as independent.
         """
-        means, variances = self.predict(points)
-        return self._probability(means, caution**2 * variances)
+        return self._probability(*self.predict(points))
 
     def probability_without_outliers(self, points: ArrayLike) -> Array:
         """Probability that all targets are met by runs that are no outliers, shape (m,)."""
@@ -207,21 +200,6 @@ class Metamodels:
     def probabilities(self, points: ArrayLike) -> Array:
         """Probability that each expected response is within its tolerance, shape (m, targets)."""
         return self._inside(*self.predict(points))
-
-    def probability_all_met_without_each_run(self, point: Array) -> Array:
-        """Probability that every target is met with each run left out, shape (number of runs,).
-
-        Runs are left out of one response at a time.
-        """
-        means, variances = self.predict(point)
-        found = []
-        for index, model in enumerate(self.models):
-            without, variance = model.without_each_run(point)
-            many, spread = (np.repeat(known, len(without), axis=0) for known in (means, variances))
-            many[:, index] = without + self._shifts[index]
-            spread[:, index] = variance + self._shift_variances[index]
-            found.append(self._probability(many, spread))
-        return np.concatenate(found)
 
     def _probability(self, means: Array, variances: Array) -> Array:
         return np.asarray(self._inside(means, variances).prod(axis=1))

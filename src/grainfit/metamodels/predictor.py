@@ -202,17 +202,6 @@ class Component:
         slopes = self.trend.slopes(self._trend_coefficients, points.shape[1])
         return np.asarray(slopes - away / ranges)
 
-    def without_each_run(self, at: _Projection) -> tuple[FloatArray, FloatArray]:
-        """Mean and variance of the mean at one point with each run left out, shape (n,) each.
-
-        Leaving a run out is the same as replacing it by its own prediction (Dubrule 1983), so its
-        weight in the mean gives the change.
-        """
-        mean, variance = self.predict_at(at)
-        weights = self._root.T @ at.explained[:, 0] + self._least_squares.T @ at.trend[:, 0]
-        left_out, run_variance = self.leave_one_out()
-        return mean - weights * (self.values - left_out), variance + weights**2 * run_variance
-
     def leave_one_out(self) -> tuple[FloatArray, FloatArray]:
         """Mean and variance of each run left out, by the formulas of Dubrule (1983)."""
         precision = (self._root**2).sum(axis=0)

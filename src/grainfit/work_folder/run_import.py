@@ -257,20 +257,19 @@ def _outside(setup: CalibrationSetup, rows: list[TableRow]) -> Iterator[str]:
     """Report rows outside of the intervals, and whether the present file can use them."""
     far = {row.line for row in rows if beyond(setup.problem, row.parameters) > REACH}
     for parameter in setup.problem.parameters:
-        outside = [
-            row.line for row in rows if not parameter.contains(row.parameters[parameter.name])
+        name = parameter.name
+        lines = [
+            str(row.line)
+            for row in rows
+            if beyond(setup.problem, {name: row.parameters[name]}) > REACH
         ]
-        ends = f"{parameter.minimum:g} to {parameter.maximum:g} {parameter.unit}".rstrip()
-        place = f"utside of the interval of {parameter.name} ({ends})"
-        if near := [line for line in outside if line not in far]:
-            yield f"O{place}, but near enough to be learnt from: {_lines(near)}."
-        if not_used := [line for line in outside if line in far]:
-            yield f"Far o{place}, and not used while it is so: {_lines(not_used)}."
-
-
-def _lines(lines: list[int]) -> str:
-    more = ", ..." if len(lines) > _NAMED_LINES else ""
-    return f"line {', '.join(map(str, lines[:_NAMED_LINES]))}{more}"
+        if lines:
+            some = ", ".join(lines[:_NAMED_LINES]) + (", ..." if len(lines) > _NAMED_LINES else "")
+            ends = f"{parameter.minimum:g} to {parameter.maximum:g} {parameter.unit}".rstrip()
+            yield (
+                f"Outside of the interval of {name} ({ends}) by more than {REACH:.0%} of its "
+                f"width, and not used while it is so: line {some}."
+            )
 
 
 def _not_by_earlier_ones(store: RunStore) -> Iterator[str]:

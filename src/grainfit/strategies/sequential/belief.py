@@ -20,12 +20,6 @@ from grainfit.strategies.sequential.options import SequentialOptions
 
 Array = NDArray[np.float64]
 
-#: Demanded probability without any single run: no decision may depend on one run.
-CONFIDENCE_WITHOUT_ANY_RUN = 0.9
-#: With fewer degrees of freedom to estimate the noise from, standard errors count double: a noise
-#: that looks small by chance would end many calibrations too early.
-DEGREES_OF_FREEDOM = 10
-CAUTION = 2.0
 #: Smallest probability at which fresh seeds at an answer are worth their runs.
 LIKELY = 0.5
 #: The closest point counts as no answer when it misses a target by as many standard errors.
@@ -104,22 +98,10 @@ class Belief:
         """Probability that the answer agrees with all measurements."""
         return float(self.metamodels.probability_all_met(self.answer)[0])
 
-    @cached_property
+    @property
     def agrees(self) -> bool:
-        """Whether it agrees with the demanded probability, even without any single run."""
-        confidence = self._options.confidence
-        if self.probability < confidence:
-            return False
-        if self.metamodels.degrees_of_freedom < DEGREES_OF_FREEDOM:
-            cautious = self.metamodels.probability_all_met(self.answer, CAUTION)[0]
-            if cautious < confidence:
-                return False
-        return self.probability_without_any_run >= min(CONFIDENCE_WITHOUT_ANY_RUN, confidence)
-
-    @cached_property
-    def probability_without_any_run(self) -> float:
-        """Smallest such probability when any single run is left out."""
-        return float(self.metamodels.probability_all_met_without_each_run(self.answer).min())
+        """Whether it agrees with the demanded probability."""
+        return self.probability >= self._options.confidence
 
     @cached_property
     def is_proven(self) -> bool:
