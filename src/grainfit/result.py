@@ -280,11 +280,26 @@ class Result:
         caption = "± tolerance of the target, 95 % confidence of the expected response"
         return TextTable(("response", "target", "expected", "deviation", ""), tuple(rows), caption)
 
+    def fresh_seeds(self) -> str:
+        """Return the means of the verification runs in one sentence; "" without any."""
+        means = [
+            f"{name} {_with_interval(found.verified_mean, found.verified_interval, found.unit)}"
+            for name, found in self.responses.items()
+            if found.verified_mean is not None and found.verified_interval is not None
+        ]
+        if not means:
+            return ""
+        count = max(len(found.verified_values) for found in self.responses.values())
+        runs = f"{counted(count, 'run')} with fresh seeds" if count else "Fresh seeds"
+        return f"{runs} at the answer, an independent check: {', '.join(means)} on average."
+
     def summary(self) -> tuple[str | TextTable, ...]:
         """Return the sentences and tables that `print` and a notebook show."""
         parts: list[str | TextTable] = [self.headline, *self.notices]
         if self.parameters:
             parts += [self.parameter_table(), self.response_table()]
+        if check := self.fresh_seeds():
+            parts.append(check)
         if self.probability_all_met is not None:
             chance = probability(self.probability_all_met).replace("\u00a0", " ")
             parts.append(f"Probability that every target is met, by all runs: {chance}.")
@@ -338,6 +353,10 @@ def _response_cells(name: str, response: ResponseResult) -> tuple[str, ...]:
         f"{response.deviation_percent:+.2f} %",
         response.verdict,
     )
+
+
+def _with_interval(value: float, half_width: float, unit: str) -> str:
+    return f"{value:.5g} ± {half_width:.2g} {unit}".rstrip()
 
 
 def _with_unit(value: float, unit: str) -> str:

@@ -69,6 +69,8 @@ def print_result(console: Console, result: Result, folder: Path) -> None:
     if result.parameters:
         console.print(_rich_table(result.parameter_table()))
         console.print(_rich_table(result.response_table()))
+        if check := result.fresh_seeds():
+            console.print(_text(check))
         if result.probability_all_met is not None:
             console.print(
                 f"By all runs together, every expected response is within its tolerance with a "

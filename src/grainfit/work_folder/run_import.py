@@ -254,8 +254,7 @@ def _ignored(columns: list[str]) -> Iterator[str]:
 
 
 def _outside(setup: CalibrationSetup, rows: list[TableRow]) -> Iterator[str]:
-    """Report rows outside of the intervals, and whether the present file can use them."""
-    far = {row.line for row in rows if beyond(setup.problem, row.parameters) > REACH}
+    """Report rows that no calibration of the present file can use."""
     for parameter in setup.problem.parameters:
         name = parameter.name
         lines = [
