@@ -136,7 +136,13 @@ def _undecided(context: ReportContext, result: Result, sure: tuple[str, ...]) ->
     what = " and ".join(doubtful) or "every measurement"
     verb = "are" if len(doubtful) > 1 else "is"
     line = f"Undecided: the runs do not tell whether {what} {verb} met."
-    return Verdict("warn", line, (*map(plain, result.notices), *sure))
+    reasons = [*map(plain, result.notices)]
+    if result.probability_all_met is not None:
+        # The reasons mostly give the probability, with what would raise it.
+        likely = probability(result.probability_all_met).replace("\u00a0", " ")
+        if any(likely in reason for reason in reasons):
+            sure = tuple(_determinations(context))
+    return Verdict("warn", line, (*reasons, *sure))
 
 
 def _likelihood(response: ResponseResult) -> str:
