@@ -15,7 +15,9 @@ from grainfit.formatting import (
     counted,
     ends,
     number,
+    percentage_off,
     plain_ends,
+    plain_interval,
     probability,
     unit_for_people,
     with_unit,
@@ -283,7 +285,8 @@ class Result:
     def fresh_seeds(self) -> str:
         """Return the means of the verification runs in one sentence; "" without any."""
         means = [
-            f"{name} {_with_interval(found.verified_mean, found.verified_interval, found.unit)}"
+            f"{name} {plain_interval(found.verified_mean, found.verified_interval)} "
+            f"{found.unit}".rstrip()
             for name, found in self.responses.items()
             if found.verified_mean is not None and found.verified_interval is not None
         ]
@@ -349,14 +352,10 @@ def _response_cells(name: str, response: ResponseResult) -> tuple[str, ...]:
     return (
         name,
         f"{response.target:.5g} ± {response.tolerance:.3g} {response.unit}".rstrip(),
-        f"{expected:.5g} ± {half_width:.2g}",
-        f"{response.deviation_percent:+.2f} %",
+        plain_interval(expected, half_width),
+        percentage_off(response.deviation_percent),
         response.verdict,
     )
-
-
-def _with_interval(value: float, half_width: float, unit: str) -> str:
-    return f"{value:.5g} ± {half_width:.2g} {unit}".rstrip()
 
 
 def _with_unit(value: float, unit: str) -> str:

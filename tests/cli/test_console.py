@@ -37,7 +37,7 @@ def test_a_response_has_the_verdict_and_the_expectation_of_all_runs(calibrated: 
     for verdict in ("missed", "in doubt"):
         line = printed(calibrated, predicted=22.6, standard_error=0.1, verdict=verdict)
         # The mean of the fresh seeds, still 22, changes neither.
-        assert " 22.6 ± 0.2 " in line
+        assert " 22.60 ± 0.20 " in line
         assert line.rstrip().endswith(f"%  {verdict}")
 
 
@@ -46,9 +46,7 @@ def test_the_mean_of_the_fresh_seeds_stands_beside_the_expectation(calibrated: R
         calibrated.responses["angle"], verified_mean=22.134, verified_interval=0.31, unit="deg"
     )
     shown = replace(calibrated, responses={"angle": found})
-    sentence = (
-        "3 runs with fresh seeds at the answer, an independent check: angle 22.134 ± 0.31 deg"
-    )
+    sentence = "3 runs with fresh seeds at the answer, an independent check: angle 22.13 ± 0.31 deg"
     assert sentence in str(shown)
     console = Console(file=io.StringIO(), width=200)
     print_result(console, shown, Path("sand.grainfit"))

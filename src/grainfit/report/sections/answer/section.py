@@ -7,7 +7,15 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any, Literal
 
-from grainfit.formatting import counted, duration, number, plain, probability, rounded
+from grainfit.formatting import (
+    counted,
+    duration,
+    number,
+    percentage_off,
+    plain,
+    probability,
+    rounded,
+)
 from grainfit.materials.card import Determination
 from grainfit.plots.labels import Label
 from grainfit.problem import Parameter, Target
@@ -246,8 +254,7 @@ def _fresh(response: ResponseResult) -> str:
 
 
 def _percent(value: float) -> str:
-    # Adding zero removes the sign of a minus zero.
-    return f"{round(value, 2) + 0.0:+.2f} %".replace("-", "−")
+    return percentage_off(value).replace("-", "−")
 
 
 def _time_step(result: Result) -> dict[str, str] | None:
