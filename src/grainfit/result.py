@@ -294,7 +294,7 @@ class Result:
             return ""
         count = max(len(found.verified_values) for found in self.responses.values())
         runs = f"{counted(count, 'run')} with fresh seeds" if count else "Fresh seeds"
-        return f"{runs} at the answer, an independent check: {', '.join(means)} on average."
+        return f"{runs} at the answer, an independent check, give {', '.join(means)} on average."
 
     def summary(self) -> tuple[str | TextTable, ...]:
         """Return the sentences and tables that `print` and a notebook show."""
