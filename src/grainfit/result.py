@@ -293,8 +293,8 @@ class Result:
         if not means:
             return ""
         count = max(len(found.verified_values) for found in self.responses.values())
-        runs = f"{counted(count, 'run')} with fresh seeds" if count else "Fresh seeds"
-        return f"{runs} at the answer, an independent check, give {', '.join(means)} on average."
+        seeds = counted(count, "fresh seed") if count else "fresh seeds"
+        return f"Mean of {seeds} at the answer: {', '.join(means)}."
 
     def summary(self) -> tuple[str | TextTable, ...]:
         """Return the sentences and tables that `print` and a notebook show."""

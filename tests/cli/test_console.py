@@ -46,7 +46,7 @@ def test_the_mean_of_the_fresh_seeds_stands_beside_the_expectation(calibrated: R
         calibrated.responses["angle"], verified_mean=22.134, verified_interval=0.31, unit="deg"
     )
     shown = replace(calibrated, responses={"angle": found})
-    sentence = "3 runs with fresh seeds at the answer, an independent check, give angle 22.13 ± 0.31 deg"
+    sentence = "Mean of 3 fresh seeds at the answer: angle 22.13 ± 0.31 deg."
     assert sentence in str(shown)
     console = Console(file=io.StringIO(), width=200)
     print_result(console, shown, Path("sand.grainfit"))
