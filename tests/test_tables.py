@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 import grainfit as gf
-from grainfit.formatting import plain_ends
+from grainfit.formatting import plain_ends, plain_interval
 from grainfit.tables import TextTable, as_html, as_text
 
 PROBLEM = gf.Problem(
@@ -62,7 +62,7 @@ def test_a_result_prints_as_a_short_table(saved: gf.OpenedCalibration) -> None:
     assert stiffness.endswith("not determined")
     angle = next(line for line in lines if line.startswith("angle"))
     assert "30 ± 0.5 deg" in angle
-    assert f"{expected:.5g} ± {half:.2g}" in angle
+    assert plain_interval(expected, half) in angle
     assert angle.endswith("met")
     assert "Probability that every target is met, by all runs: more than 99 %." in lines
     assert lines[-1] == f"DEM runs: {result.runs}."

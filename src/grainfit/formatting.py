@@ -66,14 +66,40 @@ def rounded(value: float | None, uncertainty: float | None) -> str:
     """
     if value is None or not isfinite(value):
         return "–"
+    return _with_power(_to_uncertainty(value, uncertainty))
+
+
+def plain_interval(value: float, half_width: float) -> str:
+    """Return a value and half of its interval as programs write numbers, to be copied.
+
+    Examples
+    --------
+    >>> plain_interval(22.0034, 0.381), plain_interval(1498.2, 14.3), plain_interval(30.0, 0.0)
+    ('22.00 ± 0.38', '1498 ± 14', '30 ± 0')
+    """
+    return f"{_to_uncertainty(value, half_width)} ± {_to_uncertainty(half_width, half_width)}"
+
+
+def _to_uncertainty(value: float, uncertainty: float | None) -> str:
     if uncertainty is None or not 0 < uncertainty < inf:
-        return number(value)
+        return _significant(value, 4)
     magnitude = floor(log10(abs(value))) if value else floor(log10(uncertainty))
     decimals = min(1 - floor(log10(uncertainty)), _MOST_DIGITS - 1 - magnitude)
     if not value or _FIXED[0] <= abs(value) < _FIXED[1]:
         # Adding zero turns minus zero into zero.
-        return _with_power(f"{round(value, decimals) + 0.0:.{max(decimals, 0)}f}")
-    return _with_power(f"{value:.{max(magnitude + decimals, 0)}e}")
+        return f"{round(value, decimals) + 0.0:.{max(decimals, 0)}f}"
+    return f"{value:.{max(magnitude + decimals, 0)}e}"
+
+
+def percentage_off(percent: float) -> str:
+    """Return a deviation in percent with its sign, and no minus before zero.
+
+    Examples
+    --------
+    >>> percentage_off(-0.0004), percentage_off(-2.114)
+    ('+0.00 %', '-2.11 %')
+    """
+    return f"{round(percent, 2) + 0.0:+.2f} %"
 
 
 def _telling_digits(low: float, high: float) -> int:

@@ -15,7 +15,9 @@ from grainfit.formatting import (
     counted,
     ends,
     number,
+    percentage_off,
     plain_ends,
+    plain_interval,
     probability,
     unit_for_people,
     with_unit,
@@ -280,11 +282,27 @@ class Result:
         caption = "± tolerance of the target, 95 % confidence of the expected response"
         return TextTable(("response", "target", "expected", "deviation", ""), tuple(rows), caption)
 
+    def fresh_seeds(self) -> str:
+        """Return the means of the verification runs in one sentence; "" without any."""
+        means = [
+            f"{name} {plain_interval(found.verified_mean, found.verified_interval)} "
+            f"{found.unit}".rstrip()
+            for name, found in self.responses.items()
+            if found.verified_mean is not None and found.verified_interval is not None
+        ]
+        if not means:
+            return ""
+        count = max(len(found.verified_values) for found in self.responses.values())
+        seeds = counted(count, "fresh seed") if count else "fresh seeds"
+        return f"Mean of {seeds} at the answer: {', '.join(means)}."
+
     def summary(self) -> tuple[str | TextTable, ...]:
         """Return the sentences and tables that `print` and a notebook show."""
         parts: list[str | TextTable] = [self.headline, *self.notices]
         if self.parameters:
             parts += [self.parameter_table(), self.response_table()]
+        if check := self.fresh_seeds():
+            parts.append(check)
         if self.probability_all_met is not None:
             chance = probability(self.probability_all_met).replace("\u00a0", " ")
             parts.append(f"Probability that every target is met, by all runs: {chance}.")
@@ -334,8 +352,8 @@ def _response_cells(name: str, response: ResponseResult) -> tuple[str, ...]:
     return (
         name,
         f"{response.target:.5g} ± {response.tolerance:.3g} {response.unit}".rstrip(),
-        f"{expected:.5g} ± {half_width:.2g}",
-        f"{response.deviation_percent:+.2f} %",
+        plain_interval(expected, half_width),
+        percentage_off(response.deviation_percent),
         response.verdict,
     )
 

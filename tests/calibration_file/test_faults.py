@@ -175,6 +175,13 @@ DIAMETER = 'diameter = "10 mm"'
         (TARGET, "targets.bulk_density = { value = 1500, weight = 0 }", ".weight", "0", "above 0"),
         (
             TARGET,
+            'targets.bulk_density = { value = 1500, statistic = "mode" }',
+            ".statistic",
+            "mode",
+            "median",
+        ),
+        (
+            TARGET,
             "targets.angle_of_rest = { value = 20 }",
             "test[0].targets.angle_of_rest",
             "",

@@ -18,6 +18,7 @@ from grainfit.calibration_file.starter import STARTER_FILE
 from grainfit.calibration_file.tests_section import layout_of_test
 from grainfit.campaign.cluster.options import ClusterOptions
 from grainfit.contact_models.registry import MATERIAL_PARAMETERS
+from grainfit.errors import InputError
 from grainfit.materials.sizes import ParticleSizes
 from grainfit.problem import Parameter, Target
 from grainfit.solvers.registry import types_of_test
@@ -163,6 +164,31 @@ def test_own_model_keeps_its_own_units(tmp_path: Path) -> None:
     assert angle == Target("angle_10rpm", 36.0, uncertainty=0.5)
     assert (torque.value, torque.tolerance, torque.weight) == pytest.approx((0.5, 0.05, 2.0))
     assert torque.unit == "N*m"
+
+
+def test_a_target_asks_for_the_median_and_its_default_changes_no_identity(tmp_path: Path) -> None:
+    (tmp_path / "model.py").write_text("def simulate(parameters, seed): ...", encoding="utf-8")
+
+    def target(statistic: str) -> Target:
+        given = f"targets.angle_10rpm = {{ value = 36.0, uncertainty = 0.5{statistic} }}"
+        text = OWN_MODEL.replace("targets.angle_10rpm = { value = 36.0, uncertainty = 0.5 }", given)
+        return load(text, tmp_path).tests[0].targets[0]
+
+    plain, mean, median = map(target, ("", ', statistic = "mean"', ', statistic = "median"'))
+    assert (plain.statistic, median.statistic) == ("mean", "median")
+    # Definitions of targets are part of the identity of a calibration.
+    assert plain.to_json() == mean.to_json()
+    assert plain.to_json().keys() == {
+        "name",
+        "value",
+        "uncertainty",
+        "tolerance",
+        "weight",
+        "unit",
+    }
+    assert median.to_json() == {**plain.to_json(), "statistic": "median"}
+    with pytest.raises(InputError, match=r"statistic.*mean, median"):
+        Target("angle_10rpm", 36.0, statistic="mode")  # type: ignore[arg-type]
 
 
 def test_the_jobs_of_a_cluster(tmp_path: Path) -> None:

@@ -64,18 +64,51 @@ def test_status_and_report_open_it_as_it_is(old: Path) -> None:
     assert (old / "runs.sqlite").read_bytes() == before
 
 
-def test_the_same_calibration_makes_no_run_and_comes_to_an_answer_as_good(old: Path) -> None:
+def test_what_0_1_0_said_of_a_response_is_still_said(old: Path) -> None:
+    text = (old / "result.json").read_text(encoding="utf-8")
+    assert '"within_tolerance": true' in text
+    found = grainfit.Result.from_json(old / "result.json").responses["angle"]
+    assert (found.verdict, found.probability, found.verified_values) == ("met", None, ())
+    # Its prediction was made without the verification runs: their mean counts, as it did then.
+    assert found.expected == (27.25064614225742, 0.13576132063941582)
+    assert found.deviation_percent == 0.9283190453978509
+
+    for mean, verdict in (("27.3", "in doubt"), ("28.1", "missed"), ("null", "in doubt")):
+        changed = text.replace('"within_tolerance": true', '"within_tolerance": false')
+        (old / "result.json").write_text(changed.replace("27.25064614225742", mean))
+        again = grainfit.Result.from_json(old / "result.json").responses["angle"]
+        assert again.verdict == verdict
+
+
+def test_a_damaged_flag_of_0_1_0_is_named(old: Path) -> None:
+    text = (old / "result.json").read_text(encoding="utf-8")
+    for damage in ('"within_tolerance": "yes"', '"within": true'):
+        (old / "result.json").write_text(text.replace('"within_tolerance": true', damage))
+        with pytest.raises(grainfit.GrainfitError, match=r"responses\.angle\.verdict"):
+            grainfit.Result.from_json(old / "result.json")
+
+
+def test_the_same_calibration_makes_no_run_and_chooses_its_answer_with_the_fresh_seeds(
+    old: Path,
+) -> None:
     solver = Command(MODEL, PROGRAM)
     result = grainfit.calibrate(PROBLEM, solver, workdir=old, name="beads")
 
-    # Fewer runs confirm an answer now, and all of them are known.
-    assert result.runs.total == result.runs.reused <= RUNS
-    assert result.status == "calibrated"
-    assert result.runs.warm_start_runs == 0
+    # Today fewer fresh seeds are enough: what it asks for is the beginning of what was made.
+    assert (result.runs.total, result.runs.reused) == (len(result.history), len(result.history))
+    assert (result.runs.verification, result.runs.warm_start_runs) == (3, 0)
     before = json.loads((OLD / "result.json").read_text(encoding="utf-8"))
     assert result.identity == before["identity"]
-    recorded = [run["seed"] for run in before["history"]]
-    assert [run.seed for run in result.history] == recorded[: result.runs.total]
+    made = [(run["seed"], run["parameters"]) for run in before["history"]]
+    asked = [(run.seed, dict(run.parameters)) for run in result.history]
+    assert asked == made[: len(asked)]
+    assert result.status == "calibrated"
+    # The five old fresh seeds gave 27.25 at 0.5836 for a target of 27: the answer moves down.
+    assert 0.57 < result.parameters["friction"] < before["parameters"]["friction"]
+
+    again = grainfit.calibrate(PROBLEM, solver, workdir=old, name="beads")
+    assert (again.status, again.parameters) == (result.status, result.parameters)
+    assert again.responses == result.responses
 
 
 def test_the_store_knows_the_models_of_its_runs_afterwards(old: Path) -> None:

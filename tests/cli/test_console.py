@@ -37,8 +37,23 @@ def test_a_response_has_the_verdict_and_the_expectation_of_all_runs(calibrated: 
     for verdict in ("missed", "in doubt"):
         line = printed(calibrated, predicted=22.6, standard_error=0.1, verdict=verdict)
         # The mean of the fresh seeds, still 22, changes neither.
-        assert " 22.6 ± 0.2 " in line
+        assert " 22.60 ± 0.20 " in line
         assert line.rstrip().endswith(f"%  {verdict}")
+
+
+def test_the_mean_of_the_fresh_seeds_stands_beside_the_expectation(calibrated: Result) -> None:
+    found = replace(
+        calibrated.responses["angle"], verified_mean=22.134, verified_interval=0.31, unit="deg"
+    )
+    shown = replace(calibrated, responses={"angle": found})
+    sentence = "Mean of 3 fresh seeds at the answer: angle 22.13 ± 0.31 deg."
+    assert sentence in str(shown)
+    console = Console(file=io.StringIO(), width=200)
+    print_result(console, shown, Path("sand.grainfit"))
+    assert isinstance(console.file, io.StringIO)
+    assert sentence in console.file.getvalue()
+    without = replace(found, verified_mean=None, verified_interval=None)
+    assert "fresh" not in str(replace(calibrated, responses={"angle": without}))
 
 
 def test_an_undecided_calibration_says_so_why_and_how_likely() -> None:

@@ -33,7 +33,7 @@ from grainfit.report.sections.particles.shown_runs import read_view, shown_runs
 from grainfit.report.sections.reproduce.section import reproduce
 from grainfit.report.sections.runs.section import runs
 from grainfit.report.sections.verification.section import verification
-from grainfit.result import OutOfReach, ParameterInterval, Result, RunCounts
+from grainfit.result import MetamodelQuality, OutOfReach, ParameterInterval, Result, RunCounts
 from grainfit.run_definition import RunDefinition
 from grainfit.work_folder.saved_calibration import SavedCalibration
 
@@ -54,7 +54,7 @@ FRESH_ANGLES = (21.6, 21.9, 22.4, 21.8)
 ANGLE = replace(
     MET.responses["angle_of_repose"],
     predicted=21.9,
-    standard_error=0.1,
+    standard_error=0.11,
     # Mean 21.925, standard error 0.170, Student's t of three degrees of freedom 3.18.
     verified_mean=21.925,
     verified_standard_error=0.1702,
@@ -214,8 +214,8 @@ def test_the_answer_has_verdict_values_intervals_and_cost() -> None:
         "coefficient only narrowed, 0.48 to 0.571.",
         "particle-particle rolling friction coefficient 0.520 ! narrowed 0.480 … 0.571",
         "ρ p kg/m³ particle density of the solid 2309 ✓ determined 2280 … 2341",
-        "✓ met 1500 ± 15 1501.8 ± 1.5 +0.12 %",
-        "✓ met 22 ± 0.5 21.90 ± 0.20 −0.45 %",
+        "✓ met 1500 ± 15 1501.8 ± 1.5 +0.12 % 1503.0 ± 1.9",
+        "✓ met 22 ± 0.5 21.90 ± 0.22 −0.45 % 21.93 ± 0.54",
         "2.153 ms , 1.05 times that of the middle of the intervals (2.054 ms)",
         "40 = 5 design + 11 optimisation + 24 verification ; 1 failed, 2 reused, warm start from 3",
         "2 min 00 s since it was started last",
@@ -276,30 +276,54 @@ def test_a_missed_target_and_a_bound_in_the_way_are_named() -> None:
     )
 
 
-def test_an_undecided_answer_says_what_is_in_doubt_and_how_likely_it_is_met() -> None:
-    shown = text(answer(not_met("undecided", predicted=21.6, probability=0.71, verdict="in doubt")))
+def test_an_undecided_answer_says_what_is_in_doubt_how_likely_it_is_met_and_why() -> None:
+    undecided = not_met("undecided", predicted=21.6, probability=0.71, verdict="in doubt")
+    shown = text(answer(undecided))
     top = shown.partition("Parameters")[0]
-    assert top.startswith("! Undecided: the runs do not tell whether every measurement is met: ")
-    assert "angle of repose is within ±2.27 % with a probability of 71 %." in top
+    assert top.startswith(
+        "! Undecided: the runs do not tell whether angle of repose (71 %) is met."
+    )
     assert "bulk density" not in top
-    assert "! in doubt 22 ± 0.5 21.60 ± 0.20" in shown
+    # The reasons say what to do.
+    assert "<i>look</i>" in top
+    assert shown.count("<i>look</i>") == 1
+    assert "! in doubt 22 ± 0.5 21.60 ± 0.22" in shown
     assert "✓ met 1500 ± 15" in shown
+    both = replace(
+        undecided.reading.result,
+        responses={
+            name: replace(found, probability=0.9, verdict="in doubt")
+            for name, found in RESULT.responses.items()
+        },
+    )
+    assert verdict(context("undecided", both)).line == (
+        "Undecided: the runs do not tell whether bulk density (90\u00a0%) and angle of repose "
+        "(90\u00a0%) are met."
+    )
 
 
 def test_the_expected_response_is_that_of_all_runs_with_fresh_seeds_and_without() -> None:
     shown = text(answer(context()))
-    unverified = replace(
-        ANGLE,
-        verified_mean=None,
-        verified_standard_error=None,
-        verified_interval=None,
-        verified_values=(),
-        verified_seeds=(),
-    )
-    responses = {**RESULT.responses, "angle_of_repose": unverified}
-    without = text(answer(context(result=replace(RESULT, responses=responses))))
-    assert "22 ± 0.5 21.90 ± 0.20 −0.45 %" in shown
-    assert "22 ± 0.5 21.90 ± 0.20 −0.45 %" in without
+    without = text(answer(context(result=without_fresh_seeds())))
+    assert "22 ± 0.5 21.90 ± 0.22 −0.45 % 21.93 ± 0.54" in shown
+    assert "22 ± 0.5 21.90 ± 0.22 −0.45 %" in without
+    assert "Fresh seeds" not in without
+
+
+def without_fresh_seeds(kept: int = 0) -> Result:
+    """The result when only so few of the fresh seeds were run."""
+    few = {
+        name: replace(
+            found,
+            verified_mean=None,
+            verified_standard_error=None,
+            verified_interval=None,
+            verified_values=found.verified_values[:kept],
+            verified_seeds=found.verified_seeds[:kept],
+        )
+        for name, found in RESULT.responses.items()
+    }
+    return replace(RESULT, responses=few)
 
 
 def test_an_interval_over_orders_of_magnitude_has_two_ends() -> None:
@@ -483,38 +507,63 @@ def test_verification_puts_the_mean_of_fresh_seeds_beside_what_all_runs_expect()
     assert "simulated 4 times" in shown
     assert "angle of repose ✓ agrees" in shown
     assert (
-        "their mean is 21.93 ± 0.54°; all runs together lead to expect 21.90 ± 0.20°, and "
+        "their mean is 21.93 ± 0.54°; all runs together lead to expect 21.90 ± 0.22°, and "
         "22 ± 0.5° was measured"
     ) in shown
     bulk_density, angle = (section.figures[f"verification-{i}"].data for i in (0, 1))
     assert bulk_density[0]["x"] == [1502.4, 1502.8, 1503.8, 1503.0]
-    points, mean = angle
+    points, mean, expected = angle
     assert points["x"] == list(FRESH_ANGLES)
     assert points["customdata"] == [10, 11, 12, 13]
     assert mean["x"] == [21.925]
     assert mean["error_x"]["array"][0] == pytest.approx(0.5417, abs=1e-3)
+    assert expected["x"] == [21.9]
+    assert expected["error_x"]["array"][0] == pytest.approx(1.96 * 0.11)
 
 
-def test_fresh_seeds_that_differ_from_all_runs_are_marked() -> None:
-    shown = text(verification(not_met("undecided", predicted=23.0, verdict="in doubt")))
-    assert "angle of repose ! differs" in shown
-    assert "bulk density ✓ agrees" in shown
-
-
-def test_an_answer_without_fresh_seeds_says_what_it_lacks() -> None:
-    few = {
-        name: replace(
-            found,
-            verified_mean=None,
-            verified_standard_error=None,
-            verified_interval=None,
-            verified_values=found.verified_values[:1],
-            verified_seeds=found.verified_seeds[:1],
+def test_fresh_seeds_that_contradict_all_runs_are_marked_as_the_verdict_has_it() -> None:
+    def shown(expected: float) -> str:
+        quality = MetamodelQuality(0.9, 0.95, noise=0.34)
+        angle = replace(ANGLE, predicted=expected, verdict="in doubt")
+        result = replace(
+            RESULT,
+            responses={**RESULT.responses, "angle_of_repose": angle},
+            metamodels={
+                "bulk_density": MetamodelQuality(0.9, 0.95, 2.0),
+                "angle_of_repose": quality,
+            },
         )
+        return text(verification(context("undecided", result)))
+
+    # The mean of 21.925 has a standard error of 0.17 by the scatter of all runs.
+    assert "angle of repose ✓ agrees" in shown(22.1)
+    assert "angle of repose ! differs" in shown(22.7)
+    assert "bulk density ✓ agrees" in shown(22.7)
+
+
+@pytest.mark.parametrize(
+    ("state", "runs", "words"),
+    [
+        ("interrupted", 1, "at least 2 finished runs at it with fresh seeds, and 1 is there"),
+        ("undecided", 1, "Only 1 run with fresh seeds at the answer gave a response"),
+        ("unreachable", 0, "they are made only where they could confirm it"),
+    ],
+)
+def test_an_answer_without_fresh_seeds_says_why(state: str, runs: int, words: str) -> None:
+    # Those that were made verified an earlier answer.
+    shown = text(verification(context(state, without_fresh_seeds(runs))))
+    assert words in shown
+
+
+def test_the_fresh_seeds_of_a_result_of_version_0_1_0_are_those_of_its_runs() -> None:
+    old = {
+        name: replace(found, probability=None, verified_values=(), verified_seeds=())
         for name, found in RESULT.responses.items()
     }
-    shown = text(verification(context("interrupted", replace(RESULT, responses=few))))
-    assert "at least 2 finished runs at it with fresh seeds, and 1 is there" in shown
+    section = verification(context(result=replace(RESULT, responses=old)))
+    assert "simulated 4 times" in text(section)
+    points, *_ = section.figures["verification-1"].data
+    assert points["x"] == list(FRESH_ANGLES)
 
 
 def test_verification_runs_at_other_answers_do_not_count() -> None:

@@ -33,7 +33,6 @@ _VERDICT_COLOURS = {
     "met": "green",
     "in doubt": "yellow",
     "missed": "red",
-    "not verified": "yellow",
     "determined": "green",
     "narrowed": "yellow",
     "not determined": "red",
@@ -68,8 +67,13 @@ def print_result(console: Console, result: Result, folder: Path) -> None:
         for warning in quality.warnings:
             console.print(_text(f"  metamodel of {name}: {warning}", "yellow"))
     if result.parameters:
-        console.print(_rich_table(result.parameter_table()))
-        console.print(_rich_table(result.response_table()))
+        for shown in (result.parameter_table(), result.response_table()):
+            console.print(_rich_table(shown))
+            if shown.caption:
+                # As the caption of a table it would be centred and cut to its width.
+                console.print(_text(shown.caption, "dim"))
+        if check := result.fresh_seeds():
+            console.print(_text(check))
         if result.probability_all_met is not None:
             console.print(
                 f"By all runs together, every expected response is within its tolerance with a "
@@ -95,7 +99,6 @@ def _rich_table(shown: TextTable) -> Table:
         column.justify = "right"
     for *cells, last in shown.rows:
         table.add_row(*map(_text, cells), _text(last, _VERDICT_COLOURS.get(last, "")))
-    table.caption = shown.caption or None
     return table
 
 

@@ -7,7 +7,15 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any, Literal
 
-from grainfit.formatting import counted, duration, number, plain, probability, rounded
+from grainfit.formatting import (
+    counted,
+    duration,
+    number,
+    percentage_off,
+    plain,
+    probability,
+    rounded,
+)
 from grainfit.materials.card import Determination
 from grainfit.plots.labels import Label
 from grainfit.problem import Parameter, Target
@@ -53,6 +61,7 @@ class ResponseRow:
     tolerance: str
     expected: str
     half_width: str
+    fresh: str
     deviation: str
     verdict: str
 
@@ -60,12 +69,14 @@ class ResponseRow:
 def answer(context: ReportContext) -> Section:
     """Verdict, parameters with their intervals, responses against measurements, cost."""
     result = context.reading.result
+    responses = [_response_row(context, target) for target in context.targets]
     html = render(
         "answer/page",
         verdict=verdict(context),
         provisional=not context.answer and context.posterior is not None,
         parameters=[_parameter_row(context, parameter) for parameter in context.parameters],
-        responses=[_response_row(context, target) for target in context.targets],
+        responses=responses,
+        has_fresh=any(row.fresh for row in responses),
         fixed=[
             (context.parameter_label(name), number(value, 6))
             for name, value in context.reading.fixed.items()
@@ -113,15 +124,37 @@ def _final_verdict(context: ReportContext) -> Verdict:
     misses = tuple(map(str, result.out_of_reach))
     if context.reading.state == "unreachable" and misses:
         return Verdict("bad", "Out of reach within the given intervals.", misses)
+    if context.reading.state == "undecided":
+        return _undecided(context, result, sure)
     missed = "; ".join(
         _miss(context.response_label(name).words, response)
         for name, response in result.responses.items()
         if response.verdict != "met"
     )
-    if context.reading.state == "undecided":
-        line = "Undecided: the runs do not tell whether every measurement is met"
-        return Verdict("warn", f"{line}{': ' + missed if missed else ''}.", sure)
     return Verdict("bad", f"Not calibrated: {missed}.", sure)
+
+
+def _undecided(context: ReportContext, result: Result, sure: tuple[str, ...]) -> Verdict:
+    """Return what is in doubt, and the reasons: they say what to do."""
+    doubtful = [
+        context.response_label(name).words + _likelihood(response)
+        for name, response in result.responses.items()
+        if response.verdict != "met"
+    ]
+    what = " and ".join(doubtful) or "every measurement"
+    verb = "are" if len(doubtful) > 1 else "is"
+    line = f"Undecided: the runs do not tell whether {what} {verb} met."
+    reasons = [*map(plain, result.notices)]
+    if result.probability_all_met is not None:
+        # The reasons mostly give the probability, with what would raise it.
+        likely = probability(result.probability_all_met).replace("\u00a0", " ")
+        if any(likely in reason for reason in reasons):
+            sure = tuple(_determinations(context))
+    return Verdict("warn", line, (*reasons, *sure))
+
+
+def _likelihood(response: ResponseResult) -> str:
+    return "" if response.probability is None else f" ({probability(response.probability)})"
 
 
 def _miss(words: str, response: ResponseResult) -> str:
@@ -197,6 +230,7 @@ def _response_row(context: ReportContext, target: Target) -> ResponseRow:
             **measured,
             expected="–",
             half_width="",
+            fresh="",
             deviation="–",
             verdict="",
         )
@@ -205,15 +239,22 @@ def _response_row(context: ReportContext, target: Target) -> ResponseRow:
         label,
         **measured,
         expected=rounded(expected, half_width),
-        half_width=number(half_width, 2),
+        half_width=rounded(half_width, half_width),
+        fresh=_fresh(response),
         deviation=_percent(response.deviation_percent),
         verdict=response.verdict,
     )
 
 
+def _fresh(response: ResponseResult) -> str:
+    mean, half_width = response.verified_mean, response.verified_interval
+    if mean is None or half_width is None:
+        return ""
+    return f"{rounded(mean, half_width)} ± {rounded(half_width, half_width)}"
+
+
 def _percent(value: float) -> str:
-    # Adding zero removes the sign of a minus zero.
-    return f"{round(value, 2) + 0.0:+.2f} %".replace("-", "−")
+    return percentage_off(value).replace("-", "−")
 
 
 def _time_step(result: Result) -> dict[str, str] | None:

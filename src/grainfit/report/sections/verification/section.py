@@ -1,23 +1,27 @@
-"""Verification: responses of the answer with fresh seeds that nothing was fitted to."""
+"""Verification: responses of the answer with fresh seeds, as a check of what all runs expect."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from html import escape
 from typing import Any
 
+from grainfit.calibration.verification import Verified, contradictions
 from grainfit.formatting import number, rounded, with_unit
 from grainfit.plots.figure import Figure
 from grainfit.plots.labels import Label
-from grainfit.plots.style import BLUE, STAGES, tolerance_band, value_range
+from grainfit.plots.style import BLUE, GREEN, STAGES, tolerance_band, value_range
 from grainfit.problem import Target
 from grainfit.report.rendering import render
 from grainfit.report.section import ReportContext, Section
-from grainfit.result import ResponseResult
+from grainfit.result import ResponseResult, Result
+from grainfit.strategies.answer import Answer
 
 #: Colour of the runs, as in the other figures.
 _SYMBOL, _COLOUR = STAGES["verification"]
+#: Rows of the figure.
+_RUNS, _MEAN, _ALL = "fresh seeds", "their mean", "all runs"
 
 
 @dataclass(frozen=True)
@@ -30,31 +34,91 @@ class VerifiedRow:
     words: str
 
 
+@dataclass(frozen=True)
+class _Check:
+    """A response at the answer by fresh seeds, and by all runs."""
+
+    target: Target
+    response: ResponseResult
+    values: Mapping[int, float]
+
+    @property
+    def mean(self) -> tuple[float, float]:
+        """Mean of the fresh seeds, and half of its 95 % interval."""
+        found = self.response
+        assert found.verified_mean is not None, "two values have a mean"
+        assert found.verified_interval is not None, "and an interval"
+        return found.verified_mean, found.verified_interval
+
+    @property
+    def verified(self) -> Verified:
+        """The mean with its standard error."""
+        mean, half_width = self.mean
+        error = self.response.verified_standard_error
+        return Verified(mean, error or 0.0, half_width, len(self.values))
+
+
 def verification(context: ReportContext) -> Section:
     """Fresh seeds at the answer against all runs and the measurements."""
     result = context.reading.result
-    responses = {} if result is None or not context.answer else result.responses
-    checked = [t for t in context.targets if len(_values(responses.get(t.name))) > 1]
-    rows = [_row(context, target, responses[target.name]) for target in checked]
-    figures = {
-        f"verification-{index}": _figure(
-            context.response_label(target.name), target, responses[target.name]
-        )
-        for index, target in enumerate(checked)
-    }
-    count = max((len(_values(found)) for found in responses.values()), default=0)
+    found = _checks(context, result) if result is not None and context.answer else []
+    checks = [check for check in found if check.response.verified_interval is not None]
+    differing = _differing(context, result, checks) if result is not None else set()
+    count = max((len(check.values) for check in found), default=0)
     html = render(
         "verification/page",
-        rows=rows,
+        rows=[_row(context, check, check.target.name in differing) for check in checks],
         count=count,
         has_answer=bool(context.answer),
+        has_ended=context.reading.state not in ("running", "interrupted"),
         others=_all_verifications(context) - count,
     )
+    figures = {
+        f"verification-{index}": _figure(context.response_label(check.target.name), check)
+        for index, check in enumerate(checks)
+    }
     return Section("verification", "Verification", html, figures)
 
 
-def _values(response: ResponseResult | None) -> Sequence[float]:
-    return () if response is None else response.verified_values
+def _checks(context: ReportContext, result: Result) -> list[_Check]:
+    return [
+        _Check(target, found, _fresh(context, target.name, found))
+        for target in context.targets
+        if (found := result.responses.get(target.name)) is not None
+    ]
+
+
+def _fresh(context: ReportContext, name: str, response: ResponseResult) -> Mapping[int, float]:
+    """Return the responses of fresh seeds by seed."""
+    if response.probability is not None:
+        return dict(zip(response.verified_seeds, response.verified_values, strict=True))
+    # Results of version 0.1.0 do not have them.
+    return {
+        evaluation.proposal.seed: evaluation.responses[name].value
+        for evaluation in context.reading.evaluations
+        if evaluation.proposal.stage == "verification"
+        and evaluation.proposal.parameters == context.answer
+        and name in evaluation.responses
+    }
+
+
+def _differing(context: ReportContext, result: Result, checks: list[_Check]) -> set[str]:
+    """Return the responses whose fresh seeds contradict all runs: as the verdict has it."""
+    answer = Answer(
+        result.parameters,
+        {name: found.predicted for name, found in result.responses.items()},
+        {name: found.standard_error for name, found in result.responses.items()},
+        result.probability_all_met or 0.0,
+        quality=result.metamodels,
+    )
+    verified = {
+        check.target.name: check.verified
+        for check in checks
+        # Version 0.1.0 predicted without the fresh seeds.
+        if check.response.probability is not None
+    }
+    found = contradictions(context.reading.problem, verified, answer)
+    return {contradiction.target.name for contradiction in found}
 
 
 def _all_verifications(context: ReportContext) -> int:
@@ -62,64 +126,68 @@ def _all_verifications(context: ReportContext) -> int:
     return stages.count("verification")
 
 
-def _row(context: ReportContext, target: Target, response: ResponseResult) -> VerifiedRow:
-    label = context.response_label(target.name)
-    mean, half_width = _mean(response)
-    expected, expected_half = response.expected
-    fresh = f"{rounded(mean, half_width)} ± {number(half_width, 2)}"
-    by_all = f"{rounded(expected, expected_half)} ± {number(expected_half, 2)}"
+def _row(context: ReportContext, check: _Check, differs: bool) -> VerifiedRow:
+    label, target = context.response_label(check.target.name), check.target
     wanted = f"{number(target.value, 6)} ± {number(target.tolerance, 3)}"
     words = (
-        f"their mean is {with_unit(fresh, label.unit)}; all runs together lead to expect "
-        f"{with_unit(by_all, label.unit)}, and {with_unit(wanted, label.unit)} was measured"
+        f"their mean is {with_unit(_with_interval(*check.mean), label.unit)}; all runs together "
+        f"lead to expect {with_unit(_with_interval(*check.response.expected), label.unit)}, and "
+        f"{with_unit(wanted, label.unit)} was measured"
     )
-    if abs(mean - expected) <= half_width + expected_half:
-        return VerifiedRow(label, "good", "✓ agrees", words)
-    return VerifiedRow(label, "warn", "! differs", words)
+    if differs:
+        return VerifiedRow(label, "warn", "! differs", words)
+    return VerifiedRow(label, "good", "✓ agrees", words)
 
 
-def _mean(response: ResponseResult) -> tuple[float, float]:
-    assert response.verified_mean is not None, "two values have a mean"
-    assert response.verified_interval is not None, "and an interval"
-    return response.verified_mean, response.verified_interval
+def _with_interval(value: float, half_width: float) -> str:
+    return f"{rounded(value, half_width)} ± {rounded(half_width, half_width)}"
 
 
-def _figure(label: Label, target: Target, response: ResponseResult) -> Figure:
-    values = list(response.verified_values)
-    middle, half_width = _mean(response)
+def _figure(label: Label, check: _Check) -> Figure:
+    values, target = list(check.values.values()), check.target
     unit = escape(label.unit)
     points: dict[str, Any] = {
         "type": "scatter",
         "mode": "markers",
         "name": "fresh seeds",
         "x": values,
-        "y": ["runs"] * len(values),
-        "customdata": list(response.verified_seeds),
+        "y": [_RUNS] * len(values),
+        "customdata": list(check.values),
         "marker": {"symbol": _SYMBOL, "color": _COLOUR, "size": 9, "opacity": 0.75},
         "hovertemplate": f"%{{x:.5g}} {unit}, seed %{{customdata}}<extra></extra>",
     }
-    mean: dict[str, Any] = {
-        "type": "scatter",
-        "mode": "markers",
-        "name": "mean with 95 % interval",
-        "x": [middle],
-        "y": ["mean"],
-        "error_x": {"type": "data", "array": [half_width], "color": BLUE, "width": 8},
-        "marker": {"symbol": "circle", "color": BLUE, "size": 11},
-        "hovertemplate": f"%{{x:.5g}} ± {half_width:.2g} {unit}<extra>mean</extra>",
-    }
-    edges = [middle - half_width, middle + half_width]
+    rows = ((_MEAN, check.mean, BLUE), (_ALL, check.response.expected, GREEN))
+    ends = [middle + sign * half for _, (middle, half), _ in rows for sign in (-1, 1)]
     layout = {
-        "xaxis": {
-            "title": {"text": label.axis},
-            "range": value_range(target, [*values, *edges]),
+        "xaxis": {"title": {"text": label.axis}, "range": value_range(target, [*values, *ends])},
+        "yaxis": {
+            "type": "category",
+            "categoryarray": [_ALL, _MEAN, _RUNS],
+            "range": [-0.6, 2.6],
+            "automargin": True,
         },
-        "yaxis": {"type": "category", "categoryarray": ["mean", "runs"], "range": [-0.6, 1.6]},
         "shapes": tolerance_band(target, "x"),
         "showlegend": False,
     }
     words = (
-        f"{label.words} of {len(values)} verification runs and their mean with its 95 % interval, "
-        "with the measured value and its tolerance as a band."
+        f"{label.words} of {len(values)} verification runs, their mean with its 95 % interval and "
+        "the expected value by all runs with its own, with the measured value and its tolerance as "
+        "a band."
     )
-    return Figure((points, mean), layout, words, height=190)
+    return Figure((points, *(_interval(*row, unit) for row in rows)), layout, words, height=220)
+
+
+def _interval(
+    name: str, interval: tuple[float, float], colour: str, unit: str
+) -> Mapping[str, Any]:
+    middle, half_width = interval
+    return {
+        "type": "scatter",
+        "mode": "markers",
+        "name": f"{name}, with 95 % interval",
+        "x": [middle],
+        "y": [name],
+        "error_x": {"type": "data", "array": [half_width], "color": colour, "width": 8},
+        "marker": {"symbol": "circle", "color": colour, "size": 11},
+        "hovertemplate": f"%{{x:.5g}} ± {half_width:.2g} {unit}<extra>{name}</extra>",
+    }
