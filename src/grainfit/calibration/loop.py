@@ -36,7 +36,7 @@ from grainfit.strategies.seeds import insertion_seed
 _HOPELESS = 3
 _HOPELESS_WHATEVER = 8
 #: Fresh seeds after which a verdict is given in any case.
-_MOST_VERIFICATION = 40
+_MOST_VERIFICATION = 24
 
 
 @dataclass(frozen=True)

@@ -45,7 +45,7 @@ Array = NDArray[np.float64]
 #: Runs of the design per coefficient of a linear trend: 50 % more than a fit of the trend needs.
 DESIGN_RUNS = 1.5
 #: Most runs after the design per free parameter, if the user gives no budget.
-RUNS_PER_PARAMETER = 20
+RUNS_PER_PARAMETER = 16
 #: Runs after the design before a target can be called out of reach.
 _RUNS_TO_CONFIRM = 2
 _TRIES_OF_A_MACHINE = 3
@@ -66,7 +66,7 @@ class SequentialSearch(Search):
     seed : int
         Decides the design and all insertion seeds.
     max_evaluations : int, optional
-        Largest number of proposals; by default the design and 20 per free parameter.
+        Largest number of proposals; by default the design and 16 per free parameter.
 
     Raises
     ------
@@ -251,6 +251,7 @@ class SequentialSearch(Search):
         has_budget = self.max_evaluations is not None
         return StoppingRule(
             confidence=self.confidence_to_stop,
+            demanded=self.confidence,
             is_confirmed=len(self._told) >= self._design_size + _RUNS_TO_CONFIRM,
             runs_left=None if has_budget else self._allowed - len(self._told),
         )

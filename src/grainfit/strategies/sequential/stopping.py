@@ -27,7 +27,10 @@ class StoppingRule:
     Parameters
     ----------
     confidence : float
-        Demanded probability that all expected responses are within their tolerances.
+        Probability that all expected responses are within their tolerances at which a search
+        stops.
+    demanded : float
+        The same that the user demands; what does not even reach that is hopeless.
     is_confirmed : bool
         Whether enough runs have followed the design to call a target out of reach.
     runs_left : int, optional
@@ -36,6 +39,7 @@ class StoppingRule:
     """
 
     confidence: float
+    demanded: float
     is_confirmed: bool
     runs_left: int | None
 
@@ -70,5 +74,5 @@ class StoppingRule:
         """Whether all further runs would neither decide the search nor add much information."""
         if self.runs_left is None:
             return False
-        needed = belief.runs_needed(self.confidence)
+        needed = belief.runs_needed(self.demanded)
         return needed > self.runs_left and belief.narrowing(self.runs_left) < _NARROWING_WORTH_RUNS
