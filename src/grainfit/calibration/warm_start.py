@@ -8,15 +8,14 @@ from grainfit.evaluation import Evaluation
 from grainfit.metamodels.known_runs import beyond
 from grainfit.problem import Problem
 from grainfit.strategies.base import Search
-from grainfit.strategies.sequential.search import SequentialSearch
 
 
 def warm_start(search: Search, problem: Problem, known: Sequence[Evaluation]) -> None:
     """Tell a search the runs of other calibrations, also those beyond the intervals.
 
     Only runs within the intervals replace runs of the design: those beyond do not show the
-    response between the bounds. They are told to the sequential search alone, whose answer is
-    never outside the intervals; any other might choose one of them as its answer.
+    response between the bounds. They are told only to a search whose answer is never outside
+    the intervals.
 
     Parameters
     ----------
@@ -29,7 +28,7 @@ def warm_start(search: Search, problem: Problem, known: Sequence[Evaluation]) ->
     """
     distances = [beyond(problem, e.proposal.parameters) for e in known]
     search.warm_start([e for e, far in zip(known, distances, strict=True) if far == 0.0])
-    if isinstance(search, SequentialSearch):
+    if search.learns_beyond_intervals:
         for evaluation, far in zip(known, distances, strict=True):
             if far > 0.0:
                 search.note(evaluation)

@@ -80,6 +80,8 @@ def find_growing_scatter(points: FloatArray, residuals: FloatArray) -> GrowingSc
 
 
 def _changes(points: FloatArray, residuals: FloatArray) -> bool:
+    if np.ptp(np.abs(residuals)) == 0:
+        return False
     axes = [axis for axis in points.T if np.ptp(axis) > 0]
     chances = [stats.spearmanr(np.abs(residuals), axis).pvalue for axis in axes]
     return bool(chances) and min(chances) < _SUSPICIOUS

@@ -10,7 +10,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy import stats
+from scipy.spatial.distance import cdist
 
 from grainfit.metamodels.growing_scatter import find_growing_scatter
 from grainfit.metamodels.kriging import NORMAL_QUANTILE, Kriging
@@ -24,6 +26,8 @@ _LARGEST_SHARE = 0.25
 _SUSPICIOUS = 2.0
 #: Fewest runs per coefficient of a linear trend with which a run can be told from the others.
 _RUNS_PER_COEFFICIENT = 2
+#: Distance per root of the dimension within which runs tell about the same place.
+_NEAR = 0.02
 
 
 @dataclass(frozen=True)
@@ -99,6 +103,8 @@ def fit_without_outliers(
         left_out = np.setdiff1d(np.arange(len(values)), kept)
         model = _fit(points[kept], values[kept], standard_errors[kept])
         if _all_outlying(model, points[left_out], values[left_out], len(values)):
+            if not _are_alone(points, left_out):
+                return everything, NO_OUTLIERS
             best = (model, kept)
     model, kept = best
     left_out = np.setdiff1d(np.arange(len(values)), kept)
@@ -125,6 +131,20 @@ def _largest_residual(model: Kriging) -> tuple[int, float]:
     residuals = np.abs(model.standardised_residuals())
     worst = int(np.argmax(residuals))
     return worst, float(residuals[worst])
+
+
+def _are_alone(points: FloatArray, left_out: NDArray[np.intp]) -> bool:
+    """Whether fewer than half of the runs near each of these are left out.
+
+    Runs at one place that agree with each other show a response that the metamodel misses there.
+    """
+    distances = cdist(points[left_out], points)
+    is_out = np.isin(np.arange(len(points)), left_out)
+    for row in distances:
+        near = row <= _NEAR * np.sqrt(points.shape[1])
+        if near.sum() > 1 and 2 * (near & is_out).sum() >= near.sum():
+            return False
+    return True
 
 
 def _all_outlying(model: Kriging, points: FloatArray, values: FloatArray, runs: int) -> bool:

@@ -134,6 +134,9 @@ class Search(ABC):
         Largest number of proposals.
     """
 
+    #: Whether runs outside the intervals may be told to it: its answer is never one of them.
+    learns_beyond_intervals: ClassVar[bool] = False
+
     def __init__(
         self, strategy: Strategy, problem: Problem, seed: int, max_evaluations: int | None = None
     ) -> None:

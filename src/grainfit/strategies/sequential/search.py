@@ -74,6 +74,8 @@ class SequentialSearch(Search):
         The design is too small to fit metamodels, or larger than the budget.
     """
 
+    learns_beyond_intervals = True
+
     def __init__(
         self,
         strategy: SequentialOptions,

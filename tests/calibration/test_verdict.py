@@ -1,0 +1,93 @@
+"""Verdicts by probability, and what is said of them."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import grainfit as gf
+from grainfit.calibration.verdict import judge, reasons
+from grainfit.calibration.verification import FreshRuns
+from grainfit.metamodels.outliers import Outliers
+from grainfit.result import MetamodelQuality, OutOfReach
+from grainfit.strategies.answer import Answer
+
+ANGLE = gf.Target("angle", 30.0, tolerance=0.5, unit="deg")
+PROBLEM = gf.Problem([gf.Parameter("friction", 0.1, 0.9)], [ANGLE])
+FRESH = FreshRuns({"angle": {1: 29.9, 2: 30.0, 3: 30.2}}, ())
+
+
+def answer(probability: float, without: float | None = None, **changes: object) -> Answer:
+    known = Answer(
+        {"friction": 0.5},
+        {"angle": 30.0},
+        {"angle": 0.2},
+        probability,
+        probabilities={"angle": probability},
+        probability_without_outliers=probability if without is None else without,
+        quality={"angle": MetamodelQuality(0.9, 0.95, 0.8)},
+        runs_needed=12,
+    )
+    return replace(known, **changes)
+
+
+def status(known: Answer, fresh: FreshRuns = FRESH) -> str:
+    return judge(PROBLEM, known, fresh, 0.95, 3).status
+
+
+@pytest.mark.parametrize(
+    ("probability", "wanted"),
+    [
+        (0.99, "calibrated"),
+        (0.95, "calibrated"),
+        (0.94, "undecided"),
+        (0.06, "undecided"),
+        (0.05, "out_of_tolerance"),
+        (0.0, "out_of_tolerance"),
+    ],
+)
+def test_a_verdict_follows_the_probability(probability: float, wanted: str) -> None:
+    assert status(answer(probability)) == wanted
+
+
+def test_without_enough_fresh_seeds_nothing_is_calibrated() -> None:
+    two = FreshRuns({"angle": {1: 29.9, 2: 30.0}}, ())
+    assert status(answer(0.99), two) == "undecided"
+    assert "only 2 of 3" in " ".join(
+        reasons(PROBLEM, judge(PROBLEM, answer(0.99), two, 0.95, 3), 3)
+    )
+
+
+def test_fresh_seeds_that_contradict_all_runs_leave_it_undecided() -> None:
+    off = FreshRuns({"angle": {1: 32.4, 2: 32.5, 3: 32.7}}, ())
+    assert status(answer(0.99), off) == "undecided"
+
+
+def test_a_target_out_of_reach_is_unreachable_whatever_the_probability() -> None:
+    miss = OutOfReach("angle", 30.0, 27.0, 0.1)
+    assert status(answer(0.0, out_of_reach=(miss,))) == "unreachable"
+
+
+@pytest.mark.parametrize(("with_all", "without"), [(0.99, 0.3), (0.3, 0.99), (0.01, 0.97)])
+def test_outlying_runs_that_decide_leave_it_undecided(with_all: float, without: float) -> None:
+    jams = {"angle": Outliers((3,), np.array([-6.0]), 20, (4711,))}
+    known = answer(with_all, without, outliers=jams)
+    outcome = judge(PROBLEM, known, FRESH, 0.95, 3)
+    assert outcome.status == "undecided"
+    words = " ".join(reasons(PROBLEM, outcome, 3))
+    assert "1 run of 20 lies far from the others (seed 4711), up to 6° below" in words
+    assert 'statistic = "median"' in words
+
+
+def test_noise_is_named_with_the_runs_it_would_take() -> None:
+    outcome = judge(PROBLEM, answer(0.8), FRESH, 0.95, 3)
+    [words] = reasons(PROBLEM, outcome, 3)
+    assert "80 %" in words or "80%" in words
+    assert "about 12 more runs" in words
+    assert "scatters by 0.8 in angle (tolerance 0.5)" in words
+
+
+def test_a_calibrated_material_needs_no_reason() -> None:
+    assert list(reasons(PROBLEM, judge(PROBLEM, answer(0.99), FRESH, 0.95, 3), 3)) == []

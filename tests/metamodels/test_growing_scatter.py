@@ -1,0 +1,49 @@
+"""Scatter that changes over the intervals."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from grainfit.metamodels.growing_scatter import GrowingScatter, find_growing_scatter
+from grainfit.metamodels.outliers import fit_without_outliers
+
+
+def fitted(seed: int, low: float, high: float, n: int = 30):
+    random = np.random.default_rng(seed)
+    points = random.random((n, 2))
+    scatter = low + (high - low) * points[:, 0]
+    values = 50 + 6 * points[:, 0] + 3 * points[:, 1] + scatter * random.standard_normal(n)
+    return fit_without_outliers(points, values, np.zeros(n))[0]
+
+
+def test_ratios_are_those_of_the_variances() -> None:
+    known = GrowingScatter(np.array([2.0, 0.0]), 0.5)
+    assert known.ratios(np.array([[0.5, 0.1], [1.0, 0.9]])) == pytest.approx(np.exp([0.5, 1.5]))
+
+
+def test_scatter_that_grows_tenfold_is_found_and_its_size_follows() -> None:
+    models = [fitted(seed, 0.15, 1.5) for seed in range(12)]
+    growing = [model for model in models if model.scatter is not None]
+    assert len(growing) >= 8
+    ends = np.array([[0.1, 0.5], [0.9, 0.5]])
+    ratios = [np.sqrt(np.divide(*model.scatter_at(ends)[::-1])) for model in growing]
+    # In truth 1.365 / 0.285 = 4.8.
+    assert 2.5 < np.median(ratios) < 8
+
+
+def test_scatter_that_is_the_same_everywhere_stays_so() -> None:
+    # 2 to 4 % of the responses: 7 or more of 60 have a chance below 1 %.
+    assert sum(fitted(seed, 0.5, 0.5, 20).scatter is not None for seed in range(60)) <= 6
+
+
+def test_intervals_are_narrow_where_the_scatter_is_small() -> None:
+    model = next(m for m in (fitted(seed, 0.15, 1.5) for seed in range(12)) if m.scatter)
+    calm, wild = model.predict([[0.15, 0.5], [0.85, 0.5]]).standard_error
+    assert calm < 0.85 * wild
+
+
+def test_equal_residuals_and_few_runs_say_nothing() -> None:
+    points = np.random.default_rng(1).random((20, 2))
+    assert find_growing_scatter(points, np.zeros(20)) is None
+    assert find_growing_scatter(points[:6], np.arange(6.0)) is None

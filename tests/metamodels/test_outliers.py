@@ -1,0 +1,93 @@
+"""Outlying runs: found, kept out of the surface, and counted in the expectation."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from grainfit.evaluation import Evaluation, Proposal, Response
+from grainfit.metamodels.metamodels import Metamodels
+from grainfit.metamodels.outliers import Outliers, fit_without_outliers
+from grainfit.problem import Parameter, Problem, Target
+
+RUNS = 24
+
+
+def runs(seed: int, scatter: float = 0.5) -> tuple[np.ndarray, np.ndarray]:
+    random = np.random.default_rng(seed)
+    points = random.random((RUNS, 2))
+    values = 50 + 6 * points[:, 0] + 3 * points[:, 1] + scatter * random.standard_normal(RUNS)
+    return points, values
+
+
+def found_in(points: np.ndarray, values: np.ndarray) -> tuple[int, ...]:
+    return fit_without_outliers(points, values, np.zeros(len(values)))[1].indices
+
+
+def test_a_jammed_run_is_found_and_leaves_the_surface_as_it_is() -> None:
+    found = 0
+    for seed in range(12):
+        points, values = runs(seed)
+        jammed = values.copy()
+        jammed[5] -= 8.0
+        model, outliers = fit_without_outliers(points, jammed, np.zeros(RUNS))
+        if outliers.indices == (5,):
+            found += 1
+            clean = fit_without_outliers(
+                np.delete(points, 5, 0), np.delete(values, 5), np.zeros(23)
+            )
+            assert model.predict(points).mean == pytest.approx(clean[0].predict(points).mean)
+            assert outliers.residuals == pytest.approx([-8.0], abs=2.5)
+    assert found >= 10
+
+
+def test_normal_scatter_has_hardly_ever_an_outlier() -> None:
+    # 0.5 % of the responses: 4 or more of 60 have a chance below 0.001.
+    assert sum(bool(found_in(*runs(seed))) for seed in range(60)) <= 3
+
+
+def test_runs_that_agree_at_one_place_are_no_outliers() -> None:
+    points, values = runs(3, scatter=0.1)
+    points[:3] = 0.5
+    values[:3] = 59.0 + np.array([-0.05, 0.0, 0.05])
+    assert found_in(points, values) == ()
+
+
+def test_the_shift_is_the_mean_over_all_runs() -> None:
+    found = Outliers((2, 7), np.array([-6.0, -10.0]), 20)
+    assert found.shift == pytest.approx(-0.8)
+    # The mean of 18 zeros and the two, with Student's t for 19 degrees of freedom.
+    values = np.array([-6.0, -10.0] + [0.0] * 18)
+    error = values.std(ddof=1) / np.sqrt(20)
+    assert np.sqrt(found.variance_of_shift) == pytest.approx(error * 2.093 / 1.96, rel=1e-3)
+
+
+def jamming(statistic: str) -> Metamodels:
+    points, values = runs(1)
+    values[[4, 9, 15]] -= 8.0
+    problem = Problem(
+        [Parameter("x", 0, 1), Parameter("y", 0, 1)],
+        [Target("flow", 54.0, tolerance=0.8, statistic=statistic)],
+    )
+    evaluations = [
+        Evaluation(Proposal({"x": x, "y": y}, i, "design"), {"flow": Response(v)}, {})
+        for i, ((x, y), v) in enumerate(zip(points, values, strict=True))
+    ]
+    return Metamodels.fit(problem, evaluations)
+
+
+def test_an_expected_response_has_the_jams_of_the_laboratory_in_it() -> None:
+    mean, median = jamming("mean"), jamming("median")
+    assert mean.outliers[0].seeds == (4, 9, 15)
+    at = [[0.5, 0.5]]
+    assert mean.predict(at)[0] == pytest.approx(median.predict(at)[0] - 1.0, abs=0.2)
+    assert mean.predict(at)[1] > median.predict(at)[1]
+    assert mean.is_torn
+    assert not median.is_torn
+
+
+def test_without_outliers_the_probability_is_that_of_the_median() -> None:
+    mean, median = jamming("mean"), jamming("median")
+    at = [[0.5, 0.5]]
+    assert mean.probability_without_outliers(at) == pytest.approx(median.probability_all_met(at))
+    assert mean.probability_all_met(at) != pytest.approx(median.probability_all_met(at), abs=0.1)
