@@ -551,9 +551,10 @@ def test_fresh_seeds_that_contradict_all_runs_are_marked_as_the_verdict_has_it()
     ],
 )
 def test_an_answer_without_fresh_seeds_says_why(state: str, runs: int, words: str) -> None:
-    # Those that were made verified an earlier answer.
     shown = text(verification(context(state, without_fresh_seeds(runs))))
     assert words in shown
+    # Those that were made verified an earlier answer.
+    assert f"{4 - runs} more runs verified earlier answers." in shown
 
 
 def test_the_fresh_seeds_of_a_result_of_version_0_1_0_are_those_of_its_runs() -> None:
