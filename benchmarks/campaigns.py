@@ -88,11 +88,14 @@ class Model:
         Its parameters and its targets.
     excess : float
         Relative excess of all responses over the targets at that parameter set.
+    scatter : float
+        Standard deviation of all responses from seed to seed, in tolerances.
     """
 
-    def __init__(self, problem: gf.Problem, excess: float = 0.0) -> None:
+    def __init__(self, problem: gf.Problem, excess: float = 0.0, scatter: float = 0.4) -> None:
         self.problem = problem
         self.excess = excess
+        self.scatter = scatter
         self.truth = np.linspace(0.4, 0.65, problem.dimension)
 
     def __call__(self, parameters: Mapping[str, float], seed: int) -> dict[str, float]:
@@ -103,7 +106,7 @@ class Model:
             distance = (np.arange(self.problem.dimension) - number) % self.problem.dimension
             change = float(off @ (1.0 + distance) ** -2.0)
             expected = target.value * (1 + self.excess + 0.35 * change + 0.1 * change**2)
-            scatter = 0.4 * target.tolerance * random.standard_normal()
+            scatter = self.scatter * target.tolerance * random.standard_normal()
             responses[target.name] = expected + scatter
         return responses
 
@@ -238,6 +241,13 @@ def unreachable(folder: Path) -> None:
     gf.calibrate(wanted, Model(wanted, excess=0.8), workdir=folder, name="unreachable")
 
 
+def undecided(folder: Path) -> None:
+    """Calibrate with responses that scatter too much for so few runs."""
+    wanted = problem(_TWO)
+    noisy = Model(wanted, scatter=4.0)
+    gf.calibrate(wanted, noisy, workdir=folder, name="undecided", max_runs=20)
+
+
 def nasty_names(folder: Path) -> None:
     """Calibrate with names, units and reasons that must be escaped."""
     wanted = gf.Problem(
@@ -366,6 +376,7 @@ _MAKERS: Mapping[str, Callable[[Path], None]] = {
         all_failed,
         only_failures_yet,
         unreachable,
+        undecided,
         nasty_names,
         many_runs,
     )

@@ -100,6 +100,27 @@ def test_out_of_reach_exits_with_three_and_names_the_bound(tmp_path: Path) -> No
     assert "out of reach" in done.stdout
 
 
+def test_undecided_exits_with_three_and_says_what_would_help(tmp_path: Path) -> None:
+    file = calibration(tmp_path)
+    (tmp_path / "model.py").write_text(
+        MODEL.replace("PAUSE", "0").replace("0.3)", "3.0)").replace("BREAKS", "9")
+    )
+    done = grainfit("run", file, "--max-runs", "16", folder=tmp_path, code=3)
+    shown = " ".join(done.stdout.split())
+    assert "undecided: the runs do not tell whether every target is met" in shown
+    assert "more runs at the answer: one run scatters by" in shown
+    assert "in doubt" in shown
+    result = json.loads((tmp_path / "my sand.grainfit" / "result.json").read_text())
+    assert result["status"] == "undecided"
+    assert result["responses"]["angle"]["verdict"] == "in doubt"
+    assert 0.05 < result["responses"]["angle"]["probability"] < 0.95
+    status = grainfit("status", "my sand.grainfit", folder=tmp_path)
+    assert "undecided" in status.stdout
+    card = grainfit("export", "my sand.grainfit", "--to", "json", folder=tmp_path)
+    assert json.loads(card.stdout)["status"] == "undecided"
+    assert "Undecided" in (tmp_path / "my sand.grainfit" / "report.html").read_text()
+
+
 def test_runs_that_all_fail_exit_with_one_and_the_reason(tmp_path: Path) -> None:
     done = grainfit("run", calibration(tmp_path, breaks=0.0), folder=tmp_path, code=1)
     assert "the drum broke" in done.stderr

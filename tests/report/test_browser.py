@@ -50,6 +50,7 @@ STATES = (
     "all_failed",
     "only_failures_yet",
     "unreachable",
+    "undecided",
 )
 LAPTOP = {"width": 1366, "height": 768}
 PHONE = {"width": 390, "height": 844}

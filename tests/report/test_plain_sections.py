@@ -25,6 +25,7 @@ from grainfit.evaluation import Evaluation, Proposal, Response, Stage
 from grainfit.formatting import number, rounded
 from grainfit.materials.sizes import ParticleSizes
 from grainfit.measurement.drawing import simplified
+from grainfit.metamodels.outliers import Outliers
 from grainfit.report.section import ReportContext, Section
 from grainfit.report.sections.answer.section import answer, verdict
 from grainfit.report.sections.convergence.section import convergence
@@ -550,9 +551,10 @@ def test_fresh_seeds_that_contradict_all_runs_are_marked_as_the_verdict_has_it()
     ],
 )
 def test_an_answer_without_fresh_seeds_says_why(state: str, runs: int, words: str) -> None:
-    # Those that were made verified an earlier answer.
     shown = text(verification(context(state, without_fresh_seeds(runs))))
     assert words in shown
+    # Those that were made verified an earlier answer.
+    assert f"{4 - runs} more runs verified earlier answers." in shown
 
 
 def test_the_fresh_seeds_of_a_result_of_version_0_1_0_are_those_of_its_runs() -> None:
@@ -584,6 +586,16 @@ def test_every_run_is_in_the_table_with_its_reason_and_log() -> None:
     assert "ERROR: &lt;b&gt;lost&lt;/b&gt; atoms" in html
     assert 'data-value="2309.4321"' in html
     assert "7 parameter sets, 1 of them with a failed run" in text(section)
+
+
+def test_outlying_runs_are_marked_in_the_table() -> None:
+    outliers = [Outliers((), np.empty(0), 7), Outliers((4,), np.array([9.0]), 7, (11,))]
+    metamodels: Any = SimpleNamespace(problem=PROBLEM, outliers=outliers)
+    html = str(runs(context(analysis=Analysis(metamodels=metamodels))).html)
+    assert html.count(">outlying</abbr>") == 1
+    (row,) = (row for row in html.split("<tr ") if ">outlying</abbr>" in row)
+    assert 'data-value="11"' in row
+    assert "Its angle of repose lies far from" in row
 
 
 def test_the_command_can_be_pasted_into_a_shell() -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import shlex
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from grainfit.evaluation import Evaluation
@@ -41,6 +41,7 @@ class RunRow:
     failures: Sequence[Failure]
     cells: Sequence[Cell]
     identities: Sequence[str]
+    outlying: str
 
 
 def runs(context: ReportContext) -> Section:
@@ -81,7 +82,18 @@ def _row(context: ReportContext, count: int, evaluation: Evaluation) -> RunRow:
         failures=[_failure(context, evaluation, test) for test in evaluation.failures],
         cells=[*cells, Cell(str(proposal.seed), proposal.seed)],
         identities=[identity[:_SHORT] for identity in evaluation.runs.values()],
+        outlying=", ".join(_outlying(context, proposal.seed)),
     )
+
+
+def _outlying(context: ReportContext, seed: int) -> Iterator[str]:
+    """Yield the responses of a run that lie far from what the others lead to expect."""
+    metamodels = context.analysis.metamodels
+    if metamodels is None:
+        return
+    for target, found in zip(metamodels.problem.targets, metamodels.outliers, strict=True):
+        if seed in found.seeds:
+            yield context.response_label(target.name).words
 
 
 def _failure(context: ReportContext, evaluation: Evaluation, test: str) -> Failure:
