@@ -445,12 +445,18 @@ class MetamodelQuality:
         Estimated standard deviation of the response from seed to seed.
     warnings : tuple of str
         Reasons not to trust it, in words; empty when there are none.
+    noise_range : pair of float, optional
+        Smallest and largest scatter at the runs, where it changes over the intervals.
+    has_two_states : bool
+        Whether the runs scatter about two values rather than one.
     """
 
     q2: float | None
     coverage: float
     noise: float
     warnings: tuple[str, ...] = ()
+    noise_range: tuple[float, float] | None = None
+    has_two_states: bool = False
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,7 @@ from grainfit.calibration.verification import Contradiction, FreshRuns, contradi
 from grainfit.formatting import counted, number, probability, unit_for_people, with_unit
 from grainfit.metamodels.outliers import Outliers
 from grainfit.problem import Problem, Target
-from grainfit.result import Status
+from grainfit.result import MetamodelQuality, Status
 from grainfit.strategies.answer import Answer
 
 #: Most seeds of outlying runs in one sentence.
@@ -101,6 +101,8 @@ def reasons(problem: Problem, outcome: Outcome, fewest_fresh: int) -> Iterator[s
     for target in problem.targets:
         if found := answer.outliers.get(target.name):
             yield _about_outliers(target, found)
+        if quality := answer.quality.get(target.name):
+            yield from _about_scatter(target, quality)
     if outcome.status != "undecided":
         return
     with_all, without = answer.probability_all_met, answer.probability_without_outliers
@@ -130,6 +132,21 @@ def _about_outliers(target: Target, found: Outliers) -> str:
         f"{'lies' if len(found.indices) == 1 else 'lie'} far from the others (seed {seeds}{more}), "
         f"up to {away} {'above' if size > 0 else 'below'} what they lead to expect."
     )
+
+
+def _about_scatter(target: Target, quality: MetamodelQuality) -> Iterator[str]:
+    if quality.noise_range is not None:
+        low, high = (number(noise, 2) for noise in quality.noise_range)
+        yield (
+            f"{target.name}: the scatter from run to run changes over the intervals, from {low} to "
+            f"{with_unit(high, unit_for_people(target.unit))}; at the answer it is "
+            f"{number(quality.noise, 2)}. All intervals take that into account."
+        )
+    if quality.has_two_states:
+        yield (
+            f"{target.name}: the runs scatter about two values rather than one. The mean over "
+            "seeds is expected, but no single run looks like it: look at the pictures."
+        )
 
 
 def _about_noise(problem: Problem, outcome: Outcome) -> str:

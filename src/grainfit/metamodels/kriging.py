@@ -293,6 +293,11 @@ class Kriging:
         return len(self._components[0].points)
 
     @property
+    def points(self) -> FloatArray:
+        """Points of the runs in the unit cube, shape (n, d)."""
+        return (self._judged_by or self)._components[0].points
+
+    @property
     def values(self) -> FloatArray:
         """Responses of the runs, shape (n,)."""
         return np.asarray(

@@ -14,6 +14,7 @@ from grainfit.evaluation import Evaluation
 from grainfit.metamodels.kriging import Kriging
 from grainfit.metamodels.metamodels import Metamodels
 from grainfit.metamodels.outliers import Outliers
+from grainfit.metamodels.two_states import has_two_states
 from grainfit.problem import Problem
 from grainfit.result import Bound, MetamodelQuality, OutOfReach
 
@@ -156,7 +157,16 @@ def _quality(model: Kriging, spread: bool) -> MetamodelQuality:
         coverage=float(check.coverage),
         noise=float(model.noise_standard_deviation),
         warnings=tuple(model.warnings(spread=spread)),
+        noise_range=_noise_range(model),
+        has_two_states=has_two_states(model.standardised_residuals()),
     )
+
+
+def _noise_range(model: Kriging) -> tuple[float, float] | None:
+    if model.scatter is None:
+        return None
+    noise = model.noise_standard_deviation * np.sqrt(model.scatter.ratios(model.points))
+    return float(noise.min()), float(noise.max())
 
 
 def answer_from_runs(
