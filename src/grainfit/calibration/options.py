@@ -54,8 +54,8 @@ class CalibrationOptions:
     )
     verification_runs: int | None = option(
         Whole(2),
-        "Runs with fresh seeds at the answer. By default so many that no worker is idle.",
-        words="5 (6 with two or three workers, 8 with four)",
+        "Fewest runs with fresh seeds at, or very near, the answer.",
+        words="3",
         example="8",
     )
     keep: Keep | None = option(

@@ -109,8 +109,8 @@ def reasons(problem: Problem, outcome: Outcome, fewest_fresh: int) -> Iterator[s
     if answer.outliers and abs(with_all - without) > 1 - outcome.confidence:
         yield (
             f"Undecided because of outlying runs: with them, every target is met with a "
-            f"probability of {_percent(with_all)}, without them {_percent(without)}. Look at "
-            "their pictures: if such runs also happen in the laboratory, make the test wider or "
+            f"probability of {_percent(with_all)}; if they did not count, this answer would be "
+            f"right with {_percent(without)}. Look at their pictures: if such runs also happen in the laboratory, make the test wider or "
             'repeat it more often; if not, ask for the typical value with statistic = "median".'
         )
     elif with_all < outcome.confidence:
@@ -163,7 +163,7 @@ def _about_noise(problem: Problem, outcome: Outcome) -> str:
     )
     return (
         f"Every expected response is within its tolerance with a probability of "
-        f"{_percent(answer.probability_all_met)}, and {outcome.confidence:.0%} is asked for. It "
+        f"{_percent(answer.probability_all_met)}, and {_percent(outcome.confidence)} is asked for. It "
         f"would take about {counted(answer.runs_needed, 'more run')} at the answer: one run "
         f"scatters by {scatter}. A wider tolerance, a larger sample in the test, or a response "
         "that scatters less would help more."

@@ -13,8 +13,9 @@ from scipy import optimize, stats
 
 from grainfit.metamodels.predictor import FloatArray
 
-#: With a larger p value of the rank correlation, the scatter is taken as the same everywhere.
-_SUSPICIOUS = 0.1
+#: With a larger p value of the rank correlations, times their number, the scatter is taken as the
+#: same everywhere.
+_SUSPICIOUS = 0.2
 #: Fewest runs that show a change.
 _FEWEST_RUNS = 10
 #: Prior standard deviation of the change of the log variance over an interval.
@@ -84,4 +85,4 @@ def _changes(points: FloatArray, residuals: FloatArray) -> bool:
         return False
     axes = [axis for axis in points.T if np.ptp(axis) > 0]
     chances = [stats.spearmanr(np.abs(residuals), axis).pvalue for axis in axes]
-    return bool(chances) and min(chances) < _SUSPICIOUS
+    return bool(chances) and min(chances) < _SUSPICIOUS / len(chances)

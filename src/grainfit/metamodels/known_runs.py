@@ -17,6 +17,7 @@ from grainfit.errors import GrainfitError
 from grainfit.evaluation import Evaluation
 from grainfit.metamodels.kriging import Kriging
 from grainfit.metamodels.metamodels import Metamodels
+from grainfit.metamodels.outliers import Outliers
 from grainfit.metamodels.unit_cube import spread_points
 from grainfit.problem import Parameter, Problem
 
@@ -140,14 +141,17 @@ def fit_where_possible(
     """
     targets, missing = [], {}
     models: list[Kriging] = []
+    outliers: list[Outliers] = []
     for target in problem.targets:
         alone = replace(problem, targets=(target,))
         try:
-            models += Metamodels.fit(alone, evaluations).models
+            fitted = Metamodels.fit(alone, evaluations)
         except GrainfitError as error:
             missing[target.name] = str(error)
         else:
             targets.append(target)
+            models += fitted.models
+            outliers += fitted.outliers
     if not targets:
         return None, missing
-    return Metamodels(replace(problem, targets=tuple(targets)), models), missing
+    return Metamodels(replace(problem, targets=tuple(targets)), models, outliers), missing

@@ -28,6 +28,8 @@ _SUSPICIOUS = 2.0
 _RUNS_PER_COEFFICIENT = 2
 #: Distance per root of the dimension within which runs tell about the same place.
 _NEAR = 0.02
+#: Chance below which outlying runs at one place are no coincidence.
+_TOGETHER_BY_CHANCE = 0.01
 
 
 @dataclass(frozen=True)
@@ -134,15 +136,18 @@ def _largest_residual(model: Kriging) -> tuple[int, float]:
 
 
 def _are_alone(points: FloatArray, left_out: NDArray[np.intp]) -> bool:
-    """Whether fewer than half of the runs near each of these are left out.
+    """Whether these runs do not lie together at one place more often than chance explains.
 
-    Runs at one place that agree with each other show a response that the metamodel misses there.
+    There they would show a response that the metamodel misses, and no outliers.
     """
     distances = cdist(points[left_out], points)
     is_out = np.isin(np.arange(len(points)), left_out)
     for row in distances:
         near = row <= _NEAR * np.sqrt(points.shape[1])
-        if near.sum() > 1 and 2 * (near & is_out).sum() >= near.sum():
+        together, elsewhere = int((near & is_out).sum()), int((~near & is_out).sum())
+        share = (elsewhere + 1) / ((~near).sum() + 2)
+        by_chance = stats.binom.sf(together - 1, near.sum(), share)
+        if together > 1 and by_chance < _TOGETHER_BY_CHANCE:
             return False
     return True
 

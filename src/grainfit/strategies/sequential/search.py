@@ -45,12 +45,14 @@ Array = NDArray[np.float64]
 #: Runs of the design per coefficient of a linear trend: 50 % more than a fit of the trend needs.
 DESIGN_RUNS = 1.5
 #: Most runs after the design per free parameter, if the user gives no budget.
-RUNS_PER_PARAMETER = 16
+RUNS_PER_PARAMETER = 20
 #: Runs after the design before a target can be called out of reach.
 _RUNS_TO_CONFIRM = 2
 _TRIES_OF_A_MACHINE = 3
 #: Runs that usually follow the design where the scatter is small, verification included.
 _USUAL_AFTER_DESIGN = 5
+#: The same before the scatter is known.
+_USUAL_BEFORE_ANY_RUN = 7
 _MOST_WIDENINGS = 4
 
 
@@ -66,7 +68,7 @@ class SequentialSearch(Search):
     seed : int
         Decides the design and all insertion seeds.
     max_evaluations : int, optional
-        Largest number of proposals; by default the design and 16 per free parameter.
+        Largest number of proposals; by default the design and 20 per free parameter.
 
     Raises
     ------
@@ -150,12 +152,18 @@ class SequentialSearch(Search):
         """Pending runs, or those that the answer still needs, with those of its verification."""
         done = len(self._told) + len(self._others)
         if not self._design_is_told or self._belief is None:
-            usual = self._design_size + _USUAL_AFTER_DESIGN
+            usual = self._design_size + _USUAL_BEFORE_ANY_RUN
             return max(self._pending, min(self._allowed, usual) - len(self._told))
         belief = self._belief
+        left = self._allowed - len(self._told)
+        if belief.seems_missed:
+            # Either it is soon established, or the budget is used.
+            return max(self._pending, left // 2)
         usual = max(self._design_size + _USUAL_AFTER_DESIGN, belief.usual_runs) - done
         needed = min(belief.runs_needed(self.confidence_to_stop), usual)
-        return max(self._pending, min(self._allowed - len(self._told), needed))
+        if not belief.is_likely:
+            needed = max(needed, _USUAL_AFTER_DESIGN)
+        return max(self._pending, min(left, needed))
 
     def warm_start(self, evaluations: Sequence[Evaluation]) -> None:
         """Use runs of other calibrations instead of a part of the design."""

@@ -14,6 +14,8 @@ _NARROWING_WORTH_RUNS = 0.3
 #: Most missing runs at the answer that are left to its verification: its fresh seeds go into the
 #: metamodels, too, so that they confirm the answer and make it certain at once.
 _LEFT_TO_VERIFICATION = 3
+#: Last runs of the usual budget, per free parameter, that only a likely answer is worth.
+RUNS_OF_HOPE = 4
 _LARGEST_TIME_STEP = (
     "Of the parameter sets that agree with the measurements, the one with the largest Rayleigh "
     "time step was taken:"
@@ -74,5 +76,7 @@ class StoppingRule:
         """Whether all further runs would neither decide the search nor add much information."""
         if self.runs_left is None:
             return False
+        if self.runs_left <= RUNS_OF_HOPE * belief.problem.dimension and not belief.is_likely:
+            return True
         needed = belief.runs_needed(self.demanded)
         return needed > self.runs_left and belief.narrowing(self.runs_left) < _NARROWING_WORTH_RUNS

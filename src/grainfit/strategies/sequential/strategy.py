@@ -37,7 +37,7 @@ class Sequential(SequentialOptions):
     name: ClassVar[str] = "sequential"
 
     def start(self, problem: Problem, seed: int, max_evaluations: int | None = None) -> Search:
-        """Start a search; without a budget: the design and at most 16 runs per free parameter.
+        """Start a search; without a budget: the design and at most 20 runs per free parameter.
 
         Parameters
         ----------
