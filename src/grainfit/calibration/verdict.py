@@ -110,8 +110,9 @@ def reasons(problem: Problem, outcome: Outcome, fewest_fresh: int) -> Iterator[s
         yield (
             f"Undecided because of outlying runs: with them, every target is met with a "
             f"probability of {_percent(with_all)}; if they did not count, this answer would be "
-            f"right with {_percent(without)}. Look at their pictures: if such runs also happen in the laboratory, make the test wider or "
-            'repeat it more often; if not, ask for the typical value with statistic = "median".'
+            f"right with {_percent(without)}. Look at their pictures: if such runs also happen in "
+            "the laboratory, make the test wider or repeat it more often; if not, ask for the "
+            'typical value with statistic = "median".'
         )
     elif with_all < outcome.confidence:
         yield _about_noise(problem, outcome)
@@ -163,8 +164,8 @@ def _about_noise(problem: Problem, outcome: Outcome) -> str:
     )
     return (
         f"Every expected response is within its tolerance with a probability of "
-        f"{_percent(answer.probability_all_met)}, and {_percent(outcome.confidence)} is asked for. It "
-        f"would take about {counted(answer.runs_needed, 'more run')} at the answer: one run "
+        f"{_percent(answer.probability_all_met)}, and {_percent(outcome.confidence)} is asked for. "
+        f"It would take about {counted(answer.runs_needed, 'more run')} at the answer: one run "
         f"scatters by {scatter}. A wider tolerance, a larger sample in the test, or a response "
         "that scatters less would help more."
     )
