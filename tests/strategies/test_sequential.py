@@ -238,7 +238,7 @@ def test_of_the_answers_that_agree_the_one_that_computes_fastest_is_taken(seed: 
         answers[prefer] = search.answer().parameters
         assert packed(answers[prefer]) == pytest.approx(1500.0, abs=15.0)
     fastest = RAYLEIGH(answers["time_step"])
-    assert fastest > 0.97 * largest_time_step_that_agrees()
+    assert fastest > 0.94 * largest_time_step_that_agrees()
     assert fastest > 1.05 * RAYLEIGH(answers["accuracy"])
 
 

@@ -11,7 +11,7 @@ from grainfit.problem import Problem
 
 Array = NDArray[np.float64]
 #: Time steps that differ by less than this share count as equal: the closer answer is taken.
-EQUAL_TIME_STEPS = 0.02
+EQUAL_TIME_STEPS = 0.05
 
 
 def time_step_matters(problem: Problem) -> bool:

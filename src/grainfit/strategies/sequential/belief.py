@@ -41,6 +41,8 @@ class Belief:
         Decides the searches of the metamodels.
     options : SequentialOptions
         Preference and demanded probability.
+    confidence_to_stop : float
+        Probability at which the search stops. A larger time step is not bought with less.
     """
 
     def __init__(
@@ -49,12 +51,14 @@ class Belief:
         known: Sequence[Evaluation],
         seed: int,
         options: SequentialOptions,
+        confidence_to_stop: float,
     ) -> None:
         self.problem = problem
         self.metamodels = Metamodels.fit(problem, known)
         self.feasibility = FeasibilityModel(problem, known)
         self._seed = seed
         self._options = options
+        self._confidence_to_stop = confidence_to_stop
         runs = np.array([problem.to_unit(e.proposal.parameters) for e in known])
         seeds = (seed, len(known))
         self.answers = AnswerSearch(self.metamodels, self.feasibility, runs, seeds)
@@ -91,7 +95,7 @@ class Belief:
         """Point of the current answer."""
         if self._options.prefer == "accuracy":
             return np.asarray(self.answers.closest[0])
-        return self.answers.fastest(self._options.confidence)
+        return self.answers.fastest(self._confidence_to_stop)
 
     @cached_property
     def probability(self) -> float:

@@ -28,7 +28,7 @@ class SequentialOptions(Strategy):
     prefer: Preference = option(
         Choice(get_args(Preference)),
         "Of all parameter sets that agree with the measurements, take the one with the largest "
-        'Rayleigh time step ("time_step"; differences below 2 % do not count, the closer set is '
+        'Rayleigh time step ("time_step"; differences below 5 % do not count, the closer set is '
         'taken), or the closest one ("accuracy").',
         default="time_step",
         words='"time_step"',

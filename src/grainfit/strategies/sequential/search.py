@@ -276,16 +276,19 @@ class SequentialSearch(Search):
         return self._latest[1]
 
     def _form_belief(self, known: Sequence[Evaluation]) -> Belief:
-        problem, belief = self.problem, Belief(self.problem, known, self.seed, self._options)
+        problem, belief = self.problem, self._belief_in(self.problem, known)
         for _ in range(_MOST_WIDENINGS if self._options.extend_intervals else 0):
             if not self._rule.is_out_of_reach(belief):
                 break
             wider = widened(problem, belief.misses)
             if wider == problem:
                 break
-            problem, belief = wider, Belief(wider, known, self.seed, self._options)
+            problem, belief = wider, self._belief_in(wider, known)
         self._note(widenings(self.problem, problem))
         return belief
+
+    def _belief_in(self, problem: Problem, known: Sequence[Evaluation]) -> Belief:
+        return Belief(problem, known, self.seed, self._options, self.confidence_to_stop)
 
     def _note(self, notices: Iterable[str]) -> None:
         self._notices += [notice for notice in notices if notice not in self._notices]
