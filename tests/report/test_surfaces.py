@@ -294,6 +294,35 @@ def test_the_first_pick_is_the_largest_time_step_that_probably_agrees(
     assert re.findall(r'value="(\d+)" selected', html) == [picked]
 
 
+@pytest.mark.parametrize(
+    ("gain", "probability_all_met", "words"),
+    [
+        (1.02, 0.97, "No, by 2.0% at most"),
+        (0.98, 0.97, "No, by 0.0% at most"),
+        (1.5, 0.97, "Yes, by about 50%"),
+        (1.5, 0.80, ""),
+    ],
+)
+def test_whether_the_time_step_could_be_larger_is_answered_first(
+    gain: float, probability_all_met: float, words: str
+) -> None:
+    made = usual()
+    step = made.reading.problem.rayleigh_time_step(made.answer)
+    assert step is not None
+    front = ParetoFront(
+        np.array([gain * step]),
+        np.array([0.1]),
+        [dict(made.answer)],
+        np.array([probability_all_met]),
+        np.ones((1, 2)),
+    )
+    html = tradeoff(ReportContext(made.reading, replace(made.analysis, pareto=front))).html
+    if words:
+        assert f"<p><strong>{words}" in html
+    else:
+        assert "<p><strong>" not in html
+
+
 def without_time_step() -> Problem:
     return contexts.problem(1, 1, rayleigh=False)
 
