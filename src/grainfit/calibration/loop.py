@@ -15,7 +15,7 @@ from grainfit.calibration.intervals import with_intervals
 from grainfit.calibration.progress import Progress
 from grainfit.calibration.provenance import Provenance
 from grainfit.calibration.verdict import Outcome, judge
-from grainfit.calibration.verification import LIKELY, MOST_FRESH, FreshRuns, runs_near
+from grainfit.calibration.verification import MOST_FRESH, FreshRuns, runs_near
 from grainfit.calibration.warm_start import warm_start
 from grainfit.campaign.campaign import Campaign
 from grainfit.campaign.reuse import models_of, runs_of
@@ -208,11 +208,11 @@ class CalibrationLoop:
         """Return whether a few fresh seeds at the answer could make it certain enough."""
         if self._recorded:
             return True
-        left = self._left()
+        left, least = self._left(), self._strategy.verify_from
         return (
             not answer.out_of_reach
             and (left is None or left > 0)
-            and min(answer.probability_all_met, answer.probability_without_outliers) >= LIKELY
+            and min(answer.probability_all_met, answer.probability_without_outliers) >= least
             and answer.runs_needed <= MOST_FRESH
             and self._verification_asked < _MOST_VERIFICATION
         )

@@ -21,8 +21,6 @@ from grainfit.strategies.answer import Answer
 
 #: Default number of fresh seeds at, or very near, the answer. Two could agree by chance.
 VERIFICATION_RUNS = 3
-#: Smallest probability of an answer at which fresh seeds are worth their runs.
-LIKELY = 0.5
 #: Most fresh seeds in all that a close call is worth.
 MOST_FRESH = 20
 #: Largest difference in any parameter, as a share of its interval, and in any expected response,

@@ -134,6 +134,9 @@ class Search(ABC):
         Largest number of proposals.
     """
 
+    #: Smallest probability of an answer at which fresh seeds are worth their runs. A search that
+    #: does not look at the probability itself can go on after them.
+    verify_from: ClassVar[float] = 0.05
     #: Whether runs outside the intervals may be told to it: its answer is never one of them.
     learns_beyond_intervals: ClassVar[bool] = False
 

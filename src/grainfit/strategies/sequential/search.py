@@ -31,7 +31,7 @@ from grainfit.strategies.budget import design_size
 from grainfit.strategies.distinct_runs import distinct_runs
 from grainfit.strategies.out_of_reach import widened, widenings
 from grainfit.strategies.seeds import insertion_seed
-from grainfit.strategies.sequential.belief import Belief
+from grainfit.strategies.sequential.belief import LIKELY, Belief
 from grainfit.strategies.sequential.next_run import (
     next_point,
     pending_is_enough,
@@ -77,6 +77,7 @@ class SequentialSearch(Search):
     """
 
     learns_beyond_intervals = True
+    verify_from = LIKELY
 
     def __init__(
         self,
