@@ -49,9 +49,8 @@ def calibrate(name: str, seed: int, workers: int) -> Record:
     told: list[tuple[int, int, int]] = []
 
     def note(progress: Progress) -> None:
-        low, high = getattr(progress, "left_range", (progress.left, progress.left))
         if not told or told[-1][0] != progress.done:
-            told.append((progress.done, low, high))
+            told.append((progress.done, *progress.left_range))
 
     start = time.perf_counter()
     try:

@@ -36,6 +36,11 @@ def probability(value: float) -> str:
     return "less than 1\u00a0%" if value < 0.005 else f"{100 * value:.0f}\u00a0%"
 
 
+def plain_probability(value: float) -> str:
+    """Return `probability` with a plain space, for terminals and messages."""
+    return probability(value).replace("\u00a0", " ")
+
+
 def number(value: float | None, digits: int = 4) -> str:
     """Return a number with some significant digits, for readers.
 

@@ -18,7 +18,7 @@ from grainfit.formatting import (
     percentage_off,
     plain_ends,
     plain_interval,
-    probability,
+    plain_probability,
     unit_for_people,
     with_unit,
 )
@@ -304,7 +304,7 @@ class Result:
         if check := self.fresh_seeds():
             parts.append(check)
         if self.probability_all_met is not None:
-            chance = probability(self.probability_all_met).replace("\u00a0", " ")
+            chance = plain_probability(self.probability_all_met)
             parts.append(f"Probability that every target is met, by all runs: {chance}.")
         return (*parts, f"DEM runs: {self.runs}.")
 

@@ -55,9 +55,7 @@ def test_a_verdict_follows_the_probability(probability: float, wanted: str) -> N
 def test_without_enough_fresh_seeds_nothing_is_calibrated() -> None:
     two = FreshRuns({"angle": {1: 29.9, 2: 30.0}}, ())
     assert status(answer(0.99), two) == "undecided"
-    assert "only 2 of 3" in " ".join(
-        reasons(PROBLEM, judge(PROBLEM, answer(0.99), two, 0.95, 3), 3)
-    )
+    assert "only 2 of 3" in " ".join(reasons(PROBLEM, judge(PROBLEM, answer(0.99), two, 0.95, 3)))
 
 
 def test_fresh_seeds_that_contradict_all_runs_leave_it_undecided() -> None:
@@ -76,18 +74,18 @@ def test_outlying_runs_that_decide_leave_it_undecided(with_all: float, without: 
     known = answer(with_all, without, outliers=jams)
     outcome = judge(PROBLEM, known, FRESH, 0.95, 3)
     assert outcome.status == "undecided"
-    words = " ".join(reasons(PROBLEM, outcome, 3))
+    words = " ".join(reasons(PROBLEM, outcome))
     assert "1 run of 20 lies far from the others (seed 4711), up to 6° below" in words
     assert 'statistic = "median"' in words
 
 
 def test_noise_is_named_with_the_runs_it_would_take() -> None:
     outcome = judge(PROBLEM, answer(0.8), FRESH, 0.95, 3)
-    [words] = reasons(PROBLEM, outcome, 3)
+    [words] = reasons(PROBLEM, outcome)
     assert "80 %" in words or "80%" in words
     assert "about 12 more runs" in words
     assert "scatters by 0.8 in angle (tolerance 0.5)" in words
 
 
 def test_a_calibrated_material_needs_no_reason() -> None:
-    assert list(reasons(PROBLEM, judge(PROBLEM, answer(0.99), FRESH, 0.95, 3), 3)) == []
+    assert list(reasons(PROBLEM, judge(PROBLEM, answer(0.99), FRESH, 0.95, 3))) == []

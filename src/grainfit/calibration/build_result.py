@@ -32,7 +32,6 @@ def make_result(
     outcome: Outcome | None,
     evaluations: Sequence[Evaluation],
     known: int = 0,
-    fewest_fresh: int = 0,
 ) -> Result:
     """Build the result of a calibration.
 
@@ -48,8 +47,6 @@ def make_result(
         All parameter sets that were simulated.
     known : int
         Number of earlier runs used for the warm start.
-    fewest_fresh : int
-        Number of fresh seeds without which no answer is calibrated.
     """
     problem = strategy.current_problem
     rayleigh = problem.rayleigh
@@ -58,7 +55,7 @@ def make_result(
     parameters = dict(answer.parameters) if answer else {}
     notices = [*strategy.notices]
     if outcome:
-        notices += reasons(problem, outcome, fewest_fresh)
+        notices += reasons(problem, outcome)
         notices += _failure_notices(outcome.fresh.evaluations)
         notices += _edge_notices(problem, outcome.answer)
     return Result(

@@ -161,33 +161,25 @@ class CalibrationLoop:
             status,
         )
         known_runs = sum(self._origins.values())
-        result = make_result(
-            about,
-            self._strategy,
-            outcome,
-            self._evaluations,
-            known_runs,
-            self._options.verification_runs,
-        )
+        result = make_result(about, self._strategy, outcome, self._evaluations, known_runs)
         return with_intervals(result, self._problem, self._evaluations, known)
 
     def _search_and_verify(self) -> Outcome:
         """Alternate between search and fresh seeds at its answer until the verdict is known."""
-        strategy = self._strategy
         self._run_strategy()
-        answer = strategy.answer(self._recorded_answer())
-        outcome = self._judge(answer)
-        while self._can_be_confirmed(answer):
-            self._run_fresh_seeds(answer, outcome.fresh)
-            answer = strategy.answer(self._recorded_answer())
-            outcome = self._judge(answer)
+        outcome = self._judge_answer()
+        while self._can_be_confirmed(outcome.answer):
+            self._run_fresh_seeds(outcome.answer, outcome.fresh)
+            outcome = self._judge_answer()
             if self._is_sure(outcome):
                 break
-            if strategy.resume_after_verification(self._left()):
+            if self._strategy.resume_after_verification(self._left()):
                 self._run_strategy()
-                answer = strategy.answer(self._recorded_answer())
-                outcome = self._judge(answer)
+                outcome = self._judge_answer()
         return outcome
+
+    def _judge_answer(self) -> Outcome:
+        return self._judge(self._strategy.answer(self._recorded_answer()))
 
     def _judge(self, answer: Answer) -> Outcome:
         fresh = runs_near(self._problem, answer, self._evaluations, self._strategy.answer)

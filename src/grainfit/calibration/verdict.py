@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from grainfit.calibration.verification import Contradiction, FreshRuns, contradictions
-from grainfit.formatting import counted, number, probability, unit_for_people, with_unit
+from grainfit.formatting import counted, number, plain_probability, unit_for_people, with_unit
 from grainfit.metamodels.outliers import Outliers
 from grainfit.problem import Problem, Target
 from grainfit.result import MetamodelQuality, Status
@@ -32,6 +32,8 @@ class Outcome:
         Targets for which they contradict all runs together.
     confidence : float
         Probability from which a target counts as met.
+    fewest_fresh : int
+        Number of fresh seeds without which no answer is calibrated.
     """
 
     answer: Answer
@@ -39,6 +41,7 @@ class Outcome:
     fresh: FreshRuns
     contradictions: Sequence[Contradiction]
     confidence: float
+    fewest_fresh: int
 
 
 def judge(
@@ -69,6 +72,7 @@ def judge(
         fresh,
         contradicted,
         confidence,
+        fewest_fresh,
     )
 
 
@@ -84,7 +88,7 @@ def _status(answer: Answer, confidence: float, in_doubt: bool) -> Status:
 # Words --------------------------------------------------------------------------------------
 
 
-def reasons(problem: Problem, outcome: Outcome, fewest_fresh: int) -> Iterator[str]:
+def reasons(problem: Problem, outcome: Outcome) -> Iterator[str]:
     """Say what the user has to know about a verdict: outlying runs, doubts, and what would help.
 
     Parameters
@@ -93,8 +97,6 @@ def reasons(problem: Problem, outcome: Outcome, fewest_fresh: int) -> Iterator[s
         Parameters and targets.
     outcome : Outcome
         The verdict.
-    fewest_fresh : int
-        Number of fresh seeds without which no answer is calibrated.
     """
     yield from map(str, outcome.contradictions)
     answer = outcome.answer
@@ -109,17 +111,17 @@ def reasons(problem: Problem, outcome: Outcome, fewest_fresh: int) -> Iterator[s
     if answer.outliers and abs(with_all - without) > 1 - outcome.confidence:
         yield (
             f"Undecided because of outlying runs: with them, every target is met with a "
-            f"probability of {_percent(with_all)}; if they did not count, this answer would be "
-            f"right with {_percent(without)}. Look at their pictures: if such runs also happen in "
-            "the laboratory, make the test wider or repeat it more often; if not, ask for the "
-            'typical value with statistic = "median".'
+            f"probability of {plain_probability(with_all)}; if they did not count, this answer "
+            f"would be right with {plain_probability(without)}. Look at their pictures: if such "
+            "runs also happen in the laboratory, make the test wider or repeat it more often; if "
+            'not, ask for the typical value with statistic = "median".'
         )
     elif with_all < outcome.confidence:
         yield _about_noise(problem, outcome)
-    elif outcome.fresh.count < fewest_fresh and not outcome.contradictions:
+    elif outcome.fresh.count < outcome.fewest_fresh and not outcome.contradictions:
         yield (
-            f"Undecided because only {outcome.fresh.count} of {fewest_fresh} runs with fresh seeds "
-            "at the answer could be made: allow more runs."
+            f"Undecided because only {outcome.fresh.count} of {outcome.fewest_fresh} runs with "
+            "fresh seeds at the answer could be made: allow more runs."
         )
 
 
@@ -164,12 +166,9 @@ def _about_noise(problem: Problem, outcome: Outcome) -> str:
     )
     return (
         f"Every expected response is within its tolerance with a probability of "
-        f"{_percent(answer.probability_all_met)}, and {_percent(outcome.confidence)} is asked for. "
+        f"{plain_probability(answer.probability_all_met)}, and "
+        f"{plain_probability(outcome.confidence)} is asked for. "
         f"It would take about {counted(answer.runs_needed, 'more run')} at the answer: one run "
         f"scatters by {scatter}. A wider tolerance, a larger sample in the test, or a response "
         "that scatters less would help more."
     )
-
-
-def _percent(share: float) -> str:
-    return probability(share).replace("\u00a0", " ")

@@ -354,12 +354,10 @@ class Kriging:
 
     def scatter_at(self, points: FloatArray) -> FloatArray:
         """`variance_of_scatter` at points of the unit cube, shape (m,)."""
-        if self.scatter is None:
-            return np.full(len(points), self.variance_of_scatter)
-        return self.variance_of_scatter * self.scatter.ratios(points)
+        return self.variance_of_scatter * self.scatter_ratios(points)
 
-    def _ratios_at(self, points: FloatArray) -> FloatArray:
-        """Ratios of the noise of added runs: average where the errors are not known."""
+    def scatter_ratios(self, points: FloatArray) -> FloatArray:
+        """Variances of the scatter at points over their mean at the runs, shape (m,)."""
         return np.ones(len(points)) if self.scatter is None else self.scatter.ratios(points)
 
     @cached_property
@@ -522,7 +520,10 @@ class Kriging:
         added = (_checked_values(values, len(points)) - self._offset) / self._scale
         noise = self._usual_known_noise(len(points))
         return self._with(
-            [c.condition(points, added, noise, self._ratios_at(points)) for c in self._components],
+            [
+                c.condition(points, added, noise, self.scatter_ratios(points))
+                for c in self._components
+            ],
             None,
         )
 
@@ -545,7 +546,7 @@ class Kriging:
         """
         points = _checked_points(points, self.d)
         noise = self._usual_known_noise(len(points))
-        ratios = self._ratios_at(points)
+        ratios = self.scatter_ratios(points)
         components = [c.condition_on_pending(points, noise, ratios) for c in self._components]
         return self._with(components, self._judged_by or self)
 

@@ -128,7 +128,7 @@ class Metamodels:
     def noise_at(self, point: ArrayLike) -> Array:
         """Standard deviations of the responses from seed to seed at one point, shape (targets,)."""
         at = np.atleast_2d(point)
-        ratios = [1.0 if m.scatter is None else float(m.scatter.ratios(at)[0]) for m in self.models]
+        ratios = [float(model.scatter_ratios(at)[0]) for model in self.models]
         return np.asarray(self.noise * np.sqrt(ratios))
 
     def scatter_at(self, points: ArrayLike) -> Array:

@@ -98,22 +98,21 @@ def fit_without_outliers(
     most = _most_outliers(*points.shape)
     if most == 0 or _largest_residual(everything)[1] < _SUSPICIOUS:
         return everything, NO_OUTLIERS
-    kept = np.arange(len(values))
-    model, best = everything, (everything, kept)
+    runs = np.arange(len(values))
+    kept, model = runs, everything
+    best, outlying = everything, runs[:0]
     for _ in range(most):
         kept = np.delete(kept, _largest_residual(model)[0])
-        left_out = np.setdiff1d(np.arange(len(values)), kept)
+        left_out = np.setdiff1d(runs, kept)
         model = _fit(points[kept], values[kept], standard_errors[kept])
         if _all_outlying(model, points[left_out], values[left_out], len(values)):
             if not _are_alone(points, left_out):
                 return everything, NO_OUTLIERS
-            best = (model, kept)
-    model, kept = best
-    left_out = np.setdiff1d(np.arange(len(values)), kept)
-    if not len(left_out):
+            best, outlying = model, left_out
+    if not len(outlying):
         return everything, NO_OUTLIERS
-    residuals = values[left_out] - model.predict(points[left_out]).mean
-    return model, Outliers(tuple(left_out.tolist()), residuals, len(values))
+    residuals = values[outlying] - best.predict(points[outlying]).mean
+    return best, Outliers(tuple(outlying.tolist()), residuals, len(values))
 
 
 def _fit(points: FloatArray, values: FloatArray, standard_errors: FloatArray) -> Kriging:

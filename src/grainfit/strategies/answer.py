@@ -165,7 +165,7 @@ def _quality(model: Kriging, spread: bool) -> MetamodelQuality:
 def _noise_range(model: Kriging) -> tuple[float, float] | None:
     if model.scatter is None:
         return None
-    noise = model.noise_standard_deviation * np.sqrt(model.scatter.ratios(model.points))
+    noise = model.noise_standard_deviation * np.sqrt(model.scatter_ratios(model.points))
     return float(noise.min()), float(noise.max())
 
 

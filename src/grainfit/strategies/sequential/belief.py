@@ -80,12 +80,7 @@ class Belief:
         """Whether some target is missed at the closest point, and the standard errors are small."""
         return bool(self.metamodels.shortfall(self.answers.closest[0], _SEEMS_MISSED)[0] > 0)
 
-    @cached_property
-    def is_torn(self) -> bool:
-        """Whether outlying runs decide the verdict, and more runs would not change that."""
-        return self.metamodels.is_torn
-
-    @cached_property
+    @property
     def is_likely(self) -> bool:
         """Whether the answer agrees more likely than not."""
         return self.probability >= LIKELY
@@ -152,12 +147,8 @@ class Belief:
     def narrowing(self, runs: int) -> float:
         """Share by which further runs at the answer would narrow its standard errors."""
         _, variances = self.metamodels.deviations(self.answer)
-        return float(
-            (
-                1
-                - 1 / np.sqrt(1 + runs * variances[0] / self.metamodels.scatter_at(self.answer)[0])
-            ).max()
-        )
+        scatter = self.metamodels.scatter_at(self.answer)[0]
+        return float((1 - 1 / np.sqrt(1 + runs * variances[0] / scatter)).max())
 
     @property
     def time_step_gained(self) -> float:

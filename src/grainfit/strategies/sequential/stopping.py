@@ -15,7 +15,7 @@ _NARROWING_WORTH_RUNS = 0.3
 #: metamodels, too, so that they confirm the answer and make it certain at once.
 _LEFT_TO_VERIFICATION = 3
 #: Last runs of the usual budget, per free parameter, that only a likely answer is worth.
-RUNS_OF_HOPE = 4
+_RUNS_OF_HOPE = 4
 _LARGEST_TIME_STEP = (
     "Of the parameter sets that agree with the measurements, the one with the largest Rayleigh "
     "time step was taken:"
@@ -47,7 +47,9 @@ class StoppingRule:
 
     def is_decided(self, belief: Belief) -> bool:
         """Whether the answer is known but for its verification, or no further run could help."""
-        if self.is_out_of_reach(belief) or belief.is_torn or self._is_at_noise_floor(belief):
+        if self.is_out_of_reach(belief) or self._is_at_noise_floor(belief):
+            return True
+        if belief.metamodels.is_torn:
             return True
         return self._is_left_to_verification(belief) and belief.gain < _GAIN_WORTH_RUNS
 
@@ -76,7 +78,7 @@ class StoppingRule:
         """Whether all further runs would neither decide the search nor add much information."""
         if self.runs_left is None:
             return False
-        if self.runs_left <= RUNS_OF_HOPE * belief.problem.dimension and not belief.is_likely:
+        if self.runs_left <= _RUNS_OF_HOPE * belief.problem.dimension and not belief.is_likely:
             return True
         needed = belief.runs_needed(self.demanded)
         return needed > self.runs_left and belief.narrowing(self.runs_left) < _NARROWING_WORTH_RUNS

@@ -13,6 +13,7 @@ from grainfit.formatting import (
     number,
     percentage_off,
     plain,
+    plain_probability,
     probability,
     rounded,
 )
@@ -147,7 +148,7 @@ def _undecided(context: ReportContext, result: Result, sure: tuple[str, ...]) ->
     reasons = [*map(plain, result.notices)]
     if result.probability_all_met is not None:
         # The reasons mostly give the probability, with what would raise it.
-        likely = probability(result.probability_all_met).replace("\u00a0", " ")
+        likely = plain_probability(result.probability_all_met)
         if any(likely in reason for reason in reasons):
             sure = tuple(_determinations(context))
     return Verdict("warn", line, (*reasons, *sure))
