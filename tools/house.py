@@ -27,6 +27,7 @@ FLOORS: tuple[tuple[str, ...], ...] = (
     ("evaluation", "problem", "run_definition"),
     ("result",),
     ("measurement",),
+    ("scenes",),
     ("bulk_tests", "metamodels"),
     ("solvers", "strategies", "tests"),
     ("campaign",),

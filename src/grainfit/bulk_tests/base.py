@@ -1,19 +1,19 @@
-"""Bulk tests: options in, decks out, responses measured on the output of a run.
+"""Bulk tests: options in, a scene out, responses measured on the output of a run.
 
-A bulk test declares its options and responses, writes a solver's input into a run folder, measures
-its output, estimates the cost of a run, and shows a run in a report. It knows
-nothing of campaigns, and it never starts a solver itself. Everything else follows from these
+A bulk test declares its options and responses, describes the experiment as a scene
+(`grainfit.scenes`), measures the output of a run, and shows it in a report. It knows nothing of
+campaigns and of solvers: every solver translates scenes. Everything else follows from these
 declarations: the keys of ``[[test]]`` in the calibration file, JSON Schema, checks, tables in the
 documentation, units of tables of runs, and labels of plots.
 """
 
 from __future__ import annotations
 
+import math
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
-from dataclasses import InitVar, dataclass
+from dataclasses import InitVar, dataclass, fields
 from functools import cache
-from pathlib import Path
 from typing import Any, ClassVar, Self
 
 from grainfit.bulk_tests.run_cost import RunCost
@@ -23,8 +23,11 @@ from grainfit.errors import Fault, InputError
 from grainfit.evaluation import Response
 from grainfit.materials.diameters import Diameters
 from grainfit.materials.sizes import ParticleSizes
-from grainfit.options.fields import Amount, option_keys, read_options
+from grainfit.options.fields import Amount, option, option_keys, read_options
+from grainfit.options.kinds import Quantity
 from grainfit.options.tables import Key
+from grainfit.scenes.run_output import RunOutput
+from grainfit.scenes.scene import SCENES_REVISION, Scene, time_step
 
 #: Gravity on Earth, m/s^2, and the share of the Rayleigh time step at which beds come to rest.
 GRAVITY = 9.81
@@ -32,6 +35,10 @@ TIME_STEP_FRACTION = 0.12
 #: A run that takes this much longer than estimated hangs, even on a slow and busy machine.
 _PATIENCE = 100.0
 _PATIENCE_SECONDS = 600.0
+#: Particles times time steps per second on one core of a current processor.
+_SPEED = {"lammps": 2.2e6, "liggghts": 2.5e6}
+#: Two ranks are about 15 % faster than one: a bulk test is too small to share.
+_RANKS_EXPONENT = 0.2
 _DIAMETER = Key("diameter", Diameters(), "Particle diameter.", example='"10 mm"')
 
 
@@ -97,17 +104,25 @@ class BulkTest(ABC):
     title: ClassVar[str]
     #: Responses by name.
     responses: ClassVar[Mapping[str, ResponseInfo]]
-    #: DEM programs that it writes decks for.
-    solvers: ClassVar[tuple[str, ...]]
     #: Material parameters that its runs depend on, by dotted name.
     material_parameters: ClassVar[tuple[str, ...]] = tuple(MATERIAL_PARAMETERS)
     #: View of its runs in a report; None when there is none.
     shown: ClassVar[Shown | None] = None
-    #: Raised whenever the procedure, its decks or its evaluation change the outcome of a run.
+    #: Raised whenever the procedure or its evaluation change the outcome of a run.
     revision: ClassVar[int] = 1
 
     sizes: ParticleSizes = None  # type: ignore[assignment]  # given as diameter instead
     diameter: InitVar[Amount | list[dict[str, Amount]] | None] = None
+    gravity: Amount = option(
+        Quantity("m/s^2", above_zero=True), "Gravity.", example="9.81", default=GRAVITY
+    )
+    time_step_fraction: Amount = option(
+        Quantity("", highest=1.0, above_zero=True),
+        "Time step over the Rayleigh time step. With larger ones, beds of high rolling friction "
+        "may never come to rest.",
+        example="0.12",
+        default=TIME_STEP_FRACTION,
+    )
 
     def __post_init__(self, diameter: Amount | list[dict[str, Amount]] | None) -> None:
         object.__setattr__(self, "sizes", _sizes(self.sizes, diameter))
@@ -129,6 +144,7 @@ class BulkTest(ABC):
         return {
             "type": self.type,
             "revision": self.revision,
+            "scenes": SCENES_REVISION,
             "diameters": list(self.sizes.diameters),
             "mass_fractions": list(self.sizes.mass_fractions),
             **{key.name: getattr(self, key.name) for key in self.option_keys()},
@@ -147,22 +163,20 @@ class BulkTest(ABC):
         return cls(sizes, **{key.name: definition[key.name] for key in cls.option_keys()})
 
     @property
-    @abstractmethod
     def conditions(self) -> Conditions:
         """Conditions under which the test uses the material."""
+        return Conditions(self.sizes, float(self.gravity), float(self.time_step_fraction))
+
+    def time_step(self, material: Mapping[str, float]) -> float:
+        """Return the time step of a run with this material, s."""
+        return time_step(self.sizes, material, float(self.time_step_fraction))
 
     @abstractmethod
-    def write_deck(
-        self, folder: Path, solver: str, material: Mapping[str, float], seed: int
-    ) -> Path:
-        """Write everything that a solver reads into the folder; return the deck to start with.
+    def scene(self, material: Mapping[str, float], seed: int) -> Scene:
+        """Return the experiment with a material.
 
         Parameters
         ----------
-        folder : Path
-            The run's own folder.
-        solver : str
-            One of `solvers`.
         material : mapping of str to float
             Material parameters by dotted name; those with a default may be missing.
         seed : int
@@ -170,8 +184,8 @@ class BulkTest(ABC):
         """
 
     @abstractmethod
-    def measure(self, folder: Path) -> dict[str, Response]:
-        """Measure the responses on the solver's output in the folder.
+    def measure(self, run: RunOutput) -> dict[str, Response]:
+        """Measure the responses on the output of a run.
 
         Raises
         ------
@@ -181,25 +195,39 @@ class BulkTest(ABC):
             A response has no value there, with the reason.
         """
 
+    @property
     @abstractmethod
+    def number_of_particles(self) -> int:
+        """Number of particles at the beginning of a run."""
+
+    @abstractmethod
+    def simulated_time(self, material: Mapping[str, float]) -> float:
+        """Estimate the simulated time of a run, s."""
+
     def estimate_cost(self, solver: str, material: Mapping[str, float], ranks: int = 1) -> RunCost:
         """Estimate the cost of one run.
 
         Parameters
         ----------
         solver : str
-            One of `solvers`.
+            Name of the DEM program.
         material : mapping of str to float
             At least density, Young's modulus and Poisson's ratio of the particles.
         ranks : int
             MPI ranks of the run.
         """
+        step = self.time_step(material)
+        steps = math.ceil(self.simulated_time(material) / step)
+        speed = _SPEED.get(solver, min(_SPEED.values())) * ranks**_RANKS_EXPONENT
+        seconds = steps * self.number_of_particles / speed
+        fraction = self.conditions.time_step_fraction
+        return RunCost(step, steps, seconds, self.number_of_particles, fraction)
 
     def default_timeout(self, cost: RunCost) -> float:
         """Return the wall time after which a run of this cost hangs, s."""
         return _PATIENCE_SECONDS + _PATIENCE * cost.wall_seconds
 
-    def view(self, folder: Path) -> RunView:
+    def view(self, run: RunOutput) -> RunView:
         """Read the end of a run, to be drawn; for tests that have `shown`.
 
         Raises
@@ -207,12 +235,14 @@ class BulkTest(ABC):
         NotMeasurableError, OSError
             It is not there, or damaged.
         """
-        raise NotImplementedError(f"{self.type} shows nothing in {folder}")
+        raise NotImplementedError(f"{self.type} shows nothing of {run.folder}")
 
 
 @cache
 def _option_keys(test: type[BulkTest]) -> tuple[Key, ...]:
-    return option_keys(test)
+    shared = {field.name for field in fields(BulkTest)}
+    # Those that all tests have come last.
+    return tuple(sorted(option_keys(test), key=lambda key: key.name in shared))
 
 
 def _sizes(sizes: ParticleSizes | None, diameter: Any) -> ParticleSizes:

@@ -37,17 +37,28 @@ class Contact:
 
     @classmethod
     def between(
-        cls, material: Mapping[str, float], radius: float, other: float, gravity: float
+        cls,
+        material: Mapping[str, float],
+        radius: float,
+        other: float,
+        gravity: float,
+        load: float = TYPICAL_LOAD,
     ) -> Contact:
-        """Return the contact of two particles under the typical load of a bed."""
+        """Return the contact of two particles under a load in particle weights."""
         masses = particle_mass(material, radius), particle_mass(material, other)
-        return cls(material, radius, other, TYPICAL_LOAD * (2 * _reduced(*masses) * gravity))
+        return cls(material, radius, other, load * (2 * _reduced(*masses) * gravity))
 
     @classmethod
-    def on_wall(cls, material: Mapping[str, float], radius: float, gravity: float) -> Contact:
-        """Return the contact of a particle with a wall under the typical load of a bed."""
+    def on_wall(
+        cls,
+        material: Mapping[str, float],
+        radius: float,
+        gravity: float,
+        load: float = TYPICAL_LOAD,
+    ) -> Contact:
+        """Return the contact of a particle with a wall under a load in particle weights."""
         weight = particle_mass(material, radius) * gravity
-        return cls(material, radius, None, TYPICAL_LOAD * weight)
+        return cls(material, radius, None, load * weight)
 
     @property
     def body(self) -> Literal["particle", "wall"]:

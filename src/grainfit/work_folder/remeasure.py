@@ -14,6 +14,7 @@ from grainfit.errors import Fault, InputError, NotMeasurableError
 from grainfit.evaluation import Response
 from grainfit.measurement.angle_of_repose import angle_of_repose
 from grainfit.measurement.particles import read_dump
+from grainfit.scenes.run_output import RunOutput
 
 
 def measure_path(path: Path) -> dict[str, Response]:
@@ -35,7 +36,7 @@ def measure_path(path: Path) -> dict[str, Response]:
         The run did not end as its test requires.
     """
     if path.is_dir():
-        return _test_of(path).measure(path)
+        return _test_of(path).measure(RunOutput(path))
     if not path.is_file():
         raise InputError(
             Fault("", f"{str(path)!r} does not exist.", "Name a run folder or a dump.")

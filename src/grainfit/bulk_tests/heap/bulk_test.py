@@ -2,54 +2,37 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, ClassVar, Self
 
-import numpy as np
-from scipy.spatial import cKDTree
-
-from grainfit.bulk_tests.base import (
-    GRAVITY,
-    TIME_STEP_FRACTION,
-    BulkTest,
-    Conditions,
-    ResponseInfo,
-)
-from grainfit.bulk_tests.heap.deck import HeapDeck, heap_time_step
+from grainfit.bulk_tests.base import BulkTest, ResponseInfo
 from grainfit.bulk_tests.heap.setup import HeapSetup, plan_setup
 from grainfit.bulk_tests.heap.view import HeapView
-from grainfit.bulk_tests.run_cost import RunCost
-from grainfit.bulk_tests.shared.packing import PACKING_REVISION
-from grainfit.bulk_tests.shared.stages import find_log, require_complete
+from grainfit.bulk_tests.shared.validity import require_separate
 from grainfit.bulk_tests.view import Shown
-from grainfit.errors import NotMeasurableError, RunFailedError
+from grainfit.errors import NotMeasurableError
 from grainfit.evaluation import Response
 from grainfit.measurement.angle_of_repose import AngleOfRepose, angle_of_repose, on_plate
 from grainfit.measurement.bulk_density import bulk_density
-from grainfit.measurement.particles import Particles, read_dump, write_vtk
+from grainfit.measurement.particles import Particles, write_vtk
 from grainfit.measurement.picture import draw_heap
 from grainfit.options.fields import Amount, option
 from grainfit.options.kinds import Quantity, Whole
+from grainfit.scenes.conditions import AtRest, Clear
+from grainfit.scenes.packing import Round, random_column
+from grainfit.scenes.run_output import RunOutput, snapshot_file
+from grainfit.scenes.scene import Box, Scene, Stage, Velocity, Wall
+from grainfit.scenes.shapes import Cylinder, Disc
 
-#: Part of the identity of runs: change it whenever the rendered decks change. Up to
-#: version 0.1.0 it was a hash of the templates; this is theirs.
-DECK_REVISION = "e11f78288590e984"
-#: Files of a run: the particles at the end, and their silhouettes.
-_HEAP, _PICTURE = "heap.dump", "heap.png"
-#: Stages of the decks, in order.
-_STAGES = ("fill", "lift", "heap")
-#: Overlap over diameter above which contacts are no longer those of spheres.
-_LARGEST_MEAN_OVERLAP = 0.08
-#: Particles times time steps per second on one core of a current processor.
-_SPEED = {"lammps": 2.2e6, "liggghts": 2.5e6}
-#: Two ranks are about 15 % faster than one: a heap is too small to share.
-_RANKS_EXPONENT = 0.2
+#: Snapshots of a run, and its picture.
+_SETTLED, _HEAP, _PICTURE = "settled", "heap", "heap.png"
 #: The bed is at rest soon after the shortest fill stage; the lift ends before its longest travel.
 _FILL_SHARE = 1.25
 _LIFT_SHARE = 0.9
+#: Surface of plate and rim.
+_PLATE = "plate"
 
 
 _LENGTH = Quantity("m", above_zero=True, highest=1e3)
@@ -92,8 +75,8 @@ class Heap(BulkTest):
 
     type: ClassVar[str] = "heap"
     title: ClassVar[str] = "lifted cylinder"
-    solvers: ClassVar[tuple[str, ...]] = ("lammps", "liggghts")
-    shown: ClassVar[Shown | None] = Shown("heap", "angle_of_repose", _HEAP, _PICTURE)
+    revision: ClassVar[int] = 2
+    shown: ClassVar[Shown | None] = Shown("heap", "angle_of_repose", snapshot_file(_HEAP), _PICTURE)
     responses: ClassVar[Mapping[str, ResponseInfo]] = {
         "bulk_density": ResponseInfo(
             "kg/m^3",
@@ -165,16 +148,6 @@ class Heap(BulkTest):
         example="0.67",
         words="as between two particles",
     )
-    gravity: Amount = option(
-        Quantity("m/s^2", above_zero=True), "Gravity.", example="9.81", default=GRAVITY
-    )
-    time_step_fraction: Amount = option(
-        Quantity("", highest=1.0, above_zero=True),
-        "Time step over the Rayleigh time step. With larger ones, beds of high rolling friction "
-        "may never come to rest.",
-        example="0.12",
-        default=TIME_STEP_FRACTION,
-    )
     settling_time_limit: Amount | None = option(
         Quantity("s", above_zero=True),
         "Longest simulated time in which the bed and the heap may come to rest.",
@@ -195,60 +168,78 @@ class Heap(BulkTest):
         options = {key.name: getattr(self, key.name) for key in self.option_keys()}
         object.__setattr__(self, "setup", plan_setup(self.sizes, options))
 
-    def definition(self) -> dict[str, Any]:
-        """Return everything in the test that affects a run's outcome, as JSON."""
-        return {
-            "type": self.type,
-            "revision": self.revision,
-            "deck": DECK_REVISION,
-            "packing": PACKING_REVISION,
-            "diameters": list(self.sizes.diameters),
-            "mass_fractions": list(self.sizes.mass_fractions),
-            "setup": asdict(self.setup),
-            "plate_sliding_friction": self.plate_sliding_friction,
-            "plate_rolling_friction": self.plate_rolling_friction,
-            "time_step_fraction": self.time_step_fraction,
-            "views": self.views,
-        }
-
     @classmethod
     def from_definition(cls, definition: Mapping[str, Any]) -> Self:
         """Rebuild the test from the definition in the record of a run."""
-        # Geometry and procedure are recorded with every default resolved.
-        return super().from_definition({**definition["setup"], **definition})
-
-    @property
-    def conditions(self) -> Conditions:
-        """Conditions under which the test uses the material."""
-        return Conditions(self.sizes, self.setup.gravity, float(self.time_step_fraction))
+        # Version 0.1.0 recorded geometry and procedure with every default resolved.
+        return super().from_definition({**definition.get("setup", {}), **definition})
 
     @property
     def ground(self) -> float:
         """Height from which the flanks of the heap are measured, m, see `angle_of_repose`."""
         return max(self.setup.rim_height, self.sizes.sauter_diameter)
 
-    def time_step(self, material: Mapping[str, float]) -> float:
-        """Return the time step of a run with this material, s."""
-        return heap_time_step(self.sizes, material, float(self.time_step_fraction))
+    def scene(self, material: Mapping[str, float], seed: int) -> Scene:
+        """Return the experiment: a column falls, is struck off, and the cylinder is lifted."""
+        setup, largest = self.setup, max(self.sizes.diameters)
+        footprint = Round(setup.cylinder_radius)
+        column = random_column(self.sizes, setup.particle_count, footprint, seed)
+        top = column.height + 1.25 * largest
+        side = setup.plate_radius + 1.5 * largest
+        ceiling = top + setup.lift_height + 2 * largest
+        cylinder = Cylinder(setup.cylinder_radius, setup.cylinder_gap, top)
+        walls = {
+            "cylinder": Wall(cylinder),
+            "plate": Wall(Disc(setup.plate_radius, 0.0), _PLATE),
+        }
+        if setup.rim_height > 0:
+            walls["rim"] = Wall(Cylinder(setup.plate_radius, 0.0, setup.rim_height), _PLATE)
+        return Scene(
+            title="Heap test with a lifted cylinder",
+            material=material,
+            sizes=self.sizes,
+            particles=column,
+            box=Box((-side, -side, -3 * largest), (side, side, ceiling)),
+            walls=walls,
+            stages=self._stages(),
+            gravity=setup.gravity,
+            time_step=self.time_step(material),
+            quiet_speed=setup.quiet_speed,
+            check_interval=setup.check_interval,
+            surfaces={_PLATE: self._plate_parameters(material)},
+        )
 
-    def write_deck(
-        self, folder: Path, solver: str, material: Mapping[str, float], seed: int
-    ) -> Path:
-        """Write everything that a solver reads into the folder; return the deck to start with."""
+    def _stages(self) -> tuple[Stage, ...]:
+        setup = self.setup
+        limit = setup.settling_time_limit
+        return (
+            Stage(
+                "fill",
+                AtRest(setup.fill_time + limit, at_least=setup.fill_time),
+                "the column falls and comes to rest",
+                is_closed=True,
+                snapshot=_SETTLED,
+            ),
+            Stage(
+                "lift",
+                Clear("cylinder", setup.lift_height / setup.lift_speed),
+                "until the cylinder is clear of a heap at rest",
+                strike_off=setup.strike_off_height,
+                motions={"cylinder": Velocity("z", setup.lift_speed)},
+            ),
+            Stage("heap", AtRest(limit), "comes to rest", snapshot=_HEAP),
+        )
+
+    def _plate_parameters(self, material: Mapping[str, float]) -> dict[str, float]:
         rolling = self.plate_rolling_friction
         if rolling is None:
             rolling = material["particle_particle.rolling_friction"]
-        deck = HeapDeck(
-            self.setup,
-            self.sizes,
-            material,
-            float(self.plate_sliding_friction),
-            float(rolling),
-            self.time_step(material),
-        )
-        return deck.write(folder, solver, seed)
+        return {
+            "particle_wall.sliding_friction": float(self.plate_sliding_friction),
+            "particle_wall.rolling_friction": float(rolling),
+        }
 
-    def measure(self, folder: Path) -> dict[str, Response]:
+    def measure(self, run: RunOutput) -> dict[str, Response]:
         """Measure bulk density and angle of repose; leave a picture and a VTK file of the heap.
 
         Raises
@@ -259,37 +250,32 @@ class Heap(BulkTest):
         NotMeasurableError
             A response has no value, with the reason.
         """
-        log = find_log(folder)
-        if log is not None:
-            limit = self.setup.settling_time_limit
-            require_complete(log, _STAGES, self.setup.particle_count, limit, "cylinder")
-        bed = read_dump(folder / "settled.dump")
-        _require_separate(bed)
-        heap = read_dump(folder / _HEAP)
-        write_vtk(folder / "heap.vtk", heap)
-        angle = self._measure_angle(heap, folder / _PICTURE)
+        run.require_complete([stage.name for stage in self._stages()], "cylinder")
+        bed = run.snapshot(_SETTLED)
+        require_separate(bed)
+        heap = run.snapshot(_HEAP)
+        write_vtk(run.folder / "heap.vtk", heap)
+        angle = self._measure_angle(heap, run.folder / _PICTURE)
         setup = self.setup
         density = bulk_density(
             bed, setup.cylinder_radius, setup.bulk_density_bottom, setup.bulk_density_top
         )
         return {"bulk_density": density, "angle_of_repose": angle.response}
 
-    def estimate_cost(self, solver: str, material: Mapping[str, float], ranks: int = 1) -> RunCost:
-        """Estimate the cost of one run."""
-        setup = self.setup
-        simulated = _FILL_SHARE * setup.fill_time
-        simulated += _LIFT_SHARE * setup.lift_height / setup.lift_speed
-        time_step = self.time_step(material)
-        steps = math.ceil(simulated / time_step)
-        speed = _SPEED[solver] * ranks**_RANKS_EXPONENT
-        seconds = steps * setup.particle_count / speed
-        fraction = self.conditions.time_step_fraction
-        return RunCost(time_step, steps, seconds, setup.particle_count, fraction)
+    @property
+    def number_of_particles(self) -> int:
+        """Number of particles rained in."""
+        return self.setup.particle_count
 
-    def view(self, folder: Path) -> HeapView:
+    def simulated_time(self, material: Mapping[str, float]) -> float:  # noqa: ARG002
+        """Estimate the simulated time of a run, s."""
+        setup = self.setup
+        return _FILL_SHARE * setup.fill_time + _LIFT_SHARE * setup.lift_height / setup.lift_speed
+
+    def view(self, run: RunOutput) -> HeapView:
         """Read the heap of a run, to be drawn."""
         plate = self.setup.plate_radius
-        heap = on_plate(read_dump(folder / _HEAP), plate)
+        heap = on_plate(run.snapshot(_HEAP), plate)
         if not len(heap):
             raise NotMeasurableError("no particles are left on the plate")
         return HeapView(heap, plate, self.setup.rim_height, self.ground, self.views)
@@ -303,18 +289,3 @@ class Heap(BulkTest):
             raise
         draw_heap(picture, heap, plate, self.ground, angle)
         return angle
-
-
-def _require_separate(bed: Particles) -> None:
-    if not len(bed):
-        raise NotMeasurableError("no particles are left in the cylinder")
-    pairs = cKDTree(bed.positions).query_pairs(2 * bed.radii.max(), output_type="ndarray")
-    distance = np.linalg.norm(bed.positions[pairs[:, 0]] - bed.positions[pairs[:, 1]], axis=1)
-    overlap = 1 - distance / bed.radii[pairs].sum(axis=1)
-    touching = overlap[overlap > 0]
-    mean = float(touching.mean()) if len(touching) else 0.0
-    if mean > _LARGEST_MEAN_OVERLAP:
-        raise RunFailedError(
-            f"the particles overlap grossly, by {100 * mean:.0f} % of their diameter on average: "
-            "Young's modulus is too small for this load"
-        )

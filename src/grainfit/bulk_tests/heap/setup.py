@@ -6,9 +6,9 @@ import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
-from grainfit.bulk_tests.shared.packing import column_height, mean_particle_volume
 from grainfit.errors import Fault, InputError
 from grainfit.materials.sizes import ParticleSizes
+from grainfit.scenes.packing import Round, column_height, mean_particle_volume
 
 #: The defaults are those of a test of 10 mm beads on Earth; other sizes follow by Froude's law.
 _REFERENCE_DIAMETER = 0.010
@@ -99,7 +99,7 @@ def plan_setup(sizes: ParticleSizes, options: Mapping[str, float | None]) -> Hea
     faults = [*_cylinder_faults(sizes, radius, count)]
     if faults:
         raise InputError(faults)
-    height = column_height(sizes, count, radius)
+    height = column_height(sizes, count, Round(radius))
     fall_time = math.sqrt(2 * height / gravity)
     setup = HeapSetup(
         particle_count=count,

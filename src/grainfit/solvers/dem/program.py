@@ -30,7 +30,10 @@ from grainfit.errors import (
 )
 from grainfit.evaluation import Response
 from grainfit.files import log_tail
+from grainfit.scenes.run_output import RunOutput
+from grainfit.scenes.scene import Scene
 from grainfit.solvers.base import Solver, Workspace
+from grainfit.solvers.dem.script import ScriptDeck
 from grainfit.solvers.process.process import LOG_NAME, recorded_faults, run_process
 from grainfit.units import UnitError, to_unit
 
@@ -56,11 +59,15 @@ class DeckSolver(Solver):
     ------
     InputError
         A parameter is unknown, physically impossible, or belongs to a contact model that the solver
-        does not have, the number of ranks is below one, or the test has no deck for the program.
+        does not have, or the number of ranks is below one.
     """
 
     #: Log that the program itself writes into the run folder.
     _own_log: ClassVar[str]
+    #: Translator of scenes into its decks.
+    deck: ClassVar[type[ScriptDeck]]
+    #: Concepts of scenes that it does not have, with the reason and what to use instead.
+    missing: ClassVar[Mapping[str, str]] = {}
 
     def __init__(
         self,
@@ -71,9 +78,6 @@ class DeckSolver(Solver):
     ) -> None:
         if ranks < 1:
             raise InputError(Fault("ranks", f"{ranks} must be at least 1."))
-        if self.name not in test.solvers:
-            message = f"{self.name} cannot simulate the {test.type} test."
-            raise InputError(Fault("solver", message, f"Use one of {', '.join(test.solvers)}."))
         self.test = test
         self.material = _in_si(material)
         self._require_possible(self.material)
@@ -142,13 +146,21 @@ class DeckSolver(Solver):
         """
         material = self.run_parameters(parameters)
         with recorded_faults(workspace):
-            deck = self.test.write_deck(workspace.folder, self.name, material, seed)
-            self._simulate(deck, workspace)
+            scene = self.test.scene(material, seed)
+            self._require_possible_scene(scene)
+            self._simulate(self.deck(scene, workspace.folder).write(), workspace)
             try:
-                return self.test.measure(workspace.folder)
+                return self.test.measure(RunOutput(workspace.folder))
             except NotMeasurableError as error:
                 tail = log_tail(workspace.folder / self._own_log)
                 raise RunFailedError(str(error), tail, kind="evaluation") from error
+
+    def _require_possible_scene(self, scene: Scene) -> None:
+        """Raise `InputError` if the program lacks a concept of the scene."""
+        reasons = [self.missing[name] for name in scene.concepts() if name in self.missing]
+        if reasons:
+            message = f"{self.name} cannot simulate this {self.test.type} test."
+            raise InputError([Fault("solver", message, f"{reason}.") for reason in reasons])
 
     def _simulate(self, deck: Path, workspace: Workspace) -> None:
         """Run the program; a failure has the error message of the program, if there is one."""

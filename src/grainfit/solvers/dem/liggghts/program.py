@@ -5,13 +5,16 @@ from __future__ import annotations
 import os
 import re
 import shutil
+from collections.abc import Mapping
 from pathlib import Path
 from typing import ClassVar
 
 from typing_extensions import override
 
 from grainfit.errors import Fault, InputError, SolverNotFoundError
+from grainfit.solvers.dem.liggghts.scene_deck import MISSING, LiggghtsSceneDeck
 from grainfit.solvers.dem.program import DeckSolver, program_help
+from grainfit.solvers.dem.script import ScriptDeck
 
 _INSTALL = "Install it with: apt-get install liggghts"
 _REFUSED_RESTITUTION = 0.05
@@ -22,6 +25,8 @@ class Liggghts(DeckSolver):
 
     name = "liggghts"
     _own_log: ClassVar[str] = "log.liggghts"
+    deck: ClassVar[type[ScriptDeck]] = LiggghtsSceneDeck
+    missing: ClassVar[Mapping[str, str]] = MISSING
 
     @override
     def check(self) -> None:

@@ -1,6 +1,6 @@
-"""Random column of particles that do not touch, to rain into the cylinder.
+"""Random columns of particles that do not touch, to rain into a container.
 
-Positions come from random sequential addition, so both solvers start from the same particles and
+Positions come from random sequential addition, so all solvers start from the same particles and
 the seed is all that differs between two fillings.
 """
 
@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,9 +16,6 @@ from scipy.spatial import cKDTree
 
 from grainfit.errors import Fault, InputError
 from grainfit.materials.sizes import ParticleSizes
-
-#: Raised whenever the same seed gives other positions: part of a run's identity.
-PACKING_REVISION = 1
 
 #: Share of the column's volume that is solid: well below the jamming limit of random sequential
 #: addition (0.38), so that places are found quickly.
@@ -28,6 +26,92 @@ _ROUNDS_BEFORE_GROWING = 50
 _GROWTH = 1.05
 
 
+class Footprint(Protocol):
+    """Horizontal cross-section of a column."""
+
+    @property
+    def area(self) -> float:
+        """Area inside the walls, m^2."""
+
+    def area_of_centres(self, radius: float) -> float:
+        """Return the area that centres of particles of a radius can take, m^2."""
+
+    def places(
+        self, random: np.random.Generator, count: int, wall: float
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Draw x and y of places, uniform in the area, this far from the walls."""
+
+    @property
+    def period(self) -> tuple[float, float, float] | None:
+        """Periods along the axes, 0 where there is none; None without any."""
+
+
+@dataclass(frozen=True)
+class Round:
+    """A circle about the z axis.
+
+    Parameters
+    ----------
+    radius : float
+        m.
+    """
+
+    radius: float
+    period: None = None
+
+    @property
+    def area(self) -> float:
+        """Area inside the wall, m^2."""
+        return math.pi * self.radius**2
+
+    def area_of_centres(self, radius: float) -> float:
+        """Return the area that centres of particles of a radius can take, m^2."""
+        return math.pi * (self.radius - radius) ** 2
+
+    def places(
+        self, random: np.random.Generator, count: int, wall: float
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Draw x and y of places, uniform in the area, this far from the wall."""
+        distance = (self.radius - wall) * np.sqrt(random.random(count))
+        azimuth = 2 * math.pi * random.random(count)
+        return distance * np.cos(azimuth), distance * np.sin(azimuth)
+
+
+@dataclass(frozen=True)
+class Rectangle:
+    """A rectangle between walls at x = -width/2 and width/2, periodic in y from 0 to depth.
+
+    Parameters
+    ----------
+    width, depth : float
+        m.
+    """
+
+    width: float
+    depth: float
+
+    @property
+    def period(self) -> tuple[float, float, float]:
+        """Periods along the axes, 0 where there is none."""
+        return (0.0, self.depth, 0.0)
+
+    @property
+    def area(self) -> float:
+        """Area inside the walls, m^2."""
+        return self.width * self.depth
+
+    def area_of_centres(self, radius: float) -> float:
+        """Return the area that centres of particles of a radius can take, m^2."""
+        return (self.width - 2 * radius) * self.depth
+
+    def places(
+        self, random: np.random.Generator, count: int, wall: float
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Draw x and y of places, uniform in the area, this far from the walls."""
+        x = (self.width / 2 - wall) * (2 * random.random(count) - 1)
+        return x, self.depth * random.random(count)
+
+
 @dataclass(frozen=True)
 class Column:
     """Particles before they fall.
@@ -35,7 +119,7 @@ class Column:
     Parameters
     ----------
     positions : ndarray of shape (n, 3)
-        Centres, m; the cylinder's axis is z, its ground is at z = 0.
+        Centres, m; the ground is at z = 0.
     size_indices : ndarray of shape (n,)
         Index of each particle's diameter in the particle size distribution.
     height : float
@@ -69,16 +153,15 @@ def mean_particle_volume(sizes: ParticleSizes) -> float:
     return sum(share * math.pi / 6 * diameter**3 for share, diameter in shares)
 
 
-def column_height(sizes: ParticleSizes, count: int, radius: float) -> float:
+def column_height(sizes: ParticleSizes, count: int, footprint: Footprint) -> float:
     """Return the first height to try for a random column of this many particles, m."""
-    room = radius - max(sizes.diameters) / 2
-    area = math.pi * (radius**2 + room**2) / 2
+    area = (footprint.area + footprint.area_of_centres(max(sizes.diameters) / 2)) / 2
     height = count * mean_particle_volume(sizes) / (_SOLID_FRACTION * area)
     return max(height, 2 * max(sizes.diameters))
 
 
-def random_column(sizes: ParticleSizes, count: int, radius: float, seed: int) -> Column:
-    """Fill an upright cylinder with particles at random places, none touching another.
+def random_column(sizes: ParticleSizes, count: int, footprint: Footprint, seed: int) -> Column:
+    """Fill an upright container with particles at random places, none touching another.
 
     Parameters
     ----------
@@ -86,8 +169,8 @@ def random_column(sizes: ParticleSizes, count: int, radius: float, seed: int) ->
         Diameters and their mass fractions.
     count : int
         Number of particles; all of them are placed, in a higher column if need be.
-    radius : float
-        Inner radius of the cylinder, m.
+    footprint : Footprint
+        Cross-section of the container.
     seed : int
         Not negative; equal seeds give equal columns.
 
@@ -104,7 +187,8 @@ def random_column(sizes: ParticleSizes, count: int, radius: float, seed: int) ->
     if seed < 0:
         raise InputError(Fault("seed", f"{seed} is negative.", "Use 0 or a positive number."))
     random = np.random.default_rng(seed)
-    height = column_height(sizes, count, radius)
+    height = column_height(sizes, count, footprint)
+    period = footprint.period
     numbers = particle_numbers(sizes, count)
     positions = np.empty((0, 3))
     indices = np.empty(0, dtype=np.int64)
@@ -118,12 +202,12 @@ def random_column(sizes: ParticleSizes, count: int, radius: float, seed: int) ->
             rounds += 1
             if rounds % _ROUNDS_BEFORE_GROWING == 0:
                 height *= _GROWTH
-            places = _candidates(random, 4 * missing + 50, diameter, radius, height)
+            places = _candidates(random, 4 * missing + 50, diameter, footprint, height)
             for other in np.unique(indices):
-                tree = cKDTree(positions[indices == other])
+                tree = cKDTree(positions[indices == other], boxsize=period)
                 reach = (1 + _CLEARANCE) * (diameter + diameters[other]) / 2
                 places = places[tree.query(places, distance_upper_bound=reach)[0] > reach]
-            places = _without_contacts(places, (1 + _CLEARANCE) * diameter)[:missing]
+            places = _without_contacts(places, (1 + _CLEARANCE) * diameter, period)[:missing]
             positions = np.vstack((positions, places))
             indices = np.append(indices, np.full(len(places), index))
             missing -= len(places)
@@ -132,19 +216,20 @@ def random_column(sizes: ParticleSizes, count: int, radius: float, seed: int) ->
 
 
 def _candidates(
-    random: np.random.Generator, count: int, diameter: float, radius: float, height: float
+    random: np.random.Generator, count: int, diameter: float, footprint: Footprint, height: float
 ) -> NDArray[np.float64]:
-    """Random places inside the cylinder, uniform in its volume, clear of wall and ground."""
+    """Random places inside the container, uniform in its volume, clear of walls and ground."""
     wall = (1 + _CLEARANCE) * diameter / 2
-    distance = (radius - wall) * np.sqrt(random.random(count))
-    azimuth = 2 * math.pi * random.random(count)
+    x, y = footprint.places(random, count, wall)
     z = wall + (height - 2 * wall) * random.random(count)
-    return np.column_stack((distance * np.cos(azimuth), distance * np.sin(azimuth), z))
+    return np.column_stack((x, y, z))
 
 
-def _without_contacts(places: NDArray[np.float64], distance: float) -> NDArray[np.float64]:
+def _without_contacts(
+    places: NDArray[np.float64], distance: float, period: tuple[float, float, float] | None
+) -> NDArray[np.float64]:
     """Keep each place that is not too near to an earlier one that was kept."""
-    pairs = cKDTree(places).query_pairs(distance, output_type="ndarray")
+    pairs = cKDTree(places, boxsize=period).query_pairs(distance, output_type="ndarray")
     pairs = pairs[np.lexsort((pairs[:, 1], pairs[:, 0]))]
     kept = np.ones(len(places), dtype=bool)
     # Pairs come in order of their first member, so it is decided already whether that one is kept.

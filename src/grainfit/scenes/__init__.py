@@ -1,0 +1,1 @@
+"""Scenes: simulated experiments as plain data, which every solver translates."""

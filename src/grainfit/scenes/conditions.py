@@ -1,0 +1,66 @@
+"""Conditions that end a stage of a scene. Times are simulated, in s."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class AtRest:
+    """The particles have come to rest.
+
+    Parameters
+    ----------
+    limit : float
+        A bed that is still moving after this time fails the run.
+    at_least : float
+        The first look is after this time.
+    """
+
+    limit: float
+    at_least: float = 0.0
+
+
+@dataclass(frozen=True)
+class Clear:
+    """A lifted wall is clear of particles at rest, or its travel is over.
+
+    Parameters
+    ----------
+    wall : str
+        Name of the wall, a `Cylinder`.
+    limit : float
+        Longest time of the travel; then the stage ends well, too.
+    """
+
+    wall: str
+    limit: float
+
+
+@dataclass(frozen=True)
+class Loaded:
+    """The force on a loaded wall is the wanted one at two looks in a row.
+
+    Parameters
+    ----------
+    wall : str
+        Name of the wall; it moves by a `Load` in this stage.
+    within : float
+        Accepted deviation of the force, as a share.
+    limit : float
+        A force that is not held after this time fails the run.
+    """
+
+    wall: str
+    within: float
+    limit: float
+
+
+@dataclass(frozen=True)
+class Elapsed:
+    """A time has passed."""
+
+    time: float
+
+
+Condition = AtRest | Clear | Loaded | Elapsed

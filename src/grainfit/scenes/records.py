@@ -1,0 +1,59 @@
+"""Quantities that a scene records over time."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Force:
+    """Force of all particles on a wall along an axis, N."""
+
+    wall: str
+    along: str
+
+
+@dataclass(frozen=True)
+class RadialForce:
+    """Sum of the forces of particles on a wall away from the z axis, N."""
+
+    wall: str
+
+
+@dataclass(frozen=True)
+class Travel:
+    """Distance that a wall has moved since it was put, along the axis of its motions, m."""
+
+    wall: str
+
+
+@dataclass(frozen=True)
+class MassAbove:
+    """Mass of the particles whose centre is above a height, kg."""
+
+    height: float
+
+
+@dataclass(frozen=True)
+class KineticEnergy:
+    """Kinetic energy of all particles, J."""
+
+
+Recorded = Force | RadialForce | Travel | MassAbove | KineticEnergy
+
+
+@dataclass(frozen=True)
+class Series:
+    """Quantities recorded at an interval during a stage.
+
+    Parameters
+    ----------
+    columns : mapping of str to Recorded
+        Quantities by name of their column.
+    every : float
+        Simulated time between two records, s.
+    """
+
+    columns: Mapping[str, Recorded]
+    every: float

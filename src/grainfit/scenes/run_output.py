@@ -1,0 +1,201 @@
+"""Output of a run of a scene: the same files, whatever the solver.
+
+==========================  =====================================================================
+``snapshots/NAME.dump``     particles at the end of a stage: a text dump, for OVITO, too
+``series_STAGE.csv``        recorded quantities of a stage over time, s
+``stages.csv``              how, when and with how many particles every stage ended
+==========================  =====================================================================
+"""
+
+from __future__ import annotations
+
+import csv
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from grainfit.errors import NotMeasurableError, RunFailedError
+from grainfit.files import log_tail
+from grainfit.measurement.particles import Particles, read_dump
+
+SNAPSHOTS = "snapshots"
+STAGES = "stages.csv"
+STAGES_HEADER = "stage,end,step,time,particles,kinetic_energy"
+_LOGS = ("log.lammps", "log.liggghts")
+_REMEDY = "a smaller time_step_fraction or more dissipative contacts may help"
+
+
+def series_file(stage: str) -> str:
+    """Return the name of the file with the series of a stage."""
+    return f"series_{stage}.csv"
+
+
+def snapshot_file(name: str) -> str:
+    """Return the name of the file of a snapshot."""
+    return f"{SNAPSHOTS}/{name}.dump"
+
+
+@dataclass(frozen=True)
+class StageEnd:
+    """End of one stage.
+
+    Parameters
+    ----------
+    name : str
+        As in the scene, such as ``"fill"``.
+    end : str
+        ``"at_rest"``, ``"done"``, ``"restless"``, ``"unloaded"``, ``"unstable"`` or ``"broken"``.
+    step : int
+        Time step at its end.
+    time : float
+        Simulated time at its end, s.
+    particles : int
+        Particles then in the box.
+    kinetic_energy : float
+        J.
+    """
+
+    name: str
+    end: str
+    step: int
+    time: float
+    particles: int
+    kinetic_energy: float
+
+
+class RunOutput:
+    """Output of one run.
+
+    Parameters
+    ----------
+    folder : Path
+        Folder of the run.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = Path(folder)
+
+    @cached_property
+    def stages(self) -> tuple[StageEnd, ...]:
+        """Ends of the stages, in order.
+
+        Raises
+        ------
+        NotMeasurableError
+            The file is missing or damaged.
+        """
+        path = self.folder / STAGES
+        try:
+            with path.open(encoding="utf-8", newline="") as file:
+                rows = list(csv.reader(file))
+        except (OSError, UnicodeDecodeError, csv.Error) as error:
+            raise NotMeasurableError(f"{path}: cannot be read ({error}).") from error
+        if not rows or ",".join(rows[0]) != STAGES_HEADER:
+            raise NotMeasurableError(f"{path}: does not begin with {STAGES_HEADER}.")
+        try:
+            return tuple(_stage_end(row) for row in rows[1:])
+        except (ValueError, IndexError) as error:
+            raise NotMeasurableError(f"{path}: is damaged ({error}).") from error
+
+    def snapshot(self, name: str) -> Particles:
+        """Read the particles of a snapshot.
+
+        Raises
+        ------
+        NotMeasurableError
+            See `read_dump`.
+        """
+        path = self.folder / snapshot_file(name)
+        if not path.exists():
+            # Runs of version 0.1.0 have them beside the deck.
+            older = self.folder / f"{name}.dump"
+            path = older if older.exists() else path
+        return read_dump(path)
+
+    def series(self, stage: str) -> dict[str, NDArray[np.float64]]:
+        """Read the series of a stage: arrays by name of the column, ``"time"`` first.
+
+        Raises
+        ------
+        NotMeasurableError
+            The file is missing or damaged.
+        """
+        path = self.folder / series_file(stage)
+        try:
+            text = path.read_text(encoding="utf-8")
+            header, *lines = text.splitlines()
+            if not text.endswith("\n"):
+                raise ValueError("its last line has no end")
+            names = header.split(",")
+            table = np.array([[float(v) for v in line.split(",")] for line in lines])
+            table = table.reshape(len(lines), len(names))
+        except (OSError, ValueError) as error:
+            raise NotMeasurableError(f"{path}: cannot be read ({error}).") from error
+        if not np.isfinite(table).all():
+            raise NotMeasurableError(f"{path}: has values that are no numbers.")
+        return dict(zip(names, table.T, strict=True))
+
+    def require_complete(self, names: Sequence[str], container: str) -> tuple[StageEnd, ...]:
+        """Raise `RunFailedError` unless every stage went well; return the stages.
+
+        Parameters
+        ----------
+        names : sequence of str
+            The stages of the scene, in order.
+        container : str
+            Container that particles may break out of.
+        """
+        for stage in self.stages:
+            reason = _what_went_wrong(stage, container)
+            if reason:
+                raise RunFailedError(f"{reason}: {_REMEDY}", self.log_tail())
+        done = [stage.name for stage in self.stages]
+        if done != list(names):
+            words = ", ".join(done) or "none"
+            raise RunFailedError(
+                f"the simulation ended early (stages done: {words})", self.log_tail()
+            )
+        return self.stages
+
+    def log_tail(self) -> str:
+        """Return the last lines of the solver's log."""
+        found = (self.folder / name for name in _LOGS if (self.folder / name).is_file())
+        log = next(found, None)
+        return "" if log is None else log_tail(log)
+
+
+def _stage_end(row: Sequence[str]) -> StageEnd:
+    name, end, step, time, particles, energy = row
+    return StageEnd(name, end, int(step), float(time), int(particles), float(energy))
+
+
+def _what_went_wrong(stage: StageEnd, container: str) -> str:
+    energy = f"(kinetic energy {stage.kinetic_energy:.3g} J)"
+    if not math.isfinite(stage.kinetic_energy):
+        return f"the simulation became unstable in the {stage.name} stage {energy}"
+    if stage.end == "restless":
+        return (
+            f"the bed did not come to rest in the {stage.name} stage within {stage.time:.3g} s of "
+            f"simulated time {energy}"
+        )
+    if stage.end == "unloaded":
+        return (
+            f"the load was not reached and held in the {stage.name} stage within "
+            f"{stage.time:.3g} s of simulated time"
+        )
+    if stage.end == "unstable":
+        return (
+            f"the simulation became unstable in the {stage.name} stage (kinetic energy "
+            f"{stage.kinetic_energy:.3g} J, more than gravity can give)"
+        )
+    if stage.end == "broken":
+        return (
+            f"the simulation became unstable in the {stage.name} stage: particles broke out of "
+            f"the {container}"
+        )
+    return ""

@@ -1,0 +1,254 @@
+"""Scenes: particles, walls, motions, stages and records of a simulated experiment.
+
+A scene is plain data in SI units that knows no solver. Each solver translates it into its own
+input, and leaves the same files in the folder of the run (`grainfit.scenes.run_output`).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+
+from grainfit.contact_models.contact import TYPICAL_LOAD, particle_mass
+from grainfit.materials.sizes import ParticleSizes
+from grainfit.materials.time_step import rayleigh_time_step
+from grainfit.scenes.conditions import Condition
+from grainfit.scenes.packing import Column
+from grainfit.scenes.records import Series
+from grainfit.scenes.shapes import Shape, Vector
+
+#: Raised whenever packing or decks of scenes change the outcome of runs: part of their identity.
+SCENES_REVISION = 1
+#: The surface of walls whose contacts are those of the material's section ``[particle_wall]``.
+WALL = "wall"
+
+
+@dataclass(frozen=True)
+class Box:
+    """The simulated space; particles that leave it are gone.
+
+    Parameters
+    ----------
+    low, high : tuple of float
+        Corners, m.
+    periodic : str
+        Axes along which the space repeats, such as ``"y"`` or ``"xy"``.
+    """
+
+    low: Vector
+    high: Vector
+    periodic: str = ""
+
+
+@dataclass(frozen=True)
+class Wall:
+    """A wall: its shape, and the surface that particles touch.
+
+    Parameters
+    ----------
+    shape : Shape
+        Of `grainfit.scenes.shapes`.
+    surface : str
+        Name of a surface of the scene.
+    """
+
+    shape: Shape
+    surface: str = WALL
+
+
+@dataclass(frozen=True)
+class Velocity:
+    """Motion of a wall at constant velocity.
+
+    Parameters
+    ----------
+    along : {"x", "y", "z"}
+        Axis of the motion.
+    speed : float
+        m/s; negative in the negative direction.
+    """
+
+    along: str
+    speed: float
+
+
+@dataclass(frozen=True)
+class Load:
+    """Motion of a wall that presses on the particles with a force, no faster than a speed.
+
+    Parameters
+    ----------
+    along : {"x", "y", "z"}
+        Axis of the motion.
+    force : float
+        Force of the wall on the particles, N; negative when it presses in the negative direction.
+    largest_speed : float
+        m/s.
+    gain : float
+        Speed over missing force, m/(N s): one over stiffness of the bed times time constant.
+    """
+
+    along: str
+    force: float
+    largest_speed: float
+    gain: float
+
+
+Motion = Velocity | Load
+
+
+@dataclass(frozen=True)
+class Stage:
+    """A part of the procedure: what changes at its beginning, and when it ends.
+
+    Parameters
+    ----------
+    name : str
+        One word.
+    until : Condition
+        End of the stage, see `grainfit.scenes.conditions`.
+    remark : str
+        What happens in it, for a comment in a deck.
+    take_away : tuple of str
+        Walls that are removed at its beginning.
+    put : mapping of str to Wall
+        Walls that are added at its beginning.
+    strike_off : float, optional
+        Particles whose centre is above this height are removed at its beginning, m.
+    motions : mapping of str to Motion
+        Walls that move in this stage, and only in it.
+    series : Series, optional
+        Quantities recorded in it.
+    snapshot : str
+        Name of the snapshot of the particles at its end; empty for none.
+    is_closed : bool
+        No particle may get lost in it: walls hold them all.
+    """
+
+    name: str
+    until: Condition
+    remark: str = ""
+    take_away: tuple[str, ...] = ()
+    put: Mapping[str, Wall] = field(default_factory=dict)
+    strike_off: float | None = None
+    motions: Mapping[str, Motion] = field(default_factory=dict)
+    series: Series | None = None
+    snapshot: str = ""
+    is_closed: bool = False
+
+
+@dataclass(frozen=True)
+class Scene:
+    """A simulated experiment.
+
+    Parameters
+    ----------
+    title : str
+        A few words, for the first line of a deck.
+    material : mapping of str to float
+        All material parameters by dotted name; those with a default may be missing.
+    sizes : ParticleSizes
+        Particle size distribution.
+    particles : Column
+        Particles at the beginning, at rest.
+    box : Box
+        The simulated space.
+    walls : mapping of str to Wall
+        Walls at the beginning, by name (one word).
+    stages : tuple of Stage
+        In order.
+    gravity : float
+        m/s^2, downwards.
+    time_step : float
+        s.
+    quiet_speed : float
+        Particles are at rest when their kinetic energy is less than if every one had this speed.
+    check_interval : float
+        Simulated time between two looks at the end of a stage, s.
+    surfaces : mapping of str to mapping
+        Material parameters of surfaces other than ``"wall"`` that differ from it, by name of the
+        surface and of the parameter.
+    typical_load : float
+        Typical normal force of a contact in particle weights: LAMMPS and YADE keep rolling
+        stiffness and damping constant at its value there.
+    """
+
+    title: str
+    material: Mapping[str, float]
+    sizes: ParticleSizes
+    particles: Column
+    box: Box
+    walls: Mapping[str, Wall]
+    stages: tuple[Stage, ...]
+    gravity: float
+    time_step: float
+    quiet_speed: float
+    check_interval: float
+    surfaces: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
+    typical_load: float = TYPICAL_LOAD
+
+    def material_on(self, surface: str) -> dict[str, float]:
+        """Return the material parameters for contacts with a surface."""
+        return {**self.material, **self.surfaces.get(surface, {})}
+
+    def all_walls(self) -> dict[str, Wall]:
+        """Return the walls of all stages by name."""
+        later = [wall for stage in self.stages for wall in stage.put.items()]
+        return {**self.walls, **dict(later)}
+
+    def motions_of(self, wall: str) -> Iterator[Motion]:
+        """Iterate over the motions of a wall."""
+        for stage in self.stages:
+            if wall in stage.motions:
+                yield stage.motions[wall]
+
+    def steps(self, time: float) -> int:
+        """Return the number of time steps of a simulated time; at least one."""
+        return max(1, round(time / self.time_step))
+
+    @property
+    def mass(self) -> float:
+        """Mass of all particles at the beginning, kg."""
+        shares = zip(self.sizes.number_fractions, self.sizes.diameters, strict=True)
+        mean = sum(share * particle_mass(self.material, d / 2) for share, d in shares)
+        return len(self.particles.positions) * mean
+
+    @property
+    def energy_at_rest(self) -> float:
+        """Kinetic energy below which the particles are at rest, J."""
+        return self.mass * self.quiet_speed**2 / 2
+
+    @property
+    def energy_limit(self) -> float:
+        """Kinetic energy that is out of reach, J: of all particles falling from top to bottom."""
+        return self.mass * self.gravity * (self.particles.height - self.box.low[2])
+
+    def concepts(self) -> set[str]:
+        """Return the names of the concepts that a solver must have to translate the scene."""
+        walls = self.all_walls().values()
+        found = {type(wall.shape).__name__.lower() for wall in walls}
+        found |= {type(m).__name__.lower() for s in self.stages for m in s.motions.values()}
+        if self.box.periodic:
+            found.add("periodic " + self.box.periodic)
+        return found
+
+
+def time_step(sizes: ParticleSizes, material: Mapping[str, float], fraction: float) -> float:
+    """Return a fraction of the Rayleigh time step, s."""
+    return fraction * rayleigh_time_step(
+        sizes.smallest_radius,
+        material["particle.density"],
+        material["particle.youngs_modulus"],
+        material["particle.poissons_ratio"],
+    )
+
+
+def natural_time(sizes: ParticleSizes, gravity: float) -> float:
+    """Return sqrt(d/g) with the Sauter diameter d, s."""
+    return math.sqrt(sizes.sauter_diameter / gravity)
+
+
+def natural_speed(sizes: ParticleSizes, gravity: float) -> float:
+    """Return sqrt(g d) with the Sauter diameter d, m/s."""
+    return math.sqrt(sizes.sauter_diameter * gravity)

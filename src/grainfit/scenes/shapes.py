@@ -1,0 +1,125 @@
+"""Shapes of walls: plane, block, cylinder, cone, disc, annulus, mesh. Lengths in m."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+Vector = tuple[float, float, float]
+
+
+@dataclass(frozen=True)
+class Plane:
+    """An infinite plane, perpendicular to an axis; particles are on the side of the normal.
+
+    Parameters
+    ----------
+    axis : {"x", "y", "z"}
+        Axis of the normal.
+    at : float
+        Coordinate on that axis.
+    upwards : bool
+        Whether the normal points in the positive direction.
+    """
+
+    axis: str
+    at: float
+    upwards: bool = True
+
+
+@dataclass(frozen=True)
+class Block:
+    """A solid block, met from outside: its faces, edges and corners are exact.
+
+    Parameters
+    ----------
+    low, high : tuple of float
+        Corners. Along a periodic axis the block goes on for ever, and they do not matter.
+    """
+
+    low: Vector
+    high: Vector
+
+
+@dataclass(frozen=True)
+class Cylinder:
+    """An upright tube about the z axis with open ends, met from inside.
+
+    Parameters
+    ----------
+    radius : float
+        Inner radius.
+    bottom, top : float
+        Heights of its ends.
+    """
+
+    radius: float
+    bottom: float
+    top: float
+
+
+@dataclass(frozen=True)
+class Cone:
+    """An upright funnel about the z axis with open ends, met from inside.
+
+    Parameters
+    ----------
+    lower_radius, upper_radius : float
+        Inner radii at the ends.
+    bottom, top : float
+        Heights of its ends.
+    """
+
+    lower_radius: float
+    upper_radius: float
+    bottom: float
+    top: float
+
+
+@dataclass(frozen=True)
+class Disc:
+    """A horizontal round plate about the z axis; particles are on top, and may fall off its edge.
+
+    Parameters
+    ----------
+    radius : float
+        Of the plate.
+    z : float
+        Height of its upper side.
+    """
+
+    radius: float
+    z: float
+
+
+@dataclass(frozen=True)
+class Annulus:
+    """A thin horizontal ring about the z axis: a floor with a sharp-edged round orifice.
+
+    Parameters
+    ----------
+    inner_radius, outer_radius : float
+        Of the orifice, and of the floor.
+    z : float
+        Height.
+    """
+
+    inner_radius: float
+    outer_radius: float
+    z: float
+
+
+@dataclass(frozen=True)
+class Mesh:
+    """Triangles of an STL file, met from both sides.
+
+    Parameters
+    ----------
+    path : Path
+        The file, in m.
+    """
+
+    path: Path
+
+
+Shape = Plane | Block | Cylinder | Cone | Disc | Annulus | Mesh

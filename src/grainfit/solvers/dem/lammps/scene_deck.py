@@ -1,0 +1,201 @@
+"""Scenes as decks for LAMMPS: walls are regions, one fix for each wall and particle size."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import ClassVar
+
+from grainfit.contact_models.contact import Contact
+from grainfit.contact_models.lammps import lammps_clauses, lammps_words
+from grainfit.scenes.run_output import snapshot_file
+from grainfit.scenes.scene import Load, Stage, Velocity, Wall
+from grainfit.scenes.shapes import Block, Cone, Cylinder, Disc, Plane, Shape
+from grainfit.solvers.dem.script import PARTICLES, ScriptDeck, command, continued, heading
+
+#: Concepts that LAMMPS does not have, with the reason and what to use instead.
+MISSING: Mapping[str, str] = {
+    "annulus": (
+        "LAMMPS has no sharp-edged round orifice (a particle beside the rim of a composed region "
+        'has no contact until its centre is below it); use a slot, or solver = "liggghts"'
+    ),
+    "mesh": 'LAMMPS has no friction on walls from STL files; use solver = "liggghts"',
+}
+
+
+class LammpsSceneDeck(ScriptDeck):
+    """A scene as a deck for LAMMPS with its GRANULAR package; see `ScriptDeck`."""
+
+    solver: ClassVar[str] = "lammps"
+    introduction: ClassVar[tuple[str, ...]] = (
+        "LAMMPS with its GRANULAR package",
+        "By hand, in this folder:  lmp -in in.lammps",
+        f"Reads {PARTICLES}; writes stages.csv, snapshots/*.dump and series_*.csv.",
+    )
+
+    def head(self) -> Iterator[str]:
+        """Iterate over the settings of the simulation."""
+        yield command("units", "si")
+        yield command("atom_style", "sphere")
+        yield command("atom_modify", "map array")
+        yield command("boundary", self.boundary())
+        yield command("newton", "off")
+        yield command("comm_modify", "vel yes")
+        yield command("processors", "* * 1".ljust(23) + " # a bed is split from above only")
+        yield command("read_data", PARTICLES)
+        yield command("neighbor", f"{0.3 * self.scene.sizes.sauter_diameter} bin")
+        yield command("neigh_modify", "delay 0 every 1 check yes")
+
+    def particle_types(self) -> tuple[int, list[int]]:
+        """Return one type for each diameter."""
+        kinds = (self.scene.particles.size_indices + 1).tolist()
+        return len(self.scene.sizes.diameters), kinds
+
+    @property
+    def _radii(self) -> list[float]:
+        return [diameter / 2 for diameter in self.scene.sizes.diameters]
+
+    def contacts(self) -> Iterator[str]:
+        """Iterate over the contact law of each pair of sizes."""
+        yield heading("particles: one type for each diameter")
+        yield from (f"# {words.legend}" for words in lammps_words(self.law) if words.legend)
+        yield command("pair_style", "granular")
+        scene, radii = self.scene, self._radii
+        material = scene.material_on("wall")
+        for i, radius in enumerate(radii, 1):
+            for j, other in enumerate(radii[i - 1 :], i):
+                contact = Contact.between(
+                    material, radius, other, scene.gravity, scene.typical_load
+                )
+                yield continued(
+                    command("pair_coeff", f"{i} {j}"), lammps_clauses(self.law, contact)
+                )
+        for number in range(1, len(radii) + 1):
+            yield command("group", f"size{number} type {number}")
+
+    # --- walls ---------------------------------------------------------------------------------
+
+    def first_walls(self) -> Iterator[str]:
+        """Iterate over the walls of the beginning."""
+        yield "# LAMMPS gives a wall the stiffness of the particle; the modulus below is the one at"
+        yield "# which that makes the contact as stiff as that of a particle with the real wall."
+        for name, wall in self.scene.walls.items():
+            yield from self._put(name, wall)
+
+    def change_walls(self, stage: Stage) -> Iterator[str]:
+        """Take away and put walls; each has its own fixes, so that the others stay as they are."""
+        for name in stage.take_away:
+            yield from (command("unfix", f"{name}{n}") for n in self._numbers())
+        for name, wall in stage.put.items():
+            yield from self._put(name, wall)
+
+    def _numbers(self) -> range:
+        return range(1, len(self._radii) + 1)
+
+    def _put(self, name: str, wall: Wall) -> Iterator[str]:
+        axis = self.moving_walls().get(name)
+        move = ""
+        if axis is not None:
+            style = "internal" if self._is_loaded(name) else "equal"
+            yield command("variable", f"{name}_travel {style} 0.0")
+            along = ["NULL", "NULL", "NULL"]
+            along[self.component(axis)] = f"v_{name}_travel"
+            move = f" move {' '.join(along)}"
+        yield command("region", f"{name} {self._region(wall.shape)}{move}")
+        material = self.scene.material_on(wall.surface)
+        measured = " contacts" if name in self.measured_walls() else ""
+        for number, radius in enumerate(self._radii, 1):
+            contact = Contact.on_wall(material, radius, self.scene.gravity, self.scene.typical_load)
+            clauses = lammps_clauses(self.law, contact)
+            clauses[-1] += f" region {name}{measured}"
+            yield continued(
+                command("fix", f"{name}{number} size{number} wall/gran/region granular"), clauses
+            )
+
+    def _is_loaded(self, wall: str) -> bool:
+        return any(isinstance(motion, Load) for motion in self.scene.motions_of(wall))
+
+    def _region(self, shape: Shape) -> str:
+        if isinstance(shape, Plane):
+            axis = self.component(shape.axis)
+            point, normal = [0.0] * 3, [0.0] * 3
+            point[axis], normal[axis] = shape.at, 1.0 if shape.upwards else -1.0
+            return f"plane {_numbers(point)} {_numbers(normal)} units box"
+        if isinstance(shape, Block):
+            sides = " ".join(
+                "INF INF" if axis in self.scene.box.periodic else f"{low} {high}"
+                for axis, low, high in zip("xyz", shape.low, shape.high, strict=True)
+            )
+            return f"block {sides} units box side out"
+        if isinstance(shape, Cylinder):
+            ends = f"{shape.bottom} {shape.top}"
+            return f"cylinder z 0 0 {shape.radius} {ends} units box open 1 open 2"
+        if isinstance(shape, Cone):
+            radii = f"{shape.lower_radius} {shape.upper_radius}"
+            return f"cone z 0 0 {radii} {shape.bottom} {shape.top} units box open 1 open 2"
+        assert isinstance(shape, Disc), "shapes that LAMMPS does not have are refused before"
+        # A solid cylinder met from outside: far below, or its lower side would count.
+        bottom = shape.z - 2 * (shape.z - self.scene.box.low[2])
+        return f"cylinder z 0 0 {shape.radius} {bottom} {shape.z} units box side out"
+
+    # --- motions -------------------------------------------------------------------------------
+
+    def start_motion(self, wall: str, motion: Velocity | Load) -> Iterator[str]:
+        """Start a motion of a wall."""
+        travel = f"{wall}_travel"
+        if not self._is_loaded(wall):
+            yield command("variable", f"{wall}_from equal ${{{travel}}}")
+            path = f"${{{wall}_from}}+({motion.speed})*(step-${{start}})*dt"  # type: ignore[union-attr]
+            yield command("variable", f"{travel} equal {path}")
+            return
+        yield from self.record_force(wall, motion.along, f"{wall}_force")
+        if isinstance(motion, Load):
+            yield f"# The more force is missing, the faster; at most {motion.largest_speed} m/s."
+            share = motion.gain / motion.largest_speed
+            missing = f"({motion.force}+v_{wall}_force)"
+            yield command("variable", f"{wall}_lack equal {share}*{missing}")
+            lack = f"v_{wall}_lack"
+            speed = f"{-motion.largest_speed}*{lack}/sqrt(1.0+{lack}*{lack})"
+        else:
+            speed = f"{-motion.speed}"
+        yield command("variable", f"{wall}_speed equal {speed}")
+        yield command(
+            "fix", f"{wall}_motion all controller 1 1.0 1.0 0.0 0.0 v_{wall}_speed 0.0 {travel}"
+        )
+
+    def stop_motion(self, wall: str, motion: Velocity | Load) -> Iterator[str]:  # noqa: ARG002
+        """Stop a motion of a wall where it is."""
+        if self._is_loaded(wall):
+            yield command("unfix", f"{wall}_motion")
+        else:
+            yield command("variable", f"{wall}_to equal ${{{wall}_travel}}")
+            yield command("variable", f"{wall}_travel equal ${{{wall}_to}}")
+
+    # --- records -------------------------------------------------------------------------------
+
+    def snapshot(self, name: str) -> Iterator[str]:
+        """Write the particles into a file."""
+        columns = "id type x y z radius mass"
+        yield command("write_dump", f"all custom {snapshot_file(name)} {columns} modify sort id")
+
+    def record_force(self, wall: str, along: str, name: str) -> Iterator[str]:
+        """Define a variable: the force of the particles on a wall along an axis."""
+        # Column 1 says whether there is a contact; columns 2 to 4 are the force on the particle.
+        column = 2 + self.component(along)
+        for n in self._numbers():
+            source = f"f_{wall}{n}[{column}]"
+            yield command("compute", f"{name}{n} size{n} reduce sum {source}")
+        total = "".join(f"-c_{name}{n}" for n in self._numbers())
+        yield command("variable", f"{name} equal {total}")
+
+    def record_radial_force(self, wall: str, name: str) -> Iterator[str]:
+        """Define a variable: the force of the particles on a wall away from the z axis."""
+        for n in self._numbers():
+            force = f"(f_{wall}{n}[2]*x+f_{wall}{n}[3]*y)/sqrt(x*x+y*y)"
+            yield command("variable", f"{name}_of{n} atom {force}")
+            yield command("compute", f"{name}{n} size{n} reduce sum v_{name}_of{n}")
+        total = "".join(f"-c_{name}{n}" for n in self._numbers())
+        yield command("variable", f"{name} equal {total}")
+
+
+def _numbers(values: list[float]) -> str:
+    return " ".join(str(value) for value in values)

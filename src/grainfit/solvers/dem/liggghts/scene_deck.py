@@ -1,0 +1,179 @@
+"""Scenes as decks for LIGGGHTS: walls are triangle meshes, one type for each surface."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Iterator, Mapping
+from typing import ClassVar
+
+from grainfit.contact_models.liggghts import liggghts_model, liggghts_properties
+from grainfit.scenes.run_output import snapshot_file
+from grainfit.scenes.scene import WALL, Load, Stage, Velocity, Wall
+from grainfit.scenes.shapes import Mesh
+from grainfit.scenes.triangles import triangles_of, write_stl
+from grainfit.solvers.dem.script import PARTICLES, ScriptDeck, command, continued, heading
+
+#: Concepts that LIGGGHTS does not have, with the reason and what to use instead.
+MISSING: Mapping[str, str] = {}
+
+
+class LiggghtsSceneDeck(ScriptDeck):
+    """A scene as a deck for LIGGGHTS-PUBLIC; see `ScriptDeck`."""
+
+    solver: ClassVar[str] = "liggghts"
+    introduction: ClassVar[tuple[str, ...]] = (
+        "LIGGGHTS-PUBLIC 3.8",
+        "By hand, in this folder:  liggghts -in in.liggghts",
+        f"Reads {PARTICLES} and *.stl; writes stages.csv, snapshots/*.dump and series_*.csv.",
+    )
+
+    @property
+    def _surfaces(self) -> list[str]:
+        """Surfaces of all walls; their types are 2, 3, ..."""
+        return list(dict.fromkeys(wall.surface for wall in self.scene.all_walls().values()))
+
+    def head(self) -> Iterator[str]:
+        """Iterate over the settings of the simulation."""
+        yield command(
+            "soft_particles", "yes".ljust(23) + " # or a Young's modulus below 5 MPa is refused"
+        )
+        yield command("hard_particles", "yes".ljust(23) + " # or one above 1 GPa is (the wall's)")
+        yield command("units", "si")
+        yield command("atom_style", "granular")
+        yield command("atom_modify", "map array")
+        yield command("boundary", self.boundary())
+        yield command("newton", "off")
+        yield command("communicate", "single vel yes")
+        yield command("processors", "* * 1".ljust(23) + " # a bed is split from above only")
+        yield command("read_data", PARTICLES)
+        yield command("neighbor", f"{0.3 * self.scene.sizes.sauter_diameter} bin")
+        yield command("neigh_modify", "delay 0 every 1 check yes")
+
+    def particle_types(self) -> tuple[int, list[int]]:
+        """Return a type for the particles and one for each surface."""
+        return 1 + len(self._surfaces), [1] * len(self.scene.particles.size_indices)
+
+    def contacts(self) -> Iterator[str]:
+        """Iterate over the properties of particles and surfaces."""
+        surfaces = self._surfaces
+        names = "".join(f", {n} {name}" for n, name in enumerate(surfaces, 2))
+        yield heading(f"materials: 1 particles{names}")
+        materials = [self.scene.material_on(name) for name in surfaces or [WALL]]
+        properties = liggghts_properties(self.law, materials)
+        for name, values in properties.bodies.items():
+            row = " ".join(map(str, values))
+            key = properties.keys[name]
+            yield command("fix", f"{key} all property/global {name} peratomtype {row}")
+        for name, matrix in properties.pairs.items():
+            first = f"{name} all property/global {name} peratomtypepair {len(matrix)}"
+            yield continued(command("fix", first), [" ".join(map(str, row)) for row in matrix])
+        yield command("pair_style", f"gran model {liggghts_model(self.law)}")
+        yield command("pair_coeff", "* *")
+
+    # --- walls ---------------------------------------------------------------------------------
+
+    def first_walls(self) -> Iterator[str]:
+        """Iterate over the walls of the beginning."""
+        for name, wall in self.scene.walls.items():
+            yield from self._put(name, wall)
+        yield from self._all_walls()
+
+    def change_walls(self, stage: Stage) -> Iterator[str]:
+        """Take away and put walls: the one fix of all walls is made again."""
+        if not (stage.take_away or stage.put):
+            return
+        yield command("unfix", "walls")
+        for name in stage.take_away:
+            yield command("unfix", name)
+            del self.walls[name]
+        for name, wall in stage.put.items():
+            yield from self._put(name, wall)
+        yield from self._all_walls()
+
+    def _put(self, name: str, wall: Wall) -> Iterator[str]:
+        self.walls[name] = wall
+        path = self.folder / f"{name}.stl"
+        if isinstance(wall.shape, Mesh):
+            shutil.copyfile(wall.shape.path, path)
+        else:
+            edge = 0.95 * self.scene.sizes.sauter_diameter
+            write_stl(path, triangles_of(wall.shape, self.scene.box, edge))
+        number = 2 + self._surfaces.index(wall.surface)
+        loads = [m for m in self.scene.motions_of(name) if isinstance(m, Load)]
+        style = "mesh/surface/stress" if name in self.measured_walls() else "mesh/surface"
+        servo = ""
+        if loads:
+            style, servo = "mesh/surface/stress/servo", f" {self._servo(loads[0])}"
+        yield command("fix", f"{name} all {style} file {path.name} type {number}{servo}")
+        if loads:
+            yield command("fix_modify", f"{name} integrate stop")
+
+    def _servo(self, load: Load) -> str:
+        axis = [0.0, 0.0, 0.0]
+        axis[self.component(load.along)] = 1.0 if load.force > 0 else -1.0
+        return (
+            f"com 0.0 0.0 0.0 ctrlPV force axis {axis[0]} {axis[1]} {axis[2]} "
+            f"target_val {abs(load.force)} vel_max {load.largest_speed} kp {_gain(load)}"
+        )
+
+    def _all_walls(self) -> Iterator[str]:
+        if not self.walls:
+            return
+        names = " ".join(self.walls)
+        stored = " store_force yes" if self.measured_walls() else ""
+        meshes = f"mesh n_meshes {len(self.walls)} meshes {names}{stored}"
+        first = f"walls all wall/gran model {liggghts_model(self.law)}"
+        yield continued(command("fix", first), [meshes])
+
+    # --- motions -------------------------------------------------------------------------------
+
+    def start_motion(self, wall: str, motion: Velocity | Load) -> Iterator[str]:
+        """Start a motion of a wall."""
+        if isinstance(motion, Load):
+            yield command("fix_modify", f"{wall} target_val {abs(motion.force)}")
+            yield command("fix_modify", f"{wall} ctrlParam {_gain(motion)} 0.0 0.0")
+            yield command("fix_modify", f"{wall} integrate start")
+            yield from self.record_force(wall, motion.along, f"{wall}_force")
+            column = 7 + self.component(motion.along)
+            yield command("variable", f"{wall}_travel equal f_{wall}[{column}]")
+            return
+        vector = [0.0, 0.0, 0.0]
+        vector[self.component(motion.along)] = motion.speed
+        x, y, z = vector
+        yield command("fix", f"{wall}_motion all move/mesh mesh {wall} linear {x} {y} {z}")
+        path = f"{motion.speed}*(step-${{start}})*dt"
+        yield command("variable", f"{wall}_travel equal {path}")
+
+    def stop_motion(self, wall: str, motion: Velocity | Load) -> Iterator[str]:
+        """Stop a motion of a wall where it is."""
+        if isinstance(motion, Load):
+            yield command("fix_modify", f"{wall} integrate stop")
+        else:
+            yield command("unfix", f"{wall}_motion")
+
+    # --- records -------------------------------------------------------------------------------
+
+    def snapshot(self, name: str) -> Iterator[str]:
+        """Write the particles into a file."""
+        columns = "id type x y z radius mass"
+        yield command("dump", f"{name} all custom 1 {snapshot_file(name)} {columns}")
+        yield command("dump_modify", f"{name} sort id")
+        yield command("run", "0 post no")
+        yield command("undump", name)
+
+    def record_force(self, wall: str, along: str, name: str) -> Iterator[str]:
+        """Define a variable: the force of the particles on a wall along an axis."""
+        yield command("variable", f"{name} equal f_{wall}[{1 + self.component(along)}]")
+
+    def record_radial_force(self, wall: str, name: str) -> Iterator[str]:
+        """Define a variable: the force of the particles on a wall away from the z axis."""
+        force = f"f_force_{wall}"
+        radial = f"-({force}[1]*x+{force}[2]*y)/sqrt(x*x+y*y)"
+        yield command("variable", f"{name}_of atom {radial}")
+        yield command("compute", f"{name}_sum all reduce sum v_{name}_of")
+        yield command("variable", f"{name} equal c_{name}_sum")
+
+
+def _gain(load: Load) -> float:
+    """Gain of the servo: share of the largest speed over share of the force that is missing."""
+    return load.gain * abs(load.force) / load.largest_speed

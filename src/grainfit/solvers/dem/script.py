@@ -1,0 +1,348 @@
+"""Decks for LAMMPS and its relatives: what their script languages have in common."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import ClassVar
+
+import numpy as np
+
+from grainfit.contact_models.base import ContactLaw
+from grainfit.contact_models.registry import contact_law
+from grainfit.scenes.conditions import AtRest, Clear, Elapsed, Loaded
+from grainfit.scenes.records import Force, KineticEnergy, MassAbove, RadialForce, Recorded, Travel
+from grainfit.scenes.run_output import SNAPSHOTS, STAGES, STAGES_HEADER, series_file
+from grainfit.scenes.scene import Load, Scene, Stage, Velocity, Wall
+
+PARTICLES = "particles.data"
+#: Column at which the arguments of a command begin, and width of a heading.
+_INDENT, _WIDTH = 16, 99
+_AXES = {"x": 0, "y": 1, "z": 2}
+
+
+def command(name: str, arguments: str) -> str:
+    """Return a line of a deck."""
+    return f"{name:<{_INDENT - 1}} {arguments}"
+
+
+def heading(words: str) -> str:
+    """Return a comment line that begins a part of a deck."""
+    return f"\n# --- {words} ".ljust(_WIDTH, "-")
+
+
+def continued(first: str, parts: list[str]) -> str:
+    """Return a command over several lines."""
+    return " &\n    ".join([first, *parts])
+
+
+class ScriptDeck(ABC):
+    """A scene as a script that LAMMPS or one of its relatives reads.
+
+    Parameters
+    ----------
+    scene : Scene
+        The scene to translate.
+    folder : Path
+        Folder of the run; everything that the solver reads is written there.
+    """
+
+    #: Name of the solver, and of its deck after ``in.``.
+    solver: ClassVar[str]
+    #: Remarks in the first lines of a deck.
+    introduction: ClassVar[tuple[str, ...]]
+
+    def __init__(self, scene: Scene, folder: Path) -> None:
+        self.scene = scene
+        self.folder = folder
+        self.law: ContactLaw = contact_law(scene.material)
+        #: Walls that are there, by name.
+        self.walls: dict[str, Wall] = {}
+
+    def write(self) -> Path:
+        """Write everything that the solver reads; return the deck."""
+        (self.folder / SNAPSHOTS).mkdir(exist_ok=True)
+        self.write_particles()
+        deck = self.folder / f"in.{self.solver}"
+        deck.write_text("\n".join(self.lines()) + "\n", encoding="utf-8")
+        return deck
+
+    def lines(self) -> Iterator[str]:
+        """Iterate over the lines of the deck."""
+        yield f"# {self.scene.title}, for {self.introduction[0]}. SI units."
+        yield from (f"# {line}" for line in self.introduction[1:])
+        yield ""
+        yield from self.head()
+        yield from self.contacts()
+        yield heading("walls")
+        yield from self.first_walls()
+        yield heading("motion, and what is looked at")
+        yield from self.motion()
+        for stage in self.scene.stages:
+            yield from self.stage(stage)
+        yield command("jump", "SELF end")
+        yield from self.ends()
+
+    # --- what solvers write differently --------------------------------------------------------
+
+    @abstractmethod
+    def head(self) -> Iterator[str]:
+        """Iterate over the settings of the simulation."""
+
+    @abstractmethod
+    def contacts(self) -> Iterator[str]:
+        """Iterate over the contact law."""
+
+    @abstractmethod
+    def first_walls(self) -> Iterator[str]:
+        """Iterate over the walls of the beginning."""
+
+    @abstractmethod
+    def change_walls(self, stage: Stage) -> Iterator[str]:
+        """Take away and put walls at the beginning of a stage."""
+
+    @abstractmethod
+    def snapshot(self, name: str) -> Iterator[str]:
+        """Write the particles into a file."""
+
+    @abstractmethod
+    def start_motion(self, wall: str, motion: Velocity | Load) -> Iterator[str]:
+        """Start a motion of a wall; its variable ``{wall}_travel`` must follow it."""
+
+    @abstractmethod
+    def stop_motion(self, wall: str, motion: Velocity | Load) -> Iterator[str]:
+        """Stop a motion of a wall where it is."""
+
+    @abstractmethod
+    def record_force(self, wall: str, along: str, name: str) -> Iterator[str]:
+        """Define a variable: the force of the particles on a wall along an axis."""
+
+    @abstractmethod
+    def record_radial_force(self, wall: str, name: str) -> Iterator[str]:
+        """Define a variable: the force of the particles on a wall away from the z axis."""
+
+    @abstractmethod
+    def particle_types(self) -> tuple[int, list[int]]:
+        """Return the number of types, and the type of every particle."""
+
+    # --- particles -----------------------------------------------------------------------------
+
+    def write_particles(self) -> None:
+        """Write the particles of the beginning."""
+        scene = self.scene
+        low, high = scene.box.low, scene.box.high
+        types, kinds = self.particle_types()
+        header = (
+            f"Random column of particles: id type diameter density x y z\n\n"
+            f"{len(kinds)} atoms\n{types} atom types\n\n"
+            f"{low[0]!r} {high[0]!r} xlo xhi\n{low[1]!r} {high[1]!r} ylo yhi\n"
+            f"{low[2]!r} {high[2]!r} zlo zhi\n\nAtoms\n"
+        )
+        diameters = np.array(scene.sizes.diameters)[scene.particles.size_indices].tolist()
+        density = scene.material["particle.density"]
+        rows = (
+            f"{number} {kind} {diameter!r} {density!r} {x:.12g} {y:.12g} {z:.12g}"
+            for number, (kind, diameter, (x, y, z)) in enumerate(
+                zip(kinds, diameters, scene.particles.positions.tolist(), strict=True), 1
+            )
+        )
+        text = header + "\n" + "\n".join(rows) + "\n"
+        (self.folder / PARTICLES).write_text(text, encoding="ascii")
+
+    # --- settings ------------------------------------------------------------------------------
+
+    def boundary(self) -> str:
+        """Return the arguments of ``boundary``."""
+        return " ".join("p" if axis in self.scene.box.periodic else "f" for axis in "xyz")
+
+    def motion(self) -> Iterator[str]:
+        """Iterate over gravity, integration, and the variables that stages look at."""
+        scene = self.scene
+        yield command("fix", f"gravity all gravity {scene.gravity} vector 0.0 0.0 -1.0")
+        yield command("fix", "motion all nve/sphere")
+        yield command("timestep", f"{scene.time_step}")
+        yield ""
+        yield command("variable", "kinetic equal ke")
+        yield command("variable", "now equal step")
+        yield command("variable", "elapsed equal step*dt")
+        yield command("variable", "remaining equal atoms")
+        yield command("thermo_style", "custom step atoms time ke cpu")
+        yield command("thermo_modify", "lost ignore norm no")
+        yield command("thermo", f"{scene.steps(scene.check_interval)}")
+        yield command("print", f'"{STAGES_HEADER}" file {STAGES}')
+
+    # --- stages --------------------------------------------------------------------------------
+
+    def stage(self, stage: Stage) -> Iterator[str]:
+        """Iterate over the commands of a stage."""
+        yield heading(f"{stage.name}: {stage.remark}" if stage.remark else stage.name)
+        yield command("variable", f"stage string {stage.name}")
+        if stage.strike_off is not None:
+            yield command("region", f"above block INF INF INF INF {stage.strike_off} INF units box")
+            yield command("group", "surplus region above")
+            yield command("delete_atoms", "group surplus compress no")
+        yield from self.change_walls(stage)
+        yield command("variable", "start equal ${now}")
+        for wall, motion in stage.motions.items():
+            yield from self.start_motion(wall, motion)
+        yield from self._record(stage)
+        if stage.is_closed:
+            yield command("variable", "expected equal ${remaining}")
+        yield from self._until(stage)
+        if stage.series is not None:
+            yield command("unfix", "series")
+        for wall, motion in stage.motions.items():
+            yield from self.stop_motion(wall, motion)
+        yield self._note_end(stage.name, self._end_of(stage))
+        if stage.snapshot:
+            yield from self.snapshot(stage.snapshot)
+
+    def _until(self, stage: Stage) -> Iterator[str]:
+        scene, until, name = self.scene, stage.until, stage.name
+        if isinstance(until, Elapsed):
+            yield command("run", f"{scene.steps(until.time)} post no")
+            yield from self._look()
+            yield self._jump(f"${{energy}} > {scene.energy_limit}", "unstable")
+            return
+        yield from self._before(until)
+        yield command("label", name)
+        yield from self._look()
+        if stage.is_closed:
+            yield self._jump("${count} < ${expected}", "broken")
+        yield self._jump(f"${{energy}} > {scene.energy_limit}", "unstable")
+        yield from self._looks(until, name)
+        yield command("variable", "since equal ${passed}-${start}")
+        late = f"{name}_done" if isinstance(until, Clear) else "restless"
+        if isinstance(until, Loaded):
+            late = "unloaded"
+        yield self._jump(f"${{since}} >= {scene.steps(until.limit)}", late)
+        yield command("run", f"{scene.steps(scene.check_interval)} post no")
+        yield command("jump", f"SELF {name}")
+        yield command("label", f"{name}_done")
+
+    def _before(self, until: AtRest | Clear | Loaded) -> Iterator[str]:
+        """Iterate over the commands before the first look."""
+        scene = self.scene
+        if isinstance(until, AtRest):
+            if until.at_least > 0:
+                yield command("run", f"{scene.steps(until.at_least)} post no")
+            return
+        if isinstance(until, Clear):
+            yield command("variable", "highest equal bound(all,zmax)")
+        else:
+            yield command("variable", "near equal 0")
+        yield command("run", f"{scene.steps(scene.check_interval)} post no")
+
+    def _look(self) -> Iterator[str]:
+        yield command("variable", "energy equal ${kinetic}")
+        yield command("variable", "passed equal ${now}")
+        yield command("variable", "count equal ${remaining}")
+
+    def _looks(self, until: AtRest | Clear | Loaded, name: str) -> Iterator[str]:
+        """Iterate over the conditions that end a stage well."""
+        rest = f"${{energy}} < {self.scene.energy_at_rest}"
+        if isinstance(until, AtRest):
+            yield self._jump(rest, f"{name}_done")
+        elif isinstance(until, Clear):
+            bottom = self.scene.all_walls()[until.wall].shape.bottom  # type: ignore[union-attr]
+            radius = max(self.scene.sizes.diameters) / 2
+            yield command("variable", f"top equal ${{highest}}+{radius}")
+            yield command("variable", f"below equal {bottom}+${{{until.wall}_travel}}")
+            yield self._jump(f"({rest}) && (${{top}} < ${{below}})", f"{name}_done")
+        else:
+            wanted = self._load_on(until.wall, name)
+            yield command("variable", "before equal ${near}")
+            yield command(
+                "variable",
+                f"near equal abs(${{{until.wall}_force}}-({wanted}))<{until.within * abs(wanted)}",
+            )
+            yield self._jump("(${near} > 0.5) && (${before} > 0.5)", f"{name}_done")
+
+    def _load_on(self, wall: str, stage: str) -> float:
+        """Force of the particles on a loaded wall, N."""
+        motion = next(s for s in self.scene.stages if s.name == stage).motions[wall]
+        assert isinstance(motion, Load)
+        return -motion.force
+
+    @staticmethod
+    def _jump(condition: str, label: str) -> str:
+        return command("if", f'"{condition}" then "jump SELF {label}"')
+
+    @staticmethod
+    def _end_of(stage: Stage) -> str:
+        return "at_rest" if isinstance(stage.until, AtRest) else "done"
+
+    @staticmethod
+    def _note_end(name: str, end: str) -> str:
+        row = f"{name},{end},${{passed}},${{elapsed}},${{count}},${{energy}}"
+        return command("print", f'"{row}" append {STAGES}')
+
+    def ends(self) -> Iterator[str]:
+        """Iterate over what is written when a run goes wrong."""
+        yield heading("what went wrong")
+        for end in ("restless", "unloaded", "broken", "unstable"):
+            yield command("label", end)
+            yield self._note_end("${stage}", end)
+            yield command("jump", "SELF end")
+        yield command("label", "end")
+
+    # --- records -------------------------------------------------------------------------------
+
+    def _record(self, stage: Stage) -> Iterator[str]:
+        """Define the variables of a stage's series, and record them."""
+        loaded = [wall for wall, motion in stage.motions.items() if isinstance(motion, Load)]
+        if stage.series is None:
+            return
+        columns = stage.series.columns
+        for name, quantity in columns.items():
+            yield from self._quantity(quantity, name, loaded)
+        row = ",".join(f"${{{name}}}" for name in ("elapsed", *columns))
+        title = ",".join(("time", *columns))
+        every = self.scene.steps(stage.series.every)
+        path = series_file(stage.name)
+        yield continued(
+            command("fix", f"series all print {every}"),
+            [f'"{row}"', f'file {path} title "{title}" screen no'],
+        )
+
+    def _quantity(self, quantity: Recorded, name: str, loaded: list[str]) -> Iterator[str]:
+        """Define the variable of a recorded quantity."""
+        if isinstance(quantity, Force):
+            if not (quantity.wall in loaded and name == f"{quantity.wall}_force"):
+                yield from self.record_force(quantity.wall, quantity.along, name)
+        elif isinstance(quantity, RadialForce):
+            yield from self.record_radial_force(quantity.wall, name)
+        elif isinstance(quantity, Travel):
+            yield command("variable", f"{name} equal v_{quantity.wall}_travel")
+        elif isinstance(quantity, MassAbove):
+            yield command("region", f"{name} block INF INF INF INF {quantity.height} INF units box")
+            yield command("variable", f"{name} equal mass(all,{name})")
+        elif isinstance(quantity, KineticEnergy):
+            yield command("variable", f"{name} equal ke")
+
+    def measured_walls(self) -> set[str]:
+        """Return the walls whose force is recorded or wanted."""
+        found = {
+            wall
+            for stage in self.scene.stages
+            for wall, motion in stage.motions.items()
+            if isinstance(motion, Load)
+        }
+        for stage in self.scene.stages:
+            columns: Mapping[str, Recorded] = {} if stage.series is None else stage.series.columns
+            found |= {q.wall for q in columns.values() if isinstance(q, Force | RadialForce)}
+        return found
+
+    def moving_walls(self) -> dict[str, str]:
+        """Return the axis along which each moving wall moves."""
+        return {
+            wall: motion.along
+            for stage in self.scene.stages
+            for wall, motion in stage.motions.items()
+        }
+
+    @staticmethod
+    def component(along: str) -> int:
+        """Return the number of an axis, from 0."""
+        return _AXES[along]
