@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any, ClassVar, Self
 
@@ -23,9 +23,12 @@ from grainfit.options.kinds import Quantity, Whole
 from grainfit.scenes.conditions import AtRest, Clear
 from grainfit.scenes.packing import Round, random_column
 from grainfit.scenes.run_output import RunOutput, snapshot_file
-from grainfit.scenes.scene import Box, Scene, Stage, Velocity, Wall
+from grainfit.scenes.scene import SCENES_REVISION, Box, Scene, Stage, Velocity, Wall
 from grainfit.scenes.shapes import Cylinder, Disc
 
+#: Part of the identity of runs: the hash of the hand-written decks of version 0.1.0, which are the
+#: same simulation as those of today's scene.
+DECK_REVISION = "e11f78288590e984"
 #: Snapshots of a run, and its picture.
 _SETTLED, _HEAP, _PICTURE = "settled", "heap", "heap.png"
 #: The bed is at rest soon after the shortest fill stage; the lift ends before its longest travel.
@@ -75,7 +78,6 @@ class Heap(BulkTest):
 
     type: ClassVar[str] = "heap"
     title: ClassVar[str] = "lifted cylinder"
-    revision: ClassVar[int] = 2
     shown: ClassVar[Shown | None] = Shown("heap", "angle_of_repose", snapshot_file(_HEAP), _PICTURE)
     responses: ClassVar[Mapping[str, ResponseInfo]] = {
         "bulk_density": ResponseInfo(
@@ -168,11 +170,31 @@ class Heap(BulkTest):
         options = {key.name: getattr(self, key.name) for key in self.option_keys()}
         object.__setattr__(self, "setup", plan_setup(self.sizes, options))
 
+    def definition(self) -> dict[str, Any]:
+        """Return everything in the test that affects a run's outcome, as JSON.
+
+        It is written as in version 0.1.0, whose runs are those of today.
+        """
+        setup = {**asdict(self.setup), "gravity": self.gravity}
+        return {
+            "type": self.type,
+            "revision": self.revision,
+            "deck": DECK_REVISION,
+            "packing": SCENES_REVISION,
+            "diameters": list(self.sizes.diameters),
+            "mass_fractions": list(self.sizes.mass_fractions),
+            "setup": setup,
+            "plate_sliding_friction": self.plate_sliding_friction,
+            "plate_rolling_friction": self.plate_rolling_friction,
+            "time_step_fraction": self.time_step_fraction,
+            "views": self.views,
+        }
+
     @classmethod
     def from_definition(cls, definition: Mapping[str, Any]) -> Self:
         """Rebuild the test from the definition in the record of a run."""
-        # Version 0.1.0 recorded geometry and procedure with every default resolved.
-        return super().from_definition({**definition.get("setup", {}), **definition})
+        # Geometry and procedure are recorded with every default resolved.
+        return super().from_definition({**definition["setup"], **definition})
 
     @property
     def ground(self) -> float:
