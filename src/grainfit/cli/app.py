@@ -164,13 +164,23 @@ def check(file: CalibrationPath) -> None:
 @app.command()
 def new(
     file: Annotated[Path, typer.Argument(metavar="FILE")] = Path("calibration.toml"),
+    test: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="NAME",
+            help="Laboratory test to calibrate with, such as heap or draw_down. Repeat as needed. "
+            "[default: heap]",
+            show_default=False,
+        ),
+    ] = None,
 ) -> None:
     """Write a commented calibration file to start from."""
-    from grainfit.calibration_file.starter import STARTER_FILE
+    from grainfit.calibration_file.starter import starter_file
 
+    text = starter_file(test) if test else starter_file()
     try:
         with file.open("x", encoding="utf-8") as target:
-            target.write(STARTER_FILE)
+            target.write(text)
     except FileExistsError:
         raise InputError(
             Fault("", f"{str(file)!r} exists already.", "Choose another name.")
