@@ -137,7 +137,7 @@ def test_a_heap_that_leaves_the_picture_is_as_wide_as_the_picture() -> None:
 def test_blank_photographs_are_not_measurable() -> None:
     blank = Silhouette(np.zeros((100, 200), dtype=bool), 0.001, left=-0.1)
     for silhouettes in ([], [blank]):
-        with pytest.raises(NotMeasurableError, match="^base radius: nothing is higher than 0 m"):
+        with pytest.raises(NotMeasurableError, match=r"^base radius: nothing is higher than 0 m"):
             base_radius(silhouettes, 0.0, 0.01)
-        with pytest.raises(NotMeasurableError, match="^heap height: the silhouettes are blank"):
+        with pytest.raises(NotMeasurableError, match=r"^heap height: the silhouettes are blank"):
             heap_height(silhouettes, 0.01)
