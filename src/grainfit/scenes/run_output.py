@@ -92,7 +92,8 @@ class RunOutput:
         path = self.folder / STAGES
         if not path.exists():
             raise NotMeasurableError(
-                f"{path} is missing: the simulation did not begin, or was made by version 0.1.0."
+                f"{path} is missing: the simulation did not begin, or was made by version 0.1.0, "
+                "whose dumps can be measured one by one."
             )
         try:
             with path.open(encoding="utf-8", newline="") as file:
