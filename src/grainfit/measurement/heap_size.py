@@ -59,8 +59,8 @@ def base_radius(silhouettes: Sequence[Silhouette], ground: float, diameter: floa
 
     The standard error takes two feet more than 30 degrees of azimuth apart as independent: on those
     heaps and on synthetic cones the correlation of two feet is 0.4 when they are 15 degrees apart
-    and none at 30 degrees. It is then 6 to 15 % more than the scatter from seed to seed, on cones of
-    30 degrees 50 %.
+    and none at 30 degrees. It is then 6 to 15 % more than the scatter from seed to seed, and 50 %
+    more on cones of 30 degrees.
     """
     feet = np.array([foot for s in silhouettes for foot in _feet(s, ground, diameter)])
     if not len(feet):
