@@ -79,7 +79,8 @@ class TestParameters:
 
     @each_solver
     def test_responses_are_those_of_the_test(self, solver_type):
-        assert solver_type(SMALL, {}).response_names == ("bulk_density", "angle_of_repose")
+        names = ("bulk_density", "angle_of_repose", "base_radius", "heap_height")
+        assert solver_type(SMALL, {}).response_names == names
 
     @each_solver
     @pytest.mark.parametrize(
