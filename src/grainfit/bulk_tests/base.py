@@ -147,8 +147,16 @@ class BulkTest(ABC):
             "scenes": SCENES_REVISION,
             "diameters": list(self.sizes.diameters),
             "mass_fractions": list(self.sizes.mass_fractions),
-            **{key.name: getattr(self, key.name) for key in self.option_keys()},
+            **self.resolved_options(),
         }
+
+    def resolved_options(self) -> dict[str, Any]:
+        """Return the value of every option.
+
+        Overridden by tests whose defaults follow from other options: a default that is given
+        explicitly is the same run.
+        """
+        return {key.name: getattr(self, key.name) for key in self.option_keys()}
 
     @classmethod
     def from_definition(cls, definition: Mapping[str, Any]) -> Self:

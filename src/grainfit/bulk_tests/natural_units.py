@@ -145,8 +145,9 @@ def _options(test: BulkTest, scale: Scale) -> tuple[dict[str, Any], dict[str, fl
     """Return the options in natural units, those that contain a mass apart."""
     options: dict[str, Any] = {}
     loads: dict[str, float] = {}
+    resolved = test.resolved_options()
     for key in test.option_keys():
-        value = getattr(test, key.name)
+        value = resolved[key.name]
         unit = key.kind.unit if isinstance(key.kind, Quantity) else None
         if value is None or not unit:
             options[key.name] = value

@@ -14,8 +14,14 @@ from grainfit.bulk_tests.shared.validity import require_separate
 from grainfit.bulk_tests.view import Shown
 from grainfit.errors import NotMeasurableError
 from grainfit.evaluation import Response
-from grainfit.measurement.angle_of_repose import AngleOfRepose, angle_of_repose, on_plate
+from grainfit.measurement.angle_of_repose import (
+    AngleOfRepose,
+    angle_of_repose,
+    heap_silhouettes,
+    on_plate,
+)
 from grainfit.measurement.bulk_density import bulk_density
+from grainfit.measurement.heap_size import base_radius, heap_height
 from grainfit.measurement.particles import Particles, write_vtk
 from grainfit.measurement.picture import draw_heap
 from grainfit.options.fields import Amount, option
@@ -45,11 +51,11 @@ _FRICTION = Quantity("", lowest=0.0, highest=10.0)
 
 @dataclass(frozen=True)
 class Heap(BulkTest):
-    """Lifted cylinder: bulk density and angle of repose from one test.
+    """Lifted cylinder: bulk density, and angle of repose and size of the heap, from one test.
 
     Particles rain into an upright cylinder on a plate. Once the bed is at rest its bulk density is
     measured, particles above the strike-off height are removed, the cylinder is lifted slowly,
-    and once the heap is at rest its angle of repose is measured on silhouettes. Every stage ends
+    and once the heap is at rest it is measured on silhouettes. Every stage ends
     when the particles are at rest, not after a fixed time.
 
     Defaults follow the Sauter diameter d of the particles; speeds and times follow it by Froude's
@@ -91,6 +97,19 @@ class Heap(BulkTest):
             "α",
             "angle of repose: inclination of the heap's flanks",
             '{ value = "22 deg", uncertainty = "0.5 deg" }',
+        ),
+        "base_radius": ResponseInfo(
+            "m",
+            "r",
+            "base radius: half the width of the heap, one particle diameter above the plate or at "
+            "the height of its rim",
+            '{ value = "130 mm", uncertainty = "2 mm" }',
+        ),
+        "heap_height": ResponseInfo(
+            "m",
+            "h",
+            "heap height: highest point of the heap above the plate",
+            '{ value = "53 mm", uncertainty = "1 mm" }',
         ),
     }
 
@@ -158,7 +177,7 @@ class Heap(BulkTest):
     )
     views: int = option(
         Whole(1, 360),
-        "Number of silhouettes on which the angle of repose is measured.",
+        "Number of silhouettes on which the heap is measured.",
         example="12",
         default=12,
     )
@@ -167,8 +186,12 @@ class Heap(BulkTest):
 
     def prepare(self) -> None:
         """Resolve geometry and procedure."""
-        options = {key.name: getattr(self, key.name) for key in self.option_keys()}
-        object.__setattr__(self, "setup", plan_setup(self.sizes, options))
+        object.__setattr__(self, "setup", plan_setup(self.sizes, super().resolved_options()))
+
+    def resolved_options(self) -> dict[str, Any]:
+        """Return the value of every option, with the defaults of geometry and procedure."""
+        options = super().resolved_options()
+        return {name: getattr(self.setup, name, value) for name, value in options.items()}
 
     def definition(self) -> dict[str, Any]:
         """Return everything in the test that affects a run's outcome, as JSON.
@@ -198,7 +221,7 @@ class Heap(BulkTest):
 
     @property
     def ground(self) -> float:
-        """Height from which the flanks of the heap are measured, m, see `angle_of_repose`."""
+        """Height from which flanks and base of the heap are measured, m; see `angle_of_repose`."""
         return max(self.setup.rim_height, self.sizes.sauter_diameter)
 
     def scene(self, material: Mapping[str, float], seed: int) -> Scene:
@@ -262,7 +285,7 @@ class Heap(BulkTest):
         }
 
     def measure(self, run: RunOutput) -> dict[str, Response]:
-        """Measure bulk density and angle of repose; leave a picture and a VTK file of the heap.
+        """Measure bed and heap; leave a picture and a VTK file of the heap.
 
         Raises
         ------
@@ -282,7 +305,14 @@ class Heap(BulkTest):
         density = bulk_density(
             bed, setup.cylinder_radius, setup.bulk_density_bottom, setup.bulk_density_top
         )
-        return {"bulk_density": density, "angle_of_repose": angle.response}
+        plate = setup.plate_radius
+        silhouettes = heap_silhouettes(on_plate(heap, plate), plate, self.views)
+        return {
+            "bulk_density": density,
+            "angle_of_repose": angle.response,
+            "base_radius": base_radius(silhouettes, self.ground, heap.diameter),
+            "heap_height": heap_height(silhouettes, heap.diameter),
+        }
 
     @property
     def number_of_particles(self) -> int:
