@@ -146,20 +146,32 @@ class DeckSolver(Solver):
         """
         material = self.run_parameters(parameters)
         with recorded_faults(workspace):
-            scene = self.test.scene(material, seed)
-            self._require_possible_scene(scene)
-            self._simulate(self.deck(scene, workspace.folder).write(), workspace)
+            run = self.simulate(self.test.scene(material, seed), workspace)
             try:
-                return self.test.measure(RunOutput(workspace.folder))
+                return self.test.measure(run)
             except NotMeasurableError as error:
                 tail = log_tail(workspace.folder / self._own_log)
                 raise RunFailedError(str(error), tail, kind="evaluation") from error
 
+    def simulate(self, scene: Scene, workspace: Workspace) -> RunOutput:
+        """Translate a scene, run the program, and return the output.
+
+        Raises
+        ------
+        InputError
+            The program lacks a concept of the scene.
+        RunFailedError
+            The program failed. Stages that ended badly are left to `RunOutput.require_complete`.
+        """
+        self._require_possible_scene(scene)
+        self._simulate(self.deck(scene, workspace.folder).write(), workspace)
+        return RunOutput(workspace.folder)
+
     def _require_possible_scene(self, scene: Scene) -> None:
         """Raise `InputError` if the program lacks a concept of the scene."""
-        reasons = [self.missing[name] for name in scene.concepts() if name in self.missing]
+        reasons = [self.missing[name] for name in sorted(scene.concepts()) if name in self.missing]
         if reasons:
-            message = f"{self.name} cannot simulate this {self.test.type} test."
+            message = f"{self.name} cannot simulate this scene ({scene.title})."
             raise InputError([Fault("solver", message, f"{reason}.") for reason in reasons])
 
     def _simulate(self, deck: Path, workspace: Workspace) -> None:

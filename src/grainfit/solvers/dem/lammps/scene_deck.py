@@ -44,6 +44,8 @@ class LammpsSceneDeck(ScriptDeck):
         yield command("read_data", PARTICLES)
         yield command("neighbor", f"{0.3 * self.scene.sizes.sauter_diameter} bin")
         yield command("neigh_modify", "delay 0 every 1 check yes")
+        yield "# Particles are no molecules: without this, one alone would have no kinetic energy."
+        yield command("compute_modify", "thermo_temp extra/dof 0")
 
     def particle_types(self) -> tuple[int, list[int]]:
         """Return one type for each diameter."""
@@ -184,6 +186,7 @@ class LammpsSceneDeck(ScriptDeck):
         for n in self._numbers():
             source = f"f_{wall}{n}[{column}]"
             yield command("compute", f"{name}{n} size{n} reduce sum {source}")
+            self.undo.append(command("uncompute", f"{name}{n}"))
         total = "".join(f"-c_{name}{n}" for n in self._numbers())
         yield command("variable", f"{name} equal {total}")
 
@@ -193,6 +196,7 @@ class LammpsSceneDeck(ScriptDeck):
             force = f"(f_{wall}{n}[2]*x+f_{wall}{n}[3]*y)/sqrt(x*x+y*y)"
             yield command("variable", f"{name}_of{n} atom {force}")
             yield command("compute", f"{name}{n} size{n} reduce sum v_{name}_of{n}")
+            self.undo.append(command("uncompute", f"{name}{n}"))
         total = "".join(f"-c_{name}{n}" for n in self._numbers())
         yield command("variable", f"{name} equal {total}")
 

@@ -29,8 +29,8 @@ class LiggghtsSceneDeck(ScriptDeck):
 
     @property
     def _surfaces(self) -> list[str]:
-        """Surfaces of all walls; their types are 2, 3, ..."""
-        return list(dict.fromkeys(wall.surface for wall in self.scene.all_walls().values()))
+        """Surfaces of all walls, at least one; their types are 2, 3, ..."""
+        return list(dict.fromkeys(w.surface for w in self.scene.all_walls().values())) or [WALL]
 
     def head(self) -> Iterator[str]:
         """Iterate over the settings of the simulation."""
@@ -58,7 +58,7 @@ class LiggghtsSceneDeck(ScriptDeck):
         surfaces = self._surfaces
         names = "".join(f", {n} {name}" for n, name in enumerate(surfaces, 2))
         yield heading(f"materials: 1 particles{names}")
-        materials = [self.scene.material_on(name) for name in surfaces or [WALL]]
+        materials = [self.scene.material_on(name) for name in surfaces]
         properties = liggghts_properties(self.law, materials)
         for name, values in properties.bodies.items():
             row = " ".join(map(str, values))
@@ -82,7 +82,8 @@ class LiggghtsSceneDeck(ScriptDeck):
         """Take away and put walls: the one fix of all walls is made again."""
         if not (stage.take_away or stage.put):
             return
-        yield command("unfix", "walls")
+        if self.walls:
+            yield command("unfix", "walls")
         for name in stage.take_away:
             yield command("unfix", name)
             del self.walls[name]
@@ -107,6 +108,8 @@ class LiggghtsSceneDeck(ScriptDeck):
         yield command("fix", f"{name} all {style} file {path.name} type {number}{servo}")
         if loads:
             yield command("fix_modify", f"{name} integrate stop")
+        elif name in self.moving_walls():
+            yield command("variable", f"{name}_travel equal 0.0")
 
     def _servo(self, load: Load) -> str:
         axis = [0.0, 0.0, 0.0]
@@ -141,7 +144,8 @@ class LiggghtsSceneDeck(ScriptDeck):
         vector[self.component(motion.along)] = motion.speed
         x, y, z = vector
         yield command("fix", f"{wall}_motion all move/mesh mesh {wall} linear {x} {y} {z}")
-        path = f"{motion.speed}*(step-${{start}})*dt"
+        yield command("variable", f"{wall}_from equal ${{{wall}_travel}}")
+        path = f"${{{wall}_from}}+({motion.speed})*(step-${{start}})*dt"
         yield command("variable", f"{wall}_travel equal {path}")
 
     def stop_motion(self, wall: str, motion: Velocity | Load) -> Iterator[str]:
@@ -150,6 +154,8 @@ class LiggghtsSceneDeck(ScriptDeck):
             yield command("fix_modify", f"{wall} integrate stop")
         else:
             yield command("unfix", f"{wall}_motion")
+            yield command("variable", f"{wall}_to equal ${{{wall}_travel}}")
+            yield command("variable", f"{wall}_travel equal ${{{wall}_to}}")
 
     # --- records -------------------------------------------------------------------------------
 
@@ -171,6 +177,7 @@ class LiggghtsSceneDeck(ScriptDeck):
         radial = f"-({force}[1]*x+{force}[2]*y)/sqrt(x*x+y*y)"
         yield command("variable", f"{name}_of atom {radial}")
         yield command("compute", f"{name}_sum all reduce sum v_{name}_of")
+        self.undo.append(command("uncompute", f"{name}_sum"))
         yield command("variable", f"{name} equal c_{name}_sum")
 
 
