@@ -230,7 +230,7 @@ class ScriptDeck(ABC):
                 yield self._jump("${count} < ${expected}", "broken")
             yield self._jump(f"${{energy}} > {scene.energy_limit}", "unstable")
             return
-        yield from self._before(until)
+        yield from self._before(stage)
         yield command("label", name)
         yield from self._look()
         if stage.is_closed:
@@ -246,12 +246,14 @@ class ScriptDeck(ABC):
         yield command("jump", f"SELF {name}")
         yield command("label", f"{name}_done")
 
-    def _before(self, until: AtRest | Clear | Loaded) -> Iterator[str]:
+    def _before(self, stage: Stage) -> Iterator[str]:
         """Iterate over the commands before the first look."""
-        scene = self.scene
+        scene, until = self.scene, stage.until
         if isinstance(until, AtRest):
-            if until.at_least > 0:
-                yield command("run", f"{scene.steps(until.at_least)} post no")
+            # Particles that have not begun to fall are not at rest.
+            first = scene.check_interval if stage is scene.stages[0] else 0.0
+            if max(until.at_least, first) > 0:
+                yield command("run", f"{scene.steps(max(until.at_least, first))} post no")
             return
         if isinstance(until, Clear):
             yield command("variable", "highest equal bound(all,zmax)")
