@@ -221,8 +221,21 @@ class Scene:
 
     @property
     def energy_limit(self) -> float:
-        """Kinetic energy that is out of reach, J: of all particles falling from top to bottom."""
-        return self.mass * self.gravity * (self.particles.height - self.box.low[2])
+        """Kinetic energy that is out of reach, J.
+
+        It is that of all particles falling from top to bottom, and the work of the largest load on
+        each wall across the box.
+        """
+        fall = self.mass * self.gravity * (self.particles.height - self.box.low[2])
+        return fall + sum(self._largest_work(wall) for wall in self.all_walls())
+
+    def _largest_work(self, wall: str) -> float:
+        """Work of the largest load on a wall across the box, J; zero without a load."""
+        loads = [motion for motion in self.motions_of(wall) if isinstance(motion, Load)]
+        lengths = ("xyz".index(load.along) for load in loads)
+        reaches = (self.box.high[axis] - self.box.low[axis] for axis in lengths)
+        works = (abs(load.force) * reach for load, reach in zip(loads, reaches, strict=True))
+        return max(works, default=0.0)
 
     def concepts(self) -> set[str]:
         """Return the names of the concepts that a solver must have to translate the scene."""

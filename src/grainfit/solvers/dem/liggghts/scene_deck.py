@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import shutil
 from collections.abc import Iterator, Mapping
+from pathlib import Path
 from typing import ClassVar
 
 from grainfit.contact_models.liggghts import liggghts_model, liggghts_properties
 from grainfit.scenes.run_output import snapshot_file
-from grainfit.scenes.scene import WALL, Load, Stage, Velocity, Wall
+from grainfit.scenes.scene import WALL, Load, Scene, Stage, Velocity, Wall
 from grainfit.scenes.shapes import Mesh
 from grainfit.scenes.triangles import triangles_of, write_stl
 from grainfit.solvers.dem.script import PARTICLES, ScriptDeck, command, continued, heading
@@ -26,6 +27,11 @@ class LiggghtsSceneDeck(ScriptDeck):
         "By hand, in this folder:  liggghts -in in.liggghts",
         f"Reads {PARTICLES} and *.stl; writes stages.csv, snapshots/*.dump and series_*.csv.",
     )
+
+    def __init__(self, scene: Scene, folder: Path) -> None:
+        super().__init__(scene, folder)
+        #: Walls whose radial force is summed already.
+        self._summed: set[str] = set()
 
     @property
     def _surfaces(self) -> list[str]:
@@ -167,11 +173,13 @@ class LiggghtsSceneDeck(ScriptDeck):
 
     def record_radial_force(self, wall: str, name: str) -> Iterator[str]:
         """Define a variable: the force of the particles on a wall away from the z axis."""
-        force = f"f_force_{wall}"
-        radial = f"-({force}[1]*x+{force}[2]*y)/sqrt(x*x+y*y)"
-        yield command("variable", f"{name}_of atom {radial}")
-        yield command("compute", f"{name}_sum all reduce sum v_{name}_of")
-        yield command("variable", f"{name} equal c_{name}_sum")
+        if wall not in self._summed:
+            self._summed.add(wall)
+            force = f"f_force_{wall}"
+            radial = f"-({force}[1]*x+{force}[2]*y)/sqrt(x*x+y*y)"
+            yield command("variable", f"{wall}_radial_of atom {radial}")
+            yield command("compute", f"{wall}_radial all reduce sum v_{wall}_radial_of")
+        yield command("variable", f"{name} equal c_{wall}_radial")
 
 
 def _gain(load: Load) -> float:
