@@ -162,15 +162,16 @@ class ImpactContract(SimulatedScenes):
         time = impact_time(speed, mass, moduli, effective)
         start = radius + 0.1 * impact_overlap(speed, mass, moduli, effective)
         scene = impact_scene(
-            values, [radius], [(0, 0, start)], [(0, 0, -speed)], 3 * time, gravity=1e-3
+            values, [radius], [(0, 0, start)], [(0, 0, -speed)], 3 * time, gravity=1e-5
         )
         out = run(scene)
 
         assert self._contact_time(scene, out.series("impact")) == pytest.approx(time, rel=0.02)
         assert out.stages[-1].kinetic_energy == pytest.approx(mass * speed**2 / 2, rel=0.02)
 
-    @pytest.mark.parametrize("body", [ALUMINIUM_OXIDE, CAST_IRON], ids=["oxide", "iron"])
-    @pytest.mark.parametrize("restitution", [0.2, 0.6, 1.0])
+    @pytest.mark.parametrize(
+        ("body", "restitution"), [(ALUMINIUM_OXIDE, 0.2), (CAST_IRON, 0.6), (ALUMINIUM_OXIDE, 1.0)]
+    )
     def test_third_impact_normal_restitution(
         self, run: Run, body: tuple[float, float, float], restitution: float
     ) -> None:
@@ -214,10 +215,12 @@ class ImpactContract(SimulatedScenes):
         patch = _patch_velocity(before, after) / (friction * speed)
         assert patch == pytest.approx(scaled - 7 * np.sign(scaled), abs=0.1)
 
+    # With so much damping the tangential impulse differs between programs: measured, it is up to
+    # 10 % below friction times normal impulse in LAMMPS, and 16 % above in LIGGGHTS.
     def test_sixth_impact_restitution_of_a_sliding_contact_patch(self, run: Run) -> None:
         values = impact_material(SECOND_ALUMINIUM_ALLOY, 0.5, 0.4)
         before = self._grazing(0.2, values)
-        after = self._rebounds(run, values, 0.100, before, 0.1)
+        after = self._rebounds(run, values, 0.100, before, 0.1, gravity=1e-3)
 
         found = -_patch_velocity(before, after) / before[:, 0]
         assert found == pytest.approx(list(PATCH_RESTITUTION.values()), abs=0.16)
@@ -225,16 +228,24 @@ class ImpactContract(SimulatedScenes):
     def test_eighth_impact_two_spheres_of_different_sizes(self, run: Run) -> None:
         small, large = 0.1, 0.5
         values = impact_material(SECOND_ALUMINIUM_ALLOY, 0.5, 0.4)
-        reached = []
-        for velocity in self._grazing(0.2, values):
-            places = [(0, 0, 1.00001 * (small + large)), (0, 0, 0)]
-            still = (0.0, 0.0, 0.0)
-            scene = impact_scene(
-                values, [small, large], places, [tuple(velocity), still], 0.003, walls={}
-            )
-            after = final_velocities(run(scene), scene)
-            lost = (velocity[0] - after[0, 0]) * (1 + (small / large) ** 3) * 7 / 2
-            reached.append(lost / velocity[0] - 1)
+        before = self._grazing(0.2, values)
+        rows = 2.0 * np.arange(len(before)) * (small + large)
+        above = 1.00001 * (small + large)
+        places = [place for y in rows for place in ((0, y, above), (0, y, 0))]
+        velocities = [row for velocity in before for row in (velocity, np.zeros(3))]
+        scene = impact_scene(
+            values,
+            [small, large] * len(before),
+            places,
+            velocities,
+            0.003,
+            walls={},
+            gravity=1e-3,
+        )
+        after = final_velocities(run(scene), scene)[::2]
+        # The large sphere takes up the impulse, too.
+        after[:, 0] -= (before[:, 0] - after[:, 0]) * (small / large) ** 3
+        reached = -_patch_velocity(before, after) / before[:, 0]
 
         assert reached == pytest.approx(list(PATCH_RESTITUTION.values()), abs=0.16)
 
@@ -254,6 +265,7 @@ class ImpactContract(SimulatedScenes):
         radius: float,
         before: NDArray[np.float64],
         apart: float,
+        **options: Any,
     ) -> NDArray[np.float64]:
         """Return the velocities after simultaneous impacts of many particles on a plane."""
         moduli = particle_moduli(values, "wall")
@@ -262,7 +274,9 @@ class ImpactContract(SimulatedScenes):
         sides = 4 * apart * (np.arange(len(before)) - len(before) / 2)
         places = [(0.0, side, 1.0001 * radius) for side in sides]
         seconds = 5 * time + 6e-4 * radius / slowest
-        scene = impact_scene(values, [radius] * len(before), places, before.tolist(), seconds)
+        scene = impact_scene(
+            values, [radius] * len(before), places, before.tolist(), seconds, **options
+        )
         return final_velocities(run(scene), scene)
 
     @staticmethod

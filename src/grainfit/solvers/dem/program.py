@@ -59,7 +59,8 @@ class DeckSolver(Solver):
     ------
     InputError
         A parameter is unknown, physically impossible, or belongs to a contact model that the solver
-        does not have, or the number of ranks is below one.
+        does not have, the test means nothing with the material, or the number of ranks is below
+        one.
     """
 
     #: Log that the program itself writes into the run folder.
@@ -81,6 +82,9 @@ class DeckSolver(Solver):
         self.test = test
         self.material = _in_si(material)
         self._require_possible(self.material)
+        faults = [*test.material_faults(self.material)]
+        if faults:
+            raise InputError(faults)
         self.ranks = ranks
         self.executable = executable
 
@@ -142,9 +146,12 @@ class DeckSolver(Solver):
         Raises
         ------
         RunFailedError
-            The program failed, the simulation went wrong, or a response cannot be measured.
+            The material is none for the test, the program failed, the simulation went wrong, or a
+            response cannot be measured.
         """
         material = self.run_parameters(parameters)
+        for fault in self.test.material_faults(material):
+            raise RunFailedError(str(fault))
         with recorded_faults(workspace):
             run = self.simulate(self.test.scene(material, seed), workspace)
             try:
@@ -166,6 +173,15 @@ class DeckSolver(Solver):
         self._require_possible_scene(scene)
         self._simulate(self.deck(scene, workspace.folder).write(), workspace)
         return RunOutput(workspace.folder)
+
+    @override
+    def interval_faults(self, intervals: Mapping[str, tuple[float, float]]) -> list[Fault]:
+        """Return why the test means nothing with a material at an end of the intervals."""
+        faults: list[Fault] = []
+        for end in (0, 1):
+            values = {name: interval[end] for name, interval in intervals.items()}
+            faults += self.test.material_faults({**self.material, **values})
+        return list(dict.fromkeys(faults))
 
     def _require_possible_scene(self, scene: Scene) -> None:
         """Raise `InputError` if the program lacks a concept of the scene."""
