@@ -232,7 +232,7 @@ class ImpactContract(SimulatedScenes):
         rows = 2.0 * np.arange(len(before)) * (small + large)
         above = 1.00001 * (small + large)
         places = [place for y in rows for place in ((0, y, above), (0, y, 0))]
-        velocities = [row for velocity in before for row in (velocity, np.zeros(3))]
+        velocities = [row for velocity in before.tolist() for row in (velocity, (0.0, 0.0, 0.0))]
         scene = impact_scene(
             values,
             [small, large] * len(before),

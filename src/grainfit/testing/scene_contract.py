@@ -52,7 +52,6 @@ from grainfit.scenes.shapes import (
     Mesh,
     Plane,
     Shape,
-    Vector,
 )
 from grainfit.scenes.triangles import triangles_of, write_stl
 from grainfit.solvers.base import Workspace
@@ -92,7 +91,9 @@ MASS = particle_mass(ELASTIC, RADIUS)
 WEIGHT = MASS * GRAVITY
 
 
-def spheres(positions: Sequence[Vector], velocities: Sequence[Vector] | None = None) -> Column:
+def spheres(
+    positions: Sequence[Sequence[float]], velocities: Sequence[Sequence[float]] | None = None
+) -> Column:
     """Return equal particles at these positions."""
     places = np.array(positions, dtype=float)
     motions = None if velocities is None else np.array(velocities, dtype=float)
@@ -251,7 +252,7 @@ class SceneContract(SimulatedScenes):
         assert end.kinetic_energy == pytest.approx(MASS * GRAVITY * fall, rel=2e-3)
 
     def test_all_programs_write_the_same_files(self, run: Run) -> None:
-        columns = {"floor": Force("floor", "z"), "above": MassAbove(0.05)}
+        columns: dict[str, Recorded] = {"floor": Force("floor", "z"), "above": MassAbove(0.05)}
         first = Stage("first", Elapsed(0.01), series=Series(columns, 0.002), snapshot="one")
         out = run(scene_of(spheres([(0, 0, 0.1)]), FLOOR, [first]))
 
@@ -303,8 +304,8 @@ class SceneContract(SimulatedScenes):
                 place, velocity = [0.0] * 3, [0.0] * 3
                 place[number] = sign * (side - 2 * RADIUS)
                 velocity[number] = sign * speed
-                positions.append(tuple(place))
-                velocities.append(tuple(velocity))
+                positions.append(place)
+                velocities.append(velocity)
         # So little gravity that it does not matter here.
         scene = scene_of(
             spheres(positions, velocities),
@@ -377,7 +378,9 @@ class SceneContract(SimulatedScenes):
         if through:
             columns["outwards"] = RadialForce("tube")
         hold = Stage("hold", Elapsed(0.02), series=Series(columns, 0.001), snapshot="held")
-        particles = spheres([(-reach, 0, RADIUS), (reach, 0, above)])
+        # Neither along an axis nor halfway between two.
+        x, y = reach * math.cos(0.6), reach * math.sin(0.6)
+        particles = spheres([(-x, -y, RADIUS), (x, y, above)])
         out = run(scene_of(particles, walls, [settle(), hold], DAMPED))
 
         lower, upper = out.snapshot("held").positions
@@ -399,7 +402,7 @@ class SceneContract(SimulatedScenes):
             "sideways": Force("funnel", "x"),
         }
         stages = frames(0.08, 2, Series(columns, 0.001))
-        out = run(scene_of(spheres([tuple(start)]), walls, stages, DAMPED))
+        out = run(scene_of(spheres([start.tolist()]), walls, stages, DAMPED))
 
         slid = GRAVITY * sine * 0.08**2 / 2
         moved = out.snapshot("frame2").positions[0] - start
@@ -627,7 +630,7 @@ class SceneContract(SimulatedScenes):
         walls = {**FLOOR, "piston": Wall(Plane("z", top, upwards=False))}
         stiffness = 1.5 * load / resting_overlap(DAMPED, load)
         piston = Load("z", -load, largest_speed=0.1, gain=1 / (stiffness * 0.02))
-        columns = {
+        columns: dict[str, Recorded] = {
             "floor": Force("floor", "z"),
             "piston": Force("piston", "z"),
             "way": Travel("piston"),
@@ -772,8 +775,12 @@ class SceneContract(SimulatedScenes):
         self, run: Run
     ) -> None:
         # Names that a deck may use for itself.
-        door = {"count": Force("door", "z"), "top": Force("door", "x")}
-        others = {"energy": KineticEnergy(), "now": MassAbove(0.0), "floor": Force("floor", "z")}
+        door: dict[str, Recorded] = {"count": Force("door", "z"), "top": Force("door", "x")}
+        others: dict[str, Recorded] = {
+            "energy": KineticEnergy(),
+            "now": MassAbove(0.0),
+            "floor": Force("floor", "z"),
+        }
         walls = {**FLOOR, "door": Wall(Plane("z", 0.05))}
         stages = [
             settle(),
