@@ -164,7 +164,7 @@ class TestModulus:
 
     def test_too_few_records_are_refused(self) -> None:
         curve = self.curve(np.array([500.0, 6000.0, 9900.0]), np.array([0.0, 0.03, 0.05]))
-        with pytest.raises(NotMeasurableError, match="only 1 times .* lower piston_speed"):
+        with pytest.raises(NotMeasurableError, match=r"only 1 times .* lower piston_speed"):
             fit_modulus(curve, 0.08, 10e3, "modulus")
 
     def test_a_stress_that_falls_is_refused(self) -> None:
@@ -271,7 +271,7 @@ class TestRun:
 
     def test_a_piston_that_leaves_the_bed_fails(self, copied: Path) -> None:
         edit_series(copied, "load", "travel", lambda travel: travel - 0.03)
-        with pytest.raises(RunFailedError, match="piston left the pot's bed: it stands 0.01"):
+        with pytest.raises(RunFailedError, match=r"piston left the pot's bed: it stands 0\.01"):
             small().measure(RunOutput(copied))
 
     def test_particles_that_overlap_grossly_fail(self, copied: Path) -> None:

@@ -100,7 +100,7 @@ class Compression(BulkTest):
         "bulk_density": ResponseInfo(
             "kg/m^3",
             "ρ_b",
-            "bulk density under the stress: mass of the bed over its volume, voids included",
+            "bulk density: mass of the bed over its volume, voids included",
             '{ value = "1500 kg/m^3", uncertainty = "1 %" }',
         ),
         "lateral_stress_ratio": ResponseInfo(
