@@ -35,9 +35,11 @@ _HELD = 0.01
 _UNLOADED = 0.1
 #: The piston may press the bed to this share of its height; below, it has left the pot's bed.
 _LOWEST_PISTON = 0.5
-#: Scatter from seed to seed over value, times the square root of the number of particles: measured
-#: on beds of the default size.
-_SCATTER = {"loading_modulus": 1.3, "unloading_modulus": 1.3, "lateral_stress_ratio": 1.0}
+#: Scatter from seed to seed over value of beds of the default size, and their number of particles:
+#: measured, as is the exponent with which smaller beds scatter more.
+_SCATTER = {"loading_modulus": 0.065, "unloading_modulus": 0.08, "lateral_stress_ratio": 0.04}
+_SCATTER_PARTICLES = 630
+_SMALLER, _LARGER = 0.7, 0.5
 #: Usual travel of the piston in all stages, over the height of the bed.
 _USUAL_TRAVEL = 0.15
 
@@ -98,7 +100,7 @@ class Compression(BulkTest):
         "bulk_density": ResponseInfo(
             "kg/m^3",
             "ρ_b",
-            "bulk density under the stress: mass of the bed over its volume, voids included",
+            "bulk density: mass of the bed over its volume, voids included",
             '{ value = "1500 kg/m^3", uncertainty = "1 %" }',
         ),
         "lateral_stress_ratio": ResponseInfo(
@@ -277,7 +279,7 @@ class Compression(BulkTest):
         return {
             **{name: self._modulus(name, fit, len(bed)) for name, fit in moduli.items()},
             "bulk_density": self._density(bed, float(load.heights[-1])),
-            "lateral_stress_ratio": self._ratio(load.last(setup.check_interval), len(bed)),
+            "lateral_stress_ratio": self._ratio(load.last(setup.check_interval / 2), len(bed)),
         }
 
     def _require_valid(
@@ -286,11 +288,15 @@ class Compression(BulkTest):
         """Raise `RunFailedError` unless the loaded bed is one that can be measured."""
         setup = self.setup
         require_held(
-            seat.last(setup.check_interval).stresses.mean(), setup.seating_stress, _HELD, "seat"
+            seat.last(setup.check_interval / 2).stresses.mean(), setup.seating_stress, _HELD, "seat"
         )
-        require_held(load.last(setup.check_interval).stresses.mean(), setup.stress, _HELD, "load")
+        require_held(
+            load.last(setup.check_interval / 2).stresses.mean(), setup.stress, _HELD, "load"
+        )
         loaded = next(stage for stage in stages if stage.name == "load")
-        require_at_rest(loaded, float(bed.masses.sum()), setup.quiet_speed)
+        # As the deck does: before the bed was struck off.
+        mass = float(bed.masses.mean()) * setup.particle_count
+        require_at_rest(loaded, mass, setup.quiet_speed)
         lowest = _LOWEST_PISTON * setup.fill_height
         for curve in (seat, load):
             height = float(curve.heights[-1])
@@ -302,7 +308,7 @@ class Compression(BulkTest):
 
     @staticmethod
     def _modulus(name: str, fit: Modulus, particles: int) -> Response:
-        scatter = _SCATTER[name] / math.sqrt(particles) * fit.value
+        scatter = _scatter(name, particles) * fit.value
         return Response(fit.value, math.hypot(fit.standard_error, scatter))
 
     def _density(self, bed: Particles, height: float) -> Response:
@@ -315,8 +321,7 @@ class Compression(BulkTest):
         """Return the mean stress on the wall over that on piston and floor."""
         ratios = held.lateral_stresses / ((held.stresses + held.floor_stresses) / 2)
         value = float(ratios.mean())
-        scatter = _SCATTER["lateral_stress_ratio"] / math.sqrt(particles)
-        return Response(value, scatter * value)
+        return Response(value, _scatter("lateral_stress_ratio", particles) * value)
 
     @property
     def number_of_particles(self) -> int:
@@ -336,3 +341,9 @@ class Compression(BulkTest):
             raise NotMeasurableError("no particles are left in the pot")
         curve = Curve.of_stage(run, "load", self.setup)
         return CompressionView(bed, self.setup.pot_radius, float(curve.heights[-1]))
+
+
+def _scatter(response: str, particles: int) -> float:
+    """Return the scatter of a response from seed to seed, over its value."""
+    smaller = _SCATTER_PARTICLES / particles
+    return _SCATTER[response] * math.pow(smaller, _SMALLER if smaller > 1 else _LARGER)

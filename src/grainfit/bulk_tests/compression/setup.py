@@ -34,11 +34,11 @@ _LARGEST_WEIGHT = 0.5
 _SOLID_FRACTION = 0.57
 #: Piston speed over sqrt(stress / density): half of it gives the same moduli within 2 %.
 _SPEED = 0.0065
-#: Modulus of a bed when it is unloaded, over E^(2/3) stress^(1/3) as for Hertz contacts.
-_BED_MODULUS = 0.6
-#: Time constant of the piston's control, over the time in which a wave crosses the bed: slow
-#: enough for the stress to be the same everywhere in it.
-_WAVES = 2.0
+#: Modulus of a bed when it is unloaded, over sqrt(E stress).
+_BED_MODULUS = 2.0
+#: The control is a dashpot that pulls the piston to its load. Its impedance over that of the bed
+#: (density times wave speed): 1 would swallow waves, but loose beds are softer than estimated.
+_DASHPOT = 0.5
 #: Records of a stage while the piston travels as far as an elastic bed would yield.
 _RECORDS = 50
 
@@ -109,13 +109,13 @@ class CompressionSetup:
     def load(self, stress: float, material: Mapping[str, float]) -> Load:
         """Return the motion of the piston to a stress, Pa.
 
-        The gain is that of the bed under this stress; far from it, the largest speed counts.
+        Its speed is proportional to the missing force, as with a dashpot: that is stable for every
+        bed. Far from the stress it has its largest speed.
         """
         modulus = _bed_modulus(material, stress)
         density = _SOLID_FRACTION * material["particle.density"]
-        time_constant = _WAVES * self.fill_height * math.sqrt(density / modulus)
-        stiffness = modulus * self.area / self.fill_height
-        speed, gain = self.largest_speed(material), 1 / (stiffness * time_constant)
+        impedance = math.sqrt(density * modulus) * self.area
+        speed, gain = self.largest_speed(material), 1 / (_DASHPOT * impedance)
         return Load("z", -stress * self.area, speed, gain)
 
     def material_faults(self, material: Mapping[str, float]) -> Iterator[Fault]:
@@ -144,8 +144,7 @@ class CompressionSetup:
 
 def _bed_modulus(material: Mapping[str, float], stress: float) -> float:
     """Estimate the modulus of a bed that is unloaded, Pa."""
-    cubed = _BED_MODULUS**3 * material["particle.youngs_modulus"] ** 2 * stress
-    return math.cbrt(cubed)
+    return _BED_MODULUS * math.sqrt(material["particle.youngs_modulus"] * stress)
 
 
 def plan_setup(sizes: ParticleSizes, options: Mapping[str, float | None]) -> CompressionSetup:

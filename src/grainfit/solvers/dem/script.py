@@ -284,7 +284,8 @@ class ScriptDeck(ABC):
                 "variable",
                 f"near equal abs(${{{until.wall}_force}}-({wanted}))<{until.within * abs(wanted)}",
             )
-            yield self._jump("(${near} > 0.5) && (${before} > 0.5)", f"{name}_done")
+            held = "(${near} > 0.5) && (${before} > 0.5)"
+            yield self._jump(f"{held} && ({rest})", f"{name}_done")
 
     def _load_on(self, wall: str, stage: str) -> float:
         """Force of the particles on a loaded wall, N."""
