@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import InitVar, dataclass, fields
 from functools import cache
 from typing import Any, ClassVar, Self
@@ -178,6 +178,16 @@ class BulkTest(ABC):
     def time_step(self, material: Mapping[str, float]) -> float:
         """Return the time step of a run with this material, s."""
         return time_step(self.sizes, material, float(self.time_step_fraction))
+
+    def material_faults(self, material: Mapping[str, float]) -> Iterable[Fault]:  # noqa: ARG002
+        """Return why the test means nothing with a material; nothing by default.
+
+        Parameters
+        ----------
+        material : mapping of str to float
+            Material parameters by dotted name: those that are known.
+        """
+        return ()
 
     @abstractmethod
     def scene(self, material: Mapping[str, float], seed: int) -> Scene:

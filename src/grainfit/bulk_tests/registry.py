@@ -12,6 +12,7 @@ from importlib.metadata import entry_points
 from typing import Any
 
 from grainfit.bulk_tests.base import BulkTest, ResponseInfo
+from grainfit.bulk_tests.compression import Compression as Compression
 from grainfit.bulk_tests.heap import Heap as Heap
 from grainfit.errors import Fault, InputError
 from grainfit.run_definition import RunDefinition

@@ -145,6 +145,7 @@ def calibrate(
     chosen = as_strategy(strategy)
     _check_targets(problem, solvers)
     _check_timeouts(timeouts or {}, solvers)
+    _check_intervals(problem, solvers)
     for solver in solvers.values():
         solver.check()
     verification_runs = verification_runs or VERIFICATION_RUNS
@@ -238,6 +239,16 @@ def _check_timeouts(timeouts: Mapping[str, float], solvers: Mapping[str, Solver]
         Fault(f"timeouts.{test}", f"is {seconds} s.", "It must be above 0.")
         for test, seconds in timeouts.items()
         if not seconds > 0
+    ]
+    if faults:
+        raise InputError(faults)
+
+
+def _check_intervals(problem: Problem, solvers: Mapping[str, Solver]) -> None:
+    faults = [
+        replace(fault, key=f"{test}.{fault.key}")
+        for test, solver in solvers.items()
+        for fault in solver.interval_faults(problem.intervals)
     ]
     if faults:
         raise InputError(faults)

@@ -49,6 +49,8 @@ def describe_plan(setup: CalibrationSetup) -> Plan:
         try:
             # Before the check, so that it is shown even if the check fails.
             executes += [f"test {test}: {line}" for line in solver.executes()]
+            faults = solver.interval_faults(setup.problem.intervals)
+            problems += [f"Test {test}: {fault}" for fault in faults]
             solver.check()
             lines.append(f"Test {test}: {solver.readiness()}")
             lines += _cost_lines(solver, setup.problem)

@@ -39,7 +39,7 @@ class Clear:
 
 @dataclass(frozen=True)
 class Loaded:
-    """The force on a loaded wall is the wanted one at two looks in a row.
+    """The force on a loaded wall is the wanted one at two looks in a row, and the bed is at rest.
 
     Parameters
     ----------

@@ -21,6 +21,7 @@ from pathlib import Path
 from typing import Any
 
 from grainfit.bulk_tests.run_cost import RunCost
+from grainfit.errors import Fault
 from grainfit.evaluation import Response
 from grainfit.run_definition import RunDefinition, without_defaults
 
@@ -116,6 +117,19 @@ class Solver(ABC):
 
     def check(self) -> None:
         """Raise `SolverNotFoundError` or `InputError` if no run can succeed."""
+
+    def interval_faults(
+        self,
+        intervals: Mapping[str, tuple[float, float]],  # noqa: ARG002
+    ) -> list[Fault]:
+        """Return why runs cannot succeed in a part of the intervals; empty by default.
+
+        Parameters
+        ----------
+        intervals : mapping of str to tuple of float
+            Bounds of the free parameters.
+        """
+        return []
 
     def version(self) -> str:
         """Return the version of the program, for display and for the identity of runs."""

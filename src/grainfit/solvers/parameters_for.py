@@ -8,6 +8,7 @@ from typing import Any
 from typing_extensions import override
 
 from grainfit.bulk_tests.run_cost import RunCost
+from grainfit.errors import Fault
 from grainfit.evaluation import Response
 from grainfit.solvers.base import Solver, Workspace
 
@@ -67,6 +68,16 @@ class ParametersFor(Solver):
     @override
     def check(self) -> None:
         self.solver.check()
+
+    @override
+    def interval_faults(self, intervals: Mapping[str, tuple[float, float]]) -> list[Fault]:
+        """Return the faults of the intervals of parameters that the solver takes."""
+        fixed = {name: (value, value) for name, value in self._fixed.items()}
+        given = {**fixed, **intervals}
+        takes = self._takes
+        return self.solver.interval_faults(
+            {name: bounds for name, bounds in given.items() if takes is None or takes(name)}
+        )
 
     @override
     def version(self) -> str:

@@ -59,7 +59,8 @@ class DeckSolver(Solver):
     ------
     InputError
         A parameter is unknown, physically impossible, or belongs to a contact model that the solver
-        does not have, or the number of ranks is below one.
+        does not have, the test means nothing with the material, or the number of ranks is below
+        one.
     """
 
     #: Log that the program itself writes into the run folder.
@@ -81,6 +82,9 @@ class DeckSolver(Solver):
         self.test = test
         self.material = _in_si(material)
         self._require_possible(self.material)
+        faults = [*test.material_faults(self.material)]
+        if faults:
+            raise InputError(faults)
         self.ranks = ranks
         self.executable = executable
 
@@ -142,24 +146,48 @@ class DeckSolver(Solver):
         Raises
         ------
         RunFailedError
-            The program failed, the simulation went wrong, or a response cannot be measured.
+            The material is none for the test, the program failed, the simulation went wrong, or a
+            response cannot be measured.
         """
         material = self.run_parameters(parameters)
+        for fault in self.test.material_faults(material):
+            raise RunFailedError(str(fault))
         with recorded_faults(workspace):
-            scene = self.test.scene(material, seed)
-            self._require_possible_scene(scene)
-            self._simulate(self.deck(scene, workspace.folder).write(), workspace)
+            run = self.simulate(self.test.scene(material, seed), workspace)
             try:
-                return self.test.measure(RunOutput(workspace.folder))
+                return self.test.measure(run)
             except NotMeasurableError as error:
                 tail = log_tail(workspace.folder / self._own_log)
                 raise RunFailedError(str(error), tail, kind="evaluation") from error
 
+    def simulate(self, scene: Scene, workspace: Workspace) -> RunOutput:
+        """Translate a scene, run the program, and return the output.
+
+        Raises
+        ------
+        InputError
+            The program lacks a concept of the scene.
+        RunFailedError
+            The program failed. Stages that ended badly are left to `RunOutput.require_complete`.
+        """
+        self._require_possible_scene(scene)
+        self._simulate(self.deck(scene, workspace.folder).write(), workspace)
+        return RunOutput(workspace.folder)
+
+    @override
+    def interval_faults(self, intervals: Mapping[str, tuple[float, float]]) -> list[Fault]:
+        """Return why the test means nothing with a material at an end of the intervals."""
+        faults: list[Fault] = []
+        for end in (0, 1):
+            values = {name: interval[end] for name, interval in intervals.items()}
+            faults += self.test.material_faults({**self.material, **values})
+        return list(dict.fromkeys(faults))
+
     def _require_possible_scene(self, scene: Scene) -> None:
         """Raise `InputError` if the program lacks a concept of the scene."""
-        reasons = [self.missing[name] for name in scene.concepts() if name in self.missing]
+        reasons = [self.missing[name] for name in sorted(scene.concepts()) if name in self.missing]
         if reasons:
-            message = f"{self.name} cannot simulate this {self.test.type} test."
+            message = f"{self.name} cannot simulate this scene ({scene.title})."
             raise InputError([Fault("solver", message, f"{reason}.") for reason in reasons])
 
     def _simulate(self, deck: Path, workspace: Workspace) -> None:

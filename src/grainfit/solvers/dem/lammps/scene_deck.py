@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from pathlib import Path
 from typing import ClassVar
 
 from grainfit.contact_models.contact import Contact
 from grainfit.contact_models.lammps import lammps_clauses, lammps_words
 from grainfit.scenes.run_output import snapshot_file
-from grainfit.scenes.scene import Load, Stage, Velocity, Wall
+from grainfit.scenes.scene import Load, Scene, Stage, Velocity, Wall
 from grainfit.scenes.shapes import Block, Cone, Cylinder, Disc, Plane, Shape
 from grainfit.solvers.dem.script import PARTICLES, ScriptDeck, command, continued, heading
 
@@ -32,6 +33,11 @@ class LammpsSceneDeck(ScriptDeck):
         f"Reads {PARTICLES}; writes stages.csv, snapshots/*.dump and series_*.csv.",
     )
 
+    def __init__(self, scene: Scene, folder: Path) -> None:
+        super().__init__(scene, folder)
+        #: Computes that sum the forces on a wall, by wall.
+        self._sums: dict[str, list[str]] = {}
+
     def head(self) -> Iterator[str]:
         """Iterate over the settings of the simulation."""
         yield command("units", "si")
@@ -44,6 +50,8 @@ class LammpsSceneDeck(ScriptDeck):
         yield command("read_data", PARTICLES)
         yield command("neighbor", f"{0.3 * self.scene.sizes.sauter_diameter} bin")
         yield command("neigh_modify", "delay 0 every 1 check yes")
+        yield "# Particles are no molecules: without this, one alone would have no kinetic energy."
+        yield command("compute_modify", "thermo_temp extra/dof 0")
 
     def particle_types(self) -> tuple[int, list[int]]:
         """Return one type for each diameter."""
@@ -84,6 +92,8 @@ class LammpsSceneDeck(ScriptDeck):
     def change_walls(self, stage: Stage) -> Iterator[str]:
         """Take away and put walls; each has its own fixes, so that the others stay as they are."""
         for name in stage.take_away:
+            # A compute of a fix that is gone would stop the next run.
+            yield from (command("uncompute", sum_) for sum_ in self._sums.pop(name, []))
             yield from (command("unfix", f"{name}{n}") for n in self._numbers())
         for name, wall in stage.put.items():
             yield from self._put(name, wall)
@@ -181,20 +191,34 @@ class LammpsSceneDeck(ScriptDeck):
         """Define a variable: the force of the particles on a wall along an axis."""
         # Column 1 says whether there is a contact; columns 2 to 4 are the force on the particle.
         column = 2 + self.component(along)
-        for n in self._numbers():
-            source = f"f_{wall}{n}[{column}]"
-            yield command("compute", f"{name}{n} size{n} reduce sum {source}")
-        total = "".join(f"-c_{name}{n}" for n in self._numbers())
-        yield command("variable", f"{name} equal {total}")
+        sums = [f"{wall}_{along}{n}" for n in self._numbers()]
+        for n, sum_ in zip(self._numbers(), sums, strict=True):
+            if self._is_new_sum(wall, sum_):
+                yield command("compute", f"{sum_} size{n} reduce sum f_{wall}{n}[{column}]")
+        yield command("variable", f"{name} equal {_minus(sums)}")
 
     def record_radial_force(self, wall: str, name: str) -> Iterator[str]:
         """Define a variable: the force of the particles on a wall away from the z axis."""
-        for n in self._numbers():
-            force = f"(f_{wall}{n}[2]*x+f_{wall}{n}[3]*y)/sqrt(x*x+y*y)"
-            yield command("variable", f"{name}_of{n} atom {force}")
-            yield command("compute", f"{name}{n} size{n} reduce sum v_{name}_of{n}")
-        total = "".join(f"-c_{name}{n}" for n in self._numbers())
-        yield command("variable", f"{name} equal {total}")
+        sums = [f"{wall}_radial{n}" for n in self._numbers()]
+        for n, sum_ in zip(self._numbers(), sums, strict=True):
+            if self._is_new_sum(wall, sum_):
+                # A particle on the axis must not divide by zero.
+                force = f"(f_{wall}{n}[2]*x+f_{wall}{n}[3]*y)/sqrt(x*x+y*y+1e-30)"
+                yield command("variable", f"{sum_}_of atom {force}")
+                yield command("compute", f"{sum_} size{n} reduce sum v_{sum_}_of")
+        yield command("variable", f"{name} equal {_minus(sums)}")
+
+    def _is_new_sum(self, wall: str, sum_: str) -> bool:
+        """Note a sum of forces on a wall; return whether no earlier stage has defined it."""
+        known = self._sums.setdefault(wall, [])
+        if sum_ in known:
+            return False
+        known.append(sum_)
+        return True
+
+
+def _minus(sums: list[str]) -> str:
+    return "".join(f"-c_{sum_}" for sum_ in sums)
 
 
 def _numbers(values: list[float]) -> str:

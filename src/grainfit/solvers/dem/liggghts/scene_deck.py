@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import shutil
 from collections.abc import Iterator, Mapping
+from pathlib import Path
 from typing import ClassVar
 
 from grainfit.contact_models.liggghts import liggghts_model, liggghts_properties
+from grainfit.errors import Fault, InputError
 from grainfit.scenes.run_output import snapshot_file
-from grainfit.scenes.scene import WALL, Load, Stage, Velocity, Wall
-from grainfit.scenes.shapes import Mesh
+from grainfit.scenes.scene import WALL, Load, Scene, Stage, Velocity, Wall
+from grainfit.scenes.shapes import Cylinder, Mesh
 from grainfit.scenes.triangles import triangles_of, write_stl
 from grainfit.solvers.dem.script import PARTICLES, ScriptDeck, command, continued, heading
 
@@ -27,10 +29,15 @@ class LiggghtsSceneDeck(ScriptDeck):
         f"Reads {PARTICLES} and *.stl; writes stages.csv, snapshots/*.dump and series_*.csv.",
     )
 
+    def __init__(self, scene: Scene, folder: Path) -> None:
+        super().__init__(scene, folder)
+        #: Computes that sum the forces on a wall, by wall.
+        self._sums: dict[str, list[str]] = {}
+
     @property
     def _surfaces(self) -> list[str]:
-        """Surfaces of all walls; their types are 2, 3, ..."""
-        return list(dict.fromkeys(wall.surface for wall in self.scene.all_walls().values()))
+        """Surfaces of all walls, at least one; their types are 2, 3, ..."""
+        return list(dict.fromkeys(w.surface for w in self.scene.all_walls().values())) or [WALL]
 
     def head(self) -> Iterator[str]:
         """Iterate over the settings of the simulation."""
@@ -58,7 +65,7 @@ class LiggghtsSceneDeck(ScriptDeck):
         surfaces = self._surfaces
         names = "".join(f", {n} {name}" for n, name in enumerate(surfaces, 2))
         yield heading(f"materials: 1 particles{names}")
-        materials = [self.scene.material_on(name) for name in surfaces or [WALL]]
+        materials = [self.scene.material_on(name) for name in surfaces]
         properties = liggghts_properties(self.law, materials)
         for name, values in properties.bodies.items():
             row = " ".join(map(str, values))
@@ -82,8 +89,10 @@ class LiggghtsSceneDeck(ScriptDeck):
         """Take away and put walls: the one fix of all walls is made again."""
         if not (stage.take_away or stage.put):
             return
-        yield command("unfix", "walls")
+        if self._meshes:
+            yield command("unfix", "walls")
         for name in stage.take_away:
+            yield from (command("uncompute", sum_) for sum_ in self._sums.pop(name, []))
             yield command("unfix", name)
             del self.walls[name]
         for name, wall in stage.put.items():
@@ -92,6 +101,9 @@ class LiggghtsSceneDeck(ScriptDeck):
 
     def _put(self, name: str, wall: Wall) -> Iterator[str]:
         self.walls[name] = wall
+        if self._is_through(name):
+            yield from self._put_tube(name, wall)
+            return
         path = self.folder / f"{name}.stl"
         if isinstance(wall.shape, Mesh):
             shutil.copyfile(wall.shape.path, path)
@@ -107,6 +119,28 @@ class LiggghtsSceneDeck(ScriptDeck):
         yield command("fix", f"{name} all {style} file {path.name} type {number}{servo}")
         if loads:
             yield command("fix_modify", f"{name} integrate stop")
+        elif name in self.moving_walls():
+            yield command("variable", f"{name}_travel equal 0.0")
+
+    def _is_through(self, name: str) -> bool:
+        """Return whether a wall is a tube from the bottom to the top of the box that stays."""
+        shape, box = self.scene.all_walls()[name].shape, self.scene.box
+        if not isinstance(shape, Cylinder) or any(True for _ in self.scene.motions_of(name)):
+            return False
+        return shape.bottom <= box.low[2] and shape.top >= box.high[2]
+
+    def _put_tube(self, name: str, wall: Wall) -> Iterator[str]:
+        """Put a tube through the box: it is exact, and has the forces of its own contacts."""
+        assert isinstance(wall.shape, Cylinder)
+        number = 2 + self._surfaces.index(wall.surface)
+        stored = " store_force yes" if name in self.measured_walls() else ""
+        shape = f"primitive type {number} zcylinder {wall.shape.radius} 0.0 0.0{stored}"
+        first = f"{name} all wall/gran model {liggghts_model(self.law)}"
+        yield continued(command("fix", first), [shape])
+
+    @property
+    def _meshes(self) -> list[str]:
+        return [name for name in self.walls if not self._is_through(name)]
 
     def _servo(self, load: Load) -> str:
         axis = [0.0, 0.0, 0.0]
@@ -117,11 +151,9 @@ class LiggghtsSceneDeck(ScriptDeck):
         )
 
     def _all_walls(self) -> Iterator[str]:
-        if not self.walls:
+        if not self._meshes:
             return
-        names = " ".join(self.walls)
-        stored = " store_force yes" if self.measured_walls() else ""
-        meshes = f"mesh n_meshes {len(self.walls)} meshes {names}{stored}"
+        meshes = f"mesh n_meshes {len(self._meshes)} meshes {' '.join(self._meshes)}"
         first = f"walls all wall/gran model {liggghts_model(self.law)}"
         yield continued(command("fix", first), [meshes])
 
@@ -141,7 +173,8 @@ class LiggghtsSceneDeck(ScriptDeck):
         vector[self.component(motion.along)] = motion.speed
         x, y, z = vector
         yield command("fix", f"{wall}_motion all move/mesh mesh {wall} linear {x} {y} {z}")
-        path = f"{motion.speed}*(step-${{start}})*dt"
+        yield command("variable", f"{wall}_from equal ${{{wall}_travel}}")
+        path = f"${{{wall}_from}}+({motion.speed})*(step-${{start}})*dt"
         yield command("variable", f"{wall}_travel equal {path}")
 
     def stop_motion(self, wall: str, motion: Velocity | Load) -> Iterator[str]:
@@ -150,6 +183,8 @@ class LiggghtsSceneDeck(ScriptDeck):
             yield command("fix_modify", f"{wall} integrate stop")
         else:
             yield command("unfix", f"{wall}_motion")
+            yield command("variable", f"{wall}_to equal ${{{wall}_travel}}")
+            yield command("variable", f"{wall}_travel equal ${{{wall}_to}}")
 
     # --- records -------------------------------------------------------------------------------
 
@@ -163,15 +198,45 @@ class LiggghtsSceneDeck(ScriptDeck):
 
     def record_force(self, wall: str, along: str, name: str) -> Iterator[str]:
         """Define a variable: the force of the particles on a wall along an axis."""
-        yield command("variable", f"{name} equal f_{wall}[{1 + self.component(along)}]")
+        number = 1 + self.component(along)
+        if not self._is_through(wall):
+            yield command("variable", f"{name} equal f_{wall}[{number}]")
+            return
+        yield from self._sum(wall, f"{wall}_{along}", f"f_force_{wall}[{number}]")
+        yield command("variable", f"{name} equal -c_{wall}_{along}")
 
     def record_radial_force(self, wall: str, name: str) -> Iterator[str]:
-        """Define a variable: the force of the particles on a wall away from the z axis."""
+        """Define a variable: the force of the particles on a wall away from the z axis.
+
+        Raises
+        ------
+        InputError
+            The wall is a mesh: LIGGGHTS knows the sum of its forces only.
+        """
+        if not self._is_through(wall):
+            raise InputError(
+                Fault(
+                    wall,
+                    "is a mesh in LIGGGHTS, whose radial force it does not know.",
+                    "Use a cylinder from the bottom to the top of the box.",
+                )
+            )
         force = f"f_force_{wall}"
-        radial = f"-({force}[1]*x+{force}[2]*y)/sqrt(x*x+y*y)"
-        yield command("variable", f"{name}_of atom {radial}")
-        yield command("compute", f"{name}_sum all reduce sum v_{name}_of")
-        yield command("variable", f"{name} equal c_{name}_sum")
+        # A particle on the axis must not divide by zero.
+        radial = f"({force}[1]*x+{force}[2]*y)/sqrt(x*x+y*y+1e-30)"
+        if not self._is_summed(wall, f"{wall}_radial"):
+            yield command("variable", f"{wall}_radial_of atom {radial}")
+        yield from self._sum(wall, f"{wall}_radial", f"v_{wall}_radial_of")
+        yield command("variable", f"{name} equal -c_{wall}_radial")
+
+    def _sum(self, wall: str, sum_: str, source: str) -> Iterator[str]:
+        """Sum a quantity of the particles, unless an earlier stage does so."""
+        if not self._is_summed(wall, sum_):
+            self._sums.setdefault(wall, []).append(sum_)
+            yield command("compute", f"{sum_} all reduce sum {source}")
+
+    def _is_summed(self, wall: str, sum_: str) -> bool:
+        return sum_ in self._sums.get(wall, [])
 
 
 def _gain(load: Load) -> float:

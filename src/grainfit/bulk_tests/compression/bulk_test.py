@@ -1,0 +1,349 @@
+"""The compression test: fill a pot, strike off, press with a piston, measure, unload."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from typing import ClassVar
+
+from grainfit.bulk_tests.base import BulkTest, ResponseInfo
+from grainfit.bulk_tests.compression.curve import COLUMNS, Curve, Modulus, fit_modulus
+from grainfit.bulk_tests.compression.picture import draw_compression
+from grainfit.bulk_tests.compression.setup import CompressionSetup, plan_setup
+from grainfit.bulk_tests.compression.view import CompressionView
+from grainfit.bulk_tests.shared.validity import require_at_rest, require_held, require_separate
+from grainfit.bulk_tests.view import Shown
+from grainfit.errors import Fault, InputError, NotMeasurableError, RunFailedError
+from grainfit.evaluation import Response
+from grainfit.measurement.bulk_density import bulk_density
+from grainfit.measurement.particles import Particles, write_vtk
+from grainfit.options.fields import Amount, option
+from grainfit.options.kinds import Quantity, Whole
+from grainfit.scenes.conditions import AtRest, Loaded
+from grainfit.scenes.packing import Round, random_column
+from grainfit.scenes.records import Series
+from grainfit.scenes.run_output import RunOutput, StageEnd, snapshot_file
+from grainfit.scenes.scene import Box, Load, Scene, Stage, Wall
+from grainfit.scenes.shapes import Cylinder, Plane
+
+#: Snapshots of a run, and its picture.
+_FILLED, _LOADED, _PICTURE = "filled", "loaded", "compression.png"
+#: Accepted deviation of the stress at the end of a stage.
+_HELD = 0.01
+#: The same for the end of unloading, at which nothing is measured.
+_UNLOADED = 0.1
+#: The piston may press the bed to this share of its height; below, it has left the pot's bed.
+_LOWEST_PISTON = 0.5
+#: Scatter from seed to seed over value of beds of the default size, and their number of particles:
+#: measured, as is the exponent with which smaller beds scatter more.
+_SCATTER = {"loading_modulus": 0.065, "unloading_modulus": 0.08, "lateral_stress_ratio": 0.04}
+_SCATTER_PARTICLES = 630
+_SMALLER, _LARGER = 0.7, 0.5
+#: Usual travel of the piston in all stages, over the height of the bed.
+_USUAL_TRAVEL = 0.15
+
+_LENGTH = Quantity("m", above_zero=True, highest=1e3)
+_STRESS = Quantity("Pa", above_zero=True, highest=1e12)
+
+
+@dataclass(frozen=True)
+class Compression(BulkTest):
+    """Uniaxial confined compression: moduli, bulk density and lateral stress ratio at a stress.
+
+    Particles rain into an upright pot and come to rest; those above the fill height are removed.
+    A piston presses with the seating stress, where strain is zero, then with the stress, which it
+    holds, and goes back to the seating stress. The default stress and all lengths follow the
+    Sauter diameter d of the particles, so that the test is the same test at every size.
+
+    Young's modulus of the particles must be at least 1000 times the stress, else particles are
+    compressed instead of the bed. The options are the fields below, as in the calibration file.
+
+    Parameters
+    ----------
+    sizes : ParticleSizes, optional
+        Particle size distribution.
+    diameter : float, str or list, optional
+        Instead of sizes: ``"10 mm"``, or a list of ``{"value": ..., "mass_fraction": ...}``.
+
+    Raises
+    ------
+    InputError
+        The test is impossible; names every option at fault.
+
+    Examples
+    --------
+    >>> Compression(diameter="10 mm").setup.stress
+    10000.0
+    >>> Compression(diameter="10 mm", stress="20 kPa").setup.seating_stress
+    1000.0
+    """
+
+    type: ClassVar[str] = "compression"
+    title: ClassVar[str] = "uniaxial, confined"
+    shown: ClassVar[Shown | None] = Shown(
+        "bed", "loading_modulus", snapshot_file(_LOADED), _PICTURE
+    )
+    responses: ClassVar[Mapping[str, ResponseInfo]] = {
+        "loading_modulus": ResponseInfo(
+            "Pa",
+            "M_l",
+            "modulus of loading: slope of stress over strain from 50 to 98 % of the stress",
+            '{ value = "280 kPa", uncertainty = "5 %" }',
+        ),
+        "unloading_modulus": ResponseInfo(
+            "Pa",
+            "M_u",
+            "modulus of unloading: slope of stress over strain from 98 to 50 % of the stress",
+            '{ value = "600 kPa", uncertainty = "5 %" }',
+        ),
+        "bulk_density": ResponseInfo(
+            "kg/m^3",
+            "ρ_b",
+            "bulk density: mass of the bed over its volume, voids included",
+            '{ value = "1500 kg/m^3", uncertainty = "1 %" }',
+        ),
+        "lateral_stress_ratio": ResponseInfo(
+            "",
+            "K",
+            "lateral stress ratio: stress on the pot's wall over the mean of floor and piston",
+            '{ value = 0.4, uncertainty = "0.02" }',
+        ),
+    }
+
+    stress: Amount | None = option(
+        _STRESS,
+        "Stress of the piston on the bed. Young's modulus must be at least 1000 times as much.",
+        example='"10 kPa"',
+        words="10 kPa for d = 10 mm",
+    )
+    seating_stress: Amount | None = option(
+        _STRESS,
+        "Stress under which strain is zero, and to which the bed is unloaded.",
+        example='"500 Pa"',
+        words="5 % of the stress",
+    )
+    pot_radius: Amount | None = option(
+        _LENGTH, "Inner radius of the pot.", example='"50 mm"', words="5 d"
+    )
+    fill_height: Amount | None = option(
+        _LENGTH,
+        "Height of the bed before it is pressed: particles with their centre above are removed.",
+        example='"80 mm"',
+        words="8 d",
+    )
+    particle_count: int | None = option(
+        Whole(1), "Number of particles rained in.", example="900", words="as many as fill the pot"
+    )
+    piston_speed: Amount | None = option(
+        Quantity("m/s", above_zero=True, highest=1e3),
+        "Largest speed of the piston; the default is quasi-static.",
+        example='"0.014 m/s"',
+        words="0.0065 sqrt(stress / particle density)",
+    )
+    settling_time_limit: Amount | None = option(
+        Quantity("s", above_zero=True),
+        "Longest simulated time in which the bed may come to rest.",
+        example='"2 s"',
+        words="ten times the time of fall",
+    )
+    #: Geometry and procedure, with every default resolved.
+    setup: CompressionSetup = field(init=False, repr=False, compare=False)
+
+    def prepare(self) -> None:
+        """Resolve geometry and procedure."""
+        options = {key.name: getattr(self, key.name) for key in self.option_keys()}
+        object.__setattr__(self, "setup", plan_setup(self.sizes, options))
+
+    def material_faults(self, material: Mapping[str, float]) -> Iterator[Fault]:
+        """Yield why the test means nothing with a material: too soft, or too heavy."""
+        return self.setup.material_faults(material)
+
+    def scene(self, material: Mapping[str, float], seed: int) -> Scene:
+        """Return the experiment: a column falls, is struck off, pressed and unloaded.
+
+        Raises
+        ------
+        InputError
+            The particles are too soft or too heavy for the stress.
+        """
+        faults = [*self.material_faults(material)]
+        if faults:
+            raise InputError(faults)
+        setup, largest = self.setup, max(self.sizes.diameters)
+        column = random_column(self.sizes, setup.particle_count, Round(setup.pot_radius), seed)
+        top = column.height + 1.25 * largest
+        side = setup.pot_radius + 1.5 * largest
+        box = Box((-side, -side, -3 * largest), (side, side, top + 2 * largest))
+        return Scene(
+            title="Compression test, uniaxial and confined",
+            material=material,
+            sizes=self.sizes,
+            particles=column,
+            box=box,
+            walls={
+                "pot": Wall(Cylinder(setup.pot_radius, box.low[2], box.high[2])),
+                "floor": Wall(Plane("z", 0.0)),
+            },
+            stages=self._stages(material),
+            gravity=setup.gravity,
+            time_step=self.time_step(material),
+            quiet_speed=setup.quiet_speed,
+            check_interval=setup.check_interval,
+            typical_load=self._typical_load(material),
+        )
+
+    def _stages(self, material: Mapping[str, float]) -> tuple[Stage, ...]:
+        setup = self.setup
+        seat = setup.load(setup.seating_stress, material)
+        return (
+            Stage(
+                "fill",
+                AtRest(setup.fill_time + setup.settling_time_limit, at_least=setup.fill_time),
+                "the column falls and comes to rest",
+                is_closed=True,
+                snapshot=_FILLED,
+            ),
+            self._pressed(
+                "seat",
+                seat,
+                material,
+                remark=f"the piston presses with {setup.seating_stress:g} Pa",
+                strike_off=setup.fill_height,
+                put={"piston": Wall(Plane("z", setup.piston_start, upwards=False))},
+            ),
+            self._pressed(
+                "load",
+                setup.load(setup.stress, material),
+                material,
+                remark=f"it presses with {setup.stress:g} Pa",
+                snapshot=_LOADED,
+            ),
+            self._pressed("unload", seat, material, within=_UNLOADED, remark="and goes back"),
+        )
+
+    def _pressed(
+        self,
+        name: str,
+        load: Load,
+        material: Mapping[str, float],
+        within: float = _HELD,
+        **more: object,
+    ) -> Stage:
+        """Return a stage that ends when the piston's stress is held."""
+        setup = self.setup
+        limit = setup.travel_time(material) + setup.settling_time_limit
+        return Stage(
+            name,
+            Loaded("piston", within, limit),
+            motions={"piston": load},
+            series=Series(COLUMNS, setup.record_interval(material)),
+            is_closed=True,
+            **more,  # type: ignore[arg-type]
+        )
+
+    def _typical_load(self, material: Mapping[str, float]) -> float:
+        """Return the usual force of a contact under the stress, in particle weights."""
+        diameter = self.sizes.sauter_diameter
+        weight = material["particle.density"] * math.pi / 6 * diameter**3 * self.setup.gravity
+        return self.setup.stress * diameter**2 / weight
+
+    def measure(self, run: RunOutput) -> dict[str, Response]:
+        """Measure all responses; leave a picture and a VTK file of the loaded bed.
+
+        Raises
+        ------
+        RunFailedError
+            The simulation did not end as a compression test requires: the bed did not come to
+            rest, the stress was not held within 1 %, the piston left the pot, particles broke out
+            or overlap grossly, or a stage is missing.
+        NotMeasurableError
+            A response has no value, with the reason.
+        """
+        stages = run.require_complete(["fill", "seat", "load", "unload"], "pot")
+        setup = self.setup
+        bed = run.snapshot(_LOADED)
+        require_separate(bed)
+        seat, load, unload = (
+            Curve.of_stage(run, name, setup) for name in ("seat", "load", "unload")
+        )
+        self._require_valid(stages, bed, seat, load)
+        write_vtk(run.folder / "loaded.vtk", bed)
+        height = float(seat.heights[-1])
+        moduli = {
+            "loading_modulus": fit_modulus(load, height, setup.stress, "loading modulus"),
+            "unloading_modulus": fit_modulus(unload, height, setup.stress, "unloading modulus"),
+        }
+        curves = {"seat": seat, "load": load, "unload": unload}
+        draw_compression(run.folder / _PICTURE, bed, setup, curves, moduli)
+        return {
+            **{name: self._modulus(name, fit, len(bed)) for name, fit in moduli.items()},
+            "bulk_density": self._density(bed, float(load.heights[-1])),
+            "lateral_stress_ratio": self._ratio(load.last(setup.check_interval / 2), len(bed)),
+        }
+
+    def _require_valid(
+        self, stages: tuple[StageEnd, ...], bed: Particles, seat: Curve, load: Curve
+    ) -> None:
+        """Raise `RunFailedError` unless the loaded bed is one that can be measured."""
+        setup = self.setup
+        require_held(
+            seat.last(setup.check_interval / 2).stresses.mean(), setup.seating_stress, _HELD, "seat"
+        )
+        require_held(
+            load.last(setup.check_interval / 2).stresses.mean(), setup.stress, _HELD, "load"
+        )
+        loaded = next(stage for stage in stages if stage.name == "load")
+        # As the deck does: before the bed was struck off.
+        mass = float(bed.masses.mean()) * setup.particle_count
+        require_at_rest(loaded, mass, setup.quiet_speed)
+        lowest = _LOWEST_PISTON * setup.fill_height
+        for curve in (seat, load):
+            height = float(curve.heights[-1])
+            if not lowest < height < setup.piston_start:
+                raise RunFailedError(
+                    f"the piston left the pot's bed: it stands {height:.3g} m above the floor of "
+                    f"a pot that was filled up to {setup.fill_height:g} m"
+                )
+
+    @staticmethod
+    def _modulus(name: str, fit: Modulus, particles: int) -> Response:
+        scatter = _scatter(name, particles) * fit.value
+        return Response(fit.value, math.hypot(fit.standard_error, scatter))
+
+    def _density(self, bed: Particles, height: float) -> Response:
+        """Measure the bulk density without the layers at floor and piston."""
+        margin = self.sizes.sauter_diameter
+        return bulk_density(bed, self.setup.pot_radius, margin, height - margin)
+
+    @staticmethod
+    def _ratio(held: Curve, particles: int) -> Response:
+        """Return the mean stress on the wall over that on piston and floor."""
+        ratios = held.lateral_stresses / ((held.stresses + held.floor_stresses) / 2)
+        value = float(ratios.mean())
+        return Response(value, _scatter("lateral_stress_ratio", particles) * value)
+
+    @property
+    def number_of_particles(self) -> int:
+        """Number of particles rained in."""
+        return self.setup.particle_count
+
+    def simulated_time(self, material: Mapping[str, float]) -> float:
+        """Estimate the simulated time of a run, s."""
+        setup = self.setup
+        travel = _USUAL_TRAVEL * setup.fill_height / setup.largest_speed(material)
+        return 1.25 * setup.fill_time + travel
+
+    def view(self, run: RunOutput) -> CompressionView:
+        """Read the loaded bed of a run, to be drawn."""
+        bed = run.snapshot(_LOADED)
+        if not len(bed):
+            raise NotMeasurableError("no particles are left in the pot")
+        curve = Curve.of_stage(run, "load", self.setup)
+        return CompressionView(bed, self.setup.pot_radius, float(curve.heights[-1]))
+
+
+def _scatter(response: str, particles: int) -> float:
+    """Return the scatter of a response from seed to seed, over its value."""
+    smaller = _SCATTER_PARTICLES / particles
+    return _SCATTER[response] * math.pow(smaller, _SMALLER if smaller > 1 else _LARGER)

@@ -1,0 +1,148 @@
+"""Stress over strain of a bed between floor and piston, and what is measured on it."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, fields
+from typing import Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from grainfit.bulk_tests.compression.setup import CompressionSetup
+from grainfit.errors import NotMeasurableError
+from grainfit.scenes.records import Force, RadialForce, Recorded, Travel
+from grainfit.scenes.run_output import RunOutput
+
+#: Columns of the series of every stage with a piston.
+COLUMNS: dict[str, Recorded] = {
+    "travel": Travel("piston"),
+    "piston_force": Force("piston", "z"),
+    "floor_force": Force("floor", "z"),
+    "pot_force": RadialForce("pot"),
+}
+#: Part of the stress between which moduli are fitted: below, the curve is that of seating; above,
+#: the piston slows down.
+FITTED = (0.50, 0.98)
+_FEWEST_RECORDS = 5
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Curve:
+    """Stresses over the height of the bed during one stage.
+
+    Parameters
+    ----------
+    times : ndarray of shape (n,)
+        s.
+    heights : ndarray of shape (n,)
+        Height of the piston above the floor, m.
+    stresses, floor_stresses, lateral_stresses : ndarray of shape (n,)
+        Of the bed on piston, floor, and the pot's wall under the piston, Pa.
+    """
+
+    times: Array
+    heights: Array
+    stresses: Array
+    floor_stresses: Array
+    lateral_stresses: Array
+
+    @classmethod
+    def of_stage(cls, run: RunOutput, stage: str, setup: CompressionSetup) -> Self:
+        """Read the series of a stage.
+
+        Parameters
+        ----------
+        run : RunOutput
+            Output of a run.
+        stage : str
+            Name of the stage.
+        setup : CompressionSetup
+            Geometry of the test.
+
+        Raises
+        ------
+        NotMeasurableError
+            The file is missing or damaged, or a column is missing.
+        """
+        series = run.series(stage)
+        missing = [name for name in COLUMNS if name not in series]
+        if missing:
+            raise NotMeasurableError(f"series of stage {stage}: no column {' '.join(missing)}.")
+        heights = setup.piston_start + series["travel"]
+        return cls(
+            series["time"],
+            heights,
+            series["piston_force"] / setup.area,
+            -series["floor_force"] / setup.area,
+            series["pot_force"] / (2 * math.pi * setup.pot_radius * heights),
+        )
+
+    def strains(self, height: float) -> Array:
+        """Return the compressive strains from a height of the bed, shape (n,)."""
+        return 1 - self.heights / height
+
+    def last(self, seconds: float) -> Curve:
+        """Return the records of the last seconds, at least one."""
+        late = self.times >= min(self.times[-1] - seconds, self.times[-1])
+        return Curve(*(getattr(self, part.name)[late] for part in fields(self)))
+
+
+@dataclass(frozen=True)
+class Modulus:
+    """Slope of stress over strain.
+
+    Parameters
+    ----------
+    value : float
+        Pa.
+    standard_error : float
+        Of the fitted line, Pa: it knows nothing of another bed.
+    stress_at_zero : float
+        Stress of the line at zero strain, Pa.
+    """
+
+    value: float
+    standard_error: float
+    stress_at_zero: float
+
+
+def fit_modulus(curve: Curve, height: float, stress: float, name: str) -> Modulus:
+    """Fit a line to stress over strain between 50 and 98 % of a stress.
+
+    Parameters
+    ----------
+    curve : Curve
+        Of loading or unloading.
+    height : float
+        Height of the bed at zero strain, m.
+    stress : float
+        Largest stress, Pa.
+    name : str
+        Of the response, for messages.
+
+    Raises
+    ------
+    NotMeasurableError
+        There are too few records between these stresses, or they do not rise.
+    """
+    fitted = (curve.stresses > FITTED[0] * stress) & (curve.stresses < FITTED[1] * stress)
+    count = int(fitted.sum())
+    if count < _FEWEST_RECORDS:
+        raise NotMeasurableError(
+            f"{name}: the stress was recorded only {count} times between "
+            f"{FITTED[0]:.0%} and {FITTED[1]:.0%} of {stress:g} Pa; use a lower piston_speed."
+        )
+    strains, stresses = curve.strains(height)[fitted], curve.stresses[fitted]
+    spread = float(((strains - strains.mean()) ** 2).sum())
+    slope = 0.0
+    if spread > 0:
+        slope = float(((strains - strains.mean()) * stresses).sum()) / spread
+    if slope <= 0:
+        raise NotMeasurableError(f"{name}: stress does not rise with strain.")
+    zero = float(stresses.mean()) - slope * float(strains.mean())
+    rest = stresses - zero - slope * strains
+    error = math.sqrt(float(rest @ rest) / (count - 2) / spread)
+    return Modulus(slope, error, zero)
