@@ -7,6 +7,7 @@ from typing import Any
 
 from typing_extensions import override
 
+from grainfit.bulk_tests.base import BulkTest
 from grainfit.bulk_tests.run_cost import RunCost
 from grainfit.evaluation import Response
 from grainfit.solvers.base import Solver, Workspace
@@ -41,6 +42,12 @@ class ParametersFor(Solver):
     @override
     def response_names(self) -> tuple[str, ...] | None:
         return self.solver.response_names
+
+    @property
+    @override
+    def bulk_test(self) -> BulkTest | None:
+        """The bulk test of the solver."""
+        return self.solver.bulk_test
 
     @override
     def model(self) -> Mapping[str, Any]:
