@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import product
 from pathlib import Path
@@ -12,6 +12,7 @@ from statistics import fmean, stdev
 from grainfit.campaign.campaign import Campaign, CampaignOptions
 from grainfit.campaign.store.store import RunStore
 from grainfit.campaign.work_folder import hold, recover
+from grainfit.contact_models.registry import MATERIAL_PARAMETERS
 from grainfit.errors import Fault, InputError, RunFailedError
 from grainfit.evaluation import Evaluation, Proposal
 from grainfit.formatting import duration, number, plain_interval, unit_for_people, with_unit
@@ -143,19 +144,19 @@ class ModulusStudy:
         )
 
     def _table(self) -> TextTable:
-        header = ("Young's modulus", "factor", *(_heading(t) for t in self.targets))
+        header = ("modulus", *(target.name for target in self.targets), "time step", "a run")
         rows = tuple(
             (
                 f"{row.modulus:.4g} Pa",
-                f"{row.factor:g}",
                 *(_cell(row.responses.get(target.name)) for target in self.targets),
                 "-" if row.time_step is None else f"{row.time_step:.3g} s",
                 f"{row.seconds:.1f} s",
             )
             for row in self.rows
         )
-        caption = f"± standard error of the mean of {self.seeds} seeds" if self.seeds > 1 else ""
-        return TextTable((*header, "time step", "time of a run"), rows, caption)
+        units = [f"{t.name} in {unit_for_people(t.unit)}" for t in self.targets if t.unit]
+        errors = [f"± standard error of the mean of {self.seeds} seeds"] if self.seeds > 1 else []
+        return TextTable(header, rows, ", ".join([*units, *errors]))
 
     def _verdict(self) -> tuple[str, ...]:
         row = self.smallest_sufficient
@@ -194,10 +195,6 @@ class ModulusStudy:
     def _is_in_doubt(self, row: ModulusRow, target: Target) -> bool:
         difference, half = self.difference(row, target.name)
         return half is None or abs(difference) + half > target.tolerance
-
-
-def _heading(target: Target) -> str:
-    return f"{target.name}, {unit_for_people(target.unit)}" if target.unit else target.name
 
 
 def _cell(found: MeanResponse | None) -> str:
@@ -277,8 +274,18 @@ class ModulusPlan:
             faults.append(
                 Fault("factors", f"{len(set(self.factors))} given.", "Give two or more, as 1,4,16.")
             )
+        else:
+            faults += self._impossible()
         if faults:
             raise InputError(faults)
+
+    def _impossible(self) -> Iterator[Fault]:
+        known = MATERIAL_PARAMETERS[MODULUS]
+        for factor in (min(self.factors), max(self.factors)):
+            value = factor * self.parameters[MODULUS]
+            if not known.lowest <= value <= known.highest:
+                limits = f"{known.lowest:g} to {known.highest:g} {known.unit}"
+                yield Fault(MODULUS, f"{value:g} is outside {limits}.", "Give factors nearer to 1.")
 
     def at(self, factor: float) -> dict[str, float]:
         """Return the parameters with the modulus of a factor."""
