@@ -18,9 +18,9 @@ from grainfit.analysis.further_tests import (
     BETTER_FIXED,
     DIRECT,
     better_fixed,
+    how_to_determine,
+    how_to_tell_apart,
     in_a_row,
-    tests_for,
-    tests_that_tell_apart,
 )
 from grainfit.analysis.posterior import standard_uncertainty
 from grainfit.bulk_tests.sensitivities import VARIED, Sensitivities
@@ -168,7 +168,7 @@ def _notes(estimate: _Estimate, tests: str) -> Iterator[str]:
     for group in _groups(estimate, [name for name in is_open if name not in unseen]):
         yield _note_on_group(group, widths, tests)
     for name in unseen:
-        yield f"{name} will not be determined by {tests}. To determine it: {tests_for(name)}"
+        yield f"{name} will not be determined by {tests}. To determine it: {how_to_determine(name)}"
 
 
 def _groups(estimate: _Estimate, names: Sequence[str]) -> list[tuple[str, ...]]:
@@ -205,9 +205,9 @@ def _note_on_group(group: tuple[str, ...], widths: Mapping[str, float], tests: s
         return (
             f"{hard[0]} will hardly be determined by {tests}{while_free}: about "
             f"{100 * widths[hard[0]]:.0f} % of its interval stays open. To determine it: "
-            f"{tests_for(hard[0])}"
+            f"{how_to_determine(hard[0])}"
         )
     return (
         f"{in_a_row(hard)} can hardly be told apart by {tests} alone{while_free}: about {kept} "
-        f"stays open. To tell them apart: {tests_that_tell_apart(group)}"
+        f"stays open. To tell them apart: {how_to_tell_apart(group)}"
     )

@@ -98,12 +98,12 @@ def to_settle(name: str) -> str:
     """Return sentences with a test that would determine an open parameter."""
     if name in BETTER_FIXED:
         return better_fixed(name)
-    return f"To determine {name}: {tests_for(name)}"
+    return f"To determine {name}: {how_to_determine(name)}"
 
 
 def to_tell_apart(names: tuple[str, ...]) -> str:
     """Return sentences with tests that would tell parameters apart."""
-    return f"To tell {in_a_row(names)} apart: {tests_that_tell_apart(names)}"
+    return f"To tell {in_a_row(names)} apart: {how_to_tell_apart(names)}"
 
 
 def better_fixed(name: str) -> str:
@@ -114,14 +114,14 @@ def better_fixed(name: str) -> str:
     )
 
 
-def tests_for(name: str) -> str:
+def how_to_determine(name: str) -> str:
     """Return the tests that determine a parameter, up to the end of a sentence."""
     if name not in TESTS:
         return "add a target of a test that responds to it."
     return f"{TESTS[name]}.{_runnable(_SIMULATED.get(name, ()))}"
 
 
-def tests_that_tell_apart(names: tuple[str, ...]) -> str:
+def how_to_tell_apart(names: tuple[str, ...]) -> str:
     """Return the tests that tell parameters apart, up to the end of a sentence."""
     if set(names) >= _FRICTIONS and set(names) <= {*_FRICTIONS, DENSITY}:
         return (

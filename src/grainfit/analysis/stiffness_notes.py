@@ -107,14 +107,18 @@ def _note(
     verb = "are" if len(names) > 1 else "is"
     within = ""
     if spread != (1.0, 1.0):
-        least, most = (100 * excess_density(value * factor) for factor in reversed(spread))
-        within = f" ({least:.1f} to {most:.1f} % within the intervals)"
+        least, most = (_percent(excess_density(value * factor)) for factor in reversed(spread))
+        within = f" ({least} to {most} % within the intervals)"
     takes = "the fitted particle density is too low" if density_is_free else "friction is fitted"
     return (
         f"The particles are soft, E/(\u03c1 g d) = {number(value, 3)}: {in_a_row(names)} {verb} "
-        f"about {100 * excess_density(value):.1f} % above that of stiff particles{within}, because "
+        f"about {_percent(excess_density(value))} % above that of rigid particles{within}, because "
         f"they overlap, and {takes} for it. {_remedy(value, modulus)}"
     )
+
+
+def _percent(share: float) -> str:
+    return number(100 * share, 2)
 
 
 def _remedy(value: float, modulus: float) -> str:
@@ -123,7 +127,7 @@ def _remedy(value: float, modulus: float) -> str:
         factor = number_with_excess(excess) / value
         if factor > 1:
             offers.append(
-                f"{100 * excess:.0f} % with {number(modulus * factor / 1e6, 2)} MPa "
+                f"{_percent(excess)} % with {number(modulus * factor / 1e6, 2)} MPa "
                 f"({number(sqrt(factor), 2)} times as many time steps)"
             )
     words = f"It is {in_a_row(offers, 'or')}. " if offers else ""

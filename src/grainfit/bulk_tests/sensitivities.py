@@ -38,19 +38,16 @@ class Sensitivities:
         are not named have no effect beyond three standard errors.
     slopes_at_high_rolling : mapping of str to float
         Those that are others at a sliding friction of 0.2 and a rolling friction of 0.5.
-    uncertainty : float
-        Usual standard uncertainty of the laboratory, relative to the response.
 
     Examples
     --------
-    >>> angle = Sensitivities({ROLLING: 0.6}, {ROLLING: 0.2}, 0.03)
+    >>> angle = Sensitivities({ROLLING: 0.6}, {ROLLING: 0.2})
     >>> round(angle.at({SLIDING: 0.3, ROLLING: 0.3})[ROLLING], 2)
     0.4
     """
 
     slopes: Mapping[str, float]
     slopes_at_high_rolling: Mapping[str, float] = field(default_factory=dict)
-    uncertainty: float = 0.02
 
     def at(self, material: Mapping[str, float]) -> dict[str, float]:
         """Return the slopes of a material, interpolated in ln(rolling / sliding friction).
