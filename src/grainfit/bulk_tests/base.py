@@ -17,6 +17,7 @@ from functools import cache
 from typing import Any, ClassVar, Self
 
 from grainfit.bulk_tests.run_cost import RunCost
+from grainfit.bulk_tests.sensitivities import Sensitivities
 from grainfit.bulk_tests.view import RunView, Shown
 from grainfit.contact_models.registry import MATERIAL_PARAMETERS
 from grainfit.errors import Fault, InputError
@@ -56,12 +57,15 @@ class ResponseInfo:
         Name, colon, explanation.
     example : str
         A target, as TOML.
+    sensitivities : Sensitivities, optional
+        Parameters that it responds to, and how much; None when that was not measured.
     """
 
     unit: str
     symbol: str
     description: str
     example: str
+    sensitivities: Sensitivities | None = None
 
     @property
     def words(self) -> str:

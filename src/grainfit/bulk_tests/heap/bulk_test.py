@@ -10,6 +10,7 @@ from typing import Any, ClassVar, Self
 from grainfit.bulk_tests.base import BulkTest, ResponseInfo
 from grainfit.bulk_tests.heap.setup import HeapSetup, plan_setup
 from grainfit.bulk_tests.heap.view import HeapView
+from grainfit.bulk_tests.sensitivities import DENSITY, MODULUS, ROLLING, SLIDING, Sensitivities
 from grainfit.bulk_tests.shared.validity import require_separate
 from grainfit.bulk_tests.view import Shown
 from grainfit.errors import NotMeasurableError
@@ -91,12 +92,17 @@ class Heap(BulkTest):
             "ρ_b",
             "bulk density: mass of the bed over its volume, voids included",
             '{ value = "1500 kg/m^3", uncertainty = "1 %" }',
+            Sensitivities(
+                {DENSITY: 1.07, MODULUS: -0.066, SLIDING: -0.059, ROLLING: -0.023},
+                {SLIDING: -0.068, ROLLING: -0.006},
+            ),
         ),
         "angle_of_repose": ResponseInfo(
             "deg",
             "α",
             "angle of repose: inclination of the heap's flanks",
             '{ value = "22 deg", uncertainty = "0.5 deg" }',
+            Sensitivities({SLIDING: 0.24, ROLLING: 0.57}, {SLIDING: 0.45, ROLLING: 0.29}),
         ),
         "base_radius": ResponseInfo(
             "m",

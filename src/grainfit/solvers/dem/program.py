@@ -94,6 +94,12 @@ class DeckSolver(Solver):
         """Names of the test's responses."""
         return tuple(self.test.responses)
 
+    @property
+    @override
+    def bulk_test(self) -> BulkTest:
+        """The bulk test that it simulates."""
+        return self.test
+
     @override
     def model(self) -> Mapping[str, Any]:
         """Return solver, version, ranks and test."""
