@@ -262,6 +262,8 @@ class Scene:
         walls = self.all_walls().values()
         found = {type(wall.shape).__name__.lower() for wall in walls}
         found |= {type(m).__name__.lower() for s in self.stages for m in s.motions.values()}
+        if any(len({type(m) for m in self.motions_of(wall)}) > 1 for wall in self.all_walls()):
+            found.add("velocity and load")
         if self.box.periodic:
             found.add("periodic " + self.box.periodic)
         return found

@@ -196,7 +196,7 @@ class SceneContract(SimulatedScenes):
     @pytest.mark.parametrize(
         "shape",
         [
-            Plane("z", 0.0),
+            Plane("z", 0.1),
             Block((-0.02, -0.02, -0.01), (0.02, 0.02, 0.0)),
             Cylinder(0.03, 0.0, 0.1),
             Cone(0.02, 0.04, 0.0, 0.1),
@@ -209,7 +209,12 @@ class SceneContract(SimulatedScenes):
     def test_a_missing_concept_is_refused_with_the_reason_and_what_to_use_instead(
         self, solver: DeckSolver, tmp_path: Path, shape: Shape
     ) -> None:
-        scene = scene_of(spheres([(0, 0, 0.01)]), {"thing": Wall(shape)}, frames(0.01))
+        stages = [
+            Stage("move", Elapsed(0.01), motions={"thing": Velocity("z", 0.1)}),
+            Stage("press", Elapsed(0.01), motions={"thing": Load("z", 1.0, 0.1, 0.1)}),
+        ]
+        moved = stages if isinstance(shape, Plane) else frames(0.01)
+        scene = scene_of(spheres([(0, 0, 0.01)]), {"thing": Wall(shape)}, moved)
         lacking = scene.concepts() & set(solver.missing)
         if not lacking:
             return
@@ -224,9 +229,10 @@ class SceneContract(SimulatedScenes):
 
     def test_missing_concepts_are_concepts_of_scenes(self, solver: DeckSolver) -> None:
         shapes = {"plane", "block", "cylinder", "cone", "disc", "annulus", "mesh"}
+        motions = {"velocity", "load", "velocity and load"}
         axes = {f"periodic {axes}" for axes in ("x", "y", "z", "xy", "xz", "yz", "xyz")}
 
-        assert set(solver.missing) <= shapes | {"velocity", "load"} | axes
+        assert set(solver.missing) <= shapes | motions | axes
 
     # --- gravity, time step, files -------------------------------------------------------------
 
@@ -656,6 +662,23 @@ class SceneContract(SimulatedScenes):
         assert series["floor"] == pytest.approx(-load - WEIGHT, rel=1e-2)
         assert RADIUS - out.snapshot("held").positions[0, 2] == pytest.approx(below, rel=1e-2)
         assert -series["way"] - travel == pytest.approx(below + above, rel=1e-2)
+
+    def test_a_wall_that_has_moved_can_be_loaded(self, run: Run) -> None:
+        walls = {**FLOOR, "piston": Wall(Plane("z", 0.03, upwards=False))}
+        down = {"piston": Velocity("z", -0.1)}
+        piston = Load("z", -5 * WEIGHT, 0.1, 0.1 / (5 * WEIGHT))
+        travel = Series({"way": Travel("piston")}, 0.001)
+        stages = [
+            Stage("approach", Elapsed(0.1), motions=down, series=travel),
+            Stage("press", Loaded("piston", 0.01, 3.0), motions={"piston": piston}, series=travel),
+        ]
+        out = run(scene_of(spheres([(0, 0, RADIUS)]), walls, stages, DAMPED))
+
+        approach, pressed = out.series("approach"), out.series("press")
+        assert approach["way"] == pytest.approx(-0.1 * approach["time"], abs=2e-5)
+        assert out.stages[-1].end == "done"
+        assert pressed["way"][0] == pytest.approx(approach["way"][-1], abs=3e-4)
+        assert 0.03 + pressed["way"][-1] == pytest.approx(2 * RADIUS, abs=1e-3)
 
     def test_a_load_that_is_not_reached_fails_the_run(self, run: Run) -> None:
         walls = {**FLOOR, "piston": Wall(Plane("z", 0.08, upwards=False))}

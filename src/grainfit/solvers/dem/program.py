@@ -7,7 +7,7 @@ import shlex
 import subprocess
 import tempfile
 from abc import abstractmethod
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from functools import cached_property, lru_cache
 from pathlib import Path
 from typing import Any, ClassVar
@@ -176,7 +176,7 @@ class DeckSolver(Solver):
         RunFailedError
             The program failed. Stages that ended badly are left to `RunOutput.require_complete`.
         """
-        self._require_possible_scene(scene)
+        self._require_concepts(scene.concepts())
         self._simulate(self.deck(scene, workspace.folder).write(), workspace)
         return RunOutput(workspace.folder)
 
@@ -189,11 +189,11 @@ class DeckSolver(Solver):
             faults += self.test.material_faults({**self.material, **values})
         return list(dict.fromkeys(faults))
 
-    def _require_possible_scene(self, scene: Scene) -> None:
+    def _require_concepts(self, concepts: Iterable[str]) -> None:
         """Raise `InputError` if the program lacks a concept of the scene."""
-        reasons = [self.missing[name] for name in sorted(scene.concepts()) if name in self.missing]
+        reasons = [self.missing[name] for name in sorted(concepts) if name in self.missing]
         if reasons:
-            message = f"{self.name} cannot simulate this scene ({scene.title})."
+            message = f"{self.name} cannot simulate this {self.test.type} test."
             raise InputError([Fault("solver", message, f"{reason}.") for reason in reasons])
 
     def _simulate(self, deck: Path, workspace: Workspace) -> None:

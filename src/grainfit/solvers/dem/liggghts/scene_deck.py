@@ -16,7 +16,12 @@ from grainfit.scenes.triangles import triangles_of, write_stl
 from grainfit.solvers.dem.script import PARTICLES, ScriptDeck, command, continued, heading
 
 #: Concepts that LIGGGHTS does not have, with the reason and what to use instead.
-MISSING: Mapping[str, str] = {}
+MISSING: Mapping[str, str] = {
+    "velocity and load": (
+        "LIGGGHTS moves a wall either at a velocity or under a load, not the same wall in turn; "
+        "use a load in every stage, its largest speed is the velocity of the approach"
+    )
+}
 
 
 class LiggghtsSceneDeck(ScriptDeck):
