@@ -12,6 +12,8 @@ from importlib.metadata import entry_points
 from typing import Any
 
 from grainfit.bulk_tests.base import BulkTest, ResponseInfo
+from grainfit.bulk_tests.discharge import Discharge as Discharge
+from grainfit.bulk_tests.draw_down import DrawDown as DrawDown
 from grainfit.bulk_tests.heap import Heap as Heap
 from grainfit.errors import Fault, InputError
 from grainfit.run_definition import RunDefinition
