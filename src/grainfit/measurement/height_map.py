@@ -66,7 +66,7 @@ def height_map(
     columns = max(1, round((high - low) / pixel))
     rows = max(1, round(depth / pixel))
     across, along = (high - low) / columns, depth / rows
-    x = low + across * (np.arange(columns) + 0.5)
+    x = np.array(low + across * (np.arange(columns) + 0.5), dtype=np.float64)
     heights = np.zeros((rows, columns))
     reach = math.ceil(float(particles.radii.max()) / min(across, along)) + 1
     steps = np.arange(-reach, reach + 1)

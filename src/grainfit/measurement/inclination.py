@@ -106,7 +106,8 @@ class _Side:
     @property
     def distance(self) -> Array:
         """Distance along x from the first column, m."""
-        return np.abs(self.x - self.x[0])
+        distance: Array = np.abs(self.x - self.x[0])
+        return distance
 
 
 def _outward(surface: HeightMap, middle: float) -> list[_Side]:
@@ -174,9 +175,7 @@ def _smooth(surface: HeightMap, diameter: float) -> Array:
     return smooth
 
 
-def _window(
-    surface: HeightMap, side: _Side, top: float, diameter: float
-) -> slice:
+def _window(surface: HeightMap, side: _Side, top: float, diameter: float) -> slice:
     """Columns of a flank, chosen by position: choosing by height would bias the slope."""
     profile = _smooth(surface, diameter)[side.columns]
     low, high = max(_WINDOW[0] * top, _LOWEST_LAYER * diameter), _WINDOW[1] * top
@@ -200,6 +199,4 @@ def _flank(x: Array, heights: Array) -> Flank:
     slope, intercept = (float(value) for value in np.polyfit(x, heights, 1))
     lower, upper = float(x[-1]), float(x[0])
     angle = math.degrees(math.atan(slope * math.copysign(1.0, upper - lower)))
-    return Flank(
-        angle, (lower, intercept + slope * lower), (upper, intercept + slope * upper)
-    )
+    return Flank(angle, (lower, intercept + slope * lower), (upper, intercept + slope * upper))

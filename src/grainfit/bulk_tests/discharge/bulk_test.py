@@ -10,7 +10,7 @@ import numpy as np
 
 from grainfit.bulk_tests.base import BulkTest, ResponseInfo
 from grainfit.bulk_tests.discharge.setup import ROUND, SLOT, DischargeSetup, plan_setup
-from grainfit.bulk_tests.discharge.view import DischargeView, draw_discharge
+from grainfit.bulk_tests.discharge.view import DischargeView
 from grainfit.bulk_tests.shared.slot_box import SlotBox
 from grainfit.bulk_tests.shared.slot_scene import BED, END, FLOW, INSIDE, Flow, fill_and_flow
 from grainfit.bulk_tests.shared.validity import require_emptied, require_separate
@@ -179,16 +179,16 @@ class Discharge(BulkTest):
         run.require_complete([stage.name for stage in self._stages()], "container")
         bed, end = run.snapshot(BED), run.snapshot(END)
         require_separate(bed)
-        series = run.series(FLOW)
+        view = self._view(run, end)
         write_vtk(run.folder / _VTK, end)
         try:
             require_emptied(self._above_orifice(end), "slot" if self._is_slot else "orifice")
-            flow = flow_rate(series["time"], series[INSIDE])
+            flow = flow_rate(view.time, view.mass)
             density = self._bulk_density(bed)
         except (RunFailedError, NotMeasurableError) as error:
-            draw_discharge(run.folder / _PICTURE, self.setup, end, str(error))
+            view.picture(run.folder / _PICTURE, str(error))
             raise
-        draw_discharge(run.folder / _PICTURE, self.setup, end, (flow, density))
+        view.picture(run.folder / _PICTURE, (flow, density))
         return {"mass_flow": flow.response, "bulk_density": density}
 
     @property
@@ -221,8 +221,11 @@ class Discharge(BulkTest):
 
     def view(self, run: RunOutput) -> DischargeView:
         """Read the end of a run, to be drawn."""
+        return self._view(run, run.snapshot(END))
+
+    def _view(self, run: RunOutput, end: Particles) -> DischargeView:
         series = run.series(FLOW)
-        return DischargeView(self.setup, run.snapshot(END), series["time"], series[INSIDE])
-
-
-
+        if set(series) != {"time", INSIDE}:
+            raise NotMeasurableError(f"the series of the {FLOW} stage has other columns")
+        diameter = self.sizes.sauter_diameter
+        return DischargeView(self.setup, end, series["time"], series[INSIDE], diameter)

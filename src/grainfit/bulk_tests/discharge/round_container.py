@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 
 from grainfit.bulk_tests.shared.slot_box import container_faults
+from grainfit.bulk_tests.view import Outline, circle
 from grainfit.errors import Fault
 from grainfit.materials.sizes import ParticleSizes
 from grainfit.scenes.scene import Wall
 from grainfit.scenes.shapes import Annulus, Cylinder, Disc
-
-_CORNERS = 48
 
 
 @dataclass(frozen=True)
@@ -41,11 +39,12 @@ class RoundContainer:
             "door": Wall(Disc(self.orifice_radius, 0.0)),
         }
 
-    def outlines(self, top: float) -> list[list[tuple[float, float, float]]]:
+    def outlines(self, top: float) -> list[Outline]:
         """Return the circles of the container, and two lines along it, as polylines, m."""
         circles = ((self.orifice_radius, 0.0), (self.radius, 0.0), (self.radius, top))
         lines = [circle(radius, z) for radius, z in circles]
-        return lines + [[(x, 0.0, 0.0), (x, 0.0, top)] for x in (-self.radius, self.radius)]
+        sides: list[Outline] = [[(x, 0.0, 0.0), (x, 0.0, top)] for x in (-self.radius, self.radius)]
+        return lines + sides
 
     def faults(self, sizes: ParticleSizes) -> Iterator[Fault]:
         """Iterate over what is impossible about the container."""
@@ -65,9 +64,3 @@ class RoundContainer:
                 f"Orifices of less than 5 diameters ({5 * largest:g} m) may be blocked by arches.",
             )
         yield from container_faults(sizes, 2 * self.radius, self.fill_height)
-
-
-def circle(radius: float, z: float) -> list[tuple[float, float, float]]:
-    """Return a horizontal circle about the z axis as a closed polyline, m."""
-    angles = [2 * math.pi * number / _CORNERS for number in range(_CORNERS + 1)]
-    return [(radius * math.cos(angle), radius * math.sin(angle), z) for angle in angles]

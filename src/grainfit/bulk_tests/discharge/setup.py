@@ -5,13 +5,12 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any
 
 from grainfit.bulk_tests.discharge.round_container import RoundContainer
 from grainfit.bulk_tests.shared.slot_box import (
     Filling,
     SlotBox,
-    container_faults,
     count_faults,
     flow_time,
     plan_filling,
@@ -19,7 +18,7 @@ from grainfit.bulk_tests.shared.slot_box import (
 from grainfit.errors import Fault, InputError
 from grainfit.materials.sizes import ParticleSizes
 from grainfit.scenes.packing import Footprint, Rectangle, Round
-from grainfit.scenes.scene import Wall, natural_time
+from grainfit.scenes.scene import natural_time
 
 SLOT, ROUND = "slot", "round"
 #: Shortest time of the flow stage, over sqrt(d/g): before, the particles have hardly moved.
@@ -32,19 +31,6 @@ _PATIENCE = 4.0
 _LOWEST, _HIGHEST = 1.0, 0.7
 #: Thickness of the floor of a box, in diameters.
 _THICKNESS = 0.5
-
-
-class Container(Protocol):
-    """A container with an orifice in its floor, which a wall named ``door`` closes."""
-
-    def walls(self, top: float, largest: float) -> dict[str, Wall]:
-        """Return the walls by name."""
-
-    def outlines(self, top: float) -> list[list[tuple[float, float, float]]]:
-        """Return edges of the walls as polylines in space, m."""
-
-    def faults(self, sizes: ParticleSizes) -> Iterator[Fault]:
-        """Iterate over what is impossible about it."""
 
 
 @dataclass(frozen=True)
@@ -170,5 +156,3 @@ def _equivalent_slot(container: SlotBox | RoundContainer) -> tuple[float, float]
     # Beverloo, at orifices much larger than particles).
     volume = math.pi * container.radius**2 * container.fill_height
     return volume / (2 * container.orifice_radius), 1.2 * container.orifice_radius
-
-

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from typing import ClassVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from grainfit.bulk_tests.base import BulkTest, ResponseInfo
 from grainfit.bulk_tests.draw_down.setup import CLEARANCE, DrawDownSetup, plan_setup
@@ -112,7 +113,8 @@ class DrawDown(BulkTest):
     )
     depth: Amount | None = option(
         _LENGTH,
-        "Depth of the simulated slice; it repeats without end. The mass flow is that of this depth.",
+        "Depth of the simulated slice; it repeats without end. The mass flow is that of this "
+        "depth.",
         example='"100 mm"',
         words="10 d",
     )
@@ -207,6 +209,8 @@ class DrawDown(BulkTest):
         bed, end = run.snapshot(BED), run.snapshot(END)
         require_separate(bed)
         series = run.series(FLOW)
+        if set(series) != {"time", INSIDE}:
+            raise NotMeasurableError(f"the series of the {FLOW} stage has other columns")
         surfaces = Surfaces.of(end, self.setup)
         write_vtk(run.folder / _VTK, end)
         try:
@@ -231,7 +235,7 @@ class DrawDown(BulkTest):
         require_foot_on_floor(surfaces.heap, lost / discharged if discharged else 0.0, diameter)
 
     def _responses(
-        self, bed: Particles, surfaces: Surfaces, series: Mapping[str, np.ndarray]
+        self, bed: Particles, surfaces: Surfaces, series: Mapping[str, NDArray[np.float64]]
     ) -> dict[str, Response]:
         setup = self.setup
         box = setup.box

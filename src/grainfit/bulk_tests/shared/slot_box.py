@@ -10,6 +10,7 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 
+from grainfit.bulk_tests.view import Outline
 from grainfit.errors import Fault
 from grainfit.materials.sizes import ParticleSizes
 from grainfit.scenes.packing import Footprint, column_height, mean_particle_volume
@@ -106,7 +107,7 @@ def flow_time(sizes: ParticleSizes, area: float, slot: float, gravity: float) ->
     """
     diameter = sizes.sauter_diameter
     opening = max(slot / diameter - _BEVERLOO_K, 0.5)
-    rate = _BEVERLOO_C * opening**1.5
+    rate = _BEVERLOO_C * math.sqrt(opening) ** 3
     return area / diameter**2 / rate * natural_time(sizes, gravity)
 
 
@@ -155,10 +156,10 @@ class SlotBox:
     def _block(self, low: float, high: float, top: float) -> Wall:
         return Wall(Block((low, 0.0, -self.thickness), (high, self.depth, top)))
 
-    def outlines(self, top: float) -> list[list[tuple[float, float, float]]]:
+    def outlines(self, top: float) -> list[Outline]:
         """Return the edges of the walls at both ends of the depth as polylines in space, m."""
         inner, slot = self.width / 2, self.slot_width / 2
-        lines: list[list[tuple[float, float, float]]] = []
+        lines: list[Outline] = []
         for y in (0.0, self.depth):
             for side in (-1, 1):
                 lines.append(

@@ -7,7 +7,7 @@ import shlex
 import subprocess
 import tempfile
 from abc import abstractmethod
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from functools import cached_property, lru_cache
 from pathlib import Path
 from typing import Any, ClassVar
@@ -31,7 +31,6 @@ from grainfit.errors import (
 from grainfit.evaluation import Response
 from grainfit.files import log_tail
 from grainfit.scenes.run_output import RunOutput
-from grainfit.scenes.scene import Scene
 from grainfit.solvers.base import Solver, Workspace
 from grainfit.solvers.dem.script import ScriptDeck
 from grainfit.solvers.process.process import LOG_NAME, recorded_faults, run_process
@@ -147,7 +146,7 @@ class DeckSolver(Solver):
         material = self.run_parameters(parameters)
         with recorded_faults(workspace):
             scene = self.test.scene(material, seed)
-            self._require_possible_scene(scene)
+            self._require_concepts(scene.concepts())
             self._simulate(self.deck(scene, workspace.folder).write(), workspace)
             try:
                 return self.test.measure(RunOutput(workspace.folder))
@@ -155,9 +154,9 @@ class DeckSolver(Solver):
                 tail = log_tail(workspace.folder / self._own_log)
                 raise RunFailedError(str(error), tail, kind="evaluation") from error
 
-    def _require_possible_scene(self, scene: Scene) -> None:
+    def _require_concepts(self, concepts: Iterable[str]) -> None:
         """Raise `InputError` if the program lacks a concept of the scene."""
-        reasons = [self.missing[name] for name in scene.concepts() if name in self.missing]
+        reasons = [self.missing[name] for name in sorted(concepts) if name in self.missing]
         if reasons:
             message = f"{self.name} cannot simulate this {self.test.type} test."
             raise InputError([Fault("solver", message, f"{reason}.") for reason in reasons])
@@ -180,9 +179,12 @@ class DeckSolver(Solver):
     def check(self) -> None:
         """Raise `SolverNotFoundError` unless the program is found.
 
-        The default program is asked for its version. A program given by `executable` is started by
-        the first run only.
+        `InputError` if it cannot simulate the test, such as a round orifice with LAMMPS. The
+        default program is asked for its version. A program given by `executable` is started by the
+        first run only.
         """
+        if self.missing:
+            self._require_concepts(self.test.concepts())
         self.executes()
         if self.executable is None:
             self.version()

@@ -224,7 +224,7 @@ def _scene(view: RunView) -> dict[str, Any]:
     packed = np.round(table / step).astype("<i2")
     return {
         "particles": base64.b64encode(packed.tobytes()).decode("ascii"),
-        "rings": [[radius / step, height / step] for radius, height in view.rings()],
+        "outlines": [np.round(np.array(line) / step).tolist() for line in view.outlines()],
     }
 
 
