@@ -72,7 +72,7 @@ class Discharge(BulkTest):
         "mass_flow": ResponseInfo(
             "kg/s",
             "ṁ",
-            "mass flow: mass through the orifice per time, of the whole depth of a slot",
+            "mass flow: mass through the orifice per time, of the whole simulated depth",
             '{ value = "1.16 kg/s", uncertainty = "3 %" }',
         ),
         "bulk_density": ResponseInfo(

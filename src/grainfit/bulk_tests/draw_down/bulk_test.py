@@ -85,7 +85,7 @@ class DrawDown(BulkTest):
         "mass_flow": ResponseInfo(
             "kg/s",
             "ṁ",
-            "mass flow: mass through the slot per time, of the whole depth",
+            "mass flow: mass through the orifice per time, of the whole simulated depth",
             '{ value = "2.2 kg/s", uncertainty = "3 %" }',
         ),
         "discharged_share": ResponseInfo(
@@ -103,7 +103,7 @@ class DrawDown(BulkTest):
         "angle_of_repose": ResponseInfo(
             "deg",
             "α",
-            "angle of repose: inclination of the flanks of a heap",
+            "angle of repose: inclination of the heap's flanks",
             '{ value = "24 deg", uncertainty = "1 deg" }',
         ),
     }
