@@ -464,7 +464,9 @@ def test_damaged_folders_and_records_are_passed_over(heaps: ReportContext, damag
 
 
 def test_without_a_heap_test_the_section_says_so() -> None:
-    assert "this calibration has no run of the discharge, draw_down or heap test" in text(particles(context()))
+    assert "this calibration has no run of the discharge, draw_down or heap test" in text(
+        particles(context())
+    )
 
 
 # --- Convergence and verification -----------------------------------------------------------------

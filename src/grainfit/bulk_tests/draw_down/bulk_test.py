@@ -30,11 +30,14 @@ from grainfit.options.fields import Amount, option
 from grainfit.options.kinds import Quantity
 from grainfit.scenes.packing import random_column
 from grainfit.scenes.run_output import RunOutput, snapshot_file
-from grainfit.scenes.scene import Box, Scene, Stage, Wall
+from grainfit.scenes.scene import WALL, Box, Scene, Stage, Wall
 from grainfit.scenes.shapes import Block
 
 _PICTURE, _VTK = "draw_down.png", "draw_down.vtk"
 _LENGTH = Quantity("m", above_zero=True, highest=1e3)
+_FRICTION = Quantity("", lowest=0.0, highest=10.0)
+#: Surface of the lower floor, when it is another one than that of the walls.
+_FLOOR = "floor"
 
 
 @dataclass(frozen=True)
@@ -149,6 +152,19 @@ class DrawDown(BulkTest):
         example='"300 mm"',
         words="30 d",
     )
+    floor_sliding_friction: Amount | None = option(
+        _FRICTION,
+        "Sliding friction between particles and lower floor.",
+        example="0.5",
+        words="that of the walls",
+    )
+    floor_rolling_friction: Amount | None = option(
+        _FRICTION,
+        "Rolling friction between particles and lower floor. On a smooth floor particles roll away "
+        "beyond its edges, and the run fails.",
+        example="0.3",
+        words="that of the walls",
+    )
     settling_time_limit: Amount | None = option(
         Quantity("s", above_zero=True),
         "Longest simulated time in which the bed, and after the flow all particles, may come to "
@@ -173,6 +189,7 @@ class DrawDown(BulkTest):
         side = setup.floor_half_width + 3 * largest
         bottom = setup.floor - 3 * largest
         half = setup.floor_half_width
+        surface = self._floor_friction
         floor = Block((-half, 0.0, bottom - largest), (half, box.depth, setup.floor))
         return Scene(
             title="Draw-down test with a slot",
@@ -180,13 +197,23 @@ class DrawDown(BulkTest):
             sizes=self.sizes,
             particles=column,
             box=Box((-side, 0.0, bottom), (side, box.depth, top), periodic="y"),
-            walls={**box.walls(top, largest), "floor": Wall(floor)},
+            walls={**box.walls(top, largest), "floor": Wall(floor, _FLOOR if surface else WALL)},
             stages=self._stages(),
             gravity=float(self.gravity),
             time_step=self.time_step(material),
             quiet_speed=filling.quiet_speed,
             check_interval=filling.check_interval,
+            surfaces={_FLOOR: surface} if surface else {},
         )
+
+    @property
+    def _floor_friction(self) -> dict[str, float]:
+        """Friction of the lower floor where it differs from that of the walls."""
+        given = {
+            "particle_wall.sliding_friction": self.floor_sliding_friction,
+            "particle_wall.rolling_friction": self.floor_rolling_friction,
+        }
+        return {name: float(value) for name, value in given.items() if value is not None}
 
     def _stages(self) -> tuple[Stage, ...]:
         setup = self.setup

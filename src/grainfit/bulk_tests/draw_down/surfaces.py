@@ -13,6 +13,7 @@ from grainfit.errors import NotMeasurableError
 from grainfit.evaluation import Response
 from grainfit.measurement.height_map import HeightMap, height_map
 from grainfit.measurement.inclination import (
+    WEDGE_CORRELATION,
     Inclination,
     error_of_mean,
     inclination_of_pile,
@@ -134,5 +135,6 @@ class Surfaces:
             np.histogram(y[side], edges, weights=upper.masses[side])[0]
             for side in (upper.positions[:, 0] < 0, upper.positions[:, 0] >= 0)
         ]
-        error = error_of_mean(np.array(masses), depth, self.diameter) * 2 * count
+        correlation = WEDGE_CORRELATION * self.diameter
+        error = error_of_mean(np.array(masses), depth, correlation) * 2 * count
         return Response(1 - float(upper.masses.sum()) / filled, error / filled)

@@ -90,7 +90,8 @@ def require_foot_on_floor(surface: HeightMap, lost_share: float, diameter: float
     if lost_share > _LARGEST_SHARE_LOST or highest > _LOWEST_FOOT * diameter:
         raise RunFailedError(
             f"the foot of the heap is not on the floor: {100 * lost_share:.1f} % of it has left "
-            "over the edges; use a larger floor_half_width"
+            "over the edges; use a larger floor_half_width, or a larger floor_rolling_friction if "
+            "the floor of the laboratory is rough"
         )
 
 
