@@ -410,7 +410,7 @@ def test_the_heap_is_that_of_a_typical_verification_run(heaps: ReportContext) ->
     strip = re.findall(r"<figcaption><strong>([\d.]+)°", str(section.html))
     assert strip == ["15", "21.8", "30"]
     assert len(section.html) < 60_000
-    assert section.data["particles-1"]["rings"][0][0] > 0
+    assert section.data["particles-1"]["outlines"][0][0][0] > 0
 
 
 def test_the_drawn_outline_is_that_of_the_heap(heaps: ReportContext) -> None:
@@ -508,7 +508,9 @@ def test_damaged_folders_and_records_are_passed_over(heaps: ReportContext, damag
 
 
 def test_without_a_heap_test_the_section_says_so() -> None:
-    assert "this calibration has no run of the heap test" in text(particles(context()))
+    assert "this calibration has no run of the discharge, draw_down or heap test" in text(
+        particles(context())
+    )
 
 
 # --- Convergence and verification -----------------------------------------------------------------

@@ -40,6 +40,13 @@ _PATIENCE_SECONDS = 600.0
 _SPEED = {"lammps": 2.2e6, "liggghts": 2.5e6}
 #: Two ranks are about 15 % faster than one: a bulk test is too small to share.
 _RANKS_EXPONENT = 0.2
+#: A material to build a scene with when only its concepts matter: they follow from the options.
+_ANY_MATERIAL: Mapping[str, float] = {
+    "particle.density": 2500.0,
+    "particle.youngs_modulus": 5e6,
+    "particle.poissons_ratio": 0.25,
+    "particle_particle.rolling_friction": 0.1,
+}
 _DIAMETER = Key("diameter", Diameters(), "Particle diameter.", example='"10 mm"')
 
 
@@ -204,6 +211,10 @@ class BulkTest(ABC):
         seed : int
             Insertion seed.
         """
+
+    def concepts(self) -> set[str]:
+        """Return the concepts of the scene that a solver must have, see `Scene.concepts`."""
+        return self.scene(_ANY_MATERIAL, 0).concepts()
 
     @abstractmethod
     def measure(self, run: RunOutput) -> dict[str, Response]:

@@ -57,6 +57,8 @@ def describe_plan(setup: CalibrationSetup) -> Plan:
             solver.check()
             lines.append(f"Test {test}: {solver.readiness()}")
             lines += _cost_lines(solver, setup.problem)
+        except InputError as error:
+            problems += [f"{setup.file.path}: test {test}, {fault}" for fault in error.faults]
         except GrainfitError as error:
             problems.append(f"Test {test}: {error}")
     lines += _rayleigh_lines(setup.problem)

@@ -147,6 +147,8 @@ class RunOutput:
             raise NotMeasurableError(f"{path}: cannot be read ({error}).") from error
         if not np.isfinite(table).all():
             raise NotMeasurableError(f"{path}: has values that are no numbers.")
+        # A solver that pauses at a step that it records there records it twice.
+        table = table[np.append(True, np.diff(table[:, 0]) > 0)[: len(table)]]
         return dict(zip(names, table.T, strict=True))
 
     def require_complete(self, names: Sequence[str], container: str) -> tuple[StageEnd, ...]:

@@ -214,9 +214,12 @@ class DeckSolver(Solver):
     def check(self) -> None:
         """Raise `SolverNotFoundError` unless the program is found.
 
-        The default program is asked for its version. A program given by `executable` is started by
-        the first run only.
+        `InputError` if it cannot simulate the test, such as a round orifice with LAMMPS. The
+        default program is asked for its version. A program given by `executable` is started by the
+        first run only.
         """
+        if self.missing:
+            self._require_concepts(self.test.concepts())
         self.executes()
         if self.executable is None:
             self.version()
