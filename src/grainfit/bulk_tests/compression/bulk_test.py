@@ -14,7 +14,7 @@ from grainfit.bulk_tests.compression.setup import CompressionSetup, plan_setup
 from grainfit.bulk_tests.compression.view import CompressionView
 from grainfit.bulk_tests.shared.validity import require_at_rest, require_held, require_separate
 from grainfit.bulk_tests.view import Shown
-from grainfit.errors import Fault, InputError, NotMeasurableError, RunFailedError
+from grainfit.errors import Fault, NotMeasurableError, RunFailedError
 from grainfit.evaluation import Response
 from grainfit.measurement.bulk_density import bulk_density
 from grainfit.measurement.particles import Particles, write_vtk
@@ -160,16 +160,7 @@ class Compression(BulkTest):
         return self.setup.material_faults(material)
 
     def scene(self, material: Mapping[str, float], seed: int) -> Scene:
-        """Return the experiment: a column falls, is struck off, pressed and unloaded.
-
-        Raises
-        ------
-        InputError
-            The particles are too soft or too heavy for the stress.
-        """
-        faults = [*self.material_faults(material)]
-        if faults:
-            raise InputError(faults)
+        """Return the experiment: a column falls, is struck off, pressed and unloaded."""
         setup, largest = self.setup, max(self.sizes.diameters)
         column = random_column(self.sizes, setup.particle_count, Round(setup.pot_radius), seed)
         top = column.height + 1.25 * largest
