@@ -1,114 +1,193 @@
-"""Run the same heap test on LAMMPS and on LIGGGHTS and compare the responses.
+"""Run every bulk test on LAMMPS and on LIGGGHTS, and compare their responses.
 
-    python benchmarks/solver_agreement.py --seeds 10 --json agreement.json
+Finished runs are kept in the file ``--kept`` and not repeated, so that the command can be stopped
+and started again.
 
-Prints mean, standard deviation and 95 % confidence interval of each response for each solver, and
-the difference of the means (LIGGGHTS minus LAMMPS) with its 95 % confidence interval (Welch).
+    python benchmarks/solver_agreement.py --kept agreement.jsonl [--seeds 20] [--tests heap ...]
+        [--set particle.youngs_modulus=1e7] [--processes 2] [--table]
+
+Prints, for each response, mean and standard deviation over the seeds on each solver, the difference
+of the means (LIGGGHTS minus LAMMPS) with its 95 % confidence interval (Welch), the ratio of the
+stated standard error to the scatter over seeds, and the processor time of a run.
 """
 
 from __future__ import annotations
 
 import argparse
 import json
-import math
+import os
+import resource
 import sys
 import tempfile
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from concurrent.futures import ProcessPoolExecutor, as_completed
 from pathlib import Path
 from typing import Any
+
+os.environ["OMP_NUM_THREADS"] = "1"
 
 import numpy as np
 from scipy import stats
 
-from grainfit.bulk_tests.heap import Heap
-from grainfit.materials.sizes import ParticleSizes
+from grainfit.bulk_tests.registry import bulk_tests
+from grainfit.errors import GrainfitError
+from grainfit.formatting import number
 from grainfit.solvers.base import Workspace
-from grainfit.solvers.dem.lammps.program import Lammps
-from grainfit.solvers.dem.liggghts.program import Liggghts
-from grainfit.solvers.dem.program import DeckSolver
+from grainfit.solvers.registry import DEM_PROGRAMS
 from grainfit.testing.materials import GLASS_BEADS
 
-SOLVERS: Mapping[str, type[DeckSolver]] = {"lammps": Lammps, "liggghts": Liggghts}
+SOLVERS = ("lammps", "liggghts")
+DIAMETER = 0.010
+#: Base point A of the trials: rough particles, as most bulk solids are.
+ROUGH: Mapping[str, float] = {
+    **GLASS_BEADS,
+    "particle.density": 2100.0,
+    "particle_particle.sliding_friction": 0.5,
+    "particle_particle.rolling_friction": 0.2,
+    "particle_particle.restitution": 0.6,
+    "particle_wall.sliding_friction": 0.4,
+    "particle_wall.rolling_friction": 0.1,
+    "particle_wall.restitution": 0.6,
+}
+#: A test that needs another modulus than the others, Pa.
+MODULI = {"compression": 10e6}
+Record = dict[str, Any]
 
 
-def run_seeds(solver: DeckSolver, seeds: Sequence[int]) -> dict[str, list[float]]:
-    """Run one heap for each seed; return the values of each response, in order."""
-    values: dict[str, list[float]] = {name: [] for name in solver.response_names}
-    for seed in seeds:
-        with tempfile.TemporaryDirectory() as folder:
-            started = time.monotonic()
-            responses = solver.run({}, seed, Workspace(Path(folder)))
-        for name, response in responses.items():
-            values[name].append(response.value)
-        text = ", ".join(f"{name} {response.value:.2f}" for name, response in responses.items())
-        seconds = time.monotonic() - started
-        print(f"{solver.name} seed {seed}: {text} ({seconds:.1f} s)", file=sys.stderr, flush=True)
-    return values
+def run(test: str, solver: str, seed: int, changes: Mapping[str, float]) -> Record:
+    """Simulate a test once; return its responses and the processor time."""
+    material = {**ROUGH, **changes}
+    material["particle.youngs_modulus"] = changes.get(
+        "particle.youngs_modulus", MODULI.get(test, ROUGH["particle.youngs_modulus"])
+    )
+    before = _processor_seconds()
+    record: Record = {"test": test, "solver": solver, "seed": seed, "changes": dict(changes)}
+    with tempfile.TemporaryDirectory() as folder:
+        program = DEM_PROGRAMS[solver](bulk_tests()[test](diameter=DIAMETER), material)
+        try:
+            responses = program.run({}, seed, Workspace(Path(folder)))
+        except GrainfitError as error:
+            return record | {"why": str(error)}
+    found = {name: [r.value, r.standard_error] for name, r in responses.items()}
+    return record | {"responses": found, "seconds": round(_processor_seconds() - before, 2)}
 
 
-def summarise(values: Sequence[float]) -> dict[str, Any]:
-    """Return mean, standard deviation and 95 % confidence interval of the mean."""
-    mean, deviation = float(np.mean(values)), float(np.std(values, ddof=1))
-    half = float(stats.t.ppf(0.975, len(values) - 1)) * deviation / math.sqrt(len(values))
-    return {
-        "mean": mean,
-        "standard_deviation": deviation,
-        "interval": [mean - half, mean + half],
-        "values": list(values),
-    }
+def _processor_seconds() -> float:
+    used = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return used.ru_utime + used.ru_stime
 
 
-def difference(one: Sequence[float], other: Sequence[float]) -> dict[str, Any]:
-    """Return the difference of the means, ``other - one``, with its 95 % interval (Welch)."""
-    test = stats.ttest_ind(other, one, equal_var=False)
-    interval = test.confidence_interval(0.95)
-    return {
-        "mean": float(np.mean(other) - np.mean(one)),
-        "interval": [float(interval.low), float(interval.high)],
-    }
+def measure(
+    tests: Sequence[str],
+    seeds: int,
+    changes: Mapping[str, float],
+    processes: int,
+    kept: Path,
+) -> list[Record]:
+    """Return the records of all runs; add new ones to the file as they end."""
+    records = [r for r in _read(kept) if r["changes"] == changes]
+    known = {(r["test"], r["solver"], r["seed"]) for r in records}
+    wanted = [(t, s, n) for n in range(1, seeds + 1) for t in tests for s in SOLVERS]
+    jobs = [job for job in wanted if job not in known]
+    start = time.monotonic()
+    with ProcessPoolExecutor(processes, max_tasks_per_child=1) as pool, kept.open("a") as file:
+        pending = [pool.submit(run, *job, changes) for job in jobs]
+        try:
+            for done, future in enumerate(as_completed(pending), 1):
+                records.append(future.result())
+                file.write(json.dumps(records[-1]) + "\n")
+                file.flush()
+                if done % 10 == 0 or done == len(jobs):
+                    left = (time.monotonic() - start) / done * (len(jobs) - done) / 60
+                    print(f"{done} of {len(jobs)}, about {left:.0f} min left", file=sys.stderr)
+        except BaseException:
+            pool.shutdown(wait=False, cancel_futures=True)
+            raise
+    return [r for r in records if r["test"] in tests and r["seed"] <= seeds]
 
 
-def compare(material: Mapping[str, float], seeds: Sequence[int]) -> dict[str, Any]:
-    test = Heap(ParticleSizes((0.010,)))
-    results = {name: run_seeds(kind(test, material), seeds) for name, kind in SOLVERS.items()}
-    return {
-        response: {
-            **{name: summarise(values[response]) for name, values in results.items()},
-            "difference": difference(*(values[response] for values in results.values())),
-        }
-        for response in test.responses
-    }
+def _read(kept: Path) -> list[Record]:
+    return [json.loads(line) for line in kept.read_text().splitlines()] if kept.exists() else []
 
 
-def print_table(report: Mapping[str, Any]) -> None:
-    for response, parts in report.items():
-        print(f"{response} [{Heap.responses[response].unit}]")
-        for name in SOLVERS:
-            part = parts[name]
-            low, high = part["interval"]
-            print(
-                f"  {name:9} mean {part['mean']:8.2f}  standard deviation "
-                f"{part['standard_deviation']:5.2f}  95 % interval {low:8.2f} to {high:8.2f}"
-            )
-        low, high = parts["difference"]["interval"]
-        mean = parts["difference"]["mean"]
-        print(f"  liggghts - lammps {mean:+6.2f}  95 % interval {low:+6.2f} to {high:+6.2f}")
+def table(records: Iterable[Record]) -> str:
+    """Return the comparison as a table in Markdown."""
+    lines = [
+        "| test | response | unit | LAMMPS | LIGGGHTS | LIGGGHTS - LAMMPS "
+        "| stated error / scatter | CPU s a run |",
+        "|---|---|---|---|---|---|---|---|",
+    ]
+    records = list(records)
+    for name, test in bulk_tests().items():
+        own = [r for r in records if r["test"] == name]
+        for index, (response, info) in enumerate(test.responses.items() if own else ()):
+            values = {s: _values(own, s, response) for s in SOLVERS}
+            if min(len(v) for v in values.values()) < 2:
+                continue
+            cells = [
+                name if index == 0 else "",
+                response,
+                info.unit or "1",
+                *(_mean(values[s]) for s in SOLVERS),
+                _difference(values["lammps"][:, 0], values["liggghts"][:, 0]),
+                ", ".join(_ratio(values[s]) for s in SOLVERS),
+                ", ".join(_seconds(own, s) for s in SOLVERS) if index == 0 else "",
+            ]
+            lines.append("| " + " | ".join(cells) + " |")
+    failed = [
+        f"{r['test']}, {r['solver']}, seed {r['seed']}: {r['why']}" for r in records if "why" in r
+    ]
+    return "\n".join([*lines, *failed])
+
+
+def _values(records: Iterable[Record], solver: str, response: str) -> np.ndarray:
+    """Values and stated standard errors of a response, shape (n, 2)."""
+    found = [
+        r["responses"][response]
+        for r in records
+        if r["solver"] == solver and response in r.get("responses", {})
+    ]
+    return np.array(found).reshape(-1, 2)
+
+
+def _mean(values: np.ndarray) -> str:
+    return f"{number(values[:, 0].mean(), 4)} ± {number(values[:, 0].std(ddof=1), 2)}"
+
+
+def _difference(one: np.ndarray, other: np.ndarray) -> str:
+    interval = stats.ttest_ind(other, one, equal_var=False).confidence_interval(0.95)
+    mean = other.mean() - one.mean()
+    return f"{number(mean, 2)} ({number(interval.low, 2)} to {number(interval.high, 2)})"
+
+
+def _ratio(values: np.ndarray) -> str:
+    scatter = values[:, 0].std(ddof=1)
+    return number(float(np.sqrt((values[:, 1] ** 2).mean()) / scatter), 2) if scatter else ""
+
+
+def _seconds(records: Iterable[Record], solver: str) -> str:
+    found = [r["seconds"] for r in records if r["solver"] == solver and "seconds" in r]
+    return number(float(np.median(found)), 2) if found else ""
 
 
 def main() -> None:
+    """Run, and print the table."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--seeds", type=int, default=10, help="runs for each solver")
-    parser.add_argument("--json", type=Path, help="write all figures to this file")
+    parser.add_argument("--kept", type=Path, required=True)
+    parser.add_argument("--seeds", type=int, default=20, help="runs of each test and solver")
+    parser.add_argument("--tests", nargs="+", choices=bulk_tests(), default=list(bulk_tests()))
+    parser.add_argument("--processes", type=int, default=2)
     parser.add_argument(
         "--set", action="append", default=[], metavar="NAME=VALUE", help="a material parameter"
     )
-    arguments = parser.parse_args()
-    changes = {name: float(value) for name, value in (item.split("=") for item in arguments.set)}
-    report = compare({**GLASS_BEADS, **changes}, range(1, arguments.seeds + 1))
-    print_table(report)
-    if arguments.json:
-        arguments.json.write_text(json.dumps(report, indent=2) + "\n", encoding="utf-8")
+    parser.add_argument("--table", action="store_true", help="only print what is known")
+    options = parser.parse_args()
+    changes = {name: float(value) for name, value in (item.split("=") for item in options.set)}
+    if options.table:
+        print(table(r for r in _read(options.kept) if r["changes"] == changes))
+        return
+    print(table(measure(options.tests, options.seeds, changes, options.processes, options.kept)))
 
 
 if __name__ == "__main__":

@@ -8,10 +8,12 @@ if TYPE_CHECKING:
     from grainfit import solvers as solvers
     from grainfit import tests as tests
     from grainfit.analysis import Analysis, analyse
+    from grainfit.analysis.expected import ExpectedNarrowing, expected_narrowing
     from grainfit.calibration.calibrate import calibrate
     from grainfit.calibration.progress import Progress
     from grainfit.calibration_file.build import CalibrationSetup
     from grainfit.calibration_file.build import load_calibration as load
+    from grainfit.campaign.moduli import ModulusStudy
     from grainfit.errors import (
         GrainfitError,
         InputError,
@@ -33,14 +35,17 @@ if TYPE_CHECKING:
     from grainfit.strategies.base import Search, Strategy
     from grainfit.strategies.sequential.strategy import Sequential
     from grainfit.strategies.staged.strategy import Staged
+    from grainfit.work_folder.stiffness_study import stiffness_study
 
 __all__ = [
     "Analysis",
     "Answer",
     "CalibrationSetup",
     "Evaluation",
+    "ExpectedNarrowing",
     "GrainfitError",
     "InputError",
+    "ModulusStudy",
     "NotMeasurableError",
     "OpenedCalibration",
     "Parameter",
@@ -63,16 +68,19 @@ __all__ = [
     "Workspace",
     "analyse",
     "calibrate",
+    "expected_narrowing",
     "load",
     "open",
     "plots",
     "rayleigh_time_step",
+    "stiffness_study",
     "write_report",
 ]
 
 # Imported when first used: the command line does without most of it, and SciPy takes a second.
 _HOMES = {
     **dict.fromkeys(("Analysis", "analyse"), "analysis.analysis"),
+    **dict.fromkeys(("ExpectedNarrowing", "expected_narrowing"), "analysis.expected"),
     "calibrate": "calibration.calibrate",
     **dict.fromkeys(("CalibrationSetup", "load"), "calibration_file.build"),
     "ParticleSizes": "materials.sizes",
@@ -80,6 +88,8 @@ _HOMES = {
     "Progress": "calibration.progress",
     "Result": "result",
     "open": "opened",
+    "ModulusStudy": "campaign.moduli",
+    "stiffness_study": "work_folder.stiffness_study",
     "write_report": "report.page",
     **dict.fromkeys(("Parameter", "Problem", "Target"), "problem"),
     **dict.fromkeys(("Evaluation", "Proposal", "Response"), "evaluation"),

@@ -141,6 +141,31 @@ def is_unit(text: str) -> bool:
     return True
 
 
+def powers(unit: str) -> tuple[int, int, int]:
+    """Return the powers of mass, length and time in a unit.
+
+    Raises
+    ------
+    UnitError
+        The text is not a unit, or has another dimension.
+
+    Examples
+    --------
+    >>> powers("Pa")
+    (1, -1, -2)
+    >>> powers("deg")
+    (0, 0, 0)
+    """
+    try:
+        dimensions = dict(_parse(unit).dimensionality)
+    except _NotAUnitError as error:
+        raise UnitError(f"{error} is not a known unit.", how_to_write("m")) from None
+    found = [round(float(dimensions.pop(name, 0))) for name in ("[mass]", "[length]", "[time]")]  # type: ignore[arg-type]
+    if dimensions:
+        raise UnitError(f"{unit!r} is not made of mass, length and time.", how_to_write("m"))
+    return found[0], found[1], found[2]
+
+
 def how_to_write(unit: str) -> str:
     """Return a sentence that shows how to write a quantity of this unit."""
     if not unit:

@@ -58,8 +58,8 @@ def test_a_ridge_is_told_with_both_names_and_the_values_at_its_ends(
     assert best == pytest.approx(wanted, abs=0.02)
     assert found.directions[0].narrowing == pytest.approx(0.005 / 2**0.5 * 12**0.5, rel=0.1)
     (test,) = found.further_tests
-    assert "shear test" in test
-    assert "rotating drum" in test
+    assert "draw-down test" in test
+    assert "uniaxial compression" in test
 
 
 @pytest.mark.parametrize("shape", ["hyperbola", "parabola", "ring"])

@@ -10,6 +10,9 @@ import pytest
 from grainfit.bulk_tests.heap import Heap
 from grainfit.errors import InputError, NotMeasurableError, RunFailedError
 from grainfit.materials.sizes import ParticleSizes
+from grainfit.scenes.packing import Round, random_column
+from grainfit.scenes.run_output import STAGES, STAGES_HEADER, RunOutput, snapshot_file
+from grainfit.testing.decks import write_deck
 
 MONOSIZE = ParticleSizes((0.010,))
 BIDISPERSE = ParticleSizes((0.012, 0.008), (0.5, 0.5))
@@ -90,8 +93,8 @@ class TestImpossibleTests:
     def test_every_fault_is_named_at_once(self):
         assert option_faults(gravity=0, lift_speed=-1, views=2.5) == [
             "lift_speed",
-            "gravity",
             "views",
+            "gravity",
         ]
 
     def test_a_plate_narrower_than_the_cylinder(self):
@@ -160,9 +163,10 @@ class TestDeck:
         for number in (1, 2):
             folder = tmp_path / str(number)
             folder.mkdir()
-            deck = test.write_deck(folder, solver, glass_beads, seed=5)
+            deck = write_deck(test, folder, solver, glass_beads, seed=5)
             assert deck.parent == folder
-            files.append({path.name: path.read_text() for path in folder.iterdir()})
+            written = [path for path in folder.iterdir() if path.is_file()]
+            files.append({path.name: path.read_text() for path in written})
         assert files[0] == files[1]
         text = files[0][deck.name]
         assert "{{" not in text
@@ -172,13 +176,11 @@ class TestDeck:
 
     @pytest.mark.parametrize("solver", SOLVERS)
     def test_both_solvers_start_from_the_same_particles(self, tmp_path, solver, glass_beads):
-        Heap(BIDISPERSE).write_deck(tmp_path, solver, glass_beads, seed=5)
+        write_deck(Heap(BIDISPERSE), tmp_path, solver, glass_beads, seed=5)
         rows = (tmp_path / "particles.data").read_text().split("Atoms\n\n")[1].split("\n")
         particles = np.array([[float(word) for word in row.split()] for row in rows if row])
-        from grainfit.bulk_tests.shared.packing import random_column
-
         setup = Heap(BIDISPERSE).setup
-        column = random_column(BIDISPERSE, setup.particle_count, setup.cylinder_radius, 5)
+        column = random_column(BIDISPERSE, setup.particle_count, Round(setup.cylinder_radius), 5)
         assert particles[:, 4:] == pytest.approx(column.positions, abs=1e-12)
         assert particles[:, 2].tolist() == [BIDISPERSE.diameters[i] for i in column.size_indices]
         assert set(particles[:, 3]) == {2100.0}
@@ -187,7 +189,7 @@ class TestDeck:
         material = {**glass_beads, "particle_particle.rolling_friction": 0.4321}
 
         def matrix(test):
-            deck = test.write_deck(tmp_path, "liggghts", material, seed=1)
+            deck = write_deck(test, tmp_path, "liggghts", material, seed=1)
             found = re.search(
                 r"coefficientRollingFriction peratomtypepair 3 &\n(.*) &", deck.read_text()
             )
@@ -199,61 +201,77 @@ class TestDeck:
     def test_all_that_matters_of_the_material_reaches_the_decks(self, tmp_path, glass_beads):
         # The density of a wall that does not move is the one of the 14 that nothing depends on.
         for solver in SOLVERS:
-            plain = Heap(MONOSIZE).write_deck(tmp_path, solver, glass_beads, 1).read_text()
+            plain = write_deck(Heap(MONOSIZE), tmp_path, solver, glass_beads, 1).read_text()
             particles = (tmp_path / "particles.data").read_text()
             for name in glass_beads:
                 changed = {**glass_beads, name: glass_beads[name] * 0.9}
-                deck = Heap(MONOSIZE).write_deck(tmp_path, solver, changed, 1).read_text()
+                deck = write_deck(Heap(MONOSIZE), tmp_path, solver, changed, 1).read_text()
                 same = (deck, (tmp_path / "particles.data").read_text()) == (plain, particles)
                 assert same == (name == "wall.density"), name
 
 
-class TestMeasure:
-    def write_run(self, folder, stages, solver="lammps"):
-        (folder / f"log.{solver}").write_text(
-            "LAMMPS\n" + "\n".join(stages) + "\nTotal wall time\n"
-        )
+#: A run that went well, as stages.csv tells it.
+ENDED_WELL = (
+    "fill,at_rest,2000,0.5,1500,1e-05",
+    "lift,done,9000,2.2,1400,1e-05",
+    "heap,at_rest,9500,2.3,1390,1e-06",
+)
 
-    @pytest.mark.parametrize("solver", SOLVERS)
-    def test_a_bed_that_never_rests_is_said(self, tmp_path, solver):
-        self.write_run(tmp_path, ["STAGE fill restless 9000 1500 0.012"], solver)
+
+class TestMeasure:
+    def write_stages(self, folder, *rows):
+        (folder / STAGES).write_text("\n".join((STAGES_HEADER, *rows)) + "\n")
+
+    def measure(self, folder):
+        return Heap(MONOSIZE).measure(RunOutput(folder))
+
+    def test_a_bed_that_never_rests_is_said(self, tmp_path):
+        self.write_stages(tmp_path, "fill,restless,9000,2.4,1500,0.012")
         with pytest.raises(
-            RunFailedError, match=r"did not come to rest in the fill stage.*0\.012 J"
+            RunFailedError,
+            match=r"did not come to rest in the fill stage within 2\.4 s .*0\.012 J",
         ):
-            Heap(MONOSIZE).measure(tmp_path)
+            self.measure(tmp_path)
 
     def test_an_explosion_is_said(self, tmp_path):
-        stages = ["STAGE fill at_rest 2000 1500 1e-05", "STAGE lift unstable 2500 1400 8.9e+12"]
-        self.write_run(tmp_path, stages)
+        self.write_stages(tmp_path, ENDED_WELL[0], "lift,unstable,2500,0.6,1400,8.9e+12")
         with pytest.raises(RunFailedError, match="unstable in the lift stage"):
-            Heap(MONOSIZE).measure(tmp_path)
+            self.measure(tmp_path)
 
     @pytest.mark.parametrize("energy", ["nan", "-nan", "inf"])
     def test_an_energy_that_is_no_number_is_an_explosion_too(self, tmp_path, energy):
-        self.write_run(tmp_path, [f"STAGE heap restless 9000 1500 {energy}"])
+        self.write_stages(tmp_path, f"heap,restless,9000,2.4,1500,{energy}")
         with pytest.raises(RunFailedError, match=r"unstable in the heap stage .*(nan|inf) J"):
-            Heap(MONOSIZE).measure(tmp_path)
+            self.measure(tmp_path)
 
-    def test_particles_that_break_out_are_counted(self, tmp_path):
-        self.write_run(tmp_path, ["STAGE fill broken 2000 1490 1e-05"])
-        with pytest.raises(RunFailedError, match="10 of 1500 particles broke out"):
-            Heap(MONOSIZE).measure(tmp_path)
+    def test_particles_that_break_out_are_said(self, tmp_path):
+        self.write_stages(tmp_path, "fill,broken,2000,0.5,1490,1e-05")
+        with pytest.raises(RunFailedError, match="particles broke out of the cylinder"):
+            self.measure(tmp_path)
 
-    def test_a_run_that_stops_half_way_is_said(self, tmp_path):
-        self.write_run(tmp_path, ["STAGE fill at_rest 2000 1500 1e-05"])
-        with pytest.raises(RunFailedError, match=r"ended early \(stages done: fill\)"):
-            Heap(MONOSIZE).measure(tmp_path)
+    def test_a_run_that_stops_half_way_is_said_with_the_end_of_its_log(self, tmp_path):
+        self.write_stages(tmp_path, ENDED_WELL[0])
+        (tmp_path / "log.liggghts").write_text("the last words of the program\n")
+        with pytest.raises(RunFailedError, match=r"ended early \(stages done: fill\)") as caught:
+            self.measure(tmp_path)
+        assert "last words" in caught.value.log_tail
 
     def write_dump(self, path, positions, radius=0.005):
         rows = [
             f"{i} 1 {x:.9g} {y:.9g} {z:.9g} {radius} 0.0011"
             for i, (x, y, z) in enumerate(positions, 1)
         ]
+        path.parent.mkdir(exist_ok=True)
         path.write_text(
             f"ITEM: TIMESTEP\n1\nITEM: NUMBER OF ATOMS\n{len(positions)}\n"
             "ITEM: BOX BOUNDS ff ff ff\n-1 1\n-1 1\n-1 1\n"
             "ITEM: ATOMS id type x y z radius mass\n" + "\n".join(rows) + "\n"
         )
+
+    def write_run(self, folder, bed, heap):
+        self.write_stages(folder, *ENDED_WELL)
+        self.write_dump(folder / snapshot_file("settled"), bed)
+        self.write_dump(folder / snapshot_file("heap"), heap)
 
     def cubic_bed(self, spacing):
         steps = np.arange(-0.06, 0.06, spacing)
@@ -263,23 +281,22 @@ class TestMeasure:
 
     def test_a_heap_that_rolled_away_leaves_a_picture_all_the_same(self, tmp_path):
         bed = self.cubic_bed(0.0101)
-        self.write_dump(tmp_path / "settled.dump", bed)
-        self.write_dump(tmp_path / "heap.dump", bed[bed[:, 2] < 0.006])
+        self.write_run(tmp_path, bed, bed[bed[:, 2] < 0.006])
         with pytest.raises(NotMeasurableError):
-            Heap(MONOSIZE).measure(tmp_path)
+            self.measure(tmp_path)
         assert (tmp_path / "heap.png").read_bytes().startswith(b"\x89PNG")
         assert (tmp_path / "heap.vtk").read_bytes().startswith(b"# vtk DataFile")
 
     def test_particles_squeezed_into_each_other_are_no_bed(self, tmp_path):
         bed = self.cubic_bed(0.0085)
-        self.write_dump(tmp_path / "settled.dump", bed)
-        self.write_dump(tmp_path / "heap.dump", bed)
+        self.write_run(tmp_path, bed, bed)
         with pytest.raises(RunFailedError, match=r"overlap grossly, by 15 %"):
-            Heap(MONOSIZE).measure(tmp_path)
+            self.measure(tmp_path)
 
     def test_a_folder_without_dumps_is_not_measurable(self, tmp_path):
+        self.write_stages(tmp_path, *ENDED_WELL)
         with pytest.raises(NotMeasurableError, match=r"settled\.dump"):
-            Heap(MONOSIZE).measure(tmp_path)
+            self.measure(tmp_path)
 
 
 class TestCost:

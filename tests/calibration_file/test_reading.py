@@ -14,7 +14,7 @@ from grainfit.bulk_tests.heap import Heap
 from grainfit.bulk_tests.registry import BUILT_IN
 from grainfit.calibration_file.content import CalibrationFile, SearchOptions
 from grainfit.calibration_file.load import load_calibration_file
-from grainfit.calibration_file.starter import STARTER_FILE
+from grainfit.calibration_file.starter import STARTER_FILE, starter_file
 from grainfit.calibration_file.tests_section import layout_of_test
 from grainfit.campaign.cluster.options import ClusterOptions
 from grainfit.contact_models.registry import MATERIAL_PARAMETERS
@@ -268,10 +268,34 @@ def test_every_option_of_the_starter_file_is_good(tmp_path: Path, option: str) -
     assert load(text, tmp_path) != load(STARTER_FILE, tmp_path)
 
 
+@pytest.mark.parametrize("name", BUILT_IN)
+def test_the_starter_file_of_every_bulk_test_loads_with_any_of_its_options(
+    tmp_path: Path, name: str
+) -> None:
+    text = starter_file([name])
+    plain = load(text, tmp_path)
+    assert [test.type for test in plain.tests] == [name]
+    assert len(plain.tests[0].targets) == len(BUILT_IN[name].responses)
+    for key in BUILT_IN[name].option_keys():
+        option = f"{key.name} = {key.example}"
+        assert text.count(f"# {option}") == 1, option
+        assert load(text.replace(f"# {option}", option), tmp_path) != plain, option
+
+
+def test_the_starter_file_of_several_tests_gives_equal_ones_their_names(tmp_path: Path) -> None:
+    file = load(starter_file(["heap", "heap"]), tmp_path)
+    assert [test.name for test in file.tests] == ["heap_1", "heap_2"]
+
+
+def test_a_starter_file_of_an_unknown_test_is_refused() -> None:
+    with pytest.raises(InputError, match=r"'drm' is not a bulk test.*heap"):
+        starter_file(["drm"])
+
+
 def test_the_defaults_in_the_starter_file_are_those_of_the_heap_test() -> None:
     setup = Heap(ParticleSizes((0.010,))).setup
     text = STARTER_FILE
-    for key in ("cylinder_radius", "strike_off_height", "plate_radius", "rim_height"):
+    for key in ("cylinder_radius", "strike_off_height", "plate_radius"):
         assert f'# {key} = "{getattr(setup, key) * 1000:g} mm"' in text
     assert f'# lift_speed = "{setup.lift_speed:g} m/s"' in text
 

@@ -46,10 +46,13 @@ def test_runs_of_the_heap_test_are_recognised_and_those_of_other_materials_are_n
     [(test, solver)] = setup.solvers.items()
     assert isinstance(solver, Lammps)
     values = setup.problem.from_unit([0.3, 0.8])
-    same = run(solver, values, 7)
+    measured = {target.name: Response(target.value) for target in setup.problem.targets}
+    same = run(solver, values, 7, responses=measured)
     stiffer = Lammps(solver.test, solver.material | {"particle.youngs_modulus": 1e7})
     bigger = Lammps(Heap(ParticleSizes((0.012,))), solver.material)
-    others = [run(other, values, 7) for other in (stiffer, bigger)]
+    others = [run(other, values, 7, responses=measured) for other in (stiffer, bigger)]
+    # Of a version that measured less.
+    others.append(run(solver, values, 8, responses={"bulk_density": Response(1500.0)}))
     [found] = runs_of(setup.problem, {test: solver}, [*others, same])
     assert found.proposal == Proposal(values, 7, "design")
     assert found.runs == {test: same.identity}

@@ -27,6 +27,7 @@ from grainfit.cards import FORMATS, MaterialCard, material_card, render, write_c
 from grainfit.cli.app import app
 from grainfit.contact_models.registry import MATERIAL_PARAMETERS
 from grainfit.errors import GrainfitError, InputError, StoreError
+from grainfit.testing.decks import write_deck
 
 DRUM = grainfit.Problem(
     [grainfit.Parameter("Kohäsion", 0.0, 7e4, unit="J/m^3")],
@@ -184,7 +185,7 @@ def test_the_lammps_card_has_the_coefficients_of_the_deck_it_was_calibrated_with
     text = render(replace(card, sizes=sizes), "lammps")
     friction = card.values["particle_wall.rolling_friction"]
     # The plate of the test has a friction of its own; the cylinder is the wall.
-    deck = Heap(sizes).write_deck(tmp_path, "lammps", card.values, seed=1).read_text()
+    deck = write_deck(Heap(sizes), tmp_path, "lammps", card.values, seed=1).read_text()
     words = " ".join(deck.replace("&", " ").split())
     for types in ("1 1", "1 2", "2 2"):
         coefficients = words.partition(f"pair_coeff {types} ")[2].partition(" pair_coeff")[0]

@@ -196,6 +196,11 @@ def test_new_writes_a_file_that_check_understands(tmp_path: Path) -> None:
     assert "free parameter" in done.stdout
     refused = grainfit("new", "beads.toml", folder=tmp_path, code=1)
     assert "exists already" in refused.stderr
+    grainfit("new", "two.toml", "--test", "heap", "--test", "heap", folder=tmp_path)
+    assert (tmp_path / "two.toml").read_text().count("[[test]]\n") == 2
+    refused = grainfit("new", "three.toml", "--test", "no such", folder=tmp_path, code=1)
+    assert "'no such' is not a bulk test. Use one of heap" in refused.stderr.replace("\n", " ")
+    assert not (tmp_path / "three.toml").exists()
 
 
 def test_simulate_makes_one_run_at_the_values_that_are_set(tmp_path: Path) -> None:

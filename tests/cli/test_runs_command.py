@@ -604,8 +604,8 @@ def test_runs_of_several_tests_belong_together_when_all_are_imported(two_tests: 
 
 def run_folder(folder: Path, kept: RunRecord) -> Path:
     made = folder / "runs" / kept.identity
-    (made / "post").mkdir(parents=True)
-    for name in ("in.lammps", "post/heap.dump", "solver.log", "heap.png"):
+    (made / "snapshots").mkdir(parents=True)
+    for name in ("in.lammps", "snapshots/heap.dump", "solver.log", "heap.png"):
         (made / name).write_text("x" * 1000)
     (made / RECORD_NAME).write_text(json.dumps(kept.to_json()))
     return made
@@ -629,7 +629,7 @@ def test_pruning_keeps_record_logs_and_pictures_and_touches_nothing_else(tmp_pat
     untouched = {path: names(path) for path in (broken, outside, partial, mine)}
     with hold(folder), pytest.raises(StoreError, match="in use by process"):
         prune_runs(folder)
-    assert "post" in names(finished)
+    assert "snapshots" in names(finished)
     said = grainfit("runs", "prune", folder).stdout
     assert said == "Freed 2.1 kB in 1 run folder.\n", "a link is as long as where it leads"
     assert names(finished) == ["heap.png", RECORD_NAME, "solver.log"]

@@ -7,7 +7,7 @@ import pytest
 from synthetic_heaps import DIAMETER, packing, particles_of
 
 from grainfit.errors import InputError, NotMeasurableError
-from grainfit.measurement.bulk_density import bulk_density
+from grainfit.measurement.bulk_density import bulk_density, bulk_density_in_box
 from grainfit.measurement.particles import Particles
 
 RADIUS = 6 * DIAMETER
@@ -128,3 +128,32 @@ def test_lone_particle_above_the_bed_does_not_make_it_reach() -> None:
 def test_empty_volume_is_an_input_error(radius: float, bottom: float, top: float) -> None:
     with pytest.raises(InputError, match="bulk_density"):
         bulk_density(lattice(), radius, bottom, top)
+
+
+def box(width: int = 12, depth: int = 8) -> Particles:
+    """A lattice of unit spheres between walls, periodic along y."""
+    points = np.mgrid[0:width, 0:depth, 0:14].reshape(3, -1).T + 0.5
+    points[:, 0] -= width / 2
+    return particles_of(points, np.full(len(points), 0.5))
+
+
+def test_box_has_the_bulk_density_of_its_lattice() -> None:
+    measured = bulk_density_in_box(box(), 12 * DIAMETER, 8 * DIAMETER, 0.02, 0.11)
+
+    assert measured.value == pytest.approx(2500 * math.pi / 6, rel=1e-9)
+    assert measured.standard_error == pytest.approx(0, abs=1e-6)
+
+
+@pytest.mark.parametrize("surface", [lambda x: 0.09 + 0.5 * x, lambda x: np.where(x < 0, 1.0, 0.0)])
+def test_box_that_is_not_full_is_not_measurable(surface: object) -> None:
+    assert callable(surface)
+    bed = box(24, 12)
+    bed = bed.select(bed.positions[:, 2] < surface(bed.positions[:, 0]))
+
+    with pytest.raises(NotMeasurableError, match="does not fill the box"):
+        bulk_density_in_box(bed, 24 * DIAMETER, 12 * DIAMETER, 0.02, 0.11)
+
+
+def test_box_without_a_volume_is_an_input_error() -> None:
+    with pytest.raises(InputError, match="bulk_density"):
+        bulk_density_in_box(box(), 0.0, 8 * DIAMETER, 0.02, 0.11)

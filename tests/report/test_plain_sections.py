@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -36,6 +37,7 @@ from grainfit.report.sections.runs.section import runs
 from grainfit.report.sections.verification.section import verification
 from grainfit.result import MetamodelQuality, OutOfReach, ParameterInterval, Result, RunCounts
 from grainfit.run_definition import RunDefinition
+from grainfit.scenes.run_output import snapshot_file
 from grainfit.work_folder.saved_calibration import SavedCalibration
 
 DENSITY, FRICTION = "particle.density", "particle_particle.rolling_friction"
@@ -356,6 +358,8 @@ def test_all_fourteen_parameters_are_in_the_answer() -> None:
 
 # --- Heap -----------------------------------------------------------------------------------------
 
+BEADS = ParticleSizes((0.010,))
+
 
 def cone(angle: float, seed: int) -> np.ndarray[Any, Any]:
     """Centres of spheres of 10 mm on a lattice, shaken, that fill a cone of this angle."""
@@ -370,6 +374,7 @@ def cone(angle: float, seed: int) -> np.ndarray[Any, Any]:
 
 def write_dump(path: Path, centres: np.ndarray[Any, Any]) -> None:
     rows = "".join(f"{i} {x} {y} {z} 0.005 0.001\n" for i, (x, y, z) in enumerate(centres, 1))
+    path.parent.mkdir(exist_ok=True)
     path.write_text(
         f"ITEM: TIMESTEP\n0\nITEM: NUMBER OF ATOMS\n{len(centres)}\nITEM: BOX BOUNDS ff ff ff\n"
         f"0 1\n0 1\n0 1\nITEM: ATOMS id x y z radius mass\n{rows}"
@@ -380,7 +385,7 @@ def write_dump(path: Path, centres: np.ndarray[Any, Any]) -> None:
 def heaps(tmp_path: Path) -> ReportContext:
     """A calibration whose runs left heaps of 15 to 30 degrees behind."""
     known = context(folder=tmp_path)
-    test = Heap(ParticleSizes((0.010,))).definition()
+    test = Heap(BEADS).definition()
     records = {
         identity: replace(record, definition=RunDefinition({"test": test}, {}, 1))
         for identity, record in known.reading.records.items()
@@ -390,7 +395,7 @@ def heaps(tmp_path: Path) -> ReportContext:
         folder.mkdir(parents=True)
         if "angle_of_repose" in done.responses:
             angle = done.responses["angle_of_repose"].value
-            write_dump(folder / "heap.dump", cone(angle, done.proposal.seed))
+            write_dump(folder / snapshot_file("heap"), cone(angle, done.proposal.seed))
     return context(folder=tmp_path, records=records)
 
 
@@ -405,7 +410,7 @@ def test_the_heap_is_that_of_a_typical_verification_run(heaps: ReportContext) ->
     strip = re.findall(r"<figcaption><strong>([\d.]+)°", str(section.html))
     assert strip == ["15", "21.8", "30"]
     assert len(section.html) < 60_000
-    assert section.data["particles-1"]["rings"][0][0] > 0
+    assert section.data["particles-1"]["outlines"][0][0][0] > 0
 
 
 def test_the_drawn_outline_is_that_of_the_heap(heaps: ReportContext) -> None:
@@ -433,6 +438,45 @@ def test_simplified_outlines_stay_near_the_whole_ones() -> None:
     drawn = np.interp(np.arange(len(heights)), kept, heights[kept])
     assert len(kept) < 20
     assert np.abs(drawn - heights).max() <= 1.0
+
+
+def test_heaps_of_version_0_1_0_are_shown(heaps: ReportContext) -> None:
+    """Their dumps lie beside the deck, and their definitions have a setup."""
+    before = text(particles(heaps))
+    for dump in list(heaps.reading.folder.rglob("heap.dump")):
+        dump.rename(dump.parents[1] / dump.name)
+        dump.parent.rmdir()
+    [test] = {
+        json.dumps(record.definition.model["test"]) for record in heaps.reading.records.values()
+    }
+    resolved = json.loads(test)
+    old = {
+        "type": "heap",
+        "revision": 1,
+        "deck": "e11f78288590e984",
+        "packing": 1,
+        "setup": {
+            name: value for name, value in resolved.items() if hasattr(Heap(BEADS).setup, name)
+        },
+        **{
+            name: resolved[name]
+            for name in (
+                "diameters",
+                "mass_fractions",
+                "plate_sliding_friction",
+                "plate_rolling_friction",
+                "time_step_fraction",
+                "views",
+            )
+        },
+    }
+    records = {
+        identity: replace(record, definition=RunDefinition({"test": old}, {}, 1))
+        for identity, record in heaps.reading.records.items()
+    }
+
+    assert "simulated: 21.9°" in before
+    assert text(particles(context(folder=heaps.reading.folder, records=records))) == before
 
 
 def test_the_picture_takes_the_place_of_particles_that_are_gone(heaps: ReportContext) -> None:
@@ -464,7 +508,9 @@ def test_damaged_folders_and_records_are_passed_over(heaps: ReportContext, damag
 
 
 def test_without_a_heap_test_the_section_says_so() -> None:
-    assert "this calibration has no run of the heap test" in text(particles(context()))
+    assert "this calibration has no run of the discharge, draw_down or heap test" in text(
+        particles(context())
+    )
 
 
 # --- Convergence and verification -----------------------------------------------------------------

@@ -17,6 +17,7 @@ from grainfit.solvers.base import Workspace
 from grainfit.solvers.dem.lammps.program import Lammps
 from grainfit.solvers.dem.liggghts.program import Liggghts
 from grainfit.solvers.process.process import run_process
+from grainfit.testing.decks import write_deck
 from grainfit.testing.materials import GLASS_BEADS
 
 RADIUS = 0.005
@@ -54,7 +55,7 @@ def simulate(solver_type, folder, particles, seconds, rolling_damping=0.25, **op
     test = Heap(ParticleSizes((2 * RADIUS,)), time_step_fraction=0.01, **options)
     material = {**MATERIAL, "particle_wall.rolling_damping": rolling_damping}
     solver = solver_type(test, material)
-    deck = test.write_deck(folder, solver.name, material, seed=1)
+    deck = write_deck(test, folder, solver.name, material, seed=1)
     data = folder / "particles.data"
     header = data.read_text().split("Atoms\n")[0].replace("1500 atoms", f"{len(particles)} atoms")
     atoms, motions = [], []

@@ -337,9 +337,9 @@ def test_heap_that_explodes_ends_at_once_and_says_so(solver_type, changes, tmp_p
     assert time.monotonic() - started < 10
     assert error.kind == "simulation"
     assert "unstable in the fill stage" in error.reason
-    assert "of 510 particles broke out of the cylinder" in error.reason
-    assert "STAGE fill broken" in error.log_tail
-    assert not list(tmp_path.glob("*.dump"))
+    assert "particles broke out of the cylinder" in error.reason
+    assert "fill,broken," in error.log_tail
+    assert not list(tmp_path.rglob("*.dump"))
 
 
 # --- a full disk ---------------------------------------------------------------------------------

@@ -6,6 +6,7 @@ import json
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 from grainfit.bulk_tests.heap import Heap
@@ -38,11 +39,11 @@ def write_record(folder: Path, test: Any) -> None:
 
 def test_a_whole_definition_is_understood(tmp_path: Path) -> None:
     write_record(tmp_path, definition())
-    with pytest.raises(NotMeasurableError, match=r"settled\.dump"):
+    with pytest.raises(NotMeasurableError, match=r"stages\.csv is missing: .* version 0\.1\.0"):
         measure_path(tmp_path)
 
 
-@pytest.mark.parametrize("key", ["setup", "diameters", "mass_fractions", "views"])
+@pytest.mark.parametrize("key", ["cylinder_radius", "diameters", "mass_fractions", "views"])
 def test_an_incomplete_definition_is_said(tmp_path: Path, key: str) -> None:
     test = definition()
     del test[key]
@@ -68,6 +69,14 @@ def test_an_impossible_definition_is_said(tmp_path: Path, key: str, value: Any) 
         measure_path(tmp_path)
 
 
+def test_the_definition_of_version_0_1_0_is_understood(tmp_path: Path) -> None:
+    written = definition()
+    setup = {key: written.pop(key) for key in ("cylinder_radius", "lift_speed", "gravity")}
+    write_record(tmp_path, {**written, "revision": 1, "setup": setup})
+    with pytest.raises(NotMeasurableError, match=r"stages\.csv is missing"):
+        measure_path(tmp_path)
+
+
 def test_a_run_of_an_own_model_is_said(tmp_path: Path) -> None:
     write_record(tmp_path, None)
     with pytest.raises(InputError, match="your own model"):
@@ -79,3 +88,19 @@ def test_a_dump_without_particles_is_said(tmp_path: Path) -> None:
     dump.write_text(EMPTY_DUMP)
     with pytest.raises(NotMeasurableError, match=r"heap\.dump: .* no particles"):
         measure_path(dump)
+
+
+def test_a_dump_of_a_heap_is_measured(tmp_path: Path) -> None:
+    slope, (x, y, z) = 0.5, np.mgrid[-20:21, -20:21, 0:12] + 0.5
+    inside = z < 8 - slope * np.hypot(x, y)
+    centres = 0.01 * np.column_stack([axis[inside] for axis in (x, y, z)])
+    rows = "".join(f"{i} {a} {b} {c} 0.005 0.001\n" for i, (a, b, c) in enumerate(centres, 1))
+    text = EMPTY_DUMP.replace("ATOMS\n0", f"ATOMS\n{len(centres)}").replace("id type", "id")
+    dump = tmp_path / "any name.txt"
+    dump.write_text(text + rows)
+    found = measure_path(dump)
+
+    assert list(found) == ["angle_of_repose", "base_radius", "heap_height"]
+    assert found["angle_of_repose"].value == pytest.approx(26.6, abs=1.5)
+    assert found["base_radius"].value == pytest.approx(0.14, abs=0.01)
+    assert found["heap_height"].value == pytest.approx(0.075, abs=0.005)

@@ -1,49 +1,84 @@
-"""Recommend common bulk tests that determine a material parameter.
+"""Recommend bulk tests that determine a material parameter.
+
+The words follow measured sensitivities (docs/choosing_tests.md): heap, rotating drum and angle of
+internal friction depend on both frictions of the particles in nearly the same way, so none of them
+tells sliding from rolling friction beside another; bulk densities, a draw-down test and uniaxial
+compression do.
 
 References
 ----------
 Coetzee (2017), Review: Calibration of the discrete element method, *Powder Technology* 310,
 104-142.
 Coetzee & Els (2009), Calibration of discrete element parameters and the modelling of silo
-discharge and bucket filling, *Computers and Electronics in Agriculture* 65, 198-212: shear test
-for friction, confined compression for stiffness.
+discharge and bucket filling, *Computers and Electronics in Agriculture* 65, 198-212: confined
+compression for stiffness.
 Roessler, Richter, Katterfeld & Will (2019), Development of a standard calibration procedure for
 the DEM parameters of cohesionless bulk materials - part I: Solving the problem of ambiguous
-parameter combinations, *Powder Technology* 343, 803-812.
-Lommen, Schott & Lodewijks (2014), DEM speedup: Stiffness effects on behavior of bulk material,
-*Particuology* 12, 107-112.
+parameter combinations, *Powder Technology* 343, 803-812: draw-down test; one angle of repose fits
+many pairs of frictions.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 
-_DROP_TEST = "a drop test (height to which a particle rebounds"
+from grainfit.bulk_tests.registry import bulk_tests
+from grainfit.bulk_tests.sensitivities import (
+    DENSITY,
+    MODULUS,
+    RESTITUTION,
+    ROLLING,
+    SLIDING,
+    WALL_RESTITUTION,
+    WALL_SLIDING,
+)
+
+_DROP_TEST = "fix it from a drop test (height to which a particle rebounds"
 
 #: Tests that respond to one parameter and to little else, by the parameter's name.
 TESTS: Mapping[str, str] = {
-    "particle_particle.sliding_friction": (
-        "a shear test (direct or ring shear cell: angle of internal friction)"
+    SLIDING: (
+        "the bulk density, at a particle density that a pycnometer has determined (it falls with "
+        "sliding friction, and hardly with rolling friction); a draw-down test (angle of repose, "
+        "mass flow); or uniaxial compression (lateral stress ratio)"
     ),
-    "particle_particle.rolling_friction": (
-        "a rotating drum or a heap of another kind (dynamic or static angle of repose), at a "
-        "sliding friction that a shear test has determined"
+    ROLLING: (
+        "the angle of repose of a heap, at a sliding friction that another test determines; where "
+        "rolling friction is larger than sliding friction, no test of the bench determines it well"
     ),
-    "particle_particle.restitution": f"{_DROP_TEST} from a plate of the same material)",
-    "particle_wall.sliding_friction": (
-        "a wall shear test or an inclined plane (angle at which the material slides on the wall)"
+    RESTITUTION: (f"no test of the bench does; {_DROP_TEST} from a plate of the same material)"),
+    WALL_SLIDING: (
+        "an inclined plane of the wall's material: the angle at which the bulk solid slides is "
+        "atan(sliding friction), so the value is known without a simulation; a heap hardly "
+        "depends on it"
     ),
     "particle_wall.rolling_friction": (
-        "an inclined plane of the wall's material (angle at which single particles begin to roll)"
+        "an inclined plane of the wall's material: the angle at which single particles begin to "
+        "roll is atan(rolling friction), so the value is known without a simulation"
     ),
-    "particle_wall.restitution": f"{_DROP_TEST} from the wall's material)",
-    "particle.density": (
-        "the bulk density of a filled container, or the density of the solid by a pycnometer"
+    WALL_RESTITUTION: (f"no test of the bench does; {_DROP_TEST} from the wall's material)"),
+    DENSITY: (
+        "a pycnometer (density of the solid); bulk densities and mass flows are proportional to "
+        "it, and angles do not depend on it"
     ),
-    "particle.youngs_modulus": (
-        "a uniaxial (confined) compression test, where the stiffness of the bulk matters; where "
-        "it does not, fix it as low as your process allows, for a large time step"
+    MODULUS: (
+        "uniaxial compression (modulus of loading and unloading), which alone depends on it as a "
+        "bulk property; without that test, fix it: stiff enough that overlaps do not add to the "
+        "bulk density, see 'grainfit stiffness'"
     ),
+}
+
+#: Types of test of grainfit that determine a parameter, as far as they are installed.
+_SIMULATED: Mapping[str, tuple[str, ...]] = {
+    SLIDING: ("packing", "draw_down", "compression"),
+    ROLLING: ("heap",),
+    MODULUS: ("compression",),
+}
+
+#: Laboratory measurements that give a parameter its value, so that it need not be free.
+DIRECT: Mapping[str, str] = {
+    DENSITY: "a pycnometer",
+    WALL_SLIDING: "an inclined plane",
 }
 
 #: Values for parameters that hardly change any common bulk test and are better fixed.
@@ -56,23 +91,71 @@ BETTER_FIXED: Mapping[str, str] = {
     "particle_wall.rolling_damping": "at a value of the literature",
 }
 
+_FRICTIONS = frozenset({SLIDING, ROLLING})
+
 
 def to_settle(name: str) -> str:
-    """Return a sentence with a test that would determine an open parameter."""
-    if name in TESTS:
-        return f"To determine {name}: {TESTS[name]}."
+    """Return sentences with a test that would determine an open parameter."""
     if name in BETTER_FIXED:
-        return (
-            f"{name} hardly changes any common bulk test: take it out of the free parameters and "
-            f"fix it {BETTER_FIXED[name]}."
-        )
-    return f"To determine {name}: add a target of a test that responds to it."
+        return better_fixed(name)
+    return f"To determine {name}: {how_to_determine(name)}"
 
 
 def to_tell_apart(names: tuple[str, ...]) -> str:
-    """Return a sentence with tests that would tell parameters apart."""
-    known = [f"{TESTS[name]} for {name}" for name in names if name in TESTS]
-    whole = " and ".join(filter(None, [", ".join(names[:-1]), names[-1]]))
+    """Return sentences with tests that would tell parameters apart."""
+    return f"To tell {in_a_row(names)} apart: {how_to_tell_apart(names)}"
+
+
+def better_fixed(name: str) -> str:
+    """Return a sentence about a parameter of `BETTER_FIXED`."""
+    return (
+        f"{name} hardly changes any common bulk test: take it out of the free parameters and "
+        f"fix it {BETTER_FIXED[name]}."
+    )
+
+
+def how_to_determine(name: str) -> str:
+    """Return the tests that determine a parameter, up to the end of a sentence."""
+    if name not in TESTS:
+        return "add a target of a test that responds to it."
+    return f"{TESTS[name]}.{_runnable(_SIMULATED.get(name, ()))}"
+
+
+def how_to_tell_apart(names: tuple[str, ...]) -> str:
+    """Return the tests that tell parameters apart, up to the end of a sentence."""
+    if set(names) >= _FRICTIONS and set(names) <= {*_FRICTIONS, DENSITY}:
+        return (
+            f"{_bulk_density(names)}; a draw-down test (angle of repose, mass flow); or uniaxial "
+            "compression (lateral stress ratio). Another angle does not help: heap, rotating drum "
+            "and angle of internal friction depend on both frictions in nearly the same way."
+            f"{_runnable(('draw_down', 'compression'))}"
+        )
+    known = [f"for {name}, {TESTS[name]}" for name in names if name in TESTS]
     if not known:
-        return f"To tell {whole} apart: add a target of a test that responds to one of them only."
-    return f"To tell {whole} apart, one more test: {'; or '.join(known)}."
+        return "add a target of a test that responds to one of them only."
+    tests = dict.fromkeys(test for name in names for test in _SIMULATED.get(name, ()))
+    return f"determine one of them; {'; '.join(known)}.{_runnable(tests)}"
+
+
+def in_a_row(names: Iterable[str], last: str = "and") -> str:
+    """Return names as in a sentence.
+
+    Examples
+    --------
+    >>> in_a_row(["a", "b", "c"], "or")
+    'a, b or c'
+    """
+    *first, end = names
+    return f"{', '.join(first)} {last} {end}" if first else end
+
+
+def _bulk_density(names: tuple[str, ...]) -> str:
+    if DENSITY in names:
+        return "give the particle density (pycnometer) and measure the bulk density"
+    return "the bulk density, at a particle density that a pycnometer has determined"
+
+
+def _runnable(tests: Iterable[str]) -> str:
+    """Return a sentence that names the tests which are installed; empty if there are none."""
+    installed = [f'"{test}"' for test in tests if test in bulk_tests()]
+    return f" grainfit runs it as type = {in_a_row(installed, 'or')}." if installed else ""

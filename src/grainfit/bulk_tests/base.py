@@ -17,6 +17,7 @@ from functools import cache
 from typing import Any, ClassVar, Self
 
 from grainfit.bulk_tests.run_cost import RunCost
+from grainfit.bulk_tests.sensitivities import Sensitivities
 from grainfit.bulk_tests.view import RunView, Shown
 from grainfit.contact_models.registry import MATERIAL_PARAMETERS
 from grainfit.errors import Fault, InputError
@@ -39,6 +40,13 @@ _PATIENCE_SECONDS = 600.0
 _SPEED = {"lammps": 2.2e6, "liggghts": 2.5e6}
 #: Two ranks are about 15 % faster than one: a bulk test is too small to share.
 _RANKS_EXPONENT = 0.2
+#: A material to build a scene with when only its concepts matter: they follow from the options.
+_ANY_MATERIAL: Mapping[str, float] = {
+    "particle.density": 2500.0,
+    "particle.youngs_modulus": 5e6,
+    "particle.poissons_ratio": 0.25,
+    "particle_particle.rolling_friction": 0.1,
+}
 _DIAMETER = Key("diameter", Diameters(), "Particle diameter.", example='"10 mm"')
 
 
@@ -56,12 +64,15 @@ class ResponseInfo:
         Name, colon, explanation.
     example : str
         A target, as TOML.
+    sensitivities : Sensitivities, optional
+        Parameters that it responds to, and how much; None when that was not measured.
     """
 
     unit: str
     symbol: str
     description: str
     example: str
+    sensitivities: Sensitivities | None = None
 
     @property
     def words(self) -> str:
@@ -147,8 +158,16 @@ class BulkTest(ABC):
             "scenes": SCENES_REVISION,
             "diameters": list(self.sizes.diameters),
             "mass_fractions": list(self.sizes.mass_fractions),
-            **{key.name: getattr(self, key.name) for key in self.option_keys()},
+            **self.resolved_options(),
         }
+
+    def resolved_options(self) -> dict[str, Any]:
+        """Return the value of every option.
+
+        Overridden by tests whose defaults follow from other options: a default that is given
+        explicitly is the same run.
+        """
+        return {key.name: getattr(self, key.name) for key in self.option_keys()}
 
     @classmethod
     def from_definition(cls, definition: Mapping[str, Any]) -> Self:
@@ -192,6 +211,10 @@ class BulkTest(ABC):
         seed : int
             Insertion seed.
         """
+
+    def concepts(self) -> set[str]:
+        """Return the concepts of the scene that a solver must have, see `Scene.concepts`."""
+        return self.scene(_ANY_MATERIAL, 0).concepts()
 
     @abstractmethod
     def measure(self, run: RunOutput) -> dict[str, Response]:

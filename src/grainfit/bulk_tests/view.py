@@ -2,12 +2,18 @@
 
 from __future__ import annotations
 
+import math
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from grainfit.measurement.angle_of_repose import Flank
 from grainfit.measurement.drawing import Drawing
 from grainfit.measurement.particles import Particles
+
+#: A polyline in space, m.
+Outline = Sequence[tuple[float, float, float]]
+_CORNERS = 60
 
 
 @dataclass(frozen=True)
@@ -63,6 +69,23 @@ class RunView(ABC):
     def measured_drawing(self, target: float | None) -> MeasuredDrawing:
         """Draw what was measured beside its target, as far as it could be measured."""
 
-    def rings(self) -> Sequence[tuple[float, float]]:
-        """Return radius and height of the circles of the apparatus in the scene, m."""
+    def outlines(self) -> Sequence[Outline]:
+        """Return the edges of the apparatus, drawn about the z axis and from z = 0 upwards, m."""
         return ()
+
+
+def circle(radius: float, z: float) -> Outline:
+    """Return a horizontal circle about the z axis as an outline, m."""
+    angles = [2 * math.pi * number / _CORNERS for number in range(_CORNERS + 1)]
+    return [(radius * math.cos(angle), radius * math.sin(angle), z) for angle in angles]
+
+
+def moved(outlines: Sequence[Outline], y: float, z: float) -> list[Outline]:
+    """Return outlines moved along y and z, m."""
+    return [[(a, b + y, c + z) for a, b, c in outline] for outline in outlines]
+
+
+def raised(flank: Flank, height: float) -> Flank:
+    """Return a flank that is higher by this height, m."""
+    (x1, z1), (x2, z2) = flank.start, flank.end
+    return Flank(flank.angle, (x1, z1 + height), (x2, z2 + height))

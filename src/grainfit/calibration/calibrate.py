@@ -20,7 +20,7 @@ from grainfit.calibration.timeouts import default_timeouts
 from grainfit.calibration.verification import VERIFICATION_RUNS
 from grainfit.campaign.campaign import Campaign, CampaignOptions
 from grainfit.campaign.keep import Keep
-from grainfit.campaign.reuse import open_source, take_runs
+from grainfit.campaign.reuse import needed_responses, open_source, take_runs
 from grainfit.campaign.store.shared import SharedRuns, share
 from grainfit.campaign.store.store import RunStore
 from grainfit.campaign.work_folder import RESULT_NAME, hold, recover
@@ -174,7 +174,9 @@ def calibrate(
             _forget_failed(runs, shared)
         limits = default_timeouts(problem, solvers) | dict(timeouts or {})
         limits = {test: seconds for test, seconds in limits.items() if seconds < math.inf}
-        making = CampaignOptions(workers, limits, executor, keep)
+        making = CampaignOptions(
+            workers, limits, executor, keep, needed=needed_responses(problem, solvers)
+        )
         campaign = Campaign(solvers, runs, folder, making, shared)
         stack.callback(campaign.close)
         result = CalibrationLoop(problem, search, campaign, runs, options).run()

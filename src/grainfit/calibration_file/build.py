@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+from grainfit.bulk_tests.base import BulkTest
 from grainfit.calibration.calibrate import calibrate
 from grainfit.calibration.options import CalibrationOptions
 from grainfit.calibration.progress import Progress
@@ -113,6 +114,33 @@ class CalibrationSetup:
             name: MATERIAL_PARAMETERS[name].unit for name in fixed.keys() & MATERIAL_PARAMETERS
         }
         return Provenance(self.file.path.name, text, fixed, units)
+
+    @property
+    def bulk_tests(self) -> dict[str, BulkTest]:
+        """The bulk tests that are simulated, by name of the test."""
+        tests = {name: solver.bulk_test for name, solver in self.solvers.items()}
+        return {name: test for name, test in tests.items() if test is not None}
+
+    def notes(self) -> tuple[str, ...]:
+        """Return notes on the choice of tests, free parameters and stiffness, before any run.
+
+        They say which free parameters the tests will leave open, with tests to add, and by how
+        much soft particles raise the responses. ``grainfit check`` shows them.
+
+        Examples
+        --------
+        >>> import grainfit as gf
+        >>> for note in gf.load("beads.toml").notes():  # doctest: +SKIP
+        ...     print(note)
+        """
+        # SciPy, which takes a second, is needed for this only.
+        from grainfit.analysis.expected import expected_narrowing
+        from grainfit.analysis.stiffness_notes import stiffness_notes
+
+        return (
+            *expected_narrowing(self.problem, self.solvers).notes,
+            *stiffness_notes(self.problem, self.bulk_tests, self.file.fixed),
+        )
 
     def calibrate(
         self,

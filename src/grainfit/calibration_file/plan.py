@@ -28,6 +28,8 @@ class Plan:
         Solvers, time step, and cost.
     executes : tuple of str
         Programs, functions and shell lines that a run executes.
+    notes : tuple of str
+        Free parameters that the tests will leave open, and the effect of soft particles.
     problems : tuple of str
         Problems that keep it from running; empty when there are none.
     """
@@ -37,6 +39,7 @@ class Plan:
     targets: Sequence[Target]
     lines: tuple[str, ...]
     executes: tuple[str, ...]
+    notes: tuple[str, ...]
     problems: tuple[str, ...]
 
 
@@ -54,6 +57,8 @@ def describe_plan(setup: CalibrationSetup) -> Plan:
             solver.check()
             lines.append(f"Test {test}: {solver.readiness()}")
             lines += _cost_lines(solver, setup.problem)
+        except InputError as error:
+            problems += [f"{setup.file.path}: test {test}, {fault}" for fault in error.faults]
         except GrainfitError as error:
             problems.append(f"Test {test}: {error}")
     lines += _rayleigh_lines(setup.problem)
@@ -72,6 +77,7 @@ def describe_plan(setup: CalibrationSetup) -> Plan:
         problem.targets,
         tuple(lines),
         tuple(executes),
+        setup.notes(),
         tuple(problems),
     )
 

@@ -2,8 +2,19 @@
 
 from __future__ import annotations
 
-#: The file that `grainfit new` writes: it teaches, and loads as it is.
-STARTER_FILE = """\
+from collections.abc import Iterator, Sequence
+
+from grainfit.bulk_tests.base import BulkTest
+from grainfit.bulk_tests.registry import bulk_tests
+from grainfit.errors import Fault, InputError
+from grainfit.options.tables import Key
+
+#: Column at which remarks begin.
+_REMARK = 40
+_WIDTH = 100
+_DEFAULT_TEST = "heap"
+
+_MATERIAL = """\
 # Calibration file of grainfit. It is valid as it is: change it, then
 #
 #     grainfit check FILE     says what is wrong with it, and shows the plan
@@ -22,7 +33,10 @@ name = "glass beads"                    # for you; choose freely
 diameter = "10 mm"
 # Instead, a particle size distribution, by mass as from a sieve analysis:
 # diameter = [{ value = "8 mm", mass_fraction = 0.3 }, { value = "10 mm", mass_fraction = 0.7 }]
-youngs_modulus = "0.36 MPa"             # far softer than glass: the time step is larger
+# Far softer than glass, because the number of time steps is proportional to the square root of it;
+# stiff enough that overlaps add less than 2 % to the bulk density. At "0.4 MPa" a run would have a
+# third of the time steps, and overlaps would add 12 %. "grainfit stiffness FILE" measures it.
+youngs_modulus = "4 MPa"
 # Were it free, it would span orders of magnitude, and be searched by them:
 # youngs_modulus = { min = "0.1 MPa", max = "100 MPa", scale = "log" }
 poissons_ratio = 0.22
@@ -45,24 +59,9 @@ rolling_friction = 0.005
 restitution = 0.82
 rolling_damping = 0.25
 
-# What was measured. Two responses can determine two free parameters, hardly more.
-[[test]]
-type = "heap"                           # lifted cylinder: fill, strike off, lift, heap at rest
-solver = "lammps"                         # or "liggghts"
-# Geometry and procedure, as in your laboratory. These defaults follow the particle diameter d.
-# cylinder_radius = "60 mm"             # 6 d
-# strike_off_height = "105 mm"          # 10.5 d
-# plate_radius = "160 mm"               # 16 d
-# rim_height = "0 mm"                   # a free edge: particles may fall off
-# lift_speed = "0.05 m/s"               # decides the angle of repose: use your laboratory's
-# plate_sliding_friction = 0.5
-# timeout = "30 min"                    # of one run; by default far above its estimated time
+"""
 
-# Mean and standard uncertainty of your measurements ...
-targets.bulk_density = { value = "1500 kg/m^3", uncertainty = "1 %" }
-# ... or the measurements themselves.
-targets.angle_of_repose = { measurements = ["21.4 deg", "22.9 deg", "21.8 deg", "21.9 deg"] }
-
+_STRATEGY = """\
 [strategy]
 name = "sequential"                     # every run where it helps most; or "staged" (the paper's)
 # seed = 1                              # same seed, same calibration
@@ -73,6 +72,74 @@ name = "sequential"                     # every run where it helps most; or "sta
 # prefer = "accuracy"                   # closest parameter set, not the fastest that agrees
 # extend_intervals = true               # move a bound that keeps a target out of reach
 
-# A DEM model of your own, instead of the heap test or beside it, and all other keys:
+# A DEM model of your own, instead of these tests or beside them, and all other keys:
 # docs/calibration_file.md; runs in jobs of a cluster: docs/clusters.md
 """
+
+
+def starter_file(names: Sequence[str] = (_DEFAULT_TEST,)) -> str:
+    """Return a commented calibration file: it teaches, and loads as it is.
+
+    Parameters
+    ----------
+    names : sequence of str
+        Bulk tests; one that is named twice gets two names.
+
+    Raises
+    ------
+    InputError
+        There is no such test.
+    """
+    known = bulk_tests()
+    faults = [
+        Fault("test", f"{name!r} is not a bulk test.", f"Use one of {', '.join(known)}.")
+        for name in names
+        if name not in known
+    ]
+    if faults:
+        raise InputError(faults)
+    blocks = [_TESTS]
+    for number, name in enumerate(names, 1):
+        own = f"{name}_{number}" if names.count(name) > 1 else ""
+        blocks.append("\n".join(_test(known[name], own)) + "\n\n")
+    return _MATERIAL + "".join(blocks) + _STRATEGY
+
+
+_TESTS = """\
+# What was measured: one [[test]] for each laboratory test. Delete the targets that you do not have.
+# A target is mean and standard uncertainty of your measurements, or the measurements themselves:
+#     targets.angle_of_repose = { measurements = ["21.4 deg", "22.9 deg", "21.8 deg", "21.9 deg"] }
+"""
+
+
+def _test(test: type[BulkTest], name: str) -> Iterator[str]:
+    """Iterate over the lines of a test."""
+    yield "[[test]]"
+    yield _with_remark(f'type = "{test.type}"', test.title)
+    if name:
+        yield _with_remark(f'name = "{name}"', "this test's own name")
+    yield _with_remark('solver = "lammps"', 'or "liggghts"')
+    yield "# Geometry and procedure, as in your laboratory. These defaults follow the diameter d."
+    for key in test.option_keys():
+        yield from _option(key)
+    for response, info in test.responses.items():
+        yield _with_remark(f"targets.{response} = {info.example}", "")
+
+
+def _option(key: Key) -> Iterator[str]:
+    """Iterate over the lines of an option: commented out, with its default and description."""
+    line = f"# {key.name} = {key.example}"
+    remark = f"{key.default}. {key.description}" if key.default else key.description
+    whole = _with_remark(line, remark)
+    if len(whole) <= _WIDTH:
+        yield whole
+        return
+    yield _with_remark(line, key.default)
+
+
+def _with_remark(line: str, remark: str) -> str:
+    return f"{line:<{_REMARK}}# {remark}" if remark else line
+
+
+#: The file that `grainfit new` writes.
+STARTER_FILE = starter_file()

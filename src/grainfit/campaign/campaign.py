@@ -50,6 +50,9 @@ class CampaignOptions:
         Files of a run folder that are kept.
     retry_pauses : sequence of float
         Pause before each further attempt after a failure of the machine, s.
+    needed : mapping of str to collection of str
+        Responses without which a known run is repeated, by name of the test; by default all of
+        its solver. A version that measures more does not repeat runs for what nobody asks for.
     """
 
     workers: int = 1
@@ -57,6 +60,7 @@ class CampaignOptions:
     executor: Executor | None = None
     keep: Keep = "all"
     retry_pauses: Sequence[float] = RETRY_PAUSES
+    needed: Mapping[str, Collection[str]] = field(default_factory=dict)
 
 
 @dataclass
@@ -182,7 +186,7 @@ class Campaign:
             note(identities)
         for test, solver in self._solvers.items():
             identity = identities[test]
-            known = self._find(identity, solver)
+            known = self._find(identity, test)
             if known is not None:
                 entry.records[test] = known
                 entry.reused += 1
@@ -205,21 +209,29 @@ class Campaign:
             self._options.keep,
         )
 
-    def _find(self, identity: str, solver: Solver) -> RunRecord | None:
+    def _find(self, identity: str, test: str) -> RunRecord | None:
         """Find a run with a final outcome, here or in the shared store."""
         known = self._fetched.pop(identity, None) or self._store.find(identity)
-        if known is not None and _is_final(known, solver):
+        if known is not None and self._is_final(known, test):
             return known
         if self._shared is None:
             return None
         known = self._shared.find([identity]).get(identity)
         if known is None:
             return None
-        if _is_final(known, solver):
+        if self._is_final(known, test):
             self._store.save(known)
             return known
         self._shared.forget(identity)
         return None
+
+    def _is_final(self, record: RunRecord, test: str) -> bool:
+        """Return True if there is no reason to repeat the run."""
+        if record.status == "finished":
+            # A model may return a response now that it did not return then.
+            names = self._options.needed.get(test, self._solvers[test].response_names)
+            return set(names or ()) <= record.responses.keys()
+        return record.status == "failed" and not record.may_succeed_next_time
 
     def wait(self, poll: Callable[[], None] | None = None) -> list[Evaluation]:
         """Wait until at least one proposal is complete, and return all that are.
@@ -389,21 +401,13 @@ class Campaign:
         found = self._shared.find(self._elsewhere)
         for identity, task in list(self._elsewhere.items()):
             record = found.get(identity)
-            if record is not None and _is_final(record, task.solver):
+            if record is not None and self._is_final(record, task.record.test):
                 del self._elsewhere[identity]
                 self._store.save(record)
                 self._settle(record)
             elif self._shared.take_over(task.record):
                 del self._elsewhere[identity]
                 self._make(task)
-
-
-def _is_final(record: RunRecord, solver: Solver) -> bool:
-    """Return True if there is no reason to repeat the run."""
-    if record.status == "finished":
-        # A custom model may return a response now that it did not return then.
-        return set(solver.response_names or ()) <= record.responses.keys()
-    return record.status == "failed" and not record.may_succeed_next_time
 
 
 def evaluation_of(

@@ -7,6 +7,7 @@ are not free. The calibration that asked for it may have had other targets, inte
 
 from __future__ import annotations
 
+import math
 from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -15,15 +16,23 @@ from functools import reduce
 from pathlib import Path
 from typing import Any
 
+from grainfit.bulk_tests.natural_units import (
+    PARTICLE_DENSITY,
+    NaturalRun,
+    in_si,
+    natural_run,
+)
 from grainfit.campaign.campaign import evaluation_of
 from grainfit.campaign.store.records import RunRecord
 from grainfit.campaign.store.store import STORE_NAME, RunStore, not_a_work_folder
+from grainfit.contact_models.registry import MATERIAL_PARAMETERS
 from grainfit.errors import GrainfitError, InputError
-from grainfit.evaluation import Evaluation, Proposal
+from grainfit.evaluation import Evaluation, Proposal, Response, response_name
 from grainfit.metamodels.known_runs import REACH, beyond
 from grainfit.problem import Problem
 from grainfit.run_definition import identity_of
 from grainfit.solvers.base import Solver
+from grainfit.units import powers
 
 
 class RunMatcher:
@@ -69,6 +78,100 @@ class RunMatcher:
         return free, definition.seed
 
 
+class ScaledRunMatcher:
+    """Recognise runs of a bulk test at another particle size or density, and scale them.
+
+    Parameters
+    ----------
+    solver : Solver
+        The solver of the runs; of a model of the user, nothing matches.
+    problem : Problem
+        The problem, with the free parameters.
+
+    Raises
+    ------
+    GrainfitError
+        The solver has no model, for example because its program is missing.
+    """
+
+    def __init__(self, solver: Solver, problem: Problem) -> None:
+        self._solver = solver
+        sample = solver.definition(problem.from_unit([0.5] * problem.dimension), 1)
+        values = dict(solver.defaults) | dict(sample.parameters)
+        self._free = [p.name for p in problem.parameters if p.name in values]
+        self._fixed = {name: v for name, v in values.items() if name not in self._free}
+        self._natural = natural_run(sample)
+        intervals = {p.name: (p.minimum, p.maximum) for p in problem.parameters}
+        self._densities = intervals.get(PARTICLE_DENSITY, (0.0, math.inf))
+
+    @property
+    def natural_hash(self) -> str:
+        """Hash of the model of its runs in natural units; empty for a model of the user."""
+        return "" if self._natural is None else self._natural.model_hash
+
+    def match(self, record: RunRecord) -> RunRecord | None:
+        """Return the run at the scale of the problem.
+
+        None if it has that scale already, or is no run of the problem.
+        """
+        run = natural_run(record.definition)
+        if self._natural is None or run is None or run.model_hash != self.natural_hash:
+            return None
+        scale = replace(self._natural.scale, density=self._density(run))
+        if scale == run.scale:
+            return None
+        known = in_si(run, scale)
+        values = {name: known[name] for name in self._free if name in known}
+        if len(values) < len(self._free):
+            return None
+        try:
+            definition = self._solver.definition(values, record.definition.seed)
+        except InputError:
+            return None
+        here = natural_run(definition)
+        if here is None or not here.is_same(run):
+            return None
+        responses = {
+            name: _scaled(response, here.scale.of(unit) / run.scale.of(unit))
+            for name, response in record.responses.items()
+            for unit in [run.test.responses[name].unit]
+        }
+        return replace(
+            record, identity=definition.identity, definition=definition, responses=responses
+        )
+
+    def _density(self, run: NaturalRun) -> float:
+        """Density of the particles at which the run has the problem's fixed values, kg/m^3."""
+        if PARTICLE_DENSITY in self._fixed:
+            return self._fixed[PARTICLE_DENSITY]
+        assert self._natural is not None
+        per_density = replace(self._natural.scale, density=1.0)
+        known = in_si(run, per_density)
+        for name, value in self._fixed.items():
+            # A stiffness that is fixed says how dense the particles are.
+            if name in known and powers(MATERIAL_PARAMETERS[name].unit)[0]:
+                return value / known[name]
+        low, high = self._densities
+        return min(max(run.scale.density, low), high)
+
+
+def _scaled(response: Response, factor: float) -> Response:
+    return Response(response.value * factor, response.standard_error * factor)
+
+
+def needed_responses(problem: Problem, solvers: Mapping[str, Solver]) -> dict[str, set[str]]:
+    """Return the responses that have a target, by name of the test.
+
+    A test whose responses are known only after a run is left out.
+    """
+    targets = {target.name for target in problem.targets}
+    return {
+        test: {n for n in solver.response_names if response_name(test, n, len(solvers)) in targets}
+        for test, solver in solvers.items()
+        if solver.response_names is not None
+    }
+
+
 def models_of(solvers: Mapping[str, Solver]) -> set[str]:
     """Return the hashes of the solvers' models; an empty set if a solver cannot be used."""
     try:
@@ -101,10 +204,13 @@ def runs_of(
     except GrainfitError:
         return []
     found: dict[str, list[_Point]] = defaultdict(list)
+    needed = needed_responses(problem, solvers)
     for record in records:
         if record.status == "running" or record.may_succeed_next_time:
             continue
         for test, matcher in matchers.items():
+            if record.status == "finished" and not needed.get(test, set()) <= set(record.responses):
+                continue
             run = matcher.match(record)
             if run is not None and beyond(problem, run[0]) <= REACH:
                 found[test].append(_Point(*run, {test: record}))
@@ -178,13 +284,31 @@ def take_runs(
     """
     there = store.states()
     fitting = is_run_of(problem, solvers)
-    new = [
-        replace(record, origin=record.origin or other.place)
-        for record in other.runs_of(models_of(solvers), "finished")
-        if there.get(record.identity) != "finished" and fitting(record)
-    ]
-    store.save_many(new)
+    found = [*filter(fitting, other.runs_of(models_of(solvers), "finished"))]
+    found += _at_other_scales(other, problem, solvers)
+    new = {
+        record.identity: replace(record, origin=record.origin or other.place)
+        for record in reversed(found)
+        if there.get(record.identity) != "finished"
+    }
+    store.save_many(new.values())
     return len(new)
+
+
+def _at_other_scales(
+    other: RunStore, problem: Problem, solvers: Mapping[str, Solver]
+) -> list[RunRecord]:
+    """Return the runs of other sizes and densities that are runs of this problem, too."""
+    try:
+        matchers = [ScaledRunMatcher(solver, problem) for solver in solvers.values()]
+    except GrainfitError:
+        return []
+    hashes = {matcher.natural_hash for matcher in matchers} - {""}
+    if not hashes:
+        return []
+    records = other.runs_at_any_scale(hashes)
+    scaled = (matcher.match(record) for record in records for matcher in matchers)
+    return [record for record in scaled if record is not None]
 
 
 @contextmanager

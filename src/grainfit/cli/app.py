@@ -164,13 +164,23 @@ def check(file: CalibrationPath) -> None:
 @app.command()
 def new(
     file: Annotated[Path, typer.Argument(metavar="FILE")] = Path("calibration.toml"),
+    test: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="NAME",
+            help="Laboratory test to calibrate with, such as heap or draw_down. Repeat as needed. "
+            "[default: heap]",
+            show_default=False,
+        ),
+    ] = None,
 ) -> None:
     """Write a commented calibration file to start from."""
-    from grainfit.calibration_file.starter import STARTER_FILE
+    from grainfit.calibration_file.starter import starter_file
 
+    text = starter_file(test) if test else starter_file()
     try:
         with file.open("x", encoding="utf-8") as target:
-            target.write(STARTER_FILE)
+            target.write(text)
     except FileExistsError:
         raise InputError(
             Fault("", f"{str(file)!r} exists already.", "Choose another name.")
@@ -253,6 +263,63 @@ def simulate(
     show.print_run(_out, evaluation, folders)
     if evaluation.failures:
         raise typer.Exit(_BAD_INPUT)
+
+
+@app.command()
+def stiffness(
+    path: Annotated[
+        Path,
+        typer.Argument(
+            metavar="FILE-or-DIR",
+            help="Work folder of a calibration, for its answer; or a calibration file.",
+        ),
+    ],
+    factors: Annotated[
+        str,
+        typer.Option(
+            metavar="F,F,...",
+            help="Moduli to simulate, over that of the calibration. A time step is 1/sqrt(F).",
+        ),
+    ] = "1,4,16",
+    seeds: Annotated[int, typer.Option(metavar="N", min=1, help="Runs of each modulus.")] = 3,
+    settings: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--set",
+            metavar="NAME=VALUE",
+            help="For a file: a parameter's value, units allowed. Repeat as needed.",
+        ),
+    ] = None,
+    workers: Annotated[int | None, typer.Option(metavar="N", min=1, help="Runs at a time.")] = None,
+    workdir: Workdir = None,
+) -> None:
+    """Show what the stiffness of the particles changes, and the smallest modulus that will do.
+
+    DEM particles are chosen far softer than real ones, because the time step is proportional to
+    1/sqrt(E). Soft particles overlap, which raises bulk densities; angles mostly do not mind.
+    This command simulates the tests again with stiffer particles and names the smallest modulus at
+    which every response stays within its tolerance of that of the stiffest ones.
+
+    For a work folder it simulates the answer; for a calibration file the values given by --set,
+    other free parameters in the middle of their interval. Finished runs are kept: stop it with
+    Ctrl-C, start it again with more seeds or factors, and only what is missing is simulated.
+
+    [bold]Example:[/bold]  grainfit stiffness beads.grainfit --factors 1,10 --seeds 5
+    """
+    from grainfit.work_folder.stiffness_study import stiffness_study
+
+    with _err.status("simulating") as status:
+        study = stiffness_study(
+            path,
+            factors=show.read_numbers("factors", factors),
+            seeds=seeds,
+            settings=settings or (),
+            workdir=workdir,
+            workers=workers,
+            on_start=lambda work: _err.print(f"{work}.", highlight=False),
+            on_progress=lambda done, count: status.update(f"simulating: {done} of {count}"),
+        )
+    show.print_parts(_out, study.summary())
 
 
 @app.command()

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -12,7 +12,7 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from grainfit.errors import GrainfitError, InputError, RunFailedError
+from grainfit.errors import Fault, GrainfitError, InputError, RunFailedError
 from grainfit.formatting import duration, plain, probability
 
 if TYPE_CHECKING:
@@ -134,6 +134,8 @@ def print_plan(console: Console, plan: Plan) -> None:
     console.print(targets)
     for line in plan.lines:
         console.print(_text(line))
+    for note in plan.notes:
+        console.print(_text(f"Note: {note}"))
     console.print(_execution_heading(plan))
     for line in plan.executes:
         console.print(_text(f"  {line}"), soft_wrap=True)
@@ -183,6 +185,35 @@ def print_run(console: Console, evaluation: Evaluation, folders: Mapping[str, Pa
     console.print(f"Wall time: {words}", highlight=False)
     for folder in folders.values():
         console.print(f"Run folder: {folder}", highlight=False, markup=False, soft_wrap=True)
+
+
+def print_parts(console: Console, parts: Sequence[str | TextTable]) -> None:
+    """Print sentences and tables."""
+    for part in parts:
+        if isinstance(part, str):
+            console.print(_text(part))
+            continue
+        console.print(_rich_table(part))
+        if part.caption:
+            console.print(_text(part.caption, "dim"))
+
+
+def read_numbers(key: str, text: str) -> list[float]:
+    """Read numbers with commas between them.
+
+    Raises
+    ------
+    InputError
+        A number cannot be read.
+    """
+    found = []
+    for part in text.split(","):
+        try:
+            found.append(float(part))
+        except ValueError:
+            fault = Fault(key, f"{part.strip()!r} is not a number.", "Write them as 1,4,16.")
+            raise InputError(fault) from None
+    return found
 
 
 def print_measurement(console: Console, responses: Mapping[str, Response]) -> None:

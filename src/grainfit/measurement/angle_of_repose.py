@@ -136,6 +136,16 @@ def heap_silhouette(heap: Particles, azimuth: float, plate_radius: float) -> Sil
     )
 
 
+def azimuths_of(views: int) -> list[float]:
+    """Return azimuths that are evenly spread over half a turn, degrees."""
+    return [180.0 * view / views for view in range(views)]
+
+
+def heap_silhouettes(heap: Particles, plate_radius: float, views: int) -> list[Silhouette]:
+    """Render the silhouettes of a heap from all `azimuths_of` so many views."""
+    return [heap_silhouette(heap, azimuth, plate_radius) for azimuth in azimuths_of(views)]
+
+
 def angle_of_repose(
     particles: Particles, ground: float, plate_radius: float, views: int = 12
 ) -> AngleOfRepose:
@@ -169,9 +179,8 @@ def angle_of_repose(
         raise NotMeasurableError(
             f"angle of repose: none of {len(particles)} particles is left on the plate."
         )
-    azimuths = [180.0 * view / views for view in range(views)]
-    silhouettes = [heap_silhouette(heap, azimuth, plate_radius) for azimuth in azimuths]
-    return angle_of_repose_in(silhouettes, azimuths, ground, heap.diameter)
+    silhouettes = heap_silhouettes(heap, plate_radius, views)
+    return angle_of_repose_in(silhouettes, azimuths_of(views), ground, heap.diameter)
 
 
 def angle_of_repose_in(

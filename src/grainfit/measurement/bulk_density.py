@@ -1,8 +1,9 @@
-"""Bulk density of a bed of spheres in a cylinder."""
+"""Bulk density of a bed of spheres in an upright container."""
 
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -61,20 +62,87 @@ def bulk_density(particles: Particles, radius: float, bottom: float, top: float)
     InputError
         The volume to measure in is empty.
     """
-    if not (radius > 0 and top > bottom):
+    distance = np.hypot(particles.positions[:, 0], particles.positions[:, 1])
+    azimuth = np.arctan2(particles.positions[:, 1], particles.positions[:, 0]) + math.pi
+    inside = distance < radius
+    place = (azimuth / (2 * math.pi))[inside]
+    area = math.pi * radius**2 if radius > 0 else 0.0
+    return _density(_Bed(particles.select(inside), place, area, "cylinder"), bottom, top)
+
+
+def bulk_density_in_box(
+    particles: Particles, width: float, depth: float, bottom: float, top: float
+) -> Response:
+    """Bulk density of the bed between two walls, periodic along y, between two heights.
+
+    Like `bulk_density`, for a box.
+
+    Parameters
+    ----------
+    particles : Particles
+        The bed at rest.
+    width : float
+        The walls are at x = -width/2 and width/2, m.
+    depth : float
+        Period along y, m.
+    bottom, top : float
+        Heights between which the density is measured, m.
+
+    Returns
+    -------
+    Response
+        Mass over volume, kg/m^3, and its standard error.
+
+    Raises
+    ------
+    NotMeasurableError
+        The bed does not fill the box up to ``top``.
+    InputError
+        The volume to measure in is empty.
+    """
+    x = particles.positions[:, 0]
+    inside = np.abs(x) < width / 2
+    area = width * depth if min(width, depth) > 0 else 0.0
+    place = (x / width + 0.5)[inside] if width > 0 else x[inside]
+    return _density(_Bed(particles.select(inside), place, area, "box"), bottom, top)
+
+
+@dataclass(frozen=True)
+class _Bed:
+    """Particles in a container, and where in it.
+
+    Parameters
+    ----------
+    particles : Particles
+        Those inside.
+    place : ndarray of shape (n,)
+        From 0 to 1 through all sectors of equal area.
+    area : float
+        Cross-section of the container, m^2.
+    container : str
+        In a word.
+    """
+
+    particles: Particles
+    place: NDArray[np.float64]
+    area: float
+    container: str
+
+
+def _density(bed: _Bed, bottom: float, top: float) -> Response:
+    if not (bed.area > 0 and top > bottom):
         raise InputError(
             Fault("bulk_density", f"nothing between heights {bottom:g} and {top:g} m.")
         )
-    distance = np.hypot(particles.positions[:, 0], particles.positions[:, 1])
-    inside = particles.select(distance < radius)
+    inside = bed.particles
     if len(inside) == 0:
-        raise NotMeasurableError("bulk density: there is no particle in the cylinder.")
+        raise NotMeasurableError(f"bulk density: there is no particle in the {bed.container}.")
     thickness = 2 * float(np.average(inside.radii, weights=inside.masses))
     layers = max(_FEWEST_LAYERS, round((top - bottom) / thickness))
     planes = np.linspace(bottom, top, layers + 1)
     masses = _masses_between(inside, planes)
-    _require_full(inside, masses, planes)
-    volume = math.pi * radius**2 * (top - bottom)
+    _require_full(bed, masses, planes)
+    volume = bed.area * (top - bottom)
     error = _error_of_mean(masses) * layers / volume
     return Response(float(masses.sum()) / volume, error)
 
@@ -98,15 +166,13 @@ def _masses_between(particles: Particles, planes: NDArray[np.float64]) -> NDArra
     return masses
 
 
-def _require_full(
-    particles: Particles, masses: NDArray[np.float64], planes: NDArray[np.float64]
-) -> None:
+def _require_full(bed: _Bed, masses: NDArray[np.float64], planes: NDArray[np.float64]) -> None:
+    particles = bed.particles
     across = float(masses.max()) / float(np.median(particles.masses))
     loss = max(_LARGEST_LOSS, _LAYER_NOISE / math.sqrt(max(across, 1.0)))
     full = masses[-1] > (1 - loss) * float(np.median(masses))
-    azimuth = np.arctan2(particles.positions[:, 1], particles.positions[:, 0]) + math.pi
     sectors = int(np.clip(across / _PARTICLES_IN_SECTOR, 1, _SECTORS))
-    sector = np.minimum(azimuth / (2 * math.pi) * sectors, sectors - 1).astype(int)
+    sector = np.minimum(bed.place * sectors, sectors - 1).astype(int)
     for number in range(sectors):
         own = _masses_between(particles.select(sector == number), planes)
         full &= own[-1] > _FULL_SECTOR * own.max()
@@ -114,7 +180,7 @@ def _require_full(
     if not full:
         highest = float((particles.positions[:, 2] + particles.radii).max())
         raise NotMeasurableError(
-            f"bulk density: the bed does not fill the cylinder from {planes[0]:g} to "
+            f"bulk density: the bed does not fill the {bed.container} from {planes[0]:g} to "
             f"{planes[-1]:g} m all around (its highest particle reaches {highest:.4g} m); "
             "fill in more particles or measure lower."
         )

@@ -1,8 +1,9 @@
-"""Silhouettes of heaps as small drawings."""
+"""Silhouettes of particles as small drawings."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -39,7 +40,9 @@ class Drawing:
     half_width, height : int
         Extent of the drawing.
     fitted, wanted : tuple of Line
-        The fitted flanks, and beside them lines at the target angle.
+        The fitted lines, and beside them lines at the target.
+    walls : tuple of Line
+        Walls of the apparatus; without any, the ground is a line at y = 0.
     """
 
     path: str
@@ -47,6 +50,7 @@ class Drawing:
     height: int
     fitted: tuple[Line, ...] = ()
     wanted: tuple[Line, ...] = ()
+    walls: tuple[Line, ...] = ()
 
 
 def draw(silhouette: Silhouette, view: View | None = None, target: float | None = None) -> Drawing:
@@ -76,6 +80,54 @@ def draw(silhouette: Silhouette, view: View | None = None, target: float | None 
         fitted=tuple(_line(flank, size) for flank in flanks),
         wanted=tuple(_beside(_line(flank, size), target) for flank in flanks if target),
     )
+
+
+def surface_path(
+    x: NDArray[np.float64], heights: NDArray[np.float64], ground: float, pixel: float
+) -> str:
+    """Return the area between a ground and a surface above it as an SVG path.
+
+    Parameters
+    ----------
+    x, heights : ndarray of shape (n,)
+        Surface over the ground, m.
+    ground : float
+        Height of the ground in the drawing, m.
+    pixel : float
+        Size of a pixel, m.
+    """
+    kept = simplified(heights / pixel, _TOLERANCE)
+    points = " ".join(f"{x[i] / pixel:.0f},{-(ground + heights[i]) / pixel:.0f}" for i in kept)
+    base = f"{-ground / pixel:.0f}"
+    return f"M{x[0] / pixel:.0f},{base} L{points} L{x[-1] / pixel:.0f},{base}Z"
+
+
+def wall_line(start: tuple[float, float], end: tuple[float, float], pixel: float) -> Line:
+    """Return a line between two points in the plane of a drawing, m, in pixels of a size, m."""
+    return Line(*(round(value / pixel, 1) for value in (start[0], -start[1], end[0], -end[1])))
+
+
+def fitted_lines(
+    flanks: Sequence[Flank], ground: float, pixel: float, target: float | None
+) -> tuple[tuple[Line, ...], tuple[Line, ...]]:
+    """Return fitted flanks as lines of a drawing, and lines at a target angle beside them.
+
+    Parameters
+    ----------
+    flanks : sequence of Flank
+        Heights from the ground.
+    ground : float
+        Height of the ground in the drawing, m.
+    pixel : float
+        Size of a pixel, m.
+    target : float, optional
+        Wanted inclination, degrees.
+    """
+    lines = []
+    for flank in flanks:
+        (x1, y1), (x2, y2) = flank.start, flank.end
+        lines.append(_line(Flank(flank.angle, (x1, y1 + ground), (x2, y2 + ground)), pixel))
+    return tuple(lines), tuple(_beside(line, target) for line in lines if target)
 
 
 def simplified(heights: NDArray[np.float64], tolerance: float) -> list[int]:

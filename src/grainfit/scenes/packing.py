@@ -114,7 +114,7 @@ class Rectangle:
 
 @dataclass(frozen=True)
 class Column:
-    """Particles before they fall.
+    """Particles at the beginning.
 
     Parameters
     ----------
@@ -124,11 +124,14 @@ class Column:
         Index of each particle's diameter in the particle size distribution.
     height : float
         Height of the column, m.
+    velocities : ndarray of shape (n, 3), optional
+        Velocities, m/s; None is at rest.
     """
 
     positions: NDArray[np.float64]
     size_indices: NDArray[np.int64]
     height: float
+    velocities: NDArray[np.float64] | None = None
 
 
 def particle_numbers(sizes: ParticleSizes, count: int) -> list[int]:

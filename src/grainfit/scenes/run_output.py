@@ -90,6 +90,11 @@ class RunOutput:
             The file is missing or damaged.
         """
         path = self.folder / STAGES
+        if not path.exists():
+            raise NotMeasurableError(
+                f"{path} is missing: the simulation did not begin, or was made by version 0.1.0, "
+                "whose dumps can be measured one by one."
+            )
         try:
             with path.open(encoding="utf-8", newline="") as file:
                 rows = list(csv.reader(file))
@@ -110,12 +115,16 @@ class RunOutput:
         NotMeasurableError
             See `read_dump`.
         """
-        path = self.folder / snapshot_file(name)
-        if not path.exists():
-            # Runs of version 0.1.0 have them beside the deck.
-            older = self.folder / f"{name}.dump"
-            path = older if older.exists() else path
-        return read_dump(path)
+        return read_dump(self.path_of(snapshot_file(name)))
+
+    def path_of(self, file: str) -> Path:
+        """Return the path of a file such as ``"snapshots/heap.dump"``, whether it exists or not.
+
+        Runs of version 0.1.0 have their dumps beside the deck.
+        """
+        path = self.folder / file
+        older = self.folder / path.name
+        return older if older.exists() and not path.exists() else path
 
     def series(self, stage: str) -> dict[str, NDArray[np.float64]]:
         """Read the series of a stage: arrays by name of the column, ``"time"`` first.
@@ -138,6 +147,8 @@ class RunOutput:
             raise NotMeasurableError(f"{path}: cannot be read ({error}).") from error
         if not np.isfinite(table).all():
             raise NotMeasurableError(f"{path}: has values that are no numbers.")
+        # A solver that pauses at a step that it records there records it twice.
+        table = table[np.append(True, np.diff(table[:, 0]) > 0)[: len(table)]]
         return dict(zip(names, table.T, strict=True))
 
     def require_complete(self, names: Sequence[str], container: str) -> tuple[StageEnd, ...]:

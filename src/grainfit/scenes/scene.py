@@ -10,7 +10,10 @@ import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 
+import numpy as np
+
 from grainfit.contact_models.contact import TYPICAL_LOAD, particle_mass
+from grainfit.errors import Fault, InputError
 from grainfit.materials.sizes import ParticleSizes
 from grainfit.materials.time_step import rayleigh_time_step
 from grainfit.scenes.conditions import Condition
@@ -151,7 +154,7 @@ class Scene:
     sizes : ParticleSizes
         Particle size distribution.
     particles : Column
-        Particles at the beginning, at rest.
+        Particles at the beginning.
     box : Box
         The simulated space.
     walls : mapping of str to Wall
@@ -188,6 +191,12 @@ class Scene:
     surfaces: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
     typical_load: float = TYPICAL_LOAD
 
+    def __post_init__(self) -> None:
+        """Raise `InputError` if a name would be misread in a deck."""
+        faults = [*_name_faults(self)]
+        if faults:
+            raise InputError(faults)
+
     def material_on(self, surface: str) -> dict[str, float]:
         """Return the material parameters for contacts with a surface."""
         return {**self.material, **self.surfaces.get(surface, {})}
@@ -215,6 +224,16 @@ class Scene:
         return len(self.particles.positions) * mean
 
     @property
+    def initial_energy(self) -> float:
+        """Kinetic energy of the particles at the beginning, J."""
+        velocities = self.particles.velocities
+        if velocities is None:
+            return 0.0
+        masses = [particle_mass(self.material, d / 2) for d in self.sizes.diameters]
+        own = np.array(masses)[self.particles.size_indices]
+        return float((own * (velocities**2).sum(axis=1)).sum() / 2)
+
+    @property
     def energy_at_rest(self) -> float:
         """Kinetic energy below which the particles are at rest, J."""
         return self.mass * self.quiet_speed**2 / 2
@@ -223,11 +242,12 @@ class Scene:
     def energy_limit(self) -> float:
         """Kinetic energy that is out of reach, J.
 
-        It is that of all particles falling from top to bottom, and the work of the largest load on
-        each wall across the box.
+        It is that of all particles falling from top to bottom, the energy that they have at the
+        beginning, and the work of the largest load on each wall across the box.
         """
         fall = self.mass * self.gravity * (self.particles.height - self.box.low[2])
-        return fall + sum(self._largest_work(wall) for wall in self.all_walls())
+        work = sum(self._largest_work(wall) for wall in self.all_walls())
+        return fall + self.initial_energy + work
 
     def _largest_work(self, wall: str) -> float:
         """Work of the largest load on a wall across the box, J; zero without a load."""
@@ -242,9 +262,31 @@ class Scene:
         walls = self.all_walls().values()
         found = {type(wall.shape).__name__.lower() for wall in walls}
         found |= {type(m).__name__.lower() for s in self.stages for m in s.motions.values()}
+        if any(len({type(m) for m in self.motions_of(wall)}) > 1 for wall in self.all_walls()):
+            found.add("velocity and load")
         if self.box.periodic:
             found.add("periodic " + self.box.periodic)
         return found
+
+
+def _name_faults(scene: Scene) -> Iterator[Fault]:
+    """Names become variables and files of decks: one word each, and one meaning."""
+    stages = scene.stages
+    kinds = {
+        "walls": [*scene.walls, *(name for stage in stages for name in stage.put)],
+        "stages": [stage.name for stage in stages],
+        "snapshots": [stage.snapshot for stage in stages if stage.snapshot],
+    }
+    columns = [name for stage in stages if stage.series for name in stage.series.columns]
+    for key, names in {**kinds, "columns": columns}.items():
+        for name in dict.fromkeys(names):
+            if not (name.isidentifier() and name.isascii()):
+                remedy = "Use letters, digits and underscores, a letter first."
+                yield Fault(key, f"{name!r} is not one word.", remedy)
+    for key, names in kinds.items():
+        for name in dict.fromkeys(names):
+            if names.count(name) > 1:
+                yield Fault(key, f"{name!r} is there twice.", "Give each a name of its own.")
 
 
 def time_step(sizes: ParticleSizes, material: Mapping[str, float], fraction: float) -> float:

@@ -20,6 +20,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from grainfit.bulk_tests.base import BulkTest
 from grainfit.bulk_tests.run_cost import RunCost
 from grainfit.errors import Fault
 from grainfit.evaluation import Response
@@ -69,6 +70,11 @@ class Solver(ABC):
         SolverNotFoundError
             A program whose version is part of the model is not found.
         """
+
+    @property
+    def bulk_test(self) -> BulkTest | None:
+        """The bulk test that it simulates; None for a model of the user."""
+        return None
 
     def run_parameters(self, parameters: Mapping[str, float]) -> dict[str, float]:
         """Return the values of all parameters that a run depends on, free or fixed.

@@ -7,6 +7,7 @@ from typing import Any
 
 from typing_extensions import override
 
+from grainfit.bulk_tests.base import BulkTest
 from grainfit.bulk_tests.run_cost import RunCost
 from grainfit.errors import Fault
 from grainfit.evaluation import Response
@@ -42,6 +43,12 @@ class ParametersFor(Solver):
     @override
     def response_names(self) -> tuple[str, ...] | None:
         return self.solver.response_names
+
+    @property
+    @override
+    def bulk_test(self) -> BulkTest | None:
+        """The bulk test of the solver."""
+        return self.solver.bulk_test
 
     @override
     def model(self) -> Mapping[str, Any]:

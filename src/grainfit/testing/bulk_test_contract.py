@@ -30,6 +30,7 @@ import pytest
 
 from grainfit.bulk_tests.base import BulkTest
 from grainfit.bulk_tests.registry import bulk_tests, recreate_test
+from grainfit.bulk_tests.sensitivities import VARIED
 from grainfit.calibration_file.tests_section import layout_of_test
 from grainfit.contact_models.registry import MATERIAL_PARAMETERS
 from grainfit.errors import (
@@ -173,6 +174,11 @@ class BulkTestContract:
             schema = targets["targets"].kind.schema()["properties"][name]
             [example] = schema["examples"]
             jsonschema.validate(example, schema)
+            if (known := info.sensitivities) is not None:
+                slopes = {**known.slopes, **known.slopes_at_high_rolling}
+                assert slopes.keys() <= set(VARIED), name
+                assert known.slopes_at_high_rolling.keys() <= known.slopes.keys(), name
+                assert all(map(math.isfinite, slopes.values())), name
         assert set(bulk_test.material_parameters) <= set(MATERIAL_PARAMETERS)
         assert bulk_test.conditions.sizes == bulk_test.sizes
         assert 0 < bulk_test.conditions.time_step_fraction <= 1

@@ -19,3 +19,15 @@ GLASS_BEADS: Mapping[str, float] = {
     "particle_wall.restitution": 0.82,
     "particle_wall.rolling_damping": 0.25,
 }
+
+#: Rough, soft spheres at which bulk tests are compared in the documentation: with a diameter of
+#: 10 mm, Young's modulus over density, gravity and diameter is 1750. SI.
+ROUGH_SPHERES: Mapping[str, float] = {
+    **GLASS_BEADS,
+    "particle_particle.sliding_friction": 0.5,
+    "particle_particle.rolling_friction": 0.2,
+    "particle_particle.restitution": 0.6,
+    "particle_wall.sliding_friction": 0.4,
+    "particle_wall.rolling_friction": 0.1,
+    "particle_wall.restitution": 0.6,
+}

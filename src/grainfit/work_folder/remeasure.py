@@ -12,13 +12,14 @@ from grainfit.bulk_tests.registry import recreate_test
 from grainfit.campaign.work_folder import RECORD_NAME, read_record
 from grainfit.errors import Fault, InputError, NotMeasurableError
 from grainfit.evaluation import Response
-from grainfit.measurement.angle_of_repose import angle_of_repose
+from grainfit.measurement.angle_of_repose import angle_of_repose, heap_silhouettes, on_plate
+from grainfit.measurement.heap_size import base_radius, heap_height
 from grainfit.measurement.particles import read_dump
 from grainfit.scenes.run_output import RunOutput
 
 
 def measure_path(path: Path) -> dict[str, Response]:
-    """Measure the responses in a run folder, or the angle of repose on a dump of particles.
+    """Measure the responses in a run folder, or the heap in a dump of particles.
 
     Parameters
     ----------
@@ -45,8 +46,14 @@ def measure_path(path: Path) -> dict[str, Response]:
     if len(particles) == 0:
         raise NotMeasurableError(f"{path}: its last frame has no particles.")
     reach = float(np.hypot(particles.positions[:, 0], particles.positions[:, 1]).max())
-    angle = angle_of_repose(particles, ground=particles.diameter, plate_radius=reach)
-    return {"angle_of_repose": angle.response}
+    diameter = particles.diameter
+    angle = angle_of_repose(particles, ground=diameter, plate_radius=reach)
+    silhouettes = heap_silhouettes(on_plate(particles, reach), reach, len(angle.views))
+    return {
+        "angle_of_repose": angle.response,
+        "base_radius": base_radius(silhouettes, diameter, diameter),
+        "heap_height": heap_height(silhouettes, diameter),
+    }
 
 
 def _test_of(folder: Path) -> BulkTest:

@@ -3,19 +3,26 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any, ClassVar, Self
 
 from grainfit.bulk_tests.base import BulkTest, ResponseInfo
 from grainfit.bulk_tests.heap.setup import HeapSetup, plan_setup
 from grainfit.bulk_tests.heap.view import HeapView
+from grainfit.bulk_tests.sensitivities import DENSITY, MODULUS, ROLLING, SLIDING, Sensitivities
 from grainfit.bulk_tests.shared.validity import require_separate
 from grainfit.bulk_tests.view import Shown
 from grainfit.errors import NotMeasurableError
 from grainfit.evaluation import Response
-from grainfit.measurement.angle_of_repose import AngleOfRepose, angle_of_repose, on_plate
+from grainfit.measurement.angle_of_repose import (
+    AngleOfRepose,
+    angle_of_repose,
+    heap_silhouettes,
+    on_plate,
+)
 from grainfit.measurement.bulk_density import bulk_density
+from grainfit.measurement.heap_size import base_radius, heap_height
 from grainfit.measurement.particles import Particles, write_vtk
 from grainfit.measurement.picture import draw_heap
 from grainfit.options.fields import Amount, option
@@ -23,9 +30,12 @@ from grainfit.options.kinds import Quantity, Whole
 from grainfit.scenes.conditions import AtRest, Clear
 from grainfit.scenes.packing import Round, random_column
 from grainfit.scenes.run_output import RunOutput, snapshot_file
-from grainfit.scenes.scene import Box, Scene, Stage, Velocity, Wall
+from grainfit.scenes.scene import SCENES_REVISION, Box, Scene, Stage, Velocity, Wall
 from grainfit.scenes.shapes import Cylinder, Disc
 
+#: Part of the identity of runs: the hash of the hand-written decks of version 0.1.0, which are the
+#: same simulation as those of today's scene.
+DECK_REVISION = "e11f78288590e984"
 #: Snapshots of a run, and its picture.
 _SETTLED, _HEAP, _PICTURE = "settled", "heap", "heap.png"
 #: The bed is at rest soon after the shortest fill stage; the lift ends before its longest travel.
@@ -42,11 +52,11 @@ _FRICTION = Quantity("", lowest=0.0, highest=10.0)
 
 @dataclass(frozen=True)
 class Heap(BulkTest):
-    """Lifted cylinder: bulk density and angle of repose from one test.
+    """Lifted cylinder: bulk density, and angle of repose and size of the heap, from one test.
 
     Particles rain into an upright cylinder on a plate. Once the bed is at rest its bulk density is
     measured, particles above the strike-off height are removed, the cylinder is lifted slowly,
-    and once the heap is at rest its angle of repose is measured on silhouettes. Every stage ends
+    and once the heap is at rest it is measured on silhouettes. Every stage ends
     when the particles are at rest, not after a fixed time.
 
     Defaults follow the Sauter diameter d of the particles; speeds and times follow it by Froude's
@@ -75,7 +85,6 @@ class Heap(BulkTest):
 
     type: ClassVar[str] = "heap"
     title: ClassVar[str] = "lifted cylinder"
-    revision: ClassVar[int] = 2
     shown: ClassVar[Shown | None] = Shown("heap", "angle_of_repose", snapshot_file(_HEAP), _PICTURE)
     responses: ClassVar[Mapping[str, ResponseInfo]] = {
         "bulk_density": ResponseInfo(
@@ -83,12 +92,30 @@ class Heap(BulkTest):
             "ρ_b",
             "bulk density: mass of the bed over its volume, voids included",
             '{ value = "1500 kg/m^3", uncertainty = "1 %" }',
+            Sensitivities(
+                {DENSITY: 1.07, MODULUS: -0.066, SLIDING: -0.059, ROLLING: -0.023},
+                {SLIDING: -0.068, ROLLING: -0.006},
+            ),
         ),
         "angle_of_repose": ResponseInfo(
             "deg",
             "α",
             "angle of repose: inclination of the heap's flanks",
             '{ value = "22 deg", uncertainty = "0.5 deg" }',
+            Sensitivities({SLIDING: 0.24, ROLLING: 0.57}, {SLIDING: 0.45, ROLLING: 0.29}),
+        ),
+        "base_radius": ResponseInfo(
+            "m",
+            "r",
+            "base radius: half the width of the heap, one particle diameter above the plate or at "
+            "the height of its rim",
+            '{ value = "130 mm", uncertainty = "2 mm" }',
+        ),
+        "heap_height": ResponseInfo(
+            "m",
+            "h",
+            "heap height: highest point of the heap above the plate",
+            '{ value = "53 mm", uncertainty = "1 mm" }',
         ),
     }
 
@@ -156,7 +183,7 @@ class Heap(BulkTest):
     )
     views: int = option(
         Whole(1, 360),
-        "Number of silhouettes on which the angle of repose is measured.",
+        "Number of silhouettes on which the heap is measured.",
         example="12",
         default=12,
     )
@@ -165,18 +192,42 @@ class Heap(BulkTest):
 
     def prepare(self) -> None:
         """Resolve geometry and procedure."""
-        options = {key.name: getattr(self, key.name) for key in self.option_keys()}
-        object.__setattr__(self, "setup", plan_setup(self.sizes, options))
+        object.__setattr__(self, "setup", plan_setup(self.sizes, super().resolved_options()))
+
+    def resolved_options(self) -> dict[str, Any]:
+        """Return the value of every option, with the defaults of geometry and procedure."""
+        options = super().resolved_options()
+        return {name: getattr(self.setup, name, value) for name, value in options.items()}
+
+    def definition(self) -> dict[str, Any]:
+        """Return everything in the test that affects a run's outcome, as JSON.
+
+        It is written as in version 0.1.0, whose runs are those of today.
+        """
+        setup = {**asdict(self.setup), "gravity": self.gravity}
+        return {
+            "type": self.type,
+            "revision": self.revision,
+            "deck": DECK_REVISION,
+            "packing": SCENES_REVISION,
+            "diameters": list(self.sizes.diameters),
+            "mass_fractions": list(self.sizes.mass_fractions),
+            "setup": setup,
+            "plate_sliding_friction": self.plate_sliding_friction,
+            "plate_rolling_friction": self.plate_rolling_friction,
+            "time_step_fraction": self.time_step_fraction,
+            "views": self.views,
+        }
 
     @classmethod
     def from_definition(cls, definition: Mapping[str, Any]) -> Self:
         """Rebuild the test from the definition in the record of a run."""
-        # Version 0.1.0 recorded geometry and procedure with every default resolved.
-        return super().from_definition({**definition.get("setup", {}), **definition})
+        # Geometry and procedure are recorded with every default resolved.
+        return super().from_definition({**definition["setup"], **definition})
 
     @property
     def ground(self) -> float:
-        """Height from which the flanks of the heap are measured, m, see `angle_of_repose`."""
+        """Height from which flanks and base of the heap are measured, m; see `angle_of_repose`."""
         return max(self.setup.rim_height, self.sizes.sauter_diameter)
 
     def scene(self, material: Mapping[str, float], seed: int) -> Scene:
@@ -240,7 +291,7 @@ class Heap(BulkTest):
         }
 
     def measure(self, run: RunOutput) -> dict[str, Response]:
-        """Measure bulk density and angle of repose; leave a picture and a VTK file of the heap.
+        """Measure bed and heap; leave a picture and a VTK file of the heap.
 
         Raises
         ------
@@ -260,7 +311,14 @@ class Heap(BulkTest):
         density = bulk_density(
             bed, setup.cylinder_radius, setup.bulk_density_bottom, setup.bulk_density_top
         )
-        return {"bulk_density": density, "angle_of_repose": angle.response}
+        plate = setup.plate_radius
+        silhouettes = heap_silhouettes(on_plate(heap, plate), plate, self.views)
+        return {
+            "bulk_density": density,
+            "angle_of_repose": angle.response,
+            "base_radius": base_radius(silhouettes, self.ground, heap.diameter),
+            "heap_height": heap_height(silhouettes, heap.diameter),
+        }
 
     @property
     def number_of_particles(self) -> int:

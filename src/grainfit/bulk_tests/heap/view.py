@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from grainfit.bulk_tests.view import MeasuredDrawing, RunView
+from grainfit.bulk_tests.view import MeasuredDrawing, Outline, RunView, circle
 from grainfit.errors import NotMeasurableError
 from grainfit.measurement.angle_of_repose import View, angle_of_repose, heap_silhouette
 from grainfit.measurement.drawing import Drawing, draw
@@ -52,10 +52,10 @@ class HeapView(RunView):
         words = f"mean of {flanks} fitted flanks from all sides"
         return MeasuredDrawing(draw(silhouette, view, target), words)
 
-    def rings(self) -> Sequence[tuple[float, float]]:
+    def outlines(self) -> Sequence[Outline]:
         """Return the edge of the plate, and that of its rim."""
-        rim = [(self.plate_radius, self.rim_height)] if self.rim_height > 0 else []
-        return [(self.plate_radius, 0.0), *rim]
+        rim = [circle(self.plate_radius, self.rim_height)] if self.rim_height > 0 else []
+        return [circle(self.plate_radius, 0.0), *rim]
 
 
 def _unlike(view: View, angle: float) -> float:

@@ -3,20 +3,28 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from grainfit.errors import NotMeasurableError, RunFailedError
+from grainfit.measurement.height_map import HeightMap
 from grainfit.measurement.particles import Particles
 from grainfit.scenes.run_output import StageEnd
 
 #: Overlap over diameter above which contacts are no longer those of spheres.
 _LARGEST_MEAN_OVERLAP = 0.08
+#: So few particles above an orifice may still be falling.
+_FEWEST_HELD = 3
+#: Mean height of the outermost diameter of a floor, in diameters, at which a heap ends beyond it,
+#: and the largest share of the particles that may have rolled off.
+_LOWEST_FOOT = 0.3
+_LARGEST_SHARE_LOST = 0.02
 
 
 def require_separate(bed: Particles) -> None:
     """Raise `RunFailedError` if the particles of a bed overlap grossly."""
     if not len(bed):
-        raise NotMeasurableError("no particles are left in the cylinder")
+        raise NotMeasurableError("no particles are left in the container")
     pairs = cKDTree(bed.positions).query_pairs(2 * bed.radii.max(), output_type="ndarray")
     distance = np.linalg.norm(bed.positions[pairs[:, 0]] - bed.positions[pairs[:, 1]], axis=1)
     overlap = 1 - distance / bed.radii[pairs].sum(axis=1)
@@ -56,3 +64,69 @@ def require_at_rest(stage: StageEnd, mass: float, quiet_speed: float) -> None:
             f"the bed was not at rest at the end of the {stage.name} stage (kinetic energy "
             f"{stage.kinetic_energy:.3g} J, at rest below {limit:.3g} J)"
         )
+
+
+def require_emptied(held: Particles, orifice: str) -> None:
+    """Raise `RunFailedError` if particles at rest are held above an orifice.
+
+    Parameters
+    ----------
+    held : Particles
+        Those in the container whose centre is above the middle half of the orifice.
+    orifice : str
+        In a word, such as ``"slot"``.
+    """
+    if len(held) >= _FEWEST_HELD:
+        raise RunFailedError(
+            f"the material arches over the {orifice}: {len(held)} particles are at rest above its "
+            f"middle, so the flow did not end by itself; use a wider {orifice}"
+        )
+
+
+def require_apex_below(apex: float, shelf: float, clearance: float, diameter: float) -> None:
+    """Raise `RunFailedError` if a heap has grown so high that it chokes the slot above it.
+
+    Parameters
+    ----------
+    apex, shelf : float
+        Heights above the floor of the heap's apex and of the underside of the shelf, m.
+    clearance : float
+        Distance that the two must keep, m.
+    diameter : float
+        Median particle diameter, m.
+    """
+    if apex > shelf - clearance:
+        raise RunFailedError(
+            f"the heap chokes the slot: its apex is {(shelf - apex) / diameter:.1f} particle "
+            f"diameters below the shelf, and must be {clearance / diameter:.1f}; use a larger "
+            "floor_distance"
+        )
+
+
+def require_foot_on_floor(surface: HeightMap, lost_share: float, diameter: float) -> None:
+    """Raise `RunFailedError` if a heap reaches the edges of its floor.
+
+    Parameters
+    ----------
+    surface : HeightMap
+        From edge to edge of the floor.
+    lost_share : float
+        Share of the heap's mass that has left the floor.
+    diameter : float
+        Median particle diameter, m.
+    """
+    edge = np.abs(surface.x) > np.abs(surface.x).max() - diameter
+    highest = _mean_of_sides(surface.profile, edge & (surface.x < 0), edge & (surface.x > 0))
+    if lost_share > _LARGEST_SHARE_LOST or highest > _LOWEST_FOOT * diameter:
+        raise RunFailedError(
+            f"the foot of the heap is not on the floor: {100 * lost_share:.1f} % of it has left "
+            "over the edges; use a larger floor_half_width, or a larger floor_rolling_friction if "
+            "the floor of the laboratory is rough"
+        )
+
+
+def _mean_of_sides(
+    profile: NDArray[np.float64], left: NDArray[np.bool_], right: NDArray[np.bool_]
+) -> float:
+    """Mean height of the higher of two sides."""
+    return max(float(profile[left].mean()), float(profile[right].mean()))

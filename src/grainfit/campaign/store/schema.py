@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import sqlalchemy as sql
 
+from grainfit.bulk_tests.natural_units import natural_hash
 from grainfit.run_definition import RunDefinition
 
-SCHEMA_VERSION = 4
+SCHEMA_VERSION = 5
 #: Oldest version that can be read without migration.
 OLDEST_READABLE = 3
 
@@ -24,6 +25,8 @@ runs = sql.Table(
     sql.Column("definition", sql.JSON, nullable=False),
     # Key of the query for runs that can be reused for a problem.
     sql.Column("model_hash", sql.String(32), nullable=False, server_default="", index=True),
+    # The same without the scale, for runs of bulk tests: see grainfit.bulk_tests.natural_units.
+    sql.Column("natural_hash", sql.String(32), nullable=False, server_default="", index=True),
     sql.Column("responses", sql.JSON, nullable=False),
     sql.Column("reason", sql.Text, nullable=False),
     sql.Column("kind", sql.String(16), nullable=False),
@@ -76,6 +79,10 @@ _MIGRATIONS: Mapping[int, tuple[str, ...]] = {
         "ALTER TABLE runs ADD COLUMN model_hash VARCHAR(32) NOT NULL DEFAULT ''",
         "CREATE INDEX ix_runs_model_hash ON runs (model_hash)",
     ),
+    4: (
+        "ALTER TABLE runs ADD COLUMN natural_hash VARCHAR(32) NOT NULL DEFAULT ''",
+        "CREATE INDEX ix_runs_natural_hash ON runs (natural_hash)",
+    ),
 }
 #: Rows that are read and written at a time.
 _CHUNK = 500
@@ -102,28 +109,37 @@ def bring_up_to_date(connection: sql.Connection) -> int:
     while version in _MIGRATIONS:
         for statement in _MIGRATIONS[version]:
             connection.execute(sql.text(statement))
-        if version == 3:
-            _hash_models(connection)
+        if version in _HASHES:
+            _fill_in(connection, *_HASHES[version])
         version += 1
         connection.execute(about.update().values(schema_version=version))
     return version
 
 
-def _hash_models(connection: sql.Connection) -> None:
-    """Fill in the hashes of models, which version 3 did not keep."""
+def _fill_in(
+    connection: sql.Connection, column: str, hash_of: Callable[[RunDefinition], str]
+) -> None:
+    """Fill in a hash of every run, which older versions did not keep."""
     rows = connection.execute(sql.select(runs.c.identity, runs.c.definition)).all()
-    hashes = [{"of": row.identity, "found": _model_hash(row.definition)} for row in rows]
+    hashes = [{"of": row.identity, "found": _hash(row.definition, hash_of)} for row in rows]
     here = runs.c.identity == sql.bindparam("of")
     for start in range(0, len(hashes), _CHUNK):
         connection.execute(
-            runs.update().where(here).values(model_hash=sql.bindparam("found")),
+            runs.update().where(here).values({column: sql.bindparam("found")}),
             hashes[start : start + _CHUNK],
         )
 
 
-def _model_hash(definition: Any) -> str:
+def _hash(definition: Any, hash_of: Callable[[RunDefinition], str]) -> str:
     try:
-        return RunDefinition.from_json(definition).model_hash
+        return hash_of(RunDefinition.from_json(definition))
     except (AttributeError, TypeError, ValueError):
         # A damaged row is reported when it is read; it must not stop the migration.
         return ""
+
+
+#: Hashes that a version of the store lacks: the column, and how to compute it.
+_HASHES: Mapping[int, tuple[str, Callable[[RunDefinition], str]]] = {
+    3: ("model_hash", lambda definition: definition.model_hash),
+    4: ("natural_hash", natural_hash),
+}

@@ -20,6 +20,7 @@ import sqlalchemy as sql
 from sqlalchemy.exc import ArgumentError, IntegrityError, NoSuchModuleError, SQLAlchemyError
 from sqlalchemy.pool import StaticPool
 
+from grainfit.bulk_tests.natural_units import natural_hash
 from grainfit.campaign.store import schema
 from grainfit.campaign.store.records import CalibrationRecord, RequestRecord, RunRecord, RunStatus
 from grainfit.campaign.store.schema import OLDEST_READABLE, SCHEMA_VERSION
@@ -40,7 +41,9 @@ _CHUNK = 500
 #: Key of the lock under which the tables of a shared database are created.
 _SCHEMA_LOCK = 7_203_114
 _RECORD_COLUMNS = [
-    column for column in _runs.c if column.name not in ("model_hash", "owner", "beat")
+    column
+    for column in _runs.c
+    if column.name not in ("model_hash", "natural_hash", "owner", "beat")
 ]
 _CALIBRATION_COLUMNS = [column for column in _calibrations.c if column.name != "number"]
 _Record = TypeVar("_Record")
@@ -311,6 +314,19 @@ class RunStore:
             return [record for record in known if record.definition.model_hash in model_hashes]
         return self._runs(status, _runs.c.model_hash.in_(list(model_hashes)))
 
+    def runs_at_any_scale(self, natural_hashes: Collection[str]) -> list[RunRecord]:
+        """Return the finished runs of bulk tests that are the same in natural units.
+
+        Parameters
+        ----------
+        natural_hashes : collection of str
+            From `grainfit.bulk_tests.natural_units.natural_hash`.
+        """
+        if self._version < SCHEMA_VERSION:
+            known = self.runs("finished")
+            return [r for r in known if natural_hash(r.definition) in natural_hashes]
+        return self._runs("finished", _runs.c.natural_hash.in_(list(natural_hashes)))
+
     # Claims, where several processes share a store ---------------------------------------------
 
     def claim(self, record: RunRecord, owner: str, instead_of: Claim | None = None) -> bool:
@@ -504,6 +520,7 @@ def _path(folder: Path) -> Path:
 def _row(record: RunRecord) -> dict[str, Any]:
     row = record.to_json() | {
         "model_hash": record.definition.model_hash,
+        "natural_hash": natural_hash(record.definition),
         "owner": "",
         "beat": 0,
     }

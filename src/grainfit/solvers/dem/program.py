@@ -7,7 +7,7 @@ import shlex
 import subprocess
 import tempfile
 from abc import abstractmethod
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from functools import cached_property, lru_cache
 from pathlib import Path
 from typing import Any, ClassVar
@@ -94,6 +94,12 @@ class DeckSolver(Solver):
         """Names of the test's responses."""
         return tuple(self.test.responses)
 
+    @property
+    @override
+    def bulk_test(self) -> BulkTest:
+        """The bulk test that it simulates."""
+        return self.test
+
     @override
     def model(self) -> Mapping[str, Any]:
         """Return solver, version, ranks and test."""
@@ -153,14 +159,26 @@ class DeckSolver(Solver):
         for fault in self.test.material_faults(material):
             raise RunFailedError(str(fault))
         with recorded_faults(workspace):
-            scene = self.test.scene(material, seed)
-            self._require_possible_scene(scene)
-            self._simulate(self.deck(scene, workspace.folder).write(), workspace)
+            run = self.simulate(self.test.scene(material, seed), workspace)
             try:
-                return self.test.measure(RunOutput(workspace.folder))
+                return self.test.measure(run)
             except NotMeasurableError as error:
                 tail = log_tail(workspace.folder / self._own_log)
                 raise RunFailedError(str(error), tail, kind="evaluation") from error
+
+    def simulate(self, scene: Scene, workspace: Workspace) -> RunOutput:
+        """Translate a scene, run the program, and return the output.
+
+        Raises
+        ------
+        InputError
+            The program lacks a concept of the scene.
+        RunFailedError
+            The program failed. Stages that ended badly are left to `RunOutput.require_complete`.
+        """
+        self._require_concepts(scene.concepts())
+        self._simulate(self.deck(scene, workspace.folder).write(), workspace)
+        return RunOutput(workspace.folder)
 
     @override
     def interval_faults(self, intervals: Mapping[str, tuple[float, float]]) -> list[Fault]:
@@ -171,9 +189,9 @@ class DeckSolver(Solver):
             faults += self.test.material_faults({**self.material, **values})
         return list(dict.fromkeys(faults))
 
-    def _require_possible_scene(self, scene: Scene) -> None:
+    def _require_concepts(self, concepts: Iterable[str]) -> None:
         """Raise `InputError` if the program lacks a concept of the scene."""
-        reasons = [self.missing[name] for name in scene.concepts() if name in self.missing]
+        reasons = [self.missing[name] for name in sorted(concepts) if name in self.missing]
         if reasons:
             message = f"{self.name} cannot simulate this {self.test.type} test."
             raise InputError([Fault("solver", message, f"{reason}.") for reason in reasons])
@@ -196,9 +214,12 @@ class DeckSolver(Solver):
     def check(self) -> None:
         """Raise `SolverNotFoundError` unless the program is found.
 
-        The default program is asked for its version. A program given by `executable` is started by
-        the first run only.
+        `InputError` if it cannot simulate the test, such as a round orifice with LAMMPS. The
+        default program is asked for its version. A program given by `executable` is started by the
+        first run only.
         """
+        if self.missing:
+            self._require_concepts(self.test.concepts())
         self.executes()
         if self.executable is None:
             self.version()

@@ -37,6 +37,11 @@ def continued(first: str, parts: list[str]) -> str:
     return " &\n    ".join([first, *parts])
 
 
+def _recorded(column: str) -> str:
+    """Return the name of a column's variable, apart from the variables of decks themselves."""
+    return f"record_{column}"
+
+
 class ScriptDeck(ABC):
     """A scene as a script that LAMMPS or one of its relatives reads.
 
@@ -59,6 +64,9 @@ class ScriptDeck(ABC):
         self.law: ContactLaw = contact_law(scene.material)
         #: Walls that are there, by name.
         self.walls: dict[str, Wall] = {}
+        #: Commands that remove the helpers of records at the end of a stage: the next stage may
+        #: record the same quantities, or take away the wall that they look at.
+        self.undo: list[str] = []
 
     def write(self) -> Path:
         """Write everything that the solver reads; return the deck."""
@@ -147,8 +155,19 @@ class ScriptDeck(ABC):
                 zip(kinds, diameters, scene.particles.positions.tolist(), strict=True), 1
             )
         )
-        text = header + "\n" + "\n".join(rows) + "\n"
+        text = header + "\n" + "\n".join(rows) + "\n" + self._velocities()
         (self.folder / PARTICLES).write_text(text, encoding="ascii")
+
+    def _velocities(self) -> str:
+        """Return the section of the particles' velocities, with no spin; empty at rest."""
+        velocities = self.scene.particles.velocities
+        if velocities is None:
+            return ""
+        rows = (
+            f"{number} {x!r} {y!r} {z!r} 0 0 0"
+            for number, (x, y, z) in enumerate(velocities.tolist(), 1)
+        )
+        return "\nVelocities\n\n" + "\n".join(rows) + "\n"
 
     # --- settings ------------------------------------------------------------------------------
 
@@ -182,6 +201,8 @@ class ScriptDeck(ABC):
             yield command("region", f"above block INF INF INF INF {stage.strike_off} INF units box")
             yield command("group", "surplus region above")
             yield command("delete_atoms", "group surplus compress no")
+            yield command("group", "surplus delete")
+            yield command("region", "above delete")
         yield from self.change_walls(stage)
         yield command("variable", "start equal ${now}")
         for wall, motion in stage.motions.items():
@@ -194,6 +215,8 @@ class ScriptDeck(ABC):
             yield command("unfix", "series")
         for wall, motion in stage.motions.items():
             yield from self.stop_motion(wall, motion)
+        yield from self.undo
+        self.undo = []
         yield self._note_end(stage.name, self._end_of(stage))
         if stage.snapshot:
             yield from self.snapshot(stage.snapshot)
@@ -203,9 +226,11 @@ class ScriptDeck(ABC):
         if isinstance(until, Elapsed):
             yield command("run", f"{scene.steps(until.time)} post no")
             yield from self._look()
+            if stage.is_closed:
+                yield self._jump("${count} < ${expected}", "broken")
             yield self._jump(f"${{energy}} > {scene.energy_limit}", "unstable")
             return
-        yield from self._before(until)
+        yield from self._before(stage)
         yield command("label", name)
         yield from self._look()
         if stage.is_closed:
@@ -221,12 +246,14 @@ class ScriptDeck(ABC):
         yield command("jump", f"SELF {name}")
         yield command("label", f"{name}_done")
 
-    def _before(self, until: AtRest | Clear | Loaded) -> Iterator[str]:
+    def _before(self, stage: Stage) -> Iterator[str]:
         """Iterate over the commands before the first look."""
-        scene = self.scene
+        scene, until = self.scene, stage.until
         if isinstance(until, AtRest):
-            if until.at_least > 0:
-                yield command("run", f"{scene.steps(until.at_least)} post no")
+            # Particles that have not begun to fall are not at rest.
+            first = scene.check_interval if stage is scene.stages[0] else 0.0
+            if max(until.at_least, first) > 0:
+                yield command("run", f"{scene.steps(max(until.at_least, first))} post no")
             return
         if isinstance(until, Clear):
             yield command("variable", "highest equal bound(all,zmax)")
@@ -292,13 +319,12 @@ class ScriptDeck(ABC):
 
     def _record(self, stage: Stage) -> Iterator[str]:
         """Define the variables of a stage's series, and record them."""
-        loaded = [wall for wall, motion in stage.motions.items() if isinstance(motion, Load)]
         if stage.series is None:
             return
         columns = stage.series.columns
         for name, quantity in columns.items():
-            yield from self._quantity(quantity, name, loaded)
-        row = ",".join(f"${{{name}}}" for name in ("elapsed", *columns))
+            yield from self._quantity(quantity, _recorded(name))
+        row = ",".join(f"${{{name}}}" for name in ("elapsed", *map(_recorded, columns)))
         title = ",".join(("time", *columns))
         every = self.scene.steps(stage.series.every)
         path = series_file(stage.name)
@@ -307,11 +333,10 @@ class ScriptDeck(ABC):
             [f'"{row}"', f'file {path} title "{title}" screen no'],
         )
 
-    def _quantity(self, quantity: Recorded, name: str, loaded: list[str]) -> Iterator[str]:
+    def _quantity(self, quantity: Recorded, name: str) -> Iterator[str]:
         """Define the variable of a recorded quantity."""
         if isinstance(quantity, Force):
-            if not (quantity.wall in loaded and name == f"{quantity.wall}_force"):
-                yield from self.record_force(quantity.wall, quantity.along, name)
+            yield from self.record_force(quantity.wall, quantity.along, name)
         elif isinstance(quantity, RadialForce):
             yield from self.record_radial_force(quantity.wall, name)
         elif isinstance(quantity, Travel):
@@ -319,6 +344,7 @@ class ScriptDeck(ABC):
         elif isinstance(quantity, MassAbove):
             yield command("region", f"{name} block INF INF INF INF {quantity.height} INF units box")
             yield command("variable", f"{name} equal mass(all,{name})")
+            self.undo.append(command("region", f"{name} delete"))
         elif isinstance(quantity, KineticEnergy):
             yield command("variable", f"{name} equal ke")
 

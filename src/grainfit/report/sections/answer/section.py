@@ -4,9 +4,13 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterator
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any, Literal
 
+from grainfit.analysis.stiffness_notes import stiffness_notes
+from grainfit.bulk_tests.registry import recreate_test
+from grainfit.errors import InputError
 from grainfit.formatting import (
     counted,
     duration,
@@ -315,5 +319,18 @@ def _notices(context: ReportContext) -> Iterator[str]:
             words = context.response_label(name).words
             said += [f"Metamodel of {words}: {warning}" for warning in quality.warnings]
     said += context.analysis.notes
+    said += _stiffness_notes(context)
     told = verdict(context).details
     yield from (plain(words) for words in dict.fromkeys(said) if words not in told)
+
+
+def _stiffness_notes(context: ReportContext) -> tuple[str, ...]:
+    """Say by how much soft particles raise the responses, at the answer where there is one."""
+    reading = context.reading
+    tests = {}
+    for record in reading.records.values():
+        if record.test not in tests:
+            with suppress(InputError):
+                tests[record.test] = recreate_test(record.definition)
+    known = {name: test for name, test in tests.items() if test is not None}
+    return stiffness_notes(reading.problem, known, reading.fixed, context.answer or None)

@@ -54,6 +54,7 @@
       top = Math.max(top, z + r);
       reach = Math.max(reach, Math.hypot(x, y) + r);
     }
+    const roof = Math.max(top, ...scene.outlines.flat().map(([, , z]) => z));
     const usual = { azimuth: 0.5, elevation: 0.35, zoom: 1 };
     let camera = { ...usual };
     let waiting = false;
@@ -72,18 +73,23 @@
       const theme = window.grainfitTheme();
       const [ca, sa] = [Math.cos(camera.azimuth), Math.sin(camera.azimuth)];
       const [ce, se] = [Math.cos(camera.elevation), Math.sin(camera.elevation)];
-      const tall = top * ce + 2 * reach * se;
+      const tall = roof * ce + 2 * reach * se;
       const zoom = camera.zoom * 0.94 * Math.min(width / (2 * reach), height / tall);
       const middleX = width / 2;
-      const middleY = height / 2 + (zoom * top * ce) / 2;
+      const middleY = height / 2 + (zoom * roof * ce) / 2;
+      const place = (x, y, z) => [
+        middleX + (x * ca + y * sa) * zoom,
+        middleY - (z * ce + (y * ca - x * sa) * se) * zoom,
+      ];
 
       pen.clearRect(0, 0, width, height);
       pen.lineWidth = scale;
       pen.strokeStyle = theme["quiet-ink"];
-      for (const [edge, level] of scene.rings) {
-        const radius = edge * zoom;
+      for (const outline of scene.outlines) {
         pen.beginPath();
-        pen.ellipse(middleX, middleY - level * ce * zoom, radius, radius * se, 0, 0, 2 * Math.PI);
+        for (const [x, y, z] of outline) {
+          pen.lineTo(...place(x, y, z));
+        }
         pen.stroke();
       }
       for (let i = 0; i < count; i += 1) {
@@ -94,8 +100,7 @@
       for (const i of order) {
         const [x, y, z, r] = table.subarray(4 * i, 4 * i + 4);
         const size = r * zoom;
-        const across = middleX + (x * ca + y * sa) * zoom;
-        const down = middleY - (z * ce + (y * ca - x * sa) * se) * zoom;
+        const [across, down] = place(x, y, z);
         const bin = Math.min(BINS - 1, Math.max(0, Math.floor((z / top) * BINS)));
         pen.drawImage(sprites[bin], across - size, down - size, 2 * size, 2 * size);
       }

@@ -79,13 +79,19 @@ def particles(context: ReportContext) -> Section:
         views.append(view)
         if scene is not None:
             data[key] = scene
-    drawn = [f"{name} test" for name, test in bulk_tests().items() if test.shown is not None]
+    drawn = [name for name, test in bulk_tests().items() if test.shown is not None]
     nouns = dict.fromkeys(view.noun for view in views)
     html = render(
-        "particles/page", views=views, begun=bool(reading.evaluations), drawn=" or ".join(drawn)
+        "particles/page", views=views, begun=bool(reading.evaluations), drawn=_one_of(drawn)
     )
     title = f"The {next(iter(nouns))}" if len(nouns) == 1 else "The particles"
     return Section("particles", title, html, data=data)
+
+
+def _one_of(names: Sequence[str]) -> str:
+    """Return names with commas and an "or"."""
+    *others, last = names
+    return f"{', '.join(others)} or {last}" if others else last
 
 
 def _view(
@@ -224,7 +230,7 @@ def _scene(view: RunView) -> dict[str, Any]:
     packed = np.round(table / step).astype("<i2")
     return {
         "particles": base64.b64encode(packed.tobytes()).decode("ascii"),
-        "rings": [[radius / step, height / step] for radius, height in view.rings()],
+        "outlines": [np.round(np.array(line) / step).tolist() for line in view.outlines()],
     }
 
 

@@ -58,7 +58,7 @@ class ShownRun:
     @property
     def has_particles(self) -> bool:
         """True if the particles were kept."""
-        return (self.folder / self.shown.particles).is_file()
+        return RunOutput(self.folder).path_of(self.shown.particles).is_file()
 
 
 def visible(particles: Particles) -> Particles:

@@ -50,6 +50,8 @@ class LammpsSceneDeck(ScriptDeck):
         yield command("read_data", PARTICLES)
         yield command("neighbor", f"{0.3 * self.scene.sizes.sauter_diameter} bin")
         yield command("neigh_modify", "delay 0 every 1 check yes")
+        yield "# Particles are no molecules: without this, one alone would have no kinetic energy."
+        yield command("compute_modify", "thermo_temp extra/dof 0")
 
     def particle_types(self) -> tuple[int, list[int]]:
         """Return one type for each diameter."""
@@ -200,7 +202,8 @@ class LammpsSceneDeck(ScriptDeck):
         sums = [f"{wall}_radial{n}" for n in self._numbers()]
         for n, sum_ in zip(self._numbers(), sums, strict=True):
             if self._is_new_sum(wall, sum_):
-                force = f"(f_{wall}{n}[2]*x+f_{wall}{n}[3]*y)/sqrt(x*x+y*y)"
+                # A particle on the axis must not divide by zero.
+                force = f"(f_{wall}{n}[2]*x+f_{wall}{n}[3]*y)/sqrt(x*x+y*y+1e-30)"
                 yield command("variable", f"{sum_}_of atom {force}")
                 yield command("compute", f"{sum_} size{n} reduce sum v_{sum_}_of")
         yield command("variable", f"{name} equal {_minus(sums)}")

@@ -16,7 +16,12 @@ from grainfit.scenes.triangles import triangles_of, write_stl
 from grainfit.solvers.dem.script import PARTICLES, ScriptDeck, command, continued, heading
 
 #: Concepts that LIGGGHTS does not have, with the reason and what to use instead.
-MISSING: Mapping[str, str] = {}
+MISSING: Mapping[str, str] = {
+    "velocity and load": (
+        "LIGGGHTS moves a wall either at a velocity or under a load, not the same wall in turn; "
+        "use a load in every stage, its largest speed is the velocity of the approach"
+    )
+}
 
 
 class LiggghtsSceneDeck(ScriptDeck):
@@ -36,8 +41,8 @@ class LiggghtsSceneDeck(ScriptDeck):
 
     @property
     def _surfaces(self) -> list[str]:
-        """Surfaces of all walls; their types are 2, 3, ..."""
-        return list(dict.fromkeys(wall.surface for wall in self.scene.all_walls().values()))
+        """Surfaces of all walls, at least one; their types are 2, 3, ..."""
+        return list(dict.fromkeys(w.surface for w in self.scene.all_walls().values())) or [WALL]
 
     def head(self) -> Iterator[str]:
         """Iterate over the settings of the simulation."""
@@ -65,7 +70,7 @@ class LiggghtsSceneDeck(ScriptDeck):
         surfaces = self._surfaces
         names = "".join(f", {n} {name}" for n, name in enumerate(surfaces, 2))
         yield heading(f"materials: 1 particles{names}")
-        materials = [self.scene.material_on(name) for name in surfaces or [WALL]]
+        materials = [self.scene.material_on(name) for name in surfaces]
         properties = liggghts_properties(self.law, materials)
         for name, values in properties.bodies.items():
             row = " ".join(map(str, values))
@@ -119,6 +124,8 @@ class LiggghtsSceneDeck(ScriptDeck):
         yield command("fix", f"{name} all {style} file {path.name} type {number}{servo}")
         if loads:
             yield command("fix_modify", f"{name} integrate stop")
+        elif name in self.moving_walls():
+            yield command("variable", f"{name}_travel equal 0.0")
 
     def _is_through(self, name: str) -> bool:
         """Return whether a wall is a tube from the bottom to the top of the box that stays."""
@@ -171,7 +178,8 @@ class LiggghtsSceneDeck(ScriptDeck):
         vector[self.component(motion.along)] = motion.speed
         x, y, z = vector
         yield command("fix", f"{wall}_motion all move/mesh mesh {wall} linear {x} {y} {z}")
-        path = f"{motion.speed}*(step-${{start}})*dt"
+        yield command("variable", f"{wall}_from equal ${{{wall}_travel}}")
+        path = f"${{{wall}_from}}+({motion.speed})*(step-${{start}})*dt"
         yield command("variable", f"{wall}_travel equal {path}")
 
     def stop_motion(self, wall: str, motion: Velocity | Load) -> Iterator[str]:
@@ -180,6 +188,8 @@ class LiggghtsSceneDeck(ScriptDeck):
             yield command("fix_modify", f"{wall} integrate stop")
         else:
             yield command("unfix", f"{wall}_motion")
+            yield command("variable", f"{wall}_to equal ${{{wall}_travel}}")
+            yield command("variable", f"{wall}_travel equal ${{{wall}_to}}")
 
     # --- records -------------------------------------------------------------------------------
 
@@ -217,7 +227,8 @@ class LiggghtsSceneDeck(ScriptDeck):
                 )
             )
         force = f"f_force_{wall}"
-        radial = f"({force}[1]*x+{force}[2]*y)/sqrt(x*x+y*y)"
+        # A particle on the axis must not divide by zero.
+        radial = f"({force}[1]*x+{force}[2]*y)/sqrt(x*x+y*y+1e-30)"
         if not self._is_summed(wall, f"{wall}_radial"):
             yield command("variable", f"{wall}_radial_of atom {radial}")
         yield from self._sum(wall, f"{wall}_radial", f"v_{wall}_radial_of")

@@ -6,9 +6,15 @@ import numpy as np
 import pytest
 from scipy.spatial.distance import pdist, squareform
 
-from grainfit.bulk_tests.shared.packing import column_height, particle_numbers, random_column
 from grainfit.errors import InputError
 from grainfit.materials.sizes import ParticleSizes
+from grainfit.scenes.packing import (
+    Rectangle,
+    Round,
+    column_height,
+    particle_numbers,
+    random_column,
+)
 
 MONOSIZE = ParticleSizes((0.010,))
 WIDE = ParticleSizes((0.020, 0.005, 0.010), (0.3, 0.2, 0.5))
@@ -26,7 +32,7 @@ def gaps(column, diameters):
     [(MONOSIZE, 1500, 0.06), (WIDE, 1200, 0.06), (MONOSIZE, 60, 0.02), (MONOSIZE, 1, 0.02)],
 )
 def test_all_particles_are_inside_and_none_touches_another(sizes, count, radius):
-    column = random_column(sizes, count, radius, seed=3)
+    column = random_column(sizes, count, Round(radius), seed=3)
     diameters = np.array(sizes.diameters)[column.size_indices]
     assert len(column.positions) == count
     assert gaps(column, diameters).min(initial=1.0) > 0
@@ -42,13 +48,13 @@ def test_numbers_follow_the_mass_fractions():
     masses = np.array(numbers) * np.array(WIDE.diameters) ** 3
     # One particle of 20 mm is 0.7 % of the mass.
     assert masses / masses.sum() == pytest.approx(WIDE.mass_fractions, abs=0.01)
-    column = random_column(WIDE, 1000, 0.06, seed=1)
+    column = random_column(WIDE, 1000, Round(0.06), seed=1)
     assert np.bincount(column.size_indices).tolist() == numbers
 
 
 def test_sizes_are_mixed_over_the_height():
     sizes = ParticleSizes((0.012, 0.008), (0.5, 0.5))
-    column = random_column(sizes, 1000, 0.06, seed=1)
+    column = random_column(sizes, 1000, Round(0.06), seed=1)
     large = column.positions[column.size_indices == 0, 2]
     # Uniform over the height: standard error of the mean is height / sqrt(12 n).
     error = column.height / np.sqrt(12 * len(large))
@@ -56,13 +62,13 @@ def test_sizes_are_mixed_over_the_height():
 
 
 def test_places_are_uniform_over_the_cross_section():
-    column = random_column(MONOSIZE, 1500, 0.06, seed=1)
+    column = random_column(MONOSIZE, 1500, Round(0.06), seed=1)
     inside = np.hypot(*column.positions.T[:2]) < (0.06 - 0.005) / np.sqrt(2)
     assert inside.mean() == pytest.approx(0.5, abs=4 * np.sqrt(0.25 / 1500))
 
 
 def test_the_seed_decides_the_column():
-    first, again, other = (random_column(WIDE, 300, 0.06, seed) for seed in (7, 7, 8))
+    first, again, other = (random_column(WIDE, 300, Round(0.06), seed) for seed in (7, 7, 8))
     assert np.array_equal(first.positions, again.positions)
     assert np.array_equal(first.size_indices, again.size_indices)
     assert not np.array_equal(first.positions, other.positions)
@@ -73,17 +79,34 @@ def test_a_column_of_1500_takes_less_than_0_3_seconds():
     seconds = []
     for seed in range(5):
         started = time.perf_counter()
-        random_column(MONOSIZE, 1500, 0.06, seed)
+        random_column(MONOSIZE, 1500, Round(0.06), seed)
         seconds.append(time.perf_counter() - started)
     assert min(seconds) < 0.3
 
 
 def test_height_is_that_of_a_loose_filling():
     solid = 1500 * np.pi / 6 * 0.010**3
-    height = column_height(MONOSIZE, 1500, 0.06)
+    height = column_height(MONOSIZE, 1500, Round(0.06))
     assert 0.15 < solid / (np.pi * 0.06**2 * height) < 0.30
 
 
 def test_a_negative_seed_is_refused():
     with pytest.raises(InputError, match="seed"):
-        random_column(MONOSIZE, 10, 0.06, seed=-1)
+        random_column(MONOSIZE, 10, Round(0.06), seed=-1)
+
+
+def test_a_column_between_two_walls_is_periodic_in_depth():
+    column = random_column(WIDE, 800, Rectangle(width=0.12, depth=0.06), seed=3)
+    diameters = np.array(WIDE.diameters)[column.size_indices]
+    x, y, z = column.positions.T
+    assert (np.abs(x) + diameters / 2).max() < 0.06
+    assert (z - diameters / 2).min() > 0
+    assert y.min() >= 0
+    assert y.max() < 0.06
+    apart = np.abs(y[:, None] - y)
+    apart = np.minimum(apart, 0.06 - apart)
+    distance = np.sqrt((x[:, None] - x) ** 2 + apart**2 + (z[:, None] - z) ** 2)
+    surface = distance - (diameters[:, None] + diameters) / 2
+    assert surface[np.triu_indices(len(diameters), 1)].min() > 0
+    # Some touch the images of others only: without periods they would overlap them.
+    assert (y < diameters / 2).any()

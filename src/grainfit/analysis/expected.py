@@ -1,0 +1,213 @@
+"""Parameters that the chosen tests can settle, estimated before any run.
+
+Linear: the sensitivities of the responses in the middle of the intervals and the uncertainties of
+the measurements give the Fisher information, and with even spreads over the intervals the expected
+widths of what remains.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from math import log
+
+import numpy as np
+from numpy.typing import NDArray
+
+from grainfit.analysis.further_tests import (
+    BETTER_FIXED,
+    DIRECT,
+    better_fixed,
+    how_to_determine,
+    how_to_tell_apart,
+    in_a_row,
+)
+from grainfit.analysis.posterior import standard_uncertainty
+from grainfit.bulk_tests.sensitivities import VARIED, Sensitivities
+from grainfit.evaluation import response_name
+from grainfit.problem import Parameter, Problem
+from grainfit.solvers.base import Solver
+
+Array = NDArray[np.float64]
+
+#: Share of an interval above which a parameter counts as open: the sensitivities are those of two
+#: materials, so only wide intervals are worth a note.
+_OPEN = 0.7
+#: A parameter is tied to another one if its interval is narrower by this factor once that is known.
+_TIED = 0.75
+#: Precision of an even spread over an interval of the length 1.
+_BEFORE = 12.0
+
+
+@dataclass(frozen=True)
+class ExpectedNarrowing:
+    """Estimate of what a calibration will determine, before any run.
+
+    Attributes
+    ----------
+    narrowing : dict of str to float
+        Width of the interval that each free parameter will keep, over that of its interval now:
+        0 when it will be known exactly, 1 when the tests give no information. Only parameters whose
+        effect has been measured; empty if that of a response has not.
+    notes : tuple of str
+        Sentences about parameters that will stay open, with tests to add.
+    """
+
+    narrowing: dict[str, float] = field(default_factory=dict)
+    notes: tuple[str, ...] = ()
+
+
+def expected_narrowing(problem: Problem, solvers: Mapping[str, Solver]) -> ExpectedNarrowing:
+    """Estimate which free parameters the chosen tests can settle; nothing is simulated.
+
+    Parameters
+    ----------
+    problem : Problem
+        Free parameters and targets.
+    solvers : mapping of str to Solver
+        By name of the test. Nothing is known of models of the user.
+
+    Returns
+    -------
+    ExpectedNarrowing
+        Empty if the sensitivities of a target are not known.
+
+    Examples
+    --------
+    >>> import grainfit as gf
+    >>> from grainfit.testing.materials import GLASS_BEADS
+    >>> friction = "particle_particle.sliding_friction"
+    >>> material = {name: value for name, value in GLASS_BEADS.items() if name != friction}
+    >>> heap = gf.solvers.Lammps(gf.tests.Heap(diameter="10 mm"), material)
+    >>> target = gf.Target("angle_of_repose", "22 deg", uncertainty="0.5 deg")
+    >>> problem = gf.Problem([gf.Parameter(friction, 0.1, 0.9)], [target])
+    >>> round(gf.expected_narrowing(problem, {"heap": heap}).narrowing[friction], 1)
+    0.1
+    """
+    material = _middle(problem, solvers)
+    known = _sensitivities(problem, solvers)
+    if known is None:
+        return ExpectedNarrowing()
+    free = [p for p in problem.parameters if p.name in VARIED]
+    estimate = _Estimate(free, _information(problem, free, known, material))
+    tests = in_a_row(dict.fromkeys(s.bulk_test.type for s in solvers.values() if s.bulk_test))
+    without_effect = [p.name for p in problem.parameters if p.name in BETTER_FIXED]
+    notes = (*_notes(estimate, tests), *map(better_fixed, without_effect))
+    return ExpectedNarrowing(estimate.narrowing(), notes)
+
+
+def _middle(problem: Problem, solvers: Mapping[str, Solver]) -> dict[str, float]:
+    values = problem.from_unit([0.5] * problem.dimension)
+    for solver in solvers.values():
+        if solver.bulk_test is not None:
+            return solver.run_parameters(values)
+    return values
+
+
+def _sensitivities(
+    problem: Problem, solvers: Mapping[str, Solver]
+) -> dict[str, Sensitivities] | None:
+    """Return those of all targets by name; None if one is not known."""
+    found = {}
+    for test, solver in solvers.items():
+        responses = solver.bulk_test.responses if solver.bulk_test else {}
+        for name, info in responses.items():
+            if info.sensitivities is not None:
+                found[response_name(test, name, len(solvers))] = info.sensitivities
+    complete = all(target.name in found for target in problem.targets)
+    return found if complete else None
+
+
+def _information(
+    problem: Problem,
+    free: Sequence[Parameter],
+    known: Mapping[str, Sensitivities],
+    material: Mapping[str, float],
+) -> Array:
+    """Return the Fisher information of positions in the intervals, shape (d, d)."""
+    rows = []
+    for target in problem.targets:
+        slopes = known[target.name].at(material)
+        precision = target.value / standard_uncertainty(target)
+        rows.append([slopes.get(p.name, 0.0) * _extent(p) * precision for p in free])
+    jacobian: Array = np.array(rows, dtype=float).reshape(len(rows), len(free))
+    information: Array = jacobian.T @ jacobian
+    return information
+
+
+def _extent(parameter: Parameter) -> float:
+    """Length of an interval in units of ln p, in its middle."""
+    low, high = parameter.minimum, parameter.maximum
+    return log(high / low) if parameter.scale == "log" else 2 * (high - low) / (high + low)
+
+
+@dataclass(frozen=True)
+class _Estimate:
+    """Information on the free parameters whose effect is known."""
+
+    parameters: Sequence[Parameter]
+    information: Array
+
+    def narrowing(self, given: Sequence[str] = ()) -> dict[str, float]:
+        """Expected narrowing by name of those parameters that are not given."""
+        kept = [i for i, p in enumerate(self.parameters) if p.name not in given]
+        precision = self.information[np.ix_(kept, kept)] + _BEFORE * np.eye(len(kept))
+        variance = np.diag(np.linalg.inv(precision))
+        widths = np.sqrt(_BEFORE * variance).tolist()
+        return {self.parameters[i].name: w for i, w in zip(kept, widths, strict=True)}
+
+    def narrowing_alone(self, name: str) -> float:
+        """Expected narrowing of a parameter if all others were known."""
+        return self.narrowing([p.name for p in self.parameters if p.name != name])[name]
+
+
+def _notes(estimate: _Estimate, tests: str) -> Iterator[str]:
+    widths = estimate.narrowing()
+    is_open = [name for name, width in widths.items() if width > _OPEN]
+    unseen = [name for name in is_open if estimate.narrowing_alone(name) > _OPEN]
+    for group in _groups(estimate, [name for name in is_open if name not in unseen]):
+        yield _note_on_group(group, widths, tests)
+    for name in unseen:
+        yield f"{name} will not be determined by {tests}. To determine it: {how_to_determine(name)}"
+
+
+def _groups(estimate: _Estimate, names: Sequence[str]) -> list[tuple[str, ...]]:
+    """Return open parameters with those on which they depend, merged where they overlap."""
+    groups: list[set[str]] = []
+    for name in names:
+        group = {name, *_tied(estimate, name)}
+        joined = [other for other in groups if other & group]
+        groups = [other for other in groups if not other & group]
+        groups.append(group.union(*joined))
+    order = [p.name for p in estimate.parameters]
+    return [tuple(sorted(group, key=order.index)) for group in groups]
+
+
+def _tied(estimate: _Estimate, name: str) -> list[str]:
+    width = estimate.narrowing()[name]
+    others = [p.name for p in estimate.parameters if p.name != name]
+    return [o for o in others if estimate.narrowing([o])[name] < _TIED * width]
+
+
+def _note_on_group(group: tuple[str, ...], widths: Mapping[str, float], tests: str) -> str:
+    """Return sentences on those that stay open, and on those that need not be free."""
+    easy = [name for name in group if name in DIRECT and widths[name] <= _OPEN]
+    hard = [name for name in group if name not in easy]
+    while_free = f" while {in_a_row(easy)} {'is' if len(easy) == 1 else 'are'} free" if easy else ""
+    kept = in_a_row(
+        [
+            f"{100 * widths[name]:.0f} % of the interval of {name}"
+            for name in hard
+            if widths[name] > _OPEN
+        ]
+    )
+    if len(hard) == 1:
+        return (
+            f"{hard[0]} will hardly be determined by {tests}{while_free}: about "
+            f"{100 * widths[hard[0]]:.0f} % of its interval stays open. To determine it: "
+            f"{how_to_determine(hard[0])}"
+        )
+    return (
+        f"{in_a_row(hard)} can hardly be told apart by {tests} alone{while_free}: about {kept} "
+        f"stays open. To tell them apart: {how_to_tell_apart(group)}"
+    )

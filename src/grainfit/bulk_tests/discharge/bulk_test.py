@@ -1,0 +1,231 @@
+"""The discharge test: a flat-bottomed container is filled, and flows out of an orifice."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import ClassVar
+
+import numpy as np
+
+from grainfit.bulk_tests.base import BulkTest, ResponseInfo
+from grainfit.bulk_tests.discharge.setup import ROUND, SLOT, DischargeSetup, plan_setup
+from grainfit.bulk_tests.discharge.view import DischargeView
+from grainfit.bulk_tests.shared.slot_box import SlotBox
+from grainfit.bulk_tests.shared.slot_scene import BED, END, FLOW, INSIDE, Flow, fill_and_flow
+from grainfit.bulk_tests.shared.validity import require_emptied, require_separate
+from grainfit.bulk_tests.view import Shown
+from grainfit.errors import NotMeasurableError, RunFailedError
+from grainfit.evaluation import Response
+from grainfit.measurement.bulk_density import bulk_density, bulk_density_in_box
+from grainfit.measurement.flow_rate import flow_rate
+from grainfit.measurement.particles import Particles, write_vtk
+from grainfit.options.fields import Amount, option
+from grainfit.options.kinds import Choice, Quantity
+from grainfit.scenes.packing import random_column
+from grainfit.scenes.run_output import RunOutput, snapshot_file
+from grainfit.scenes.scene import Box, Scene, Stage
+
+_PICTURE, _VTK = "discharge.png", "discharge.vtk"
+_LENGTH = Quantity("m", above_zero=True, highest=1e3)
+#: Height that particles fall below the orifice before they are gone, in diameters.
+_SINK = 4.0
+
+
+@dataclass(frozen=True)
+class Discharge(BulkTest):
+    """Discharge of a flat-bottomed container: mass flow and bulk density.
+
+    Particles rain into a container. Once the bed is at rest its bulk density is measured, and the
+    orifice in the middle of its flat floor is opened. The mass in the container is recorded until
+    nothing moves any more; particles that have left are gone. With a slot the container is a slice
+    of periodic depth without end walls, with a round orifice it is a cylinder.
+
+    Defaults follow the Sauter diameter d of the particles; times follow it by Froude's law. The
+    options are the fields below, as in the calibration file.
+
+    Parameters
+    ----------
+    sizes : ParticleSizes, optional
+        Particle size distribution.
+    diameter : float, str or list, optional
+        Instead of sizes: ``"10 mm"``, or a list of ``{"value": ..., "mass_fraction": ...}``.
+
+    Raises
+    ------
+    InputError
+        The test is impossible; names every option at fault.
+
+    Examples
+    --------
+    >>> Discharge(diameter="10 mm").setup.container.slot_width
+    0.05
+    >>> Discharge(diameter="10 mm", orifice="round").setup.container.orifice_radius
+    0.03
+    """
+
+    type: ClassVar[str] = "discharge"
+    title: ClassVar[str] = "flat-bottomed container"
+    revision: ClassVar[int] = 1
+    shown: ClassVar[Shown | None] = Shown("discharge", "mass_flow", snapshot_file(END), _PICTURE)
+    responses: ClassVar[Mapping[str, ResponseInfo]] = {
+        "mass_flow": ResponseInfo(
+            "kg/s",
+            "ṁ",
+            "mass flow: mass through the orifice per time, of the whole simulated depth",
+            '{ value = "1.16 kg/s", uncertainty = "3 %" }',
+        ),
+        "bulk_density": ResponseInfo(
+            "kg/m^3",
+            "ρ_b",
+            "bulk density: mass of the bed over its volume, voids included",
+            '{ value = "1350 kg/m^3", uncertainty = "1 %" }',
+        ),
+    }
+
+    orifice: str = option(
+        Choice((SLOT, ROUND)),
+        "Shape of the orifice: a slot in a slice of periodic depth, or a round hole in a cylinder "
+        "(LIGGGHTS only).",
+        example=f'"{SLOT}"',
+        default=SLOT,
+        words=f'`"{SLOT}"`',
+    )
+    slot_width: Amount | None = option(
+        _LENGTH,
+        "Width of the slot. The mass flow depends on it strongly: use that of the laboratory.",
+        example='"50 mm"',
+        words="5 d",
+    )
+    depth: Amount | None = option(
+        _LENGTH,
+        "Depth of the simulated slice of a slot; it repeats without end. The mass flow is that of "
+        "this depth.",
+        example='"50 mm"',
+        words="5 d",
+    )
+    orifice_diameter: Amount | None = option(
+        _LENGTH, "Diameter of a round orifice.", example='"60 mm"', words="6 d"
+    )
+    width: Amount | None = option(
+        _LENGTH,
+        "Inner width of the container; with a round orifice its inner diameter.",
+        example='"160 mm"',
+        words="16 d",
+    )
+    fill_height: Amount | None = option(
+        _LENGTH,
+        "Height of the bed at a solid fraction of 0.58; it gives the number of particles.",
+        example='"160 mm"',
+        words="16 d",
+    )
+    settling_time_limit: Amount | None = option(
+        Quantity("s", above_zero=True),
+        "Longest simulated time in which the bed, and after the flow all particles, may come to "
+        "rest.",
+        example='"8 s"',
+        words="four times the expected time of the flow",
+    )
+    #: Geometry and procedure, with every default resolved.
+    setup: DischargeSetup = field(init=False, repr=False, compare=False)
+
+    def prepare(self) -> None:
+        """Resolve geometry and procedure."""
+        options = {key.name: getattr(self, key.name) for key in self.option_keys()}
+        object.__setattr__(self, "setup", plan_setup(self.sizes, options))
+
+    def scene(self, material: Mapping[str, float], seed: int) -> Scene:
+        """Return the experiment: a column falls, the orifice is opened, the bed flows out."""
+        setup, largest = self.setup, max(self.sizes.diameters)
+        container, filling = setup.container, setup.filling
+        column = random_column(self.sizes, filling.particle_count, setup.footprint, seed)
+        top = column.height + 1.25 * largest
+        side, bottom = setup.half_width + 1.5 * largest, -_SINK * largest
+        if isinstance(container, SlotBox):
+            box = Box((-side, 0.0, bottom), (side, container.depth, top), periodic="y")
+        else:
+            box = Box((-side, -side, bottom), (side, side, top))
+        return Scene(
+            title="Discharge of a flat-bottomed container",
+            material=material,
+            sizes=self.sizes,
+            particles=column,
+            box=box,
+            walls=container.walls(top, largest),
+            stages=self._stages(),
+            gravity=float(self.gravity),
+            time_step=self.time_step(material),
+            quiet_speed=filling.quiet_speed,
+            check_interval=filling.check_interval,
+        )
+
+    def _stages(self) -> tuple[Stage, ...]:
+        setup = self.setup
+        flow = Flow(setup.shortest_flow, setup.settling_time_limit)
+        return fill_and_flow(setup.filling, flow, setup.underside)
+
+    def measure(self, run: RunOutput) -> dict[str, Response]:
+        """Measure mass flow and bulk density; leave a picture and a VTK file of the end.
+
+        Raises
+        ------
+        RunFailedError
+            The simulation did not end as a discharge requires: a bed did not come to rest,
+            particles broke out or overlap grossly, a stage is missing, or the material arches over
+            the orifice.
+        NotMeasurableError
+            A response has no value, with the reason.
+        """
+        run.require_complete([stage.name for stage in self._stages()], "container")
+        bed, end = run.snapshot(BED), run.snapshot(END)
+        require_separate(bed)
+        view = self._view(run, end)
+        write_vtk(run.folder / _VTK, end)
+        try:
+            require_emptied(self._above_orifice(end), "slot" if self._is_slot else "orifice")
+            flow = flow_rate(view.time, view.mass)
+            density = self._bulk_density(bed)
+        except (RunFailedError, NotMeasurableError) as error:
+            view.picture(run.folder / _PICTURE, str(error))
+            raise
+        view.picture(run.folder / _PICTURE, (flow, density))
+        return {"mass_flow": flow.response, "bulk_density": density}
+
+    @property
+    def _is_slot(self) -> bool:
+        return self.orifice == SLOT
+
+    def _above_orifice(self, end: Particles) -> Particles:
+        container, positions = self.setup.container, end.positions
+        if isinstance(container, SlotBox):
+            middle = np.abs(positions[:, 0]) < container.slot_width / 4
+        else:
+            middle = np.hypot(positions[:, 0], positions[:, 1]) < container.orifice_radius / 2
+        return end.select(middle & (positions[:, 2] > 0))
+
+    def _bulk_density(self, bed: Particles) -> Response:
+        setup, container = self.setup, self.setup.container
+        bottom, top = setup.density_bottom, setup.density_top
+        if isinstance(container, SlotBox):
+            return bulk_density_in_box(bed, container.width, container.depth, bottom, top)
+        return bulk_density(bed, container.radius, bottom, top)
+
+    @property
+    def number_of_particles(self) -> int:
+        """Number of particles rained in."""
+        return self.setup.filling.particle_count
+
+    def simulated_time(self, material: Mapping[str, float]) -> float:  # noqa: ARG002
+        """Estimate the simulated time of a run, s."""
+        return 1.25 * self.setup.filling.fill_time + self.setup.flow_time
+
+    def view(self, run: RunOutput) -> DischargeView:
+        """Read the end of a run, to be drawn."""
+        return self._view(run, run.snapshot(END))
+
+    def _view(self, run: RunOutput, end: Particles) -> DischargeView:
+        series = run.series(FLOW)
+        if set(series) != {"time", INSIDE}:
+            raise NotMeasurableError(f"the series of the {FLOW} stage has other columns")
+        diameter = self.sizes.sauter_diameter
+        return DischargeView(self.setup, end, series["time"], series[INSIDE], diameter)

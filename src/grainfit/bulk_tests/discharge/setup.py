@@ -1,0 +1,158 @@
+"""Geometry and procedure of a discharge: every default resolved, impossible values rejected."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from grainfit.bulk_tests.discharge.round_container import RoundContainer
+from grainfit.bulk_tests.shared.slot_box import (
+    Filling,
+    SlotBox,
+    count_faults,
+    flow_time,
+    plan_filling,
+)
+from grainfit.errors import Fault, InputError
+from grainfit.materials.sizes import ParticleSizes
+from grainfit.scenes.packing import Footprint, Rectangle, Round
+from grainfit.scenes.scene import natural_time
+
+SLOT, ROUND = "slot", "round"
+#: Shortest time of the flow stage, over sqrt(d/g): before, the particles have hardly moved.
+_SHORTEST_FLOW = 8.0
+#: The particles come to rest this long after the flow has ended, over sqrt(d/g).
+_SETTLING = 15.0
+#: Longest time of a stage over the expected one.
+_PATIENCE = 4.0
+#: The bulk density is that between these heights: the first layer is left out, and the surface.
+_LOWEST, _HIGHEST = 1.0, 0.7
+#: Thickness of the floor of a box, in diameters.
+_THICKNESS = 0.5
+
+
+@dataclass(frozen=True)
+class DischargeSetup:
+    """Geometry and procedure of one discharge; lengths in m, times in s.
+
+    Parameters
+    ----------
+    container : SlotBox or RoundContainer
+        The container.
+    footprint : Footprint
+        Its cross-section.
+    filling : Filling
+        Its particles.
+    density_bottom, density_top : float
+        The bulk density is that of the bed between these heights.
+    shortest_flow, flow_time : float
+        Shortest and expected time until the particles are at rest again.
+    settling_time_limit : float
+        Longest time in which the particles may come to rest.
+    """
+
+    container: SlotBox | RoundContainer
+    footprint: Footprint
+    filling: Filling
+    density_bottom: float
+    density_top: float
+    shortest_flow: float
+    flow_time: float
+    settling_time_limit: float
+
+    @property
+    def underside(self) -> float:
+        """Height below which particles have left the container, m."""
+        return -self.container.thickness if isinstance(self.container, SlotBox) else 0.0
+
+    @property
+    def half_width(self) -> float:
+        """Half the inner width of the container, m."""
+        container = self.container
+        return container.width / 2 if isinstance(container, SlotBox) else container.radius
+
+
+def plan_setup(sizes: ParticleSizes, options: Mapping[str, Any]) -> DischargeSetup:
+    """Resolve every default of a discharge.
+
+    Parameters
+    ----------
+    sizes : ParticleSizes
+        The length scale of all defaults is the Sauter diameter.
+    options : mapping of str to float, str or None
+        The options of `Discharge`, each within its limits; None stands for the default.
+
+    Raises
+    ------
+    InputError
+        The test is impossible; names every option at fault.
+    """
+    given = {name: value for name, value in options.items() if value is not None}
+    faults = [*_misplaced(given)]
+    if faults:
+        raise InputError(faults)
+    diameter, gravity = sizes.sauter_diameter, given["gravity"]
+    width = given.get("width", 16 * diameter)
+    height = given.get("fill_height", 16 * diameter)
+    container, footprint = _container(diameter, width, height, given)
+    faults = [*container.faults(sizes)]
+    if faults:
+        raise InputError(faults)
+    filling = plan_filling(sizes, footprint, height, gravity)
+    natural = natural_time(sizes, gravity)
+    area, opening = _equivalent_slot(container)
+    flow = flow_time(sizes, area, opening, gravity) + _SETTLING * natural
+    faults = [*count_faults(filling.particle_count)]
+    if faults:
+        raise InputError(faults)
+    return DischargeSetup(
+        container=container,
+        footprint=footprint,
+        filling=filling,
+        density_bottom=_LOWEST * diameter,
+        density_top=_HIGHEST * height,
+        shortest_flow=_SHORTEST_FLOW * natural,
+        flow_time=flow,
+        settling_time_limit=given.get("settling_time_limit", _PATIENCE * flow),
+    )
+
+
+def _misplaced(given: Mapping[str, Any]) -> Iterator[Fault]:
+    """Iterate over options that belong to the other kind of orifice."""
+    others = {SLOT: ("orifice_diameter",), ROUND: ("slot_width", "depth")}
+    for name in others[given["orifice"]]:
+        if name in given:
+            other = ROUND if name == "orifice_diameter" else SLOT
+            yield Fault(
+                name,
+                f"{given[name]:g} m belongs to an orifice that is {_article(other)}.",
+                f'Leave it out, or set orifice = "{other}".',
+            )
+
+
+def _article(orifice: str) -> str:
+    return "a slot" if orifice == SLOT else "round"
+
+
+def _container(
+    diameter: float, width: float, height: float, given: Mapping[str, Any]
+) -> tuple[SlotBox | RoundContainer, Footprint]:
+    if given["orifice"] == ROUND:
+        orifice = given.get("orifice_diameter", 6 * diameter)
+        return RoundContainer(width / 2, height, orifice / 2), Round(width / 2)
+    depth = given.get("depth", 5 * diameter)
+    slot = given.get("slot_width", 5 * diameter)
+    box = SlotBox(width, depth, height, slot, _THICKNESS * diameter)
+    return box, Rectangle(width, depth)
+
+
+def _equivalent_slot(container: SlotBox | RoundContainer) -> tuple[float, float]:
+    """Cross-section of the bed across a slot, and width of the slot, with the same time of flow."""
+    if isinstance(container, SlotBox):
+        return container.width * container.fill_height, container.slot_width
+    # A round orifice is as a slot that is as long as the diameter and 0.6 of it wide (both laws of
+    # Beverloo, at orifices much larger than particles).
+    volume = math.pi * container.radius**2 * container.fill_height
+    return volume / (2 * container.orifice_radius), 1.2 * container.orifice_radius

@@ -1,0 +1,208 @@
+"""Pictures of a discharge: the rest in the container, and the mass in it over time."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from grainfit.bulk_tests.discharge.setup import DischargeSetup
+from grainfit.bulk_tests.shared.slot_box import SlotBox
+from grainfit.bulk_tests.view import MeasuredDrawing, Outline, RunView, moved
+from grainfit.errors import NotMeasurableError
+from grainfit.evaluation import Response
+from grainfit.measurement.drawing import Drawing, Line, surface_path, wall_line
+from grainfit.measurement.flow_rate import FlowRate, flow_rate
+from grainfit.measurement.height_map import height_map
+from grainfit.measurement.particles import Particles
+from grainfit.measurement.sheet import OVERSAMPLING, sheet
+from grainfit.measurement.side_view import Rectangle, SideView, flow_panel
+
+_PANEL_WIDTH = 560 * OVERSAMPLING
+_FLOW_SIZE = (_PANEL_WIDTH, 420 * OVERSAMPLING)
+#: Half the width and the height of the drawing of the mass over time, pixels.
+_HALF_WIDTH, _HEIGHT = 400, 400
+#: Drawings of the container have this many pixels in a particle diameter.
+_PIXELS = 20
+_SPACE = 12
+
+
+@dataclass(frozen=True)
+class DischargeView(RunView):
+    """The end of one discharge.
+
+    Parameters
+    ----------
+    setup : DischargeSetup
+        Geometry of the test.
+    end : Particles
+        All particles that are left.
+    time, mass : ndarray of shape (n,)
+        Mass in the container over time, s and kg.
+    diameter : float
+        Sauter diameter, m.
+    """
+
+    setup: DischargeSetup
+    end: Particles
+    time: NDArray[np.float64]
+    mass: NDArray[np.float64]
+    diameter: float
+
+    @property
+    def particles(self) -> Particles:  # type: ignore[override]
+        """Particles that are left in the container.
+
+        Raises
+        ------
+        NotMeasurableError
+            The container is empty.
+        """
+        inside = self._inside
+        return Particles(inside.positions - [0.0, self._middle, 0.0], inside.radii, inside.masses)
+
+    @property
+    def _inside(self) -> Particles:
+        inside = self.end.select(self.end.positions[:, 2] > 0)
+        if not len(inside):
+            raise NotMeasurableError("no particles are left in the container")
+        return inside
+
+    @property
+    def _middle(self) -> float:
+        """Middle of the depth, m."""
+        container = self.setup.container
+        return container.depth / 2 if isinstance(container, SlotBox) else 0.0
+
+    def picture(self, path: Path, measured: tuple[FlowRate, Response] | str) -> None:
+        """Write a PNG of the rest in the container and of the mass in it over time.
+
+        Parameters
+        ----------
+        path : Path
+            File to write; ends in ``.png``.
+        measured : tuple, or str
+            Mass flow and bulk density, or the reason why there are none.
+        """
+        flow: FlowRate | None = None
+        if isinstance(measured, str):
+            title, subtitle = "Discharge: not valid", measured
+        else:
+            flow, density = measured
+            title = f"Mass flow {flow.value:.3g} ± {flow.standard_error:.1g} kg/s"
+            subtitle = (
+                f"bulk density {density.value:.0f} ± {density.standard_error:.0f} kg/m^3 "
+                "(± standard error); the flow is measured while 10 to 50 % of the mass that leaves "
+                "has left"
+            )
+        panels = [
+            SideView(self._shown, self._extent, self._walls).panel(_PANEL_WIDTH),
+            flow_panel(self.time, self.mass, flow, _FLOW_SIZE),
+        ]
+        sheet(title, subtitle, panels, _PANEL_WIDTH).save(path)
+
+    @property
+    def _shown(self) -> Particles:
+        """All particles of a slice; the half of a cylinder behind its axis."""
+        if isinstance(self.setup.container, SlotBox):
+            return self.end
+        return self.end.select(self.end.positions[:, 1] > 0)
+
+    @property
+    def _height(self) -> float:
+        return self.setup.container.fill_height
+
+    @property
+    def _orifice(self) -> float:
+        """Half the width of the orifice, m."""
+        container = self.setup.container
+        if isinstance(container, SlotBox):
+            return container.slot_width / 2
+        return container.orifice_radius
+
+    @property
+    def _extent(self) -> Rectangle:
+        half = self.setup.half_width + self.diameter
+        return (-half, -2 * self.diameter, half, self._height)
+
+    @property
+    def _walls(self) -> list[Rectangle]:
+        inner, orifice, thick = self.setup.half_width, self._orifice, self.diameter / 2
+        outer = inner + thick
+        return [
+            (-outer, -thick, -inner, self._height),
+            (inner, -thick, outer, self._height),
+            (-outer, -thick, -orifice, 0.0),
+            (orifice, -thick, outer, 0.0),
+        ]
+
+    def drawing(self) -> Drawing:
+        """Draw the rest in the container from the side."""
+        inner, pixel = self.setup.half_width, self.diameter / _PIXELS
+        path = "M0,0Z"
+        if (self.end.positions[:, 2] > 0).any():
+            x, heights = self._silhouette()
+            path = surface_path(x, heights, 0.0, pixel)
+        walls = []
+        for side in (-1, 1):
+            walls.append(((side * self._orifice, 0.0), (side * inner, 0.0)))
+            walls.append(((side * inner, 0.0), (side * inner, self._height)))
+        return Drawing(
+            path=path,
+            half_width=round(inner / pixel) + _SPACE,
+            height=round(self._height / pixel) + _SPACE,
+            walls=tuple(wall_line(start, end, pixel) for start, end in walls),
+        )
+
+    def _silhouette(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Highest surface over x, averaged over the depth of a slot."""
+        container, inner = self.setup.container, self.setup.half_width
+        if isinstance(container, SlotBox):
+            surface = height_map(self._inside, -inner, inner, container.depth, 0.0)
+            return surface.x, surface.profile
+        # A slice through the axis, one diameter thick.
+        middle = np.abs(self._inside.positions[:, 1]) < self.diameter / 2
+        slab = self._inside.select(middle) if middle.any() else self._inside
+        surface = height_map(slab, -inner, inner, 2 * inner, 0.0)
+        return surface.x, np.asarray(surface.heights.max(axis=0))
+
+    def measured_drawing(self, target: float | None) -> MeasuredDrawing:
+        """Draw the mass in the container over time, the fitted flow, and the target's slope."""
+        try:
+            flow = flow_rate(self.time, self.mass)
+        except NotMeasurableError:
+            return MeasuredDrawing(self.drawing(), "")
+        full, duration = float(self.mass[0]), float(self.time[-1] - self.time[0])
+        shown = np.linspace(0, len(self.time) - 1, min(len(self.time), 200)).astype(int)
+        across = ((self.time - self.time[0]) / duration * 2 - 1) * _HALF_WIDTH
+        points = " ".join(
+            f"{across[i]:.0f},{-self.mass[i] / full * _HEIGHT:.0f}" for i in shown.tolist()
+        )
+
+        def place(time: float, gone: float) -> tuple[float, float]:
+            x = ((time - float(self.time[0])) / duration * 2 - 1) * _HALF_WIDTH
+            return round(x, 1), round(-(full - gone) / full * _HEIGHT, 1)
+
+        def line(rate: float) -> Line:
+            later = flow.start[1] + rate * (flow.end[0] - flow.start[0])
+            return Line(*place(*flow.start), *place(flow.end[0], later))
+
+        drawing = Drawing(
+            path=f"M{-_HALF_WIDTH},0 L{points} L{_HALF_WIDTH},0Z",
+            half_width=_HALF_WIDTH + _SPACE,
+            height=_HEIGHT + _SPACE,
+            fitted=(line(flow.value),),
+            wanted=() if target is None else (line(target),),
+        )
+        words = (
+            "slope of the drawn mass in the container over time, while 10 to 50 % of the mass that "
+            "leaves has left"
+        )
+        return MeasuredDrawing(drawing, words)
+
+    def outlines(self) -> Sequence[Outline]:
+        """Return the edges of the container."""
+        return moved(self.setup.container.outlines(self._height), -self._middle, 0.0)

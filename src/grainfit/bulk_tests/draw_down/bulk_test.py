@@ -1,0 +1,292 @@
+"""The draw-down test: a bed flows through a slot onto a floor; five responses from one run."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from grainfit.bulk_tests.base import BulkTest, ResponseInfo
+from grainfit.bulk_tests.draw_down.setup import CLEARANCE, DrawDownSetup, plan_setup
+from grainfit.bulk_tests.draw_down.surfaces import Surfaces
+from grainfit.bulk_tests.draw_down.view import DrawDownView, draw_draw_down
+from grainfit.bulk_tests.shared.slot_scene import BED, END, FLOW, INSIDE, Flow, fill_and_flow
+from grainfit.bulk_tests.shared.validity import (
+    require_apex_below,
+    require_emptied,
+    require_foot_on_floor,
+    require_separate,
+)
+from grainfit.bulk_tests.view import Shown
+from grainfit.errors import NotMeasurableError, RunFailedError
+from grainfit.evaluation import Response
+from grainfit.measurement.bulk_density import bulk_density_in_box
+from grainfit.measurement.flow_rate import flow_rate
+from grainfit.measurement.particles import Particles, write_vtk
+from grainfit.options.fields import Amount, option
+from grainfit.options.kinds import Quantity
+from grainfit.scenes.packing import random_column
+from grainfit.scenes.run_output import RunOutput, snapshot_file
+from grainfit.scenes.scene import WALL, Box, Scene, Stage, Wall
+from grainfit.scenes.shapes import Block
+
+_PICTURE, _VTK = "draw_down.png", "draw_down.vtk"
+_LENGTH = Quantity("m", above_zero=True, highest=1e3)
+_FRICTION = Quantity("", lowest=0.0, highest=10.0)
+#: Surface of the lower floor, when it is another one than that of the walls.
+_FLOOR = "floor"
+
+
+@dataclass(frozen=True)
+class DrawDown(BulkTest):
+    """Draw-down (two boxes): bulk density, flow, and two angles from one test.
+
+    Particles rain into an upper box. Once the bed is at rest its bulk density is measured, and the
+    door of a slot in its floor, the shelf, is taken away. Material flows onto a lower floor until
+    the slot runs dry. Two wedges stay on the shelf, and a pile lies on the lower floor. The test is
+    a slice: its depth is periodic, without end walls.
+
+    Defaults follow the Sauter diameter d of the particles; times follow it by Froude's law. The
+    options are the fields below, as in the calibration file.
+
+    Parameters
+    ----------
+    sizes : ParticleSizes, optional
+        Particle size distribution.
+    diameter : float, str or list, optional
+        Instead of sizes: ``"10 mm"``, or a list of ``{"value": ..., "mass_fraction": ...}``.
+
+    Raises
+    ------
+    InputError
+        The test is impossible; names every option at fault.
+
+    Examples
+    --------
+    >>> DrawDown(diameter="10 mm").setup.box.slot_width
+    0.05
+    >>> DrawDown(diameter="10 mm", slot_width="6 cm").setup.box.slot_width
+    0.06
+    """
+
+    type: ClassVar[str] = "draw_down"
+    title: ClassVar[str] = "two boxes and a slot"
+    revision: ClassVar[int] = 1
+    shown: ClassVar[Shown | None] = Shown(
+        "draw-down", "angle_of_repose", snapshot_file(END), _PICTURE
+    )
+    responses: ClassVar[Mapping[str, ResponseInfo]] = {
+        "bulk_density": ResponseInfo(
+            "kg/m^3",
+            "ρ_b",
+            "bulk density: mass of the bed over its volume, voids included",
+            '{ value = "1325 kg/m^3", uncertainty = "1 %" }',
+        ),
+        "mass_flow": ResponseInfo(
+            "kg/s",
+            "ṁ",
+            "mass flow: mass through the orifice per time, of the whole simulated depth",
+            '{ value = "2.2 kg/s", uncertainty = "3 %" }',
+        ),
+        "discharged_share": ResponseInfo(
+            "",
+            "x_d",
+            "discharged share: mass that has left the upper box over the mass filled in",
+            '{ value = 0.75, uncertainty = "2 %" }',
+        ),
+        "shear_angle": ResponseInfo(
+            "deg",
+            "α_s",
+            "shear angle: inclination of the wedges left beside the slot",
+            '{ value = "27 deg", uncertainty = "1 deg" }',
+        ),
+        "angle_of_repose": ResponseInfo(
+            "deg",
+            "α",
+            "angle of repose: inclination of the heap's flanks",
+            '{ value = "24 deg", uncertainty = "1 deg" }',
+        ),
+    }
+
+    width: Amount | None = option(
+        _LENGTH, "Inner width of the upper box.", example='"240 mm"', words="24 d"
+    )
+    depth: Amount | None = option(
+        _LENGTH,
+        "Depth of the simulated slice; it repeats without end. The mass flow is that of this "
+        "depth.",
+        example='"100 mm"',
+        words="10 d",
+    )
+    fill_height: Amount | None = option(
+        _LENGTH,
+        "Height of the bed at a solid fraction of 0.58; it gives the number of particles.",
+        example='"100 mm"',
+        words="10 d",
+    )
+    slot_width: Amount | None = option(
+        _LENGTH,
+        "Width of the slot. The mass flow depends on it strongly: use that of the laboratory.",
+        example='"50 mm"',
+        words="5 d",
+    )
+    shelf_thickness: Amount | None = option(
+        _LENGTH,
+        "Thickness of the shelf, the floor of the upper box.",
+        example='"5 mm"',
+        words="0.5 d",
+    )
+    floor_distance: Amount | None = option(
+        _LENGTH,
+        "Distance from the underside of the shelf to the lower floor. The apex of the heap must "
+        "stay 2 d below the shelf.",
+        example='"140 mm"',
+        words="14 d",
+    )
+    floor_half_width: Amount | None = option(
+        _LENGTH,
+        "Half the width of the lower floor, whose edges are free. The heap must not reach them.",
+        example='"300 mm"',
+        words="30 d",
+    )
+    floor_sliding_friction: Amount | None = option(
+        _FRICTION,
+        "Sliding friction between particles and lower floor.",
+        example="0.5",
+        words="that of the walls",
+    )
+    floor_rolling_friction: Amount | None = option(
+        _FRICTION,
+        "Rolling friction between particles and lower floor. On a smooth floor particles roll away "
+        "beyond its edges, and the run fails.",
+        example="0.3",
+        words="that of the walls",
+    )
+    settling_time_limit: Amount | None = option(
+        Quantity("s", above_zero=True),
+        "Longest simulated time in which the bed, and after the flow all particles, may come to "
+        "rest.",
+        example='"7 s"',
+        words="three times the expected time of the flow",
+    )
+    #: Geometry and procedure, with every default resolved.
+    setup: DrawDownSetup = field(init=False, repr=False, compare=False)
+
+    def prepare(self) -> None:
+        """Resolve geometry and procedure."""
+        options = {key.name: getattr(self, key.name) for key in self.option_keys()}
+        object.__setattr__(self, "setup", plan_setup(self.sizes, options))
+
+    def scene(self, material: Mapping[str, float], seed: int) -> Scene:
+        """Return the experiment: a column falls, the door is taken away, the bed flows."""
+        setup, largest = self.setup, max(self.sizes.diameters)
+        box, filling = setup.box, setup.filling
+        column = random_column(self.sizes, filling.particle_count, setup.footprint, seed)
+        top = column.height + 1.25 * largest
+        side = setup.floor_half_width + 3 * largest
+        bottom = setup.floor - 3 * largest
+        half = setup.floor_half_width
+        surface = self._floor_friction
+        floor = Block((-half, 0.0, bottom - largest), (half, box.depth, setup.floor))
+        return Scene(
+            title="Draw-down test with a slot",
+            material=material,
+            sizes=self.sizes,
+            particles=column,
+            box=Box((-side, 0.0, bottom), (side, box.depth, top), periodic="y"),
+            walls={**box.walls(top, largest), "floor": Wall(floor, _FLOOR if surface else WALL)},
+            stages=self._stages(),
+            gravity=float(self.gravity),
+            time_step=self.time_step(material),
+            quiet_speed=filling.quiet_speed,
+            check_interval=filling.check_interval,
+            surfaces={_FLOOR: surface} if surface else {},
+        )
+
+    @property
+    def _floor_friction(self) -> dict[str, float]:
+        """Friction of the lower floor where it differs from that of the walls."""
+        given = {
+            "particle_wall.sliding_friction": self.floor_sliding_friction,
+            "particle_wall.rolling_friction": self.floor_rolling_friction,
+        }
+        return {name: float(value) for name, value in given.items() if value is not None}
+
+    def _stages(self) -> tuple[Stage, ...]:
+        setup = self.setup
+        flow = Flow(setup.shortest_flow, setup.settling_time_limit)
+        return fill_and_flow(setup.filling, flow, setup.underside)
+
+    def measure(self, run: RunOutput) -> dict[str, Response]:
+        """Measure the responses; leave a picture and a VTK file of the end.
+
+        Raises
+        ------
+        RunFailedError
+            The simulation did not end as a draw-down requires: a bed did not come to rest,
+            particles broke out or overlap grossly, a stage is missing, the heap chokes the slot or
+            reaches the edges of its floor, or the material arches over the slot.
+        NotMeasurableError
+            A response has no value, with the reason.
+        """
+        run.require_complete([stage.name for stage in self._stages()], "box")
+        bed, end = run.snapshot(BED), run.snapshot(END)
+        require_separate(bed)
+        series = run.series(FLOW)
+        if set(series) != {"time", INSIDE}:
+            raise NotMeasurableError(f"the series of the {FLOW} stage has other columns")
+        surfaces = Surfaces.of(end, self.setup)
+        write_vtk(run.folder / _VTK, end)
+        try:
+            self._require_valid(surfaces, bed)
+            responses = self._responses(bed, surfaces, series)
+        except (RunFailedError, NotMeasurableError) as error:
+            draw_draw_down(run.folder / _PICTURE, surfaces, str(error))
+            raise
+        draw_draw_down(run.folder / _PICTURE, surfaces, responses)
+        return responses
+
+    def _require_valid(self, surfaces: Surfaces, bed: Particles) -> None:
+        setup, diameter = self.setup, surfaces.diameter
+        clearance = CLEARANCE * diameter
+        shelf = setup.underside - setup.floor
+        require_apex_below(surfaces.apex, shelf, clearance, diameter)
+        above = surfaces.upper.positions
+        middle = np.abs(above[:, 0]) < setup.box.slot_width / 4
+        require_emptied(surfaces.upper.select(middle & (above[:, 2] > 0)), "slot")
+        discharged = float(bed.masses.sum() - surfaces.upper.masses.sum())
+        lost = discharged - float(surfaces.on_floor.masses.sum())
+        require_foot_on_floor(surfaces.heap, lost / discharged if discharged else 0.0, diameter)
+
+    def _responses(
+        self, bed: Particles, surfaces: Surfaces, series: Mapping[str, NDArray[np.float64]]
+    ) -> dict[str, Response]:
+        setup = self.setup
+        box = setup.box
+        density = bulk_density_in_box(
+            bed, box.width, box.depth, setup.density_bottom, setup.density_top
+        )
+        return {
+            "bulk_density": density,
+            "mass_flow": flow_rate(series["time"], series[INSIDE]).response,
+            "discharged_share": surfaces.discharged_share(float(bed.masses.sum())),
+            "shear_angle": surfaces.shear_angle().response,
+            "angle_of_repose": surfaces.angle_of_repose().response,
+        }
+
+    @property
+    def number_of_particles(self) -> int:
+        """Number of particles rained in."""
+        return self.setup.filling.particle_count
+
+    def simulated_time(self, material: Mapping[str, float]) -> float:  # noqa: ARG002
+        """Estimate the simulated time of a run, s."""
+        return 1.25 * self.setup.filling.fill_time + self.setup.flow_time
+
+    def view(self, run: RunOutput) -> DrawDownView:
+        """Read the end of a run, to be drawn."""
+        surfaces = Surfaces.of(run.snapshot(END), self.setup)
+        return DrawDownView(surfaces)

@@ -1,0 +1,140 @@
+"""Geometry and procedure of a draw-down: every default resolved, impossible values rejected."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+
+from grainfit.bulk_tests.shared.slot_box import (
+    Filling,
+    SlotBox,
+    count_faults,
+    flow_time,
+    plan_filling,
+)
+from grainfit.errors import Fault, InputError
+from grainfit.materials.sizes import ParticleSizes
+from grainfit.scenes.packing import Rectangle
+from grainfit.scenes.scene import natural_time
+
+#: Shortest time of the flow stage, over sqrt(d/g): before, the particles have hardly moved.
+_SHORTEST_FLOW = 8.0
+#: The particles come to rest this long after the flow has ended, over sqrt(d/g).
+_SETTLING = 25.0
+#: Longest time of a stage over the expected one.
+_PATIENCE = 3.0
+#: The bulk density is that between these heights: the first layer is left out, and the surface.
+_LOWEST, _HIGHEST = 1.0, 0.7
+#: Distance that the apex of the heap must keep from the shelf, in diameters.
+CLEARANCE = 2.0
+
+
+@dataclass(frozen=True)
+class DrawDownSetup:
+    """Geometry and procedure of one draw-down; lengths in m, times in s.
+
+    Parameters
+    ----------
+    box : SlotBox
+        The upper box, whose floor is the shelf with the slot.
+    filling : Filling
+        Its particles.
+    floor : float
+        Height of the lower floor; negative.
+    floor_half_width : float
+        Half the width of the lower floor, whose edges are free.
+    density_bottom, density_top : float
+        The bulk density is that of the bed between these heights.
+    shortest_flow, flow_time : float
+        Shortest and expected time until the particles are at rest again.
+    settling_time_limit : float
+        Longest time in which the particles may come to rest.
+    """
+
+    box: SlotBox
+    filling: Filling
+    floor: float
+    floor_half_width: float
+    density_bottom: float
+    density_top: float
+    shortest_flow: float
+    flow_time: float
+    settling_time_limit: float
+
+    @property
+    def footprint(self) -> Rectangle:
+        """Cross-section of the upper box."""
+        return Rectangle(self.box.width, self.box.depth)
+
+    @property
+    def underside(self) -> float:
+        """Height of the underside of the shelf, m; negative."""
+        return -self.box.thickness
+
+
+def plan_setup(sizes: ParticleSizes, options: Mapping[str, float | None]) -> DrawDownSetup:
+    """Resolve every default of a draw-down.
+
+    Parameters
+    ----------
+    sizes : ParticleSizes
+        The length scale of all defaults is the Sauter diameter.
+    options : mapping of str to float or None
+        The options of `DrawDown`, each within its limits; None stands for the default.
+
+    Raises
+    ------
+    InputError
+        The test is impossible; names every option at fault.
+    """
+    given = {name: value for name, value in options.items() if value is not None}
+    diameter, gravity = sizes.sauter_diameter, given["gravity"]
+    box = SlotBox(
+        width=given.get("width", 24 * diameter),
+        depth=given.get("depth", 10 * diameter),
+        fill_height=given.get("fill_height", 10 * diameter),
+        slot_width=given.get("slot_width", 5 * diameter),
+        thickness=given.get("shelf_thickness", diameter / 2),
+    )
+    impossible = [*box.faults(sizes)]
+    if impossible:
+        raise InputError(impossible)
+    filling = plan_filling(sizes, Rectangle(box.width, box.depth), box.fill_height, gravity)
+    natural = natural_time(sizes, gravity)
+    area = box.width * box.fill_height
+    flow = flow_time(sizes, area, box.slot_width, gravity) + _SETTLING * natural
+    setup = DrawDownSetup(
+        box=box,
+        filling=filling,
+        floor=-box.thickness - given.get("floor_distance", 14 * diameter),
+        floor_half_width=given.get("floor_half_width", 30 * diameter),
+        density_bottom=_LOWEST * diameter,
+        density_top=_HIGHEST * box.fill_height,
+        shortest_flow=_SHORTEST_FLOW * natural,
+        flow_time=flow,
+        settling_time_limit=given.get("settling_time_limit", _PATIENCE * flow),
+    )
+    faults = [*_faults(setup, sizes), *count_faults(filling.particle_count)]
+    if faults:
+        raise InputError(faults)
+    return setup
+
+
+def _faults(setup: DrawDownSetup, sizes: ParticleSizes) -> Iterator[Fault]:
+    largest = max(sizes.diameters)
+    distance = setup.underside - setup.floor
+    needed = (CLEARANCE + 3) * largest
+    if distance < needed:
+        yield Fault(
+            "floor_distance",
+            f"a floor {distance:g} m below the shelf leaves no room for a heap whose apex is "
+            f"{CLEARANCE:g} diameters below it.",
+            f"Use at least {needed:g} m; 14 diameters are enough for most materials.",
+        )
+    if setup.floor_half_width <= setup.box.width / 2:
+        yield Fault(
+            "floor_half_width",
+            f"a floor of half width {setup.floor_half_width:g} m is not wider than the box of "
+            f"{setup.box.width:g} m.",
+            f"Use at least {1.25 * setup.box.width:g} m.",
+        )

@@ -1,0 +1,239 @@
+"""A box that is periodic in y, filled with a bed, with a slot in its floor that a door closes.
+
+The upper side of the floor is at z = 0 and the slot is at x = 0. All walls are blocks that are met
+from outside, so that the edges of the slot are exact in every solver.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from grainfit.bulk_tests.view import Outline
+from grainfit.errors import Fault
+from grainfit.materials.sizes import ParticleSizes
+from grainfit.scenes.packing import Footprint, column_height, mean_particle_volume
+from grainfit.scenes.scene import Wall, natural_speed, natural_time
+from grainfit.scenes.shapes import Block
+
+#: Solid fraction to calculate the number of particles: the one of a loose bed.
+_FILLING = 0.58
+_MOST_PARTICLES = 1_000_000
+#: Narrowest container and shortest period, in diameters of the largest particles: a shorter period
+#: lets a particle touch its own neighbours on both sides.
+_NARROWEST, _SHORTEST_PERIOD = 6.0, 4.0
+_LOWEST_BED = 4.0
+#: Thickness of the side walls, in diameters of the largest particles.
+_SIDE = 2.0
+#: Quiet speed over sqrt(g d), and time between two looks over sqrt(d/g). The kinetic energy is that
+#: of one particle in a thousand that falls a fifth of its diameter.
+_QUIET_SPEED = 0.02
+_CHECK_INTERVAL = 1.57
+#: Beverloo's law for a slot, in natural units: volume of bulk per depth and time is C (W - k)^1.5.
+_BEVERLOO_C, _BEVERLOO_K = 0.88, 1.64
+
+
+@dataclass(frozen=True)
+class Filling:
+    """Particles that fill a container, and when they are at rest; times in s, lengths in m.
+
+    Parameters
+    ----------
+    particle_count : int
+        Particles rained in.
+    column_height : float
+        Height of the column of particles before it falls.
+    fill_time : float
+        Shortest simulated time of the fill stage: the particles have fallen by then.
+    quiet_speed : float
+        A bed is at rest when its kinetic energy is less than if every particle had this speed, m/s.
+    check_interval : float
+        Simulated time between two checks of the kinetic energy.
+    """
+
+    particle_count: int
+    column_height: float
+    fill_time: float
+    quiet_speed: float
+    check_interval: float
+
+
+def plan_filling(
+    sizes: ParticleSizes, footprint: Footprint, height: float, gravity: float
+) -> Filling:
+    """Return the particles that fill a container up to about a height.
+
+    Parameters
+    ----------
+    sizes : ParticleSizes
+        Particle size distribution.
+    footprint : Footprint
+        Cross-section of the container.
+    height : float
+        Height of the bed at a solid fraction of 0.58, m; it settles lower.
+    gravity : float
+        m/s^2.
+    """
+    volume = footprint.area * height
+    count = math.ceil(_FILLING * volume / mean_particle_volume(sizes))
+    column = column_height(sizes, count, footprint)
+    return Filling(
+        particle_count=count,
+        column_height=column,
+        fill_time=1.7 * math.sqrt(2 * column / gravity),
+        quiet_speed=_QUIET_SPEED * natural_speed(sizes, gravity),
+        check_interval=_CHECK_INTERVAL * natural_time(sizes, gravity),
+    )
+
+
+def flow_time(sizes: ParticleSizes, area: float, slot: float, gravity: float) -> float:
+    """Estimate how long a bed flows out of a slot by Beverloo's law, s.
+
+    Parameters
+    ----------
+    sizes : ParticleSizes
+        Particle size distribution.
+    area : float
+        Cross-section of the bed across the slot, m^2.
+    slot : float
+        Width of the slot, m.
+    gravity : float
+        m/s^2.
+
+    References
+    ----------
+    Beverloo, Leniger & van de Velde (1961), Chem. Eng. Sci. 15, 260-269.
+    """
+    diameter = sizes.sauter_diameter
+    opening = max(slot / diameter - _BEVERLOO_K, 0.5)
+    rate = _BEVERLOO_C * math.sqrt(opening) ** 3
+    return area / diameter**2 / rate * natural_time(sizes, gravity)
+
+
+@dataclass(frozen=True)
+class SlotBox:
+    """Geometry of a box with a slot in its floor; lengths in m.
+
+    Parameters
+    ----------
+    width, depth : float
+        Inner width along x, and period along y.
+    fill_height : float
+        Height of the bed before it settles.
+    slot_width : float
+        Width of the slot.
+    thickness : float
+        Thickness of the floor.
+    """
+
+    width: float
+    depth: float
+    fill_height: float
+    slot_width: float
+    thickness: float
+
+    def walls(self, top: float, largest: float) -> dict[str, Wall]:
+        """Return sides, floor and door of the box by name.
+
+        Parameters
+        ----------
+        top : float
+            Height of the side walls, m.
+        largest : float
+            Diameter of the largest particles, m.
+        """
+        inner, slot = self.width / 2, self.slot_width / 2
+        outer = inner + _SIDE * largest
+        return {
+            "left": self._block(-outer, -inner, top),
+            "right": self._block(inner, outer, top),
+            "left_shelf": self._block(-outer, -slot, 0.0),
+            "right_shelf": self._block(slot, outer, 0.0),
+            "door": self._block(-slot, slot, 0.0),
+        }
+
+    def _block(self, low: float, high: float, top: float) -> Wall:
+        return Wall(Block((low, 0.0, -self.thickness), (high, self.depth, top)))
+
+    def outlines(self, top: float) -> list[Outline]:
+        """Return the edges of the walls at both ends of the depth as polylines in space, m."""
+        inner, slot = self.width / 2, self.slot_width / 2
+        lines: list[Outline] = []
+        for y in (0.0, self.depth):
+            for side in (-1, 1):
+                lines.append(
+                    [
+                        (side * inner, y, top),
+                        (side * inner, y, 0.0),
+                        (side * slot, y, 0.0),
+                        (side * slot, y, -self.thickness),
+                        (side * inner, y, -self.thickness),
+                    ]
+                )
+        for side in (-1, 1):
+            for x in (inner, slot):
+                lines.append([(side * x, y, 0.0) for y in (0.0, self.depth)])
+        return lines
+
+    def faults(self, sizes: ParticleSizes) -> Iterator[Fault]:
+        """Iterate over what is impossible about the box."""
+        largest = max(sizes.diameters)
+        if self.slot_width >= self.width:
+            yield Fault(
+                "slot_width",
+                f"a slot of {self.slot_width:g} m is not narrower than the box of "
+                f"{self.width:g} m.",
+                "Make the slot narrower or the box wider.",
+            )
+        if self.slot_width <= largest:
+            yield Fault(
+                "slot_width",
+                f"no particle of {largest:g} m passes a slot of {self.slot_width:g} m.",
+                f"Slots of less than 4 diameters ({4 * largest:g} m) may be blocked by arches.",
+            )
+        if self.depth < _SHORTEST_PERIOD * largest:
+            yield Fault(
+                "depth",
+                f"a depth of {self.depth:g} m repeats after less than {_SHORTEST_PERIOD:g} of the "
+                f"largest particles ({largest:g} m).",
+                f"Use at least {_SHORTEST_PERIOD * largest:g} m.",
+            )
+        yield from container_faults(sizes, self.width, self.fill_height)
+
+
+def container_faults(sizes: ParticleSizes, width: float, fill_height: float) -> Iterator[Fault]:
+    """Iterate over what is impossible about the size of a container.
+
+    Parameters
+    ----------
+    sizes : ParticleSizes
+        Particle size distribution.
+    width, fill_height : float
+        Options ``width`` and ``fill_height``, m.
+    """
+    largest = max(sizes.diameters)
+    if width < _NARROWEST * largest:
+        yield Fault(
+            "width",
+            f"{width:g} m is narrower than {_NARROWEST:g} of the largest particles "
+            f"({largest:g} m).",
+            f"Use at least {_NARROWEST * largest:g} m.",
+        )
+    if fill_height < _LOWEST_BED * largest:
+        yield Fault(
+            "fill_height",
+            f"a bed of {fill_height:g} m is lower than {_LOWEST_BED:g} of the largest particles "
+            f"({largest:g} m): its bulk density cannot be measured.",
+            f"Use at least {_LOWEST_BED * largest:g} m.",
+        )
+
+
+def count_faults(count: int) -> Iterator[Fault]:
+    """Iterate over what is impossible about the number of particles."""
+    if count > _MOST_PARTICLES:
+        yield Fault(
+            "fill_height",
+            f"{count} particles are needed, more than {_MOST_PARTICLES}.",
+            "Use a smaller container or larger particles.",
+        )

@@ -1,0 +1,102 @@
+"""Mass flow out of a container, from its mass over time."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from grainfit.errors import NotMeasurableError
+from grainfit.evaluation import Response
+
+#: The flow is measured between these shares of the discharged mass: it starts before, and slows
+#: down as the bed above the orifice gets low.
+_WINDOW = (0.1, 0.5)
+#: Parts of the window whose flows are compared, and the fewest records in one.
+_PARTS = 5
+_FEWEST_RECORDS = 3
+
+
+@dataclass(frozen=True)
+class FlowRate:
+    """Mass flow of a steady part of a discharge.
+
+    Parameters
+    ----------
+    value : float
+        kg/s.
+    standard_error : float
+        Of `value` as the mean flow of many such beds, kg/s.
+    start, end : tuple of float
+        Time, s, and discharged mass, kg, at both ends of the part.
+    """
+
+    value: float
+    standard_error: float
+    start: tuple[float, float]
+    end: tuple[float, float]
+
+    @property
+    def response(self) -> Response:
+        """Value and standard error, kg/s."""
+        return Response(self.value, self.standard_error)
+
+
+def flow_rate(time: NDArray[np.float64], remaining: NDArray[np.float64]) -> FlowRate:
+    """Measure the mass flow while 10 to 50 % of the mass that will leave have left.
+
+    The flow is the mass that leaves in this part over its duration. The part is cut into five of
+    equal duration; the standard error follows from the differences between the flows of
+    neighbours, so that a flow that slowly gets less is no error. More and shorter parts are not
+    independent: on six beds each of LAMMPS and LIGGGHTS five parts give 4.0 and 4.1 % (root mean
+    square), eight give 2.8 and 3.2 %, and the scatter from seed to seed was 4.3 and 4.8 %.
+
+    Parameters
+    ----------
+    time : ndarray of shape (n,)
+        s, increasing.
+    remaining : ndarray of shape (n,)
+        Mass in the container, kg; the flow has ended at the end of the series.
+
+    Raises
+    ------
+    NotMeasurableError
+        Nothing flows, or it was recorded too rarely.
+    """
+    if len(time) < 2 or not np.all(np.diff(time) > 0):
+        raise NotMeasurableError("mass flow: the mass over time has fewer than two records.")
+    left = np.maximum.accumulate(remaining[0] - remaining)
+    total = float(left[-1])
+    if total <= 0:
+        raise NotMeasurableError("mass flow: no mass has left the container.")
+    low, high = (_time_of(time, left, share * total) for share in _WINDOW)
+    records = int(((time >= low) & (time <= high)).sum())
+    if records < _FEWEST_RECORDS * _PARTS:
+        raise NotMeasurableError(
+            f"mass flow: it is over within {records} records; {_FEWEST_RECORDS * _PARTS} are "
+            "needed. Fill in more particles or use a narrower orifice."
+        )
+    ends = np.linspace(low, high, _PARTS + 1)
+    masses = np.interp(ends, time, left)
+    flows = np.diff(masses) / np.diff(ends)
+    value = float(masses[-1] - masses[0]) / (high - low)
+    error = _error_of_mean(flows)
+    start, end = (low, float(masses[0])), (high, float(masses[-1]))
+    return FlowRate(value, error, start, end)
+
+
+def _time_of(time: NDArray[np.float64], left: NDArray[np.float64], mass: float) -> float:
+    """Time at which a mass has left, interpolated between two records."""
+    after = int(np.argmax(left >= mass))
+    if after == 0:
+        return float(time[0])
+    share = (mass - left[after - 1]) / (left[after] - left[after - 1])
+    return float(time[after - 1] + share * (time[after] - time[after - 1]))
+
+
+def _error_of_mean(flows: NDArray[np.float64]) -> float:
+    """Standard error of the mean; a difference of neighbours has twice the variance of one."""
+    steps = np.diff(flows)
+    return math.sqrt(float(steps @ steps) / len(steps) / 2 / len(flows))

@@ -1,0 +1,161 @@
+"""Pictures of particles from the side: shaded discs, walls, fitted lines, a mass over time."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cache
+
+import numpy as np
+from numpy.typing import NDArray
+from PIL import Image, ImageDraw
+
+from grainfit.measurement.angle_of_repose import Flank
+from grainfit.measurement.flow_rate import FlowRate
+from grainfit.measurement.particles import Particles
+from grainfit.measurement.sheet import (
+    FLANK,
+    INK,
+    OVERSAMPLING,
+    PAPER,
+    QUIET_INK,
+    TEXT_SIZE,
+    draw_flank,
+    font,
+)
+
+#: Largest height of a view, pixels.
+_HIGHEST = 640 * OVERSAMPLING
+_BINS = 24
+#: From low to high, lighter and lighter (after cividis, Nuñez, Anderton & Renslow 2018).
+_STOPS = np.array(
+    [[53, 85, 143], [93, 115, 150], [139, 141, 140], [194, 171, 112], [254, 232, 56]], dtype=float
+)
+_MARGIN = 60 * OVERSAMPLING
+
+Point = tuple[float, float]
+Rectangle = tuple[float, float, float, float]
+
+
+@dataclass(frozen=True)
+class SideView:
+    """Particles from the side, in x and z.
+
+    Parameters
+    ----------
+    particles : Particles
+        Coloured by height, those with the largest y at the back.
+    extent : tuple of float
+        Left, lower, right and upper limit of the view, m.
+    walls : sequence of tuple of float
+        Sections of walls: left, lower, right and upper limit, m.
+    flanks : sequence of Flank
+        Fitted lines.
+    """
+
+    particles: Particles
+    extent: Rectangle
+    walls: Sequence[Rectangle]
+    flanks: Sequence[Flank] = ()
+
+    def panel(self, width: int) -> Image.Image:
+        """Draw the view.
+
+        Parameters
+        ----------
+        width : int
+            Largest width, pixels.
+        """
+        left, bottom, right, top = self.extent
+        scale = min(width / (right - left), _HIGHEST / (top - bottom))
+        size = (width, math.ceil((top - bottom) * scale))
+        panel = Image.new("RGB", size, PAPER)
+        offset = (width - (right - left) * scale) / 2
+
+        def place(point: Point) -> Point:
+            return offset + (point[0] - left) * scale, (top - point[1]) * scale
+
+        draw = ImageDraw.Draw(panel)
+        for x1, z1, x2, z2 in self.walls:
+            (a, b), (c, d) = place((max(x1, left), z2)), place((min(x2, right), z1))
+            draw.rectangle([a, b, max(c, a + 1), max(d, b + 1)], fill=QUIET_INK)
+        self._draw_particles(panel, place, scale)
+        for flank in self.flanks:
+            draw_flank(draw, flank, place(flank.start), place(flank.end))
+        return panel
+
+    def _draw_particles(self, panel: Image.Image, place: object, scale: float) -> None:
+        assert callable(place)
+        particles = self.particles
+        if not len(particles):
+            return
+        heights = particles.positions[:, 2]
+        low, high = float(heights.min()), float(heights.max())
+        share = (heights - low) / (high - low if high > low else 1.0)
+        bins = np.clip(share * _BINS, 0, _BINS - 1).astype(int)
+        for i in np.argsort(-particles.positions[:, 1], kind="stable"):
+            size = max(2, round(2 * float(particles.radii[i]) * scale))
+            x, _, z = particles.positions[i].tolist()
+            across, down = place((x, z))
+            disc, mask = _disc(int(bins[i]), size)
+            panel.paste(disc, (round(across - size / 2), round(down - size / 2)), mask)
+
+
+@cache
+def _disc(number: int, size: int) -> tuple[Image.Image, Image.Image]:
+    """A shaded disc in the colour of a bin, and its mask."""
+    place = number / (_BINS - 1) * (len(_STOPS) - 1)
+    low = min(int(place), len(_STOPS) - 2)
+    colour = _STOPS[low] + (place - low) * (_STOPS[low + 1] - _STOPS[low])
+    middle = (size - 1) / 2
+    y, x = np.mgrid[:size, :size]
+    radius = np.hypot(x - middle, y - middle) / (size / 2)
+    lit = np.hypot(x - 0.7 * middle, y - 0.6 * middle) / (size / 2)
+    shade = np.clip(1.25 - 0.6 * lit, 0.45, 1.25)
+    image = np.clip(colour * shade[..., None], 0, 255).astype(np.uint8)
+    mask = np.clip((1 - radius) * size / 2 * 255, 0, 255).astype(np.uint8)
+    return Image.fromarray(image), Image.fromarray(mask)
+
+
+def flow_panel(
+    time: NDArray[np.float64], mass: NDArray[np.float64], flow: FlowRate | None, size: Point
+) -> Image.Image:
+    """Draw the mass in a container over time, and the part that the flow was fitted to.
+
+    Parameters
+    ----------
+    time, mass : ndarray of shape (n,)
+        s and kg.
+    flow : FlowRate, optional
+        The measured flow.
+    size : tuple of float
+        Width and height, pixels.
+    """
+    width, height = (round(side) for side in size)
+    panel = Image.new("RGB", (width, height), PAPER)
+    draw = ImageDraw.Draw(panel)
+    duration = max(float(time[-1] - time[0]), 1e-30)
+    full = max(float(mass.max()), 1e-30)
+
+    def place(when: float, kilograms: float) -> Point:
+        across = _MARGIN + (when - time[0]) / duration * (width - 1.5 * _MARGIN)
+        return float(across), height - _MARGIN - kilograms / full * (height - 2 * _MARGIN)
+
+    corners = [place(time[0], full), place(time[0], 0.0), place(time[-1], 0.0)]
+    draw.line(corners, fill=INK, width=OVERSAMPLING)
+    points = [place(float(t), float(m)) for t, m in zip(time, mass, strict=True)]
+    draw.line(points, fill=QUIET_INK, width=2 * OVERSAMPLING)
+    used = font(TEXT_SIZE)
+    below = height - _MARGIN + TEXT_SIZE / 3
+    draw.text((corners[2][0], below), f"{duration:.3g} s", fill=QUIET_INK, font=used, anchor="ra")
+    draw.text((corners[1][0], below), "0", fill=QUIET_INK, font=used, anchor="ma")
+    label = f"mass in the container, {full:.3g} kg at first"
+    draw.text((_MARGIN, _MARGIN - TEXT_SIZE), label, fill=QUIET_INK, font=used, anchor="ls")
+    if flow is not None:
+        ends = [place(when, float(mass[0]) - gone) for when, gone in (flow.start, flow.end)]
+        draw.line(ends, fill=FLANK, width=4 * OVERSAMPLING)
+        middle = (ends[0][0] + ends[1][0]) / 2 + TEXT_SIZE, (ends[0][1] + ends[1][1]) / 2
+        text = f"{flow.value:.3g} kg/s"
+        draw.text(middle, text, fill=FLANK, font=used, anchor="ls")
+    return panel

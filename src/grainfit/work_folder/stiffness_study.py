@@ -1,0 +1,156 @@
+"""Stiffness of the particles: simulate a material again with stiffer ones."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from grainfit.bulk_tests.registry import recreate_test
+from grainfit.calibration_file.build import CalibrationSetup, load_calibration
+from grainfit.campaign.moduli import (
+    MODULUS,
+    ExpectedWork,
+    ModulusPlan,
+    ModulusStudy,
+    simulate_moduli,
+)
+from grainfit.campaign.store.records import RunRecord
+from grainfit.campaign.work_folder import default_workdir
+from grainfit.contact_models.registry import MATERIAL_PARAMETERS
+from grainfit.errors import Fault, InputError
+from grainfit.solvers.base import Solver
+from grainfit.solvers.parameters_for import ParametersFor
+from grainfit.solvers.registry import DEM_PROGRAMS
+from grainfit.work_folder.saved_calibration import SavedCalibration, read_answer
+
+FACTORS = (1.0, 4.0, 16.0)
+
+
+def stiffness_study(
+    source: str | Path | CalibrationSetup,
+    *,
+    factors: Sequence[float] = FACTORS,
+    seeds: int = 3,
+    settings: Sequence[str] = (),
+    workdir: str | Path | None = None,
+    workers: int | None = None,
+    on_start: Callable[[ExpectedWork], None] | None = None,
+    on_progress: Callable[[int, int], None] | None = None,
+) -> ModulusStudy:
+    """Simulate the responses of a material at several Young's moduli of the particles.
+
+    Soft particles allow a large time step, but overlap, which raises bulk densities. The study
+    finds the smallest modulus at which every response stays within its tolerance of that of the
+    stiffest particles.
+
+    Parameters
+    ----------
+    source : path or CalibrationSetup
+        Work folder of a calibration, whose answer is simulated; or a calibration file.
+    factors : sequence of float
+        Moduli to simulate, over that of the calibration.
+    seeds : int
+        Runs of each modulus.
+    settings : sequence of str
+        ``NAME=VALUE`` for a calibration file; free parameters that are not set take the middle of
+        their interval.
+    workdir : path, optional
+        Where runs are kept; by default the work folder, for a file its name with ``.grainfit``,
+        here. After Ctrl-C, another call continues.
+    workers : int, optional
+        Runs at a time; by default those of the calibration.
+    on_start : callable, optional
+        Called with the expected work before the first run.
+    on_progress : callable, optional
+        Called with the numbers of finished and of all parameter sets.
+
+    Returns
+    -------
+    ModulusStudy
+        `print` shows it as a table.
+
+    Raises
+    ------
+    InputError
+        The source has no answer or no Young's modulus, or an option is impossible.
+    SolverNotFoundError, RunFailedError, StoreError
+        See `grainfit.campaign.moduli.simulate_moduli`.
+
+    Examples
+    --------
+    >>> import grainfit as gf
+    >>> study = gf.stiffness_study("beads.grainfit", factors=[1, 10])  # doctest: +SKIP
+    >>> study.smallest_sufficient  # doctest: +SKIP
+    """
+    if not isinstance(source, CalibrationSetup) and Path(source).is_dir():
+        given, folder = _of_answer(Path(source), settings), Path(source)
+    else:
+        setup = source if isinstance(source, CalibrationSetup) else load_calibration(source)
+        given, folder = _of_file(setup, settings), default_workdir(setup.file.path)
+    plan = ModulusPlan(**{**given, "factors": tuple(factors), "seeds": seeds})
+    if workers is not None:
+        plan = replace(plan, workers=workers)
+    return simulate_moduli(plan, Path(workdir or folder), on_start, on_progress)
+
+
+def _of_file(setup: CalibrationSetup, settings: Sequence[str]) -> dict[str, Any]:
+    values = {**setup.file.fixed, **setup.values(settings)}
+    modulus = _modulus(values, str(setup.file.path))
+    free = setup.values(settings)
+    return {
+        "solvers": setup.solvers,
+        "targets": setup.problem.targets,
+        "parameters": {**free, MODULUS: modulus},
+        "workers": setup.workers,
+        "timeouts": setup.timeouts,
+    }
+
+
+def _of_answer(folder: Path, settings: Sequence[str]) -> dict[str, Any]:
+    if settings:
+        remedy = "Give the calibration file instead of the folder to set values."
+        raise InputError(Fault("set", "does not go with the answer of a calibration.", remedy))
+    saved = SavedCalibration.open(folder)
+    answer = read_answer(saved).parameters
+    first: dict[str, RunRecord] = {}
+    for record in saved.records.values():
+        first.setdefault(record.test, record)
+    modulus = _modulus({**saved.fixed, **answer}, str(folder))
+    return {
+        "solvers": {test: _solver(record, saved) for test, record in first.items()},
+        "targets": saved.problem.targets,
+        "parameters": {**answer, MODULUS: modulus},
+        "workers": saved.workers,
+    }
+
+
+def _solver(record: RunRecord, saved: SavedCalibration) -> Solver:
+    """Rebuild the solver of a run from the definition of the run."""
+    definition = record.definition
+    test = recreate_test(definition)
+    program = DEM_PROGRAMS.get(str(definition.model.get("solver")))
+    if test is None or program is None:
+        raise InputError(
+            Fault(
+                f"test {record.test}",
+                "was simulated by a model of your own, which its runs do not hold.",
+                "Give the calibration file, with --set NAME=VALUE for the answer.",
+            )
+        )
+    free = {parameter.name for parameter in saved.problem.parameters}
+    fixed = {name: value for name, value in definition.parameters.items() if name not in free}
+    solver = program(test, fixed, int(definition.model.get("ranks", 1)))
+    if free <= MATERIAL_PARAMETERS.keys():
+        return solver
+    return ParametersFor(solver, takes=MATERIAL_PARAMETERS.__contains__)
+
+
+def _modulus(values: Mapping[str, float], source: str) -> float:
+    if MODULUS in values:
+        return values[MODULUS]
+    raise InputError(
+        Fault(MODULUS, "has no value, so there is no stiffness to study.", "Give it a value."),
+        source,
+    )

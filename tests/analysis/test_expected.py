@@ -1,0 +1,137 @@
+"""Notes before any run: which free parameters the chosen tests will leave open."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from math import log, sqrt
+
+import pytest
+
+import grainfit as gf
+from grainfit.analysis import further_tests
+from grainfit.analysis.expected import ExpectedNarrowing
+from grainfit.bulk_tests.registry import BUILT_IN
+from grainfit.testing.materials import GLASS_BEADS
+
+DENSITY = gf.Parameter("particle.density", 1400, 2800, unit="kg/m^3")
+SLIDING = gf.Parameter("particle_particle.sliding_friction", 0.1, 0.8)
+ROLLING = gf.Parameter("particle_particle.rolling_friction", 0.05, 0.6)
+RESTITUTION = gf.Parameter("particle_particle.restitution", 0.3, 0.9)
+WALL = gf.Parameter("particle_wall.sliding_friction", 0.1, 0.8)
+MODULUS = gf.Parameter("particle.youngs_modulus", 1e5, 1e7, "log")
+BULK_DENSITY = gf.Target("bulk_density", 1300.0, uncertainty="1 %")
+ANGLE = gf.Target("angle_of_repose", 25.0, uncertainty="1 deg")
+
+
+def expected(
+    *parameters: gf.Parameter, targets: tuple[gf.Target, ...] = (BULK_DENSITY, ANGLE)
+) -> ExpectedNarrowing:
+    free = {parameter.name for parameter in parameters}
+    material = {name: value for name, value in GLASS_BEADS.items() if name not in free}
+    solver = gf.solvers.Lammps(gf.tests.Heap(diameter="10 mm"), material)
+    return gf.expected_narrowing(gf.Problem(parameters, targets), {"heap": solver})
+
+
+def test_a_heap_cannot_tell_two_frictions_apart_while_the_density_is_free() -> None:
+    [note] = expected(DENSITY, SLIDING, ROLLING).notes
+    assert note.startswith(
+        f"{SLIDING.name} and {ROLLING.name} can hardly be told apart by heap alone while "
+        f"{DENSITY.name} is free: about "
+    )
+    for help_ in ("particle density (pycnometer)", "draw-down", "uniaxial compression"):
+        assert help_ in note
+    assert expected(SLIDING, ROLLING).notes == ()
+    assert expected(DENSITY, ROLLING).notes == ()
+
+
+def test_two_frictions_and_an_angle_only_cannot_be_told_apart() -> None:
+    found = expected(SLIDING, ROLLING, targets=(ANGLE,))
+    assert "can hardly be told apart by heap alone: about" in found.notes[0]
+    assert "the bulk density, at a particle density that a pycnometer" in found.notes[0]
+
+
+@pytest.mark.parametrize(
+    ("parameter", "remedy"),
+    [(RESTITUTION, "drop test"), (WALL, "atan(sliding friction)")],
+)
+def test_a_heap_says_nothing_of_restitution_and_wall_friction(
+    parameter: gf.Parameter, remedy: str
+) -> None:
+    found = expected(ROLLING, parameter)
+    [note] = found.notes
+    assert note.startswith(f"{parameter.name} will not be determined by heap. To determine it: ")
+    assert remedy in note
+    assert found.narrowing[parameter.name] == pytest.approx(1.0)
+
+
+def test_a_modulus_needs_compression() -> None:
+    [note] = expected(DENSITY, MODULUS).notes
+    assert f"{MODULUS.name} will hardly be determined by heap while {DENSITY.name} is free" in note
+    assert "uniaxial compression" in note
+    assert "grainfit stiffness" in note
+
+
+def test_a_parameter_that_hardly_changes_any_test_is_better_fixed() -> None:
+    [note] = expected(DENSITY, gf.Parameter("wall.poissons_ratio", 0.1, 0.4)).notes
+    assert note.startswith("wall.poissons_ratio hardly changes any common bulk test")
+
+
+def test_one_parameter_is_narrowed_as_its_slope_and_the_uncertainty_say() -> None:
+    density = replace(DENSITY, scale="log")
+    slope = BUILT_IN["heap"].responses["bulk_density"].sensitivities.slopes[density.name]
+    for share in (0.01, 0.1):
+        target = replace(BULK_DENSITY, uncertainty=1300 * share, tolerance=1300 * share)
+        change = slope * log(2.0) / share
+        found = expected(density, targets=(target,))
+        assert found.narrowing[density.name] == pytest.approx(1 / sqrt(1 + change**2 / 12))
+
+
+def test_rolling_friction_counts_less_where_it_is_larger_than_sliding_friction() -> None:
+    low = replace(ROLLING, minimum=0.01, maximum=0.1)
+    high = replace(ROLLING, minimum=0.2, maximum=2.0)
+    widths = [expected(p, targets=(ANGLE,)).narrowing[p.name] for p in (low, high)]
+    assert widths[1] > 2 * widths[0]
+
+
+def test_nothing_is_said_about_models_of_the_user_and_responses_that_were_not_studied(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    problem = gf.Problem([SLIDING, ROLLING, RESTITUTION], [gf.Target("angle", 30.0)])
+    own = gf.solvers.PythonCallable(lambda _parameters, _seed: {"angle": 30.0}, ["angle"])
+    assert gf.expected_narrowing(problem, {"own": own}) == ExpectedNarrowing()
+    heap = BUILT_IN["heap"]
+    unknown = {
+        name: replace(info, sensitivities=None) if name == "angle_of_repose" else info
+        for name, info in heap.responses.items()
+    }
+    monkeypatch.setattr(heap, "responses", unknown)
+    assert expected(SLIDING, RESTITUTION) == ExpectedNarrowing()
+
+
+def test_further_tests_recommend_neither_a_drum_nor_a_shear_test() -> None:
+    said = [further_tests.to_settle(name) for name in further_tests.TESTS]
+    said += [
+        further_tests.to_tell_apart((SLIDING.name, ROLLING.name)),
+        further_tests.to_tell_apart((DENSITY.name, SLIDING.name, ROLLING.name)),
+        further_tests.to_tell_apart((DENSITY.name, MODULUS.name)),
+    ]
+    for sentence in said:
+        recommended = sentence.partition("Another angle does not help")[0]
+        assert "drum" not in recommended
+        assert "shear" not in recommended
+
+
+def test_a_test_is_named_as_one_that_grainfit_runs_only_if_it_is_installed(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    frictions = (SLIDING.name, ROLLING.name)
+    heap = BUILT_IN["heap"]
+    monkeypatch.setattr(further_tests, "bulk_tests", lambda: {"heap": heap})
+    assert "grainfit runs it" not in further_tests.to_tell_apart(frictions)
+    assert further_tests.to_settle(ROLLING.name).endswith('grainfit runs it as type = "heap".')
+    monkeypatch.setattr(
+        further_tests, "bulk_tests", lambda: {"heap": heap, "draw_down": heap, "compression": heap}
+    )
+    assert further_tests.to_tell_apart(frictions).endswith(
+        'grainfit runs it as type = "draw_down" or "compression".'
+    )

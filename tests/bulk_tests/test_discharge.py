@@ -1,0 +1,111 @@
+"""Discharge: geometry, kinds of orifice, and runs that do not empty."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+import grainfit as gf
+from grainfit.bulk_tests.discharge import Discharge
+from grainfit.calibration_file.plan import describe_plan
+from grainfit.errors import InputError, RunFailedError
+from grainfit.solvers.base import Workspace
+from grainfit.solvers.dem.lammps.program import Lammps
+from grainfit.solvers.dem.liggghts.program import Liggghts
+from grainfit.testing.materials import GLASS_BEADS
+
+EXAMPLE = Path(__file__).parents[2] / "examples" / "glass_beads" / "calibration.toml"
+
+
+def faults_of(**options: object) -> dict[str, str]:
+    with pytest.raises(InputError) as caught:
+        Discharge(diameter="10 mm", **options)
+    return {fault.key: str(fault) for fault in caught.value.faults}
+
+
+@pytest.mark.parametrize(
+    ("options", "key"),
+    [
+        ({"slot_width": "16 cm"}, "slot_width"),
+        ({"slot_width": "5 mm"}, "slot_width"),
+        ({"depth": "2 cm"}, "depth"),
+        ({"width": "5 cm", "slot_width": "3 cm"}, "width"),
+        ({"fill_height": "2 cm"}, "fill_height"),
+        ({"orifice_diameter": "6 cm"}, "orifice_diameter"),
+        ({"orifice": "round", "orifice_diameter": "16 cm"}, "orifice_diameter"),
+        ({"orifice": "round", "orifice_diameter": "8 mm"}, "orifice_diameter"),
+        ({"orifice": "round", "slot_width": "5 cm"}, "slot_width"),
+        ({"orifice": "round", "depth": "5 cm"}, "depth"),
+        ({"orifice": "oval"}, "orifice"),
+    ],
+)
+def test_impossible_options_are_refused_by_name(options: dict[str, object], key: str) -> None:
+    assert key in faults_of(**options)
+
+
+def test_round_orifice_is_a_floor_with_a_disc_as_its_door() -> None:
+    test = Discharge(diameter="10 mm", orifice="round", orifice_diameter="7 cm", width="20 cm")
+    scene = test.scene(GLASS_BEADS, 1)
+
+    assert scene.concepts() == {"cylinder", "annulus", "disc"}
+    assert scene.walls["door"].shape.radius == pytest.approx(0.035)
+    assert scene.walls["floor"].shape.outer_radius == pytest.approx(0.10)
+    assert scene.stages[1].take_away == ("door",)
+
+
+def test_lammps_refuses_a_round_orifice_before_any_run(tmp_path: Path) -> None:
+    test = Discharge(diameter="10 mm", orifice="round")
+
+    with pytest.raises(InputError, match=r"(?s)^solver: lammps.*use a slot") as caught:
+        Lammps(test, GLASS_BEADS).check()
+    assert 'solver = "liggghts"' in str(caught.value)
+    Liggghts(test, GLASS_BEADS).check()
+
+    text = EXAMPLE.read_text(encoding="utf-8")
+    text = text.replace('type = "heap"', 'type = "discharge"\norifice = "round"')
+    text = text.replace('angle_of_repose = { value = "22 deg", uncertainty = "0.5 deg" }', "")
+    text = text.replace("targets.\n", "")
+    path = tmp_path / "round.toml"
+    path.write_text(text, encoding="utf-8")
+    [problem] = describe_plan(gf.load(path)).problems
+    assert problem.startswith(f"{path}: test discharge, solver: lammps cannot simulate")
+
+
+@pytest.mark.slow
+def test_material_that_arches_fails_with_that_reason(tmp_path: Path) -> None:
+    """A slot of less than two diameters is blocked by rough particles."""
+    rough = {**GLASS_BEADS, "particle_particle.sliding_friction": 0.8}
+    test = Discharge(
+        diameter="10 mm", slot_width="15 mm", depth="4 cm", width="8 cm", fill_height="8 cm"
+    )
+
+    with pytest.raises(RunFailedError, match="arches over the slot"):
+        Lammps(test, rough).run({}, 1, Workspace(tmp_path, 300.0))
+    assert (tmp_path / "discharge.png").stat().st_size > 5_000
+
+
+@pytest.mark.slow
+def test_round_orifice_flows_in_liggghts(tmp_path: Path) -> None:
+    test = Discharge(diameter="10 mm", orifice="round", width="9 cm", fill_height="9 cm")
+    responses = Liggghts(test, GLASS_BEADS).run({}, 1, Workspace(tmp_path, 300.0))
+
+    # Beverloo: 0.58 rho_b sqrt(g) (D - 1.4 d)^2.5, with a constant that is known to a fifth.
+    expected = 0.58 * responses["bulk_density"].value * 9.81**0.5 * 0.046**2.5
+    assert responses["mass_flow"].value == pytest.approx(expected, rel=0.25)
+
+
+@pytest.mark.slow
+def test_flow_grows_with_the_slot_as_beverloo_says(tmp_path: Path) -> None:
+    """Two slots; benchmarks/beverloo.py fits the exponent to several seeds."""
+    flows = []
+    for slot in (0.05, 0.08):
+        test = Discharge(
+            diameter="10 mm", slot_width=slot, depth="6 cm", width="12 cm", fill_height="14 cm"
+        )
+        folder = tmp_path / str(slot)
+        folder.mkdir()
+        responses = Lammps(test, GLASS_BEADS).run({}, 1, Workspace(folder, 300.0))
+        flows.append(responses["mass_flow"].value)
+
+    assert flows[1] / flows[0] == pytest.approx((6.5 / 3.5) ** 1.5, rel=0.15)

@@ -1,0 +1,108 @@
+"""Draw-down: geometry, what is refused, and runs that mean nothing although they end well."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from grainfit.bulk_tests.draw_down import DrawDown
+from grainfit.bulk_tests.draw_down.surfaces import Surfaces
+from grainfit.bulk_tests.shared.validity import (
+    require_apex_below,
+    require_emptied,
+    require_foot_on_floor,
+)
+from grainfit.errors import InputError, NotMeasurableError, RunFailedError
+from grainfit.measurement.height_map import HeightMap
+from grainfit.measurement.particles import Particles
+from grainfit.solvers.base import Workspace
+from grainfit.solvers.dem.lammps.program import Lammps
+from grainfit.testing.materials import ROUGH_SPHERES
+
+
+def faults_of(**options: object) -> dict[str, str]:
+    with pytest.raises(InputError) as caught:
+        DrawDown(diameter="10 mm", **options)
+    return {fault.key: str(fault) for fault in caught.value.faults}
+
+
+def balls(*centres: tuple[float, float, float]) -> Particles:
+    count = len(centres)
+    return Particles(np.array(centres).reshape(count, 3), np.full(count, 0.005), np.ones(count))
+
+
+def test_defaults_follow_the_diameter() -> None:
+    small, large = DrawDown(diameter="2 mm").setup, DrawDown(diameter="50 mm").setup
+
+    assert small.filling.particle_count == large.filling.particle_count == 2659
+    assert small.box.slot_width == pytest.approx(0.010)
+    assert large.box.slot_width == pytest.approx(0.250)
+    assert large.floor == pytest.approx(-14.5 * 0.05)
+    assert large.flow_time == pytest.approx(5 * small.flow_time)
+
+
+@pytest.mark.parametrize(
+    ("options", "key"),
+    [
+        ({"slot_width": "25 cm"}, "slot_width"),
+        ({"slot_width": "9 mm"}, "slot_width"),
+        ({"depth": "3 cm"}, "depth"),
+        ({"width": "5 cm", "slot_width": "4 cm"}, "width"),
+        ({"fill_height": "3 cm"}, "fill_height"),
+        ({"floor_distance": "4 cm"}, "floor_distance"),
+        ({"floor_half_width": "12 cm"}, "floor_half_width"),
+        ({"fill_height": "900 m"}, "fill_height"),
+        ({"width": "1 mm", "depth": "1 mm", "fill_height": "1 mm"}, "depth"),
+    ],
+)
+def test_impossible_geometry_is_refused_with_its_option(
+    options: dict[str, object], key: str
+) -> None:
+    found = faults_of(**options)
+
+    assert key in found
+    assert " m" in found[key]
+
+
+def test_heap_that_reaches_the_shelf_chokes_the_slot() -> None:
+    require_apex_below(0.115, 0.140, 0.020, 0.010)
+    with pytest.raises(RunFailedError, match=r"chokes the slot: its apex is 1.5 .* floor_distance"):
+        require_apex_below(0.125, 0.140, 0.020, 0.010)
+
+
+def test_particles_held_above_the_slot_are_an_arch() -> None:
+    require_emptied(balls((0, 0, 0.01), (0, 0.02, 0.01)), "slot")
+    with pytest.raises(RunFailedError, match="arches over the slot: 4 particles"):
+        require_emptied(balls(*[(0.0, 0.01 * i, 0.01) for i in range(4)]), "slot")
+
+
+def test_foot_beyond_the_floor_fails() -> None:
+    x = np.linspace(-0.3, 0.3, 601)
+    whole = HeightMap(np.maximum(0.08 - 0.4 * np.abs(x), 0)[None], x, 0.1)
+    wide = HeightMap(np.maximum(0.08 - 0.25 * np.abs(x), 0)[None], x, 0.1)
+
+    require_foot_on_floor(whole, 0.01, 0.010)
+    with pytest.raises(RunFailedError, match=r"not on the floor: 5.0 %"):
+        require_foot_on_floor(whole, 0.05, 0.010)
+    with pytest.raises(RunFailedError, match="larger floor_half_width, or"):
+        require_foot_on_floor(wide, 0.0, 0.010)
+
+
+def test_end_on_one_side_only_is_not_measurable() -> None:
+    setup = DrawDown(diameter="10 mm").setup
+    with pytest.raises(NotMeasurableError, match="no particles are left"):
+        Surfaces.of(balls(), setup)
+    with pytest.raises(NotMeasurableError, match="on one side of the slot"):
+        _ = Surfaces.of(balls((0.1, 0.05, 0.005)), setup).apex
+
+
+@pytest.mark.slow
+def test_heap_on_a_floor_9_d_below_chokes_the_slot(tmp_path: Path) -> None:
+    test = DrawDown(diameter="10 mm", depth="4 cm", floor_distance="9 cm")
+
+    with pytest.raises(RunFailedError, match="chokes the slot"):
+        Lammps(test, ROUGH_SPHERES).run({}, 1, Workspace(tmp_path, 300.0))
+    assert (tmp_path / "draw_down.png").stat().st_size > 10_000
+    assert (tmp_path / "draw_down.vtk").is_file()

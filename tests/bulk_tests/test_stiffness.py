@@ -1,0 +1,106 @@
+"""Stiffness of particles: the bulk density that their overlap adds, and what is said about it."""
+
+from __future__ import annotations
+
+import io
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from rich.console import Console
+
+import grainfit as gf
+from grainfit.analysis.stiffness_notes import stiffness_notes
+from grainfit.bulk_tests.shared.stiffness import (
+    excess_density,
+    number_with_excess,
+    stiffness_number,
+)
+from grainfit.calibration_file.plan import describe_plan
+from grainfit.calibration_file.starter import STARTER_FILE
+from grainfit.cli.console import print_plan
+from grainfit.testing.materials import GLASS_BEADS
+
+EXAMPLE = Path(__file__).parents[2] / "examples" / "glass_beads" / "calibration.toml"
+MODULUS, DENSITY = "particle.youngs_modulus", "particle.density"
+
+
+def notes(answer: dict[str, float] | None = None, **changes: float) -> tuple[str, ...]:
+    setup = gf.load(EXAMPLE)
+    fixed = {**setup.file.fixed, **{f"particle.{k}": v for k, v in changes.items()}}
+    return stiffness_notes(setup.problem, setup.bulk_tests, fixed, answer)
+
+
+def test_the_number_is_that_of_the_same_heap_at_every_size_and_density() -> None:
+    heap = gf.tests.Heap(diameter="10 mm")
+    assert stiffness_number(GLASS_BEADS, heap.conditions) == pytest.approx(1747, abs=1)
+    moon = gf.tests.Heap(diameter="50 mm", gravity=1.62)
+    scaled = {**GLASS_BEADS, MODULUS: 3.6e5 * 5 * 1.62 / 9.81 * 2, DENSITY: 4200.0}
+    assert stiffness_number(scaled, moon.conditions) == pytest.approx(1747, abs=1)
+
+
+@pytest.mark.parametrize(
+    "measured",
+    [
+        # Frictions 0.5 and 0.2; glass beads of the example: E/(rho g d), solid fraction.
+        {525: 0.673, 1750: 0.609, 5250: 0.573, 17_500: 0.553, 52_500: 0.543},
+        {1747: 0.6463, 6990: 0.6009, 27_960: 0.5812, 111_840: 0.5696},
+    ],
+)
+def test_the_excess_is_that_of_measured_heaps(measured: dict[float, float]) -> None:
+    rigid = [fraction / (1 + excess_density(number)) for number, fraction in measured.items()]
+    assert max(rigid) / min(rigid) < 1.01
+
+
+def test_the_number_of_an_excess_has_that_excess() -> None:
+    for excess in (0.3, 0.1, 0.02, 0.01):
+        assert excess_density(number_with_excess(excess)) == pytest.approx(excess)
+
+
+def test_the_example_of_the_paper_is_told_its_excess_and_a_modulus() -> None:
+    [note] = notes()
+    assert "E/(ρ g d) = 1750: bulk_density is about 16 % above that of rigid particles" in note
+    assert "(13 to 18 % within the intervals)" in note
+    assert "the fitted particle density is too low" in note
+    assert "2 % with 22 MPa (7.8 times as many time steps)" in note
+    assert "angle_of_repose" not in note
+
+
+def test_an_answer_has_one_value_and_stiff_particles_are_not_mentioned() -> None:
+    [note] = notes({DENSITY: 2300.0, "particle_particle.rolling_friction": 0.5})
+    assert "within the intervals" not in note
+    assert notes(youngs_modulus=4e8) == ()
+
+
+def test_nothing_is_said_where_no_target_depends_on_it() -> None:
+    setup = gf.load(EXAMPLE)
+    angle = replace(setup.problem, targets=[setup.problem.targets[1]])
+    assert stiffness_notes(angle, setup.bulk_tests, setup.file.fixed) == ()
+
+
+def test_the_starter_file_has_particles_that_are_stiff_enough(tmp_path: Path) -> None:
+    path = tmp_path / "beads.toml"
+    path.write_text(STARTER_FILE)
+    setup = gf.load(path)
+    [test] = setup.bulk_tests.values()
+    middle = setup.problem.from_unit([0.5] * setup.problem.dimension)
+    number = stiffness_number({**setup.file.fixed, **middle}, test.conditions)
+    assert excess_density(number) < 0.021
+
+
+def test_check_says_it(tmp_path: Path) -> None:
+    setup = gf.load(EXAMPLE)
+    [note] = setup.notes()
+    assert "about 16 % above" in note
+    console = Console(file=io.StringIO(), width=1000)
+    print_plan(console, describe_plan(setup))
+    assert isinstance(console.file, io.StringIO)
+    assert f"Note: {note}\n" in console.file.getvalue()
+    text = EXAMPLE.read_text().replace(
+        "sliding_friction = 0.18", "sliding_friction = { min = 0.1, max = 0.8 }"
+    )
+    path = tmp_path / "beads.toml"
+    path.write_text(text)
+    frictions, soft = gf.load(path).notes()
+    assert "can hardly be told apart by heap alone" in frictions
+    assert soft == note

@@ -1,0 +1,185 @@
+"""Runs of one particle size and density serve every other."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+import pytest
+
+import grainfit as gf
+from grainfit.bulk_tests.heap import Heap
+from grainfit.bulk_tests.natural_units import Scale, natural_run
+from grainfit.campaign.reuse import take_runs
+from grainfit.campaign.store.records import RunRecord
+from grainfit.campaign.store.store import RunStore
+from grainfit.evaluation import Response
+from grainfit.solvers.base import Workspace
+from grainfit.solvers.dem.lammps.program import Lammps
+from grainfit.solvers.own_model.python_callable import PythonCallable
+from grainfit.testing.materials import GLASS_BEADS
+
+FRICTION = "particle_particle.rolling_friction"
+DENSITY, MODULUS = "particle.density", "particle.youngs_modulus"
+#: A small heap, in diameters.
+SMALL = {
+    "cylinder_radius": 3.5,
+    "plate_radius": 8.0,
+    "strike_off_height": 8.5,
+    "bulk_density_top": 7.0,
+}
+
+
+@dataclass(frozen=True)
+class Material:
+    """Beads of a size and density whose E/(rho g d) is the same as that of all others."""
+
+    diameter: float
+    density: float
+    stiffness: float = 1800.0
+
+    @property
+    def values(self) -> dict[str, float]:
+        modulus = self.stiffness * self.density * 9.81 * self.diameter
+        return {**GLASS_BEADS, DENSITY: self.density, MODULUS: modulus}
+
+    def heap(self) -> Heap:
+        lengths = {name: number * self.diameter for name, number in SMALL.items()}
+        speed = 0.3 * math.sqrt(self.diameter / 0.010)
+        return Heap(diameter=self.diameter, lift_speed=speed, **lengths)
+
+    def solver(self, free: Iterable[str] = ()) -> Lammps:
+        fixed = {name: v for name, v in self.values.items() if name not in free}
+        return Lammps(self.heap(), fixed)
+
+
+BEADS = Material(0.010, 2000.0)
+FINE = Material(0.002, 1000.0)
+
+
+def stored(solver: Lammps, responses: Mapping[str, Response], seed: int = 3) -> RunStore:
+    store = RunStore("sqlite://")
+    run = solver.definition({}, seed)
+    store.save(RunRecord(run.identity, "heap", "finished", run, responses))
+    return store
+
+
+def taken(store: RunStore, material: Material, **free: tuple[float, float]) -> list[RunRecord]:
+    """Runs of a store that a calibration of these free parameters takes."""
+    names = {name.replace("__", "."): interval for name, interval in free.items()}
+    problem = gf.Problem(
+        [gf.Parameter(name, *interval) for name, interval in names.items()],
+        [gf.Target("angle_of_repose", 22.0)],
+    )
+    here = RunStore("sqlite://")
+    count = take_runs(store, problem, {"heap": material.solver(names)}, here)
+    found = here.runs("finished")
+    assert count == len(found)
+    return found
+
+
+ROLLING = {"particle_particle__rolling_friction": (0.1, 1.0)}
+RESPONSES = {"bulk_density": Response(1300.0, 10.0), "angle_of_repose": Response(22.0, 1.0)}
+
+
+def test_natural_units_are_those_of_diameter_density_and_gravity() -> None:
+    scale = Scale(0.01, 2000.0, 9.81)
+
+    assert scale.of("m") == 0.01
+    assert scale.of("s") == pytest.approx(math.sqrt(0.01 / 9.81))
+    assert scale.of("kg") == pytest.approx(2000.0 * 1e-6)
+    assert scale.of("Pa") == pytest.approx(2000.0 * 9.81 * 0.01)
+    assert scale.of("kg/s") == pytest.approx(2000.0 * math.sqrt(9.81) * 0.01**2.5)
+    assert scale.of("deg") == scale.of("") == 1.0
+
+
+@pytest.mark.parametrize("diameter", [0.002, 0.010, 0.050])
+def test_a_run_of_one_size_serves_every_other(diameter: float) -> None:
+    material = Material(diameter, 800.0)
+    [run] = taken(stored(BEADS.solver(), RESPONSES), material, **ROLLING)
+
+    assert run.definition.parameters[FRICTION] == GLASS_BEADS[FRICTION]
+    assert run.definition.identity == run.identity
+    assert (
+        run.definition.identity
+        == material.solver([FRICTION]).definition({FRICTION: GLASS_BEADS[FRICTION]}, 3).identity
+    )
+    assert run.responses["bulk_density"].value == pytest.approx(1300.0 * 800 / 2000)
+    assert run.responses["bulk_density"].standard_error == pytest.approx(4.0)
+    assert run.responses["angle_of_repose"] == Response(22.0, 1.0)
+    assert run.origin
+
+
+def test_a_free_density_follows_from_a_fixed_stiffness_and_the_other_way_round() -> None:
+    store = stored(BEADS.solver(), RESPONSES)
+    [run] = taken(store, FINE, particle__density=(800.0, 1200.0))
+    assert run.definition.parameters[DENSITY] == pytest.approx(1000.0, rel=1e-9)
+
+    [run] = taken(store, FINE, particle__youngs_modulus=(1e4, 1e5))
+    assert run.definition.parameters[MODULUS] == pytest.approx(FINE.values[MODULUS], rel=1e-9)
+
+
+def test_with_density_and_stiffness_free_a_run_lies_within_the_interval_of_the_density() -> None:
+    intervals = {"particle__density": (800.0, 1200.0), "particle__youngs_modulus": (1e4, 1e5)}
+    [run] = taken(stored(BEADS.solver(), RESPONSES), FINE, **intervals)
+    values = run.definition.parameters
+
+    assert values[DENSITY] == 1200.0
+    assert values[MODULUS] / (1200.0 * 9.81 * 0.002) == pytest.approx(1800.0)
+
+
+@pytest.mark.parametrize(
+    "other",
+    [
+        Material(0.002, 1000.0, stiffness=1801.0),
+        Material(0.002, 1000.0, stiffness=900.0),
+    ],
+)
+def test_runs_of_another_stiffness_are_other_runs(other: Material) -> None:
+    assert taken(stored(BEADS.solver(), RESPONSES), other, **ROLLING) == []
+
+
+def test_runs_of_another_lift_speed_are_other_runs() -> None:
+    solver = Lammps(Heap(diameter="2 mm", lift_speed="0.3 m/s"), FINE.values)
+    assert taken(stored(solver, RESPONSES), BEADS, **ROLLING) == []
+
+
+def test_runs_of_the_same_scale_are_taken_as_they_are() -> None:
+    store = stored(BEADS.solver(), RESPONSES)
+    [run] = taken(store, BEADS, **ROLLING)
+    [original] = store.runs("finished")
+
+    assert run.identity == original.identity
+    assert run.responses == original.responses
+
+
+def test_a_function_has_no_natural_units() -> None:
+    solver = PythonCallable(lambda p, s: {"angle_of_repose": 22.0}, identity="drum")
+    assert natural_run(solver.definition({}, 1)) is None
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("diameter", [0.002, 0.050])
+def test_simulated_runs_of_two_sizes_are_the_same_run(diameter: float, tmp_path: Path) -> None:
+    found = []
+    for number, material in enumerate((BEADS, Material(diameter, 800.0))):
+        runs = []
+        for seed in (1, 2, 3):
+            folder = tmp_path / f"{number} {seed}"
+            folder.mkdir()
+            runs.append(material.solver().run({}, seed, Workspace(folder, 600.0)))
+        found.append(
+            {
+                "solid fraction": [r["bulk_density"].value / material.density for r in runs],
+                "angle": [r["angle_of_repose"].value for r in runs],
+            }
+        )
+    one, other = found
+    # Equal seeds fall from the same places; rounding makes them two samples of one distribution.
+    for fraction, again in zip(one["solid fraction"], other["solid fraction"], strict=True):
+        assert again == pytest.approx(fraction, rel=0.03)
+    difference = sum(other["angle"]) / 3 - sum(one["angle"]) / 3
+    # Seeds of this small heap scatter by 1.5 degrees: three standard errors of a mean of three.
+    assert abs(difference) < 3 * 1.5 * math.sqrt(2 / 3)

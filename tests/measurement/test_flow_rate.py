@@ -1,0 +1,74 @@
+"""Mass flow from the mass in a container over time."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from grainfit.errors import NotMeasurableError
+from grainfit.measurement.flow_rate import flow_rate
+
+
+def emptied(rate: float, full: float = 2.0, residue: float = 0.2) -> tuple[np.ndarray, np.ndarray]:
+    """A bed that flows at a constant rate until a residue is left, and then rests."""
+    time = np.arange(0.0, 3.0, 0.004)
+    return time + 7.0, np.maximum(full - rate * time, residue)
+
+
+def test_constant_flow_is_its_slope_without_error() -> None:
+    measured = flow_rate(*emptied(1.3))
+
+    assert measured.value == pytest.approx(1.3, rel=1e-9)
+    assert measured.standard_error < 1e-9
+    # 10 and 50 % of the 1.8 kg that leave.
+    assert measured.start == pytest.approx((7 + 0.18 / 1.3, 0.18))
+    assert measured.end == pytest.approx((7 + 0.9 / 1.3, 0.9))
+
+
+def test_slow_start_and_end_do_not_count() -> None:
+    time = np.arange(0.0, 6.0, 0.002)
+    flow = np.where(time < 0.3, time / 0.3, 1.0) * np.where(time > 2.5, np.exp(2.5 - time), 1.0)
+    mass = 5.0 - np.concatenate([[0.0], np.cumsum(flow[:-1] * np.diff(time))])
+
+    assert flow_rate(time, mass).value == pytest.approx(1.0, rel=1e-3)
+
+
+def test_flow_that_slowly_gets_less_is_no_error() -> None:
+    time = np.arange(0.0, 4.0, 0.002)
+    mass = 3.0 * np.exp(-time / 3)
+    measured = flow_rate(time, mass)
+
+    assert measured.standard_error < 0.03 * measured.value
+
+
+def test_standard_error_is_the_scatter_between_beds() -> None:
+    random = np.random.default_rng(3)
+    found = []
+    for _ in range(200):
+        # Particles pass one by one, at random times.
+        times = np.cumsum(random.exponential(0.001, 2000))
+        time = np.arange(0.0, 2.5, 0.003)
+        found.append(flow_rate(time, 2000.0 - np.searchsorted(times, time)))
+    scatter = np.std([flow.value for flow in found])
+    stated = math.sqrt(np.mean([flow.standard_error**2 for flow in found]))
+
+    assert np.mean([flow.value for flow in found]) == pytest.approx(1000, rel=0.01)
+    assert stated == pytest.approx(scatter, rel=0.2)
+
+
+@pytest.mark.parametrize(
+    ("time", "mass", "reason"),
+    [
+        (np.array([0.0]), np.array([1.0]), "fewer than two records"),
+        (np.array([]), np.array([]), "fewer than two records"),
+        (np.arange(50.0), np.full(50, 2.0), "no mass has left"),
+        (np.arange(10.0), np.linspace(1, 0, 10), "over within"),
+    ],
+)
+def test_series_without_a_flow_is_not_measurable(
+    time: np.ndarray, mass: np.ndarray, reason: str
+) -> None:
+    with pytest.raises(NotMeasurableError, match=f"^mass flow: .*{reason}"):
+        flow_rate(time, mass)

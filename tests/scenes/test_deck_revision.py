@@ -1,0 +1,44 @@
+"""Packing and decks of scenes, letter by letter: others would be other runs of one identity."""
+
+from __future__ import annotations
+
+import hashlib
+from pathlib import Path
+
+import pytest
+
+from grainfit.bulk_tests.heap import Heap
+from grainfit.materials.sizes import ParticleSizes
+from grainfit.scenes.packing import Round, random_column
+from grainfit.scenes.scene import SCENES_REVISION
+from grainfit.testing.decks import write_deck
+from grainfit.testing.materials import GLASS_BEADS
+
+MIXTURE = ParticleSizes((0.012, 0.008), (0.5, 0.5))
+SOFT_WALL = {**GLASS_BEADS, "wall.youngs_modulus": 2e5, "particle_wall.sliding_friction": 0.6}
+#: Revision, and decks of it: beads, and a mixture on a plate with a rim.
+DECKS = {"lammps": (1, "79fd414cb0ab7dd0"), "liggghts": (1, "d1badc97af6a88bd")}
+#: Revision, height of the column and place of the first particle, m.
+COLUMN = (1, 0.0684905716, (-0.0441319384, -0.0035668218, 0.0367854215))
+CHANGED = "have changed: raise SCENES_REVISION in scenes/scene.py, and pin the new values here"
+
+
+@pytest.mark.parametrize("solver", DECKS)
+def test_decks_are_those_of_their_revision(tmp_path: Path, solver: str) -> None:
+    digest = hashlib.sha256()
+    for test, material in (
+        (Heap(diameter="10 mm"), GLASS_BEADS),
+        (Heap(MIXTURE, rim_height="6 mm", plate_rolling_friction=0.1), SOFT_WALL),
+    ):
+        digest.update(write_deck(test, tmp_path, solver, material, seed=1).read_bytes())
+
+    assert (SCENES_REVISION, digest.hexdigest()[:16]) == DECKS[solver], f"decks {CHANGED}"
+
+
+def test_packing_is_that_of_its_revision() -> None:
+    column = random_column(MIXTURE, 300, Round(0.05), seed=1)
+    revision, height, place = COLUMN
+
+    assert revision == SCENES_REVISION, f"the packing may {CHANGED}"
+    found = (column.height, *column.positions[0])
+    assert found == pytest.approx((height, *place), abs=1e-9), f"packings {CHANGED}"

@@ -1,0 +1,72 @@
+"""Scenes as data: names, energies, concepts, and the triangles of walls."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from grainfit.errors import InputError
+from grainfit.scenes.conditions import Elapsed
+from grainfit.scenes.records import KineticEnergy, Series
+from grainfit.scenes.scene import Box, Stage, Velocity, Wall
+from grainfit.scenes.shapes import Block, Plane
+from grainfit.scenes.triangles import triangles_of
+from grainfit.testing.scene_contract import MASS, RADIUS, WEIGHT, frames, scene_of, spheres
+
+FLOOR = Wall(Plane("z", 0.0))
+ONE = spheres([(0, 0, 0.1)])
+
+
+@pytest.mark.parametrize(
+    ("walls", "stage", "key", "message"),
+    [
+        ({"front wall": FLOOR}, Stage("fall", Elapsed(1.0)), "walls", "'front wall' is not one"),
+        ({}, Stage("fall down", Elapsed(1.0)), "stages", "'fall down' is not one word"),
+        ({}, Stage("fall", Elapsed(1.0), snapshot="../x"), "snapshots", "'../x' is not one word"),
+        (
+            {},
+            Stage("fall", Elapsed(1.0), series=Series({"a,b": KineticEnergy()}, 0.1)),
+            "columns",
+            "'a,b' is not one word",
+        ),
+        ({"floor": FLOOR}, Stage("fall", Elapsed(1.0), put={"floor": FLOOR}), "walls", "twice"),
+    ],
+)
+def test_a_name_that_a_deck_would_misread_is_refused(walls, stage, key, message):
+    with pytest.raises(InputError) as caught:
+        scene_of(ONE, walls, [stage])
+    (fault,) = caught.value.faults
+    assert fault.key == key
+    assert message in fault.message
+    assert fault.remedy
+
+
+def test_two_stages_of_one_name_are_refused():
+    with pytest.raises(InputError, match="'fall' is there twice"):
+        scene_of(ONE, {}, [Stage("fall", Elapsed(1.0)), Stage("fall", Elapsed(1.0))])
+
+
+def test_the_energy_limit_is_that_of_the_fall_and_of_the_start():
+    still = scene_of(ONE, {}, frames(0.1))
+    moving = replace(still, particles=replace(ONE, velocities=np.array([[3.0, 0.0, 4.0]])))
+    assert still.initial_energy == 0.0
+    assert still.energy_limit == pytest.approx(WEIGHT * (0.1 + RADIUS + 0.1))
+    assert moving.energy_limit - still.energy_limit == pytest.approx(MASS * 25 / 2)
+
+
+def test_a_scene_names_the_concepts_it_needs():
+    stage = Stage("lift", Elapsed(1.0), motions={"floor": Velocity("z", 0.1)})
+    scene = scene_of(ONE, {"floor": FLOOR}, [stage], box=Box((0, 0, 0), (1, 1, 1), "y"))
+    assert scene.concepts() == {"plane", "velocity", "periodic y"}
+
+
+@pytest.mark.parametrize("shape", [Plane("z", 0.0), Block((-0.1, 0, -0.1), (0.1, 1, 0.0))])
+def test_triangles_are_shorter_than_the_period_and_cover_the_wall(shape):
+    box = Box((-0.2, 0.0, -0.2), (0.2, 0.03, 0.2), periodic="y")
+    triangles = triangles_of(shape, box, 0.01)
+    edges = triangles - np.roll(triangles, 1, axis=1)
+    assert np.linalg.norm(edges, axis=2).max() < 0.03
+    top = triangles[(triangles[:, :, 2] == 0).all(axis=1)]
+    sides = np.cross(top[:, 1] - top[:, 0], top[:, 2] - top[:, 0])
+    width = 0.4 if isinstance(shape, Plane) else 0.2
+    assert np.linalg.norm(sides, axis=1).sum() / 2 == pytest.approx(width * 0.03)

@@ -1,0 +1,28 @@
+"""LAMMPS and LIGGGHTS keep the contract of scenes."""
+
+from __future__ import annotations
+
+import shutil
+
+import pytest
+
+from grainfit.bulk_tests.heap import Heap
+from grainfit.solvers.dem.lammps.program import Lammps
+from grainfit.solvers.dem.liggghts.program import Liggghts
+from grainfit.testing.impact_contract import ImpactContract
+from grainfit.testing.scene_contract import SceneContract
+
+
+class TestLammps(SceneContract, ImpactContract):
+    @pytest.fixture
+    def solver(self):
+        return Lammps(Heap(diameter="10 mm"), {})
+
+
+@pytest.mark.skipif(
+    shutil.which("liggghts") is None, reason="LIGGGHTS is not installed: apt-get install liggghts"
+)
+class TestLiggghts(SceneContract, ImpactContract):
+    @pytest.fixture
+    def solver(self):
+        return Liggghts(Heap(diameter="10 mm"), {})

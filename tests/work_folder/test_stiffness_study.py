@@ -1,0 +1,211 @@
+"""`grainfit stiffness` and `gf.stiffness_study`: responses at several Young's moduli."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from typing import Any
+
+import pytest
+from typer.testing import CliRunner
+
+import grainfit as gf
+from grainfit.campaign.moduli import ExpectedWork, ModulusRow
+from grainfit.cli.app import app
+from grainfit.testing.materials import GLASS_BEADS
+
+MODEL = """\
+from pathlib import Path
+from typing import Any
+
+def simulate(parameters, seed):
+    modulus = parameters["particle.youngs_modulus"]
+    with open("calls", "a") as calls:
+        calls.write(f"{modulus} {seed}\\n")
+    if modulus > 9e7:
+        raise ValueError("the time step is too small")
+    density = 1500 * (1 + 100 / modulus ** 0.5) * parameters["friction"]
+    return {"bulk_density": density + seed % 3, "angle": 30 + 0.1 * (seed % 2)}
+"""
+FILE = """\
+name = "my sand"
+[particle]
+youngs_modulus = "1 MPa"
+[parameters]
+friction = { min = 0.5, max = 1.5 }
+[[test]]
+type = "python"
+function = "model.py:simulate"
+targets.bulk_density = { value = 1500, tolerance = 40, unit = "kg/m^3" }
+targets.angle = { value = 30, tolerance = 1 }
+"""
+
+
+@pytest.fixture
+def sand(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    (tmp_path / "model.py").write_text(MODEL)
+    (tmp_path / "sand.toml").write_text(FILE)
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def calls() -> list[str]:
+    return Path("calls").read_text().splitlines()
+
+
+def moduli(rows: tuple[ModulusRow, ...]) -> list[float]:
+    return [row.modulus for row in rows]
+
+
+@pytest.mark.usefixtures("sand")
+def test_the_smallest_modulus_that_agrees_with_the_stiffest_is_named() -> None:
+    # 150, 75, 37.5 and 18.75 above stiff particles: only the last two differ by less than 40.
+    study = gf.stiffness_study("sand.toml", factors=[1, 4, 16, 64])
+    assert moduli(study.rows) == pytest.approx([1e6, 4e6, 16e6, 64e6])
+    assert study.smallest_sufficient is not None
+    assert study.smallest_sufficient.modulus == 16e6
+    assert study.difference(study.rows[0], "bulk_density")[0] == pytest.approx(131.25)
+    found = study.rows[0].responses["bulk_density"]
+    # Seeds 1, 2, 3 add 1, 2, 0 at every modulus.
+    assert found.mean == pytest.approx(1651.0)
+    assert found.standard_error == pytest.approx(1 / 3**0.5)
+    text = str(study)
+    assert "1.6e+07 Pa is enough" in text
+    assert "1651.00 ± 0.58" in text
+    assert "leaves it in doubt" not in text
+    assert "<table" in study._repr_html_()
+
+
+@pytest.mark.usefixtures("sand")
+def test_only_the_stiffest_is_no_proof_that_it_is_stiff_enough() -> None:
+    study = gf.stiffness_study("sand.toml", factors=[1, 4])
+    assert study.smallest_sufficient is None
+    text = str(study)
+    assert "Whether 4e+06 Pa is stiff enough is not known: add a larger factor." in text
+    assert "bulk_density differs by 75 kg/m³ at 1e+06 Pa, 40 kg/m³ are accepted" in text
+
+
+@pytest.mark.usefixtures("sand")
+def test_a_second_call_makes_only_the_runs_that_are_missing() -> None:
+    works: list[ExpectedWork] = []
+    gf.stiffness_study("sand.toml", factors=[1, 4], seeds=2, on_start=works.append)
+    done: list[tuple[int, int]] = []
+    study = gf.stiffness_study(
+        "sand.toml",
+        factors=[1, 4, 16],
+        seeds=3,
+        on_start=works.append,
+        on_progress=lambda *counts: done.append(counts),
+    )
+    assert [(work.runs, work.known) for work in works] == [(4, 0), (5, 4)]
+    assert len(calls()) == len(set(calls())) == 9
+    assert done[-1] == (9, 9)
+    assert len(study.rows) == 3
+
+
+@pytest.mark.usefixtures("sand")
+def test_failed_moduli_are_named_and_the_others_compared() -> None:
+    study = gf.stiffness_study("sand.toml", factors=[16, 64, 256])
+    assert study.stiffest.modulus == 64e6
+    assert study.smallest_sufficient is not None
+    assert study.smallest_sufficient.modulus == 16e6
+    assert "the time step is too small" in str(study)
+    with pytest.raises(gf.RunFailedError, match="the time step is too small"):
+        gf.stiffness_study("sand.toml", factors=[256, 512])
+
+
+def test_ctrl_c_keeps_what_has_finished(sand: Path) -> None:
+    def stop(done: int, _count: int) -> None:
+        if done >= 3:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        gf.stiffness_study("sand.toml", workers=1, on_progress=stop)
+    works: list[ExpectedWork] = []
+    gf.stiffness_study("sand.toml", workers=1, on_start=works.append)
+    assert works[0].known >= 3
+    assert (sand / "sand.grainfit").is_dir()
+
+
+def command(*arguments: str) -> Any:
+    return CliRunner().invoke(app, ["stiffness", *arguments])
+
+
+@pytest.mark.usefixtures("sand")
+def test_the_command_says_the_work_and_prints_the_table() -> None:
+    done = command("sand.toml", "--factors", "16,64", "--set", "friction=1.2", "--seeds", "2")
+    assert done.exit_code == 0
+    assert "4 runs to make, 0 known already" in done.stderr
+    assert "bulk_density in kg/m³" in done.stdout
+    # 1500 * (1 + 100 / 4000) * 1.2 + 1.5
+    assert "1846.50" in done.stdout
+    assert "enough" in done.stdout
+
+
+@pytest.mark.usefixtures("sand")
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["sand.toml", "--factors", "1,many"], "factors: 'many' is not a number"),
+        (["sand.toml", "--factors", "0,1"], "factors: 0 is no factor"),
+        (["sand.toml", "--factors", "nan,1"], "factors: nan is no factor"),
+        (["sand.toml", "--factors", "4,4"], "factors: 1 given"),
+        (["sand.toml", "--factors", "1,1e12"], r"particle\.youngs_modulus: 1e\+18 is outside"),
+        (["sand.toml", "--set", "fiction=1"], "friction"),
+        (["nowhere.toml"], r"nowhere\.toml"),
+        (["."], "work folder"),
+    ],
+)
+def test_bad_input_is_named(arguments: list[str], message: str) -> None:
+    error = command(*arguments).exception
+    assert isinstance(error, gf.GrainfitError)
+    assert re.search(message, str(error))
+
+
+def test_a_material_without_a_modulus_has_no_stiffness(sand: Path) -> None:
+    text = FILE.replace("[particle]\n", "").replace('youngs_modulus = "1 MPa"\n', "")
+    (sand / "sand.toml").write_text(text)
+    with pytest.raises(gf.InputError, match=r"particle\.youngs_modulus.*no value"):
+        gf.stiffness_study("sand.toml")
+
+
+def test_the_answer_of_a_model_of_the_user_needs_its_file(sand: Path) -> None:
+    gf.load("sand.toml").calibrate(max_runs=14)
+    with pytest.raises(gf.InputError, match="Give the calibration file"):
+        gf.stiffness_study(sand / "sand.grainfit")
+    with pytest.raises(gf.InputError, match="does not go with the answer"):
+        gf.stiffness_study(sand / "sand.grainfit", settings=["friction=1"])
+
+
+@pytest.mark.slow
+def test_the_answer_of_a_calibration_is_simulated_with_stiffer_beads(tmp_path: Path) -> None:
+    heap = gf.tests.Heap(
+        diameter="10 mm",
+        cylinder_radius="30 mm",
+        strike_off_height="50 mm",
+        bulk_density_top="40 mm",
+        plate_radius="80 mm",
+        lift_speed="0.2 m/s",
+    )
+    material = {name: value for name, value in GLASS_BEADS.items() if name != "particle.density"}
+    problem = gf.Problem(
+        [gf.Parameter("particle.density", 2000, 2600, unit="kg/m^3")],
+        [gf.Target("bulk_density", 1450.0, tolerance=15.0, unit="kg/m^3")],
+    )
+    folder = tmp_path / "beads"
+    result = gf.calibrate(
+        problem, gf.solvers.Lammps(heap, material), workdir=folder, max_runs=14, seed=1
+    )
+    works: list[ExpectedWork] = []
+    study = gf.stiffness_study(folder, factors=[1, 8], seeds=2, on_start=works.append)
+    assert study.parameters["particle.density"] == result.parameters["particle.density"]
+    assert moduli(study.rows) == pytest.approx([3.6e5, 2.88e6])
+    assert works[0].seconds is not None
+    soft, stiff = (row.responses["bulk_density"].mean for row in study.rows)
+    # Soft beads overlap: the bed of the stiff ones is about 8 % looser.
+    assert 1.04 < soft / stiff < 1.14
+    steps = [row.time_step for row in study.rows]
+    assert steps[0] is not None
+    assert steps[1] is not None
+    assert steps[0] / steps[1] == pytest.approx(8**0.5)
+    assert gf.open(folder).result == result
