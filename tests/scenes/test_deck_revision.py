@@ -17,7 +17,7 @@ from grainfit.testing.materials import GLASS_BEADS
 MIXTURE = ParticleSizes((0.012, 0.008), (0.5, 0.5))
 SOFT_WALL = {**GLASS_BEADS, "wall.youngs_modulus": 2e5, "particle_wall.sliding_friction": 0.6}
 #: Revision, and decks of it: beads, and a mixture on a plate with a rim.
-DECKS = {"lammps": (1, "79fd414cb0ab7dd0"), "liggghts": (1, "d1badc97af6a88bd")}
+DECKS = {"lammps": (1, "41ba9408b19bb4a1"), "liggghts": (1, "f447515809efd14c")}
 #: Revision, height of the column and place of the first particle, m.
 COLUMN = (1, 0.0684905716, (-0.0441319384, -0.0035668218, 0.0367854215))
 CHANGED = "have changed: raise SCENES_REVISION in scenes/scene.py, and pin the new values here"
