@@ -257,7 +257,9 @@ class TestRun:
     def test_a_stress_that_is_not_reached_fails(self, copied: Path) -> None:
         stages = copied / "stages.csv"
         stages.write_text(stages.read_text().replace("load,done", "load,unloaded"))
-        with pytest.raises(RunFailedError, match="load was not reached and held in the load"):
+        with pytest.raises(
+            RunFailedError, match="load was not reached and held by a bed at rest in the load"
+        ):
             small().measure(RunOutput(copied))
 
     def test_a_bed_that_moves_under_the_load_fails(self, copied: Path) -> None:

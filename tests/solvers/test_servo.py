@@ -156,7 +156,9 @@ def test_a_force_that_is_not_reached_in_time_fails_with_the_reason(
     scene = pressed([(0.0, 0.0, RADIUS)], 0.02, {}, {}, MATERIAL, limit=0.1)
     output = run(scene, solver, tmp_path)
 
-    with pytest.raises(RunFailedError, match=r"load was not reached and held in the press stage"):
+    with pytest.raises(
+        RunFailedError, match=r"load was not reached and held by a bed at rest in the press stage"
+    ):
         output.require_complete(list(LOADS), "floor")
 
 

@@ -196,7 +196,7 @@ def _what_went_wrong(stage: StageEnd, container: str) -> str:
         )
     if stage.end == "unloaded":
         return (
-            f"the load was not reached and held in the {stage.name} stage within "
+            f"the load was not reached and held by a bed at rest in the {stage.name} stage within "
             f"{stage.time:.3g} s of simulated time"
         )
     if stage.end == "unstable":

@@ -37,11 +37,13 @@ _UNLOADED = 0.1
 _LOWEST_PISTON = 0.5
 #: Scatter from seed to seed over value of beds of the default size, and their number of particles:
 #: measured, as is the exponent with which smaller beds scatter more.
-_SCATTER = {"loading_modulus": 0.065, "unloading_modulus": 0.08, "lateral_stress_ratio": 0.04}
+_SCATTER = {"loading_modulus": 0.07, "unloading_modulus": 0.08, "lateral_stress_ratio": 0.04}
 _SCATTER_PARTICLES = 630
 _SMALLER, _LARGER = 0.7, 0.5
 #: Usual travel of the piston in all stages, over the height of the bed.
-_USUAL_TRAVEL = 0.15
+_USUAL_TRAVEL = 0.128
+#: The bed is at rest soon after the shortest fill stage.
+_FILL_SHARE = 1.05
 
 _LENGTH = Quantity("m", above_zero=True, highest=1e3)
 _STRESS = Quantity("Pa", above_zero=True, highest=1e12)
@@ -323,7 +325,7 @@ class Compression(BulkTest):
         """Estimate the simulated time of a run, s."""
         setup = self.setup
         travel = _USUAL_TRAVEL * setup.fill_height / setup.largest_speed(material)
-        return 1.25 * setup.fill_time + travel
+        return _FILL_SHARE * setup.fill_time + travel
 
     def view(self, run: RunOutput) -> CompressionView:
         """Read the loaded bed of a run, to be drawn."""

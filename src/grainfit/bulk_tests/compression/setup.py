@@ -32,7 +32,7 @@ SMALLEST_STIFFNESS = 1000.0
 _LARGEST_WEIGHT = 0.5
 #: Solid fraction of a bed, to estimate its weight and its waves.
 _SOLID_FRACTION = 0.57
-#: Piston speed over sqrt(stress / density): half of it gives the same moduli within 2 %.
+#: Piston speed over sqrt(stress / density): half of it gives the same moduli within 1 %.
 _SPEED = 0.0065
 #: Modulus of a bed when it is unloaded, over sqrt(E stress).
 _BED_MODULUS = 2.0
