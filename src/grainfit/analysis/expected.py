@@ -20,11 +20,11 @@ from grainfit.analysis.further_tests import (
     better_fixed,
     how_to_determine,
     how_to_tell_apart,
-    in_a_row,
 )
 from grainfit.analysis.posterior import standard_uncertainty
 from grainfit.bulk_tests.sensitivities import VARIED, Sensitivities
 from grainfit.evaluation import response_name
+from grainfit.formatting import in_a_row
 from grainfit.problem import Parameter, Problem
 from grainfit.solvers.base import Solver
 
