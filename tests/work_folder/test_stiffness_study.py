@@ -175,6 +175,16 @@ def test_bad_input_is_named(arguments: list[str], message: str) -> None:
     assert re.search(message, str(error))
 
 
+def test_ctrl_c_is_answered_with_what_is_kept(sand: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def interrupted(*_arguments: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("grainfit.work_folder.stiffness_study.simulate_moduli", interrupted)
+    done = command(str(sand / "sand.toml"))
+    assert done.exit_code == 130
+    assert "Finished runs are kept; start again to continue." in done.stderr
+
+
 def test_a_material_without_a_modulus_has_no_stiffness(sand: Path) -> None:
     text = FILE.replace("[particle]\n", "").replace('youngs_modulus = "1 MPa"\n', "")
     (sand / "sand.toml").write_text(text)

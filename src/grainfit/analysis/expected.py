@@ -32,7 +32,7 @@ Array = NDArray[np.float64]
 
 #: Share of an interval above which a parameter counts as open: the sensitivities are those of two
 #: materials, so only wide intervals are worth a note.
-_OPEN = 0.7
+_OPEN = 0.75
 #: A parameter is tied to another one if its interval is narrower by this factor once that is known.
 _TIED = 0.75
 #: Precision of an even spread over an interval of the length 1.
