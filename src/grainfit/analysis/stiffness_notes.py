@@ -19,6 +19,8 @@ from grainfit.problem import Problem
 #: Excess below which nothing is said, and those of the moduli that are offered.
 _WORTH_A_NOTE = 0.01
 _OFFERED = (0.02, 0.01)
+#: Smallest factor on the modulus that is worth offering.
+_STIFFER = 1.2
 #: Responses nearly proportional to the density of the particles are those that overlaps change.
 _PROPORTIONAL = 0.5
 
@@ -109,7 +111,9 @@ def _note(
     if spread != (1.0, 1.0):
         least, most = (_percent(excess_density(value * factor)) for factor in reversed(spread))
         within = f" ({least} to {most} % within the intervals)"
-    takes = "the fitted particle density is too low" if density_is_free else "friction is fitted"
+    takes = "the fitted particle density is too low"
+    if not density_is_free:
+        takes = "the fitted parameters make up"
     return (
         f"The particles are soft, E/(\u03c1 g d) = {number(value, 3)}: {in_a_row(names)} {verb} "
         f"about {_percent(excess_density(value))} % above that of stiff particles{within}, because "
@@ -125,7 +129,7 @@ def _remedy(value: float, modulus: float) -> str:
     offers = []
     for excess in _OFFERED:
         factor = number_with_excess(excess) / value
-        if factor > 1:
+        if factor > _STIFFER:
             offers.append(
                 f"{_percent(excess)} % with {number(modulus * factor / 1e6, 2)} MPa "
                 f"({number(sqrt(factor), 2)} times as many time steps)"
