@@ -12,6 +12,15 @@ from grainfit.bulk_tests.compression.curve import COLUMNS, Curve, Modulus, fit_m
 from grainfit.bulk_tests.compression.picture import draw_compression
 from grainfit.bulk_tests.compression.setup import CompressionSetup, plan_setup
 from grainfit.bulk_tests.compression.view import CompressionView
+from grainfit.bulk_tests.sensitivities import (
+    DENSITY,
+    MODULUS,
+    RESTITUTION,
+    ROLLING,
+    SLIDING,
+    WALL_SLIDING,
+    Sensitivities,
+)
 from grainfit.bulk_tests.shared.validity import require_at_rest, require_held, require_separate
 from grainfit.bulk_tests.view import Shown
 from grainfit.errors import Fault, NotMeasurableError, RunFailedError
@@ -92,24 +101,37 @@ class Compression(BulkTest):
             "M_l",
             "modulus of loading: slope of stress over strain from 50 to 98 % of the stress",
             '{ value = "280 kPa", uncertainty = "5 %" }',
+            Sensitivities({MODULUS: 0.48, RESTITUTION: 0.21}),
         ),
         "unloading_modulus": ResponseInfo(
             "Pa",
             "M_u",
             "modulus of unloading: slope of stress over strain from 98 to 50 % of the stress",
             '{ value = "600 kPa", uncertainty = "5 %" }',
+            Sensitivities({MODULUS: 0.51, SLIDING: -0.26}),
         ),
         "bulk_density": ResponseInfo(
             "kg/m^3",
             "ρ_b",
             "bulk density: mass of the bed over its volume, voids included",
             '{ value = "1500 kg/m^3", uncertainty = "1 %" }',
+            Sensitivities(
+                {
+                    DENSITY: 1.0,
+                    MODULUS: -0.034,
+                    SLIDING: -0.052,
+                    ROLLING: -0.022,
+                    RESTITUTION: 0.046,
+                    WALL_SLIDING: -0.019,
+                }
+            ),
         ),
         "lateral_stress_ratio": ResponseInfo(
             "",
             "K",
             "lateral stress ratio: stress on the pot's wall over the mean of floor and piston",
             '{ value = 0.4, uncertainty = "0.02" }',
+            Sensitivities({SLIDING: -0.19, ROLLING: -0.17}),
         ),
     }
 

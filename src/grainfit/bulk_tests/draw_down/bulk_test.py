@@ -13,6 +13,7 @@ from grainfit.bulk_tests.base import BulkTest, ResponseInfo
 from grainfit.bulk_tests.draw_down.setup import CLEARANCE, DrawDownSetup, plan_setup
 from grainfit.bulk_tests.draw_down.surfaces import Surfaces
 from grainfit.bulk_tests.draw_down.view import DrawDownView, draw_draw_down
+from grainfit.bulk_tests.sensitivities import DENSITY, MODULUS, ROLLING, SLIDING, Sensitivities
 from grainfit.bulk_tests.shared.slot_scene import BED, END, FLOW, INSIDE, Flow, fill_and_flow
 from grainfit.bulk_tests.shared.validity import (
     require_apex_below,
@@ -84,30 +85,40 @@ class DrawDown(BulkTest):
             "ρ_b",
             "bulk density: mass of the bed over its volume, voids included",
             '{ value = "1325 kg/m^3", uncertainty = "1 %" }',
+            Sensitivities(
+                {DENSITY: 1.08, MODULUS: -0.062, SLIDING: -0.063, ROLLING: -0.028},
+                {SLIDING: -0.072, ROLLING: -0.004},
+            ),
         ),
         "mass_flow": ResponseInfo(
             "kg/s",
             "ṁ",
             "mass flow: mass through the orifice per time, of the whole simulated depth",
             '{ value = "2.2 kg/s", uncertainty = "3 %" }',
+            Sensitivities(
+                {DENSITY: 1.0, SLIDING: -0.17, ROLLING: -0.09}, {SLIDING: -0.16, ROLLING: -0.04}
+            ),
         ),
         "discharged_share": ResponseInfo(
             "",
             "x_d",
             "discharged share: mass that has left the upper box over the mass filled in",
             '{ value = 0.75, uncertainty = "2 %" }',
+            Sensitivities({SLIDING: -0.03, ROLLING: -0.065}, {SLIDING: -0.13, ROLLING: -0.075}),
         ),
         "shear_angle": ResponseInfo(
             "deg",
             "α_s",
             "shear angle: inclination of the wedges left beside the slot",
             '{ value = "27 deg", uncertainty = "1 deg" }',
+            Sensitivities({SLIDING: 0.12, ROLLING: 0.24}, {SLIDING: 0.48, ROLLING: 0.16}),
         ),
         "angle_of_repose": ResponseInfo(
             "deg",
             "α",
             "angle of repose: inclination of the heap's flanks",
             '{ value = "24 deg", uncertainty = "1 deg" }',
+            Sensitivities({SLIDING: 0.33, ROLLING: 0.20}, {SLIDING: 0.71, ROLLING: 0.18}),
         ),
     }
 

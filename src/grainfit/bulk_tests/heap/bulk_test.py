@@ -104,18 +104,21 @@ class Heap(BulkTest):
             '{ value = "22 deg", uncertainty = "0.5 deg" }',
             Sensitivities({SLIDING: 0.24, ROLLING: 0.57}, {SLIDING: 0.45, ROLLING: 0.29}),
         ),
+        # A cone of given volume: r^3 tan(angle) is constant.
         "base_radius": ResponseInfo(
             "m",
             "r",
             "base radius: half the width of the heap, one particle diameter above the plate or at "
             "the height of its rim",
             '{ value = "130 mm", uncertainty = "2 mm" }',
+            Sensitivities({SLIDING: -0.09, ROLLING: -0.21}, {SLIDING: -0.16, ROLLING: -0.11}),
         ),
         "heap_height": ResponseInfo(
             "m",
             "h",
             "heap height: highest point of the heap above the plate",
             '{ value = "53 mm", uncertainty = "1 mm" }',
+            Sensitivities({SLIDING: 0.17, ROLLING: 0.42}, {SLIDING: 0.33, ROLLING: 0.21}),
         ),
     }
 
