@@ -89,7 +89,7 @@ class DrawDown(BulkTest):
             "kg/s",
             "ṁ",
             "mass flow: mass through the orifice per time, of the whole simulated depth",
-            '{ value = "2.2 kg/s", uncertainty = "3 %" }',
+            '{ value = "1.75 kg/s", uncertainty = "3 %" }',
         ),
         "discharged_share": ResponseInfo(
             "",
@@ -118,8 +118,8 @@ class DrawDown(BulkTest):
         _LENGTH,
         "Depth of the simulated slice; it repeats without end. The mass flow is that of this "
         "depth.",
-        example='"100 mm"',
-        words="10 d",
+        example='"80 mm"',
+        words="8 d",
     )
     fill_height: Amount | None = option(
         _LENGTH,
