@@ -37,7 +37,7 @@ def balls(*centres: tuple[float, float, float]) -> Particles:
 def test_defaults_follow_the_diameter() -> None:
     small, large = DrawDown(diameter="2 mm").setup, DrawDown(diameter="50 mm").setup
 
-    assert small.filling.particle_count == large.filling.particle_count == 2659
+    assert small.filling.particle_count == large.filling.particle_count == 2127
     assert small.box.slot_width == pytest.approx(0.010)
     assert large.box.slot_width == pytest.approx(0.250)
     assert large.floor == pytest.approx(-14.5 * 0.05)
@@ -108,7 +108,7 @@ def test_view_has_the_edges_of_box_and_floor() -> None:
     # The floor is at z = 0 and the slice lies on both sides of y = 0, as the particles do.
     assert corners[:, 2].min() == pytest.approx(0)
     assert corners[:, 2].max() == pytest.approx(0.145 + 0.10)
-    assert (corners[:, 1].min(), corners[:, 1].max()) == pytest.approx((-0.05, 0.05))
+    assert (corners[:, 1].min(), corners[:, 1].max()) == pytest.approx((-0.04, 0.04))
     assert view.particles.positions[:, 2].min() == pytest.approx(0.005)
     assert view.drawing().path.count("M") == 2
     assert view.measured_drawing(25.0).words == ""

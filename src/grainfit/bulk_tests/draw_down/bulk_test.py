@@ -94,7 +94,7 @@ class DrawDown(BulkTest):
             "kg/s",
             "ṁ",
             "mass flow: mass through the orifice per time, of the whole simulated depth",
-            '{ value = "2.2 kg/s", uncertainty = "3 %" }',
+            '{ value = "1.75 kg/s", uncertainty = "3 %" }',
             Sensitivities(
                 {DENSITY: 1.0, SLIDING: -0.17, ROLLING: -0.09}, {SLIDING: -0.16, ROLLING: -0.04}
             ),
@@ -129,8 +129,8 @@ class DrawDown(BulkTest):
         _LENGTH,
         "Depth of the simulated slice; it repeats without end. The mass flow is that of this "
         "depth.",
-        example='"100 mm"',
-        words="10 d",
+        example='"80 mm"',
+        words="8 d",
     )
     fill_height: Amount | None = option(
         _LENGTH,

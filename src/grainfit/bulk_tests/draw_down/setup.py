@@ -91,7 +91,7 @@ def plan_setup(sizes: ParticleSizes, options: Mapping[str, float | None]) -> Dra
     diameter, gravity = sizes.sauter_diameter, given["gravity"]
     box = SlotBox(
         width=given.get("width", 24 * diameter),
-        depth=given.get("depth", 10 * diameter),
+        depth=given.get("depth", 8 * diameter),
         fill_height=given.get("fill_height", 10 * diameter),
         slot_width=given.get("slot_width", 5 * diameter),
         thickness=given.get("shelf_thickness", diameter / 2),
