@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from grainfit.bulk_tests.view import MeasuredDrawing, RunView
+from grainfit.bulk_tests.view import MeasuredDrawing, Outline, RunView, circle
 from grainfit.measurement.angle_of_repose import heap_silhouette
 from grainfit.measurement.drawing import Drawing, draw
 from grainfit.measurement.particles import Particles
@@ -38,6 +38,6 @@ class CompressionView(RunView):
         words = "slope of stress over strain, from 50 to 98 % of the stress"
         return MeasuredDrawing(self.drawing(), words)
 
-    def rings(self) -> Sequence[tuple[float, float]]:
+    def outlines(self) -> Sequence[Outline]:
         """Return the circles of floor and piston."""
-        return [(self.pot_radius, 0.0), (self.pot_radius, self.piston_height)]
+        return [circle(self.pot_radius, z) for z in (0.0, self.piston_height)]
