@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterable
 from math import floor, inf, isfinite, log10
 
 _SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
@@ -192,6 +193,18 @@ def counted(count: int, noun: str) -> str:
     ('1 run', '3 runs')
     """
     return f"{count} {noun}" if count == 1 else f"{count} {noun}s"
+
+
+def in_a_row(names: Iterable[str], last: str = "and") -> str:
+    """Return names as in a sentence.
+
+    Examples
+    --------
+    >>> in_a_row(["a", "b", "c"], "or")
+    'a, b or c'
+    """
+    *first, end = names
+    return f"{', '.join(first)} {last} {end}" if first else end
 
 
 def variable_name(name: str) -> str:

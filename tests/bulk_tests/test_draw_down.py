@@ -9,6 +9,7 @@ import pytest
 
 from grainfit.bulk_tests.draw_down import DrawDown
 from grainfit.bulk_tests.draw_down.surfaces import Surfaces
+from grainfit.bulk_tests.draw_down.view import DrawDownView
 from grainfit.bulk_tests.shared.validity import (
     require_apex_below,
     require_emptied,
@@ -96,6 +97,21 @@ def test_end_on_one_side_only_is_not_measurable() -> None:
         Surfaces.of(balls(), setup)
     with pytest.raises(NotMeasurableError, match="on one side of the slot"):
         _ = Surfaces.of(balls((0.1, 0.05, 0.005)), setup).apex
+
+
+def test_view_has_the_edges_of_box_and_floor() -> None:
+    setup = DrawDown(diameter="10 mm").setup
+    end = balls((0.1, 0.05, 0.005), (-0.1, 0.05, 0.005), (0.0, 0.05, setup.floor + 0.005))
+    view = DrawDownView(Surfaces.of(end, setup))
+    corners = np.array([corner for outline in view.outlines() for corner in outline])
+
+    # The floor is at z = 0 and the slice lies on both sides of y = 0, as the particles do.
+    assert corners[:, 2].min() == pytest.approx(0)
+    assert corners[:, 2].max() == pytest.approx(0.145 + 0.10)
+    assert (corners[:, 1].min(), corners[:, 1].max()) == pytest.approx((-0.05, 0.05))
+    assert view.particles.positions[:, 2].min() == pytest.approx(0.005)
+    assert view.drawing().path.count("M") == 2
+    assert view.measured_drawing(25.0).words == ""
 
 
 @pytest.mark.slow

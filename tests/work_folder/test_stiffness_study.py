@@ -70,9 +70,9 @@ def test_the_smallest_modulus_that_agrees_with_the_stiffest_is_named() -> None:
     assert found.mean == pytest.approx(1651.0)
     assert found.standard_error == pytest.approx(1 / 3**0.5)
     text = str(study)
-    assert "1.6e+07 Pa is enough" in text
+    assert "16 MPa is enough" in text
     assert "1651.00 ± 0.58" in text
-    assert "leaves it in doubt" not in text
+    assert study.in_doubt == ()
     assert "<table" in study._repr_html_()
 
 
@@ -81,8 +81,21 @@ def test_only_the_stiffest_is_no_proof_that_it_is_stiff_enough() -> None:
     study = gf.stiffness_study("sand.toml", factors=[1, 4])
     assert study.smallest_sufficient is None
     text = str(study)
-    assert "Whether 4e+06 Pa is stiff enough is not known: add a larger factor." in text
-    assert "bulk_density differs by 75 kg/m³ at 1e+06 Pa, 40 kg/m³ are accepted" in text
+    assert "Whether 4 MPa is stiff enough is not known: add a larger factor." in text
+    assert "bulk_density differs by 75 kg/m³ at 1 MPa, 40 kg/m³ are accepted" in text
+
+
+def test_scatter_leaves_open_what_the_means_do_not_show(sand: Path) -> None:
+    noisy = MODEL.replace("+ 0.1 * (seed % 2)", "+ 3 * (seed % 2) + modulus / 5e7")
+    (sand / "model.py").write_text(noisy)
+    # The angles at 16 and 64 MPa differ by 0.96, and scatter by 1.7: 0.96 +- 2.8.
+    study = gf.stiffness_study("sand.toml", factors=[16, 64])
+    assert study.smallest_sufficient is not None
+    assert study.in_doubt == ("angle",)
+    assert (
+        "16 MPa is the smallest modulus that may be enough: the scatter leaves open whether "
+        "angle is within tolerance of what 64 MPa gives; bulk_density is. More seeds tell."
+    ) in str(study)
 
 
 @pytest.mark.usefixtures("sand")
@@ -162,6 +175,16 @@ def test_bad_input_is_named(arguments: list[str], message: str) -> None:
     assert re.search(message, str(error))
 
 
+def test_ctrl_c_is_answered_with_what_is_kept(sand: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def interrupted(*_arguments: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("grainfit.work_folder.stiffness_study.simulate_moduli", interrupted)
+    done = command(str(sand / "sand.toml"))
+    assert done.exit_code == 130
+    assert "Finished runs are kept; start again to continue." in done.stderr
+
+
 def test_a_material_without_a_modulus_has_no_stiffness(sand: Path) -> None:
     text = FILE.replace("[particle]\n", "").replace('youngs_modulus = "1 MPa"\n', "")
     (sand / "sand.toml").write_text(text)
@@ -182,10 +205,9 @@ def test_the_answer_of_a_calibration_is_simulated_with_stiffer_beads(tmp_path: P
     heap = gf.tests.Heap(
         diameter="10 mm",
         cylinder_radius="30 mm",
-        strike_off_height="50 mm",
-        bulk_density_top="40 mm",
-        plate_radius="80 mm",
-        lift_speed="0.2 m/s",
+        strike_off_height="80 mm",
+        bulk_density_top="70 mm",
+        plate_radius="100 mm",
     )
     material = {name: value for name, value in GLASS_BEADS.items() if name != "particle.density"}
     problem = gf.Problem(

@@ -20,11 +20,11 @@ from grainfit.analysis.further_tests import (
     better_fixed,
     how_to_determine,
     how_to_tell_apart,
-    in_a_row,
 )
 from grainfit.analysis.posterior import standard_uncertainty
 from grainfit.bulk_tests.sensitivities import VARIED, Sensitivities
 from grainfit.evaluation import response_name
+from grainfit.formatting import in_a_row
 from grainfit.problem import Parameter, Problem
 from grainfit.solvers.base import Solver
 
@@ -32,7 +32,7 @@ Array = NDArray[np.float64]
 
 #: Share of an interval above which a parameter counts as open: the sensitivities are those of two
 #: materials, so only wide intervals are worth a note.
-_OPEN = 0.7
+_OPEN = 0.75
 #: A parameter is tied to another one if its interval is narrower by this factor once that is known.
 _TIED = 0.75
 #: Precision of an even spread over an interval of the length 1.

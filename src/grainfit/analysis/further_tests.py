@@ -32,6 +32,7 @@ from grainfit.bulk_tests.sensitivities import (
     WALL_RESTITUTION,
     WALL_SLIDING,
 )
+from grainfit.formatting import in_a_row
 
 _DROP_TEST = "fix it from a drop test (height to which a particle rebounds"
 
@@ -135,18 +136,6 @@ def how_to_tell_apart(names: tuple[str, ...]) -> str:
         return "add a target of a test that responds to one of them only."
     tests = dict.fromkeys(test for name in names for test in _SIMULATED.get(name, ()))
     return f"determine one of them; {'; '.join(known)}.{_runnable(tests)}"
-
-
-def in_a_row(names: Iterable[str], last: str = "and") -> str:
-    """Return names as in a sentence.
-
-    Examples
-    --------
-    >>> in_a_row(["a", "b", "c"], "or")
-    'a, b or c'
-    """
-    *first, end = names
-    return f"{', '.join(first)} {last} {end}" if first else end
 
 
 def _bulk_density(names: tuple[str, ...]) -> str:

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 from math import sqrt
 
-from grainfit.analysis.further_tests import in_a_row
 from grainfit.bulk_tests.base import BulkTest, ResponseInfo
 from grainfit.bulk_tests.sensitivities import DENSITY, MODULUS
 from grainfit.bulk_tests.shared.stiffness import (
@@ -14,7 +13,7 @@ from grainfit.bulk_tests.shared.stiffness import (
     stiffness_number,
 )
 from grainfit.evaluation import response_name
-from grainfit.formatting import number
+from grainfit.formatting import in_a_row, number
 from grainfit.problem import Problem
 
 #: Excess below which nothing is said, and those of the moduli that are offered.
@@ -50,16 +49,17 @@ def stiffness_notes(
     """
     middle = {p.name: p.from_unit(0.5) for p in problem.parameters}
     material = {**fixed, **(answer or middle)}
-    if not {DENSITY, MODULUS} <= material.keys():
+    intervals = {p.name: (p.minimum, p.maximum) for p in problem.parameters}
+    lowest = [min([material.get(n, 0.0), *intervals.get(n, ())]) for n in (DENSITY, MODULUS)]
+    if min(lowest) <= 0:
+        # Not known, or impossible: its run will say so.
         return ()
     raised: dict[float, list[str]] = {}
     for name, test in _raised_targets(problem, tests).items():
         raised.setdefault(stiffness_number(material, test.conditions), []).append(name)
-    free = () if answer else tuple(p for p in problem.parameters if p.name in (DENSITY, MODULUS))
-    spread = _spread({p.name: (p.minimum, p.maximum) for p in free}, material)
-    density_is_free = any(p.name == DENSITY for p in problem.parameters)
+    spread = _spread({} if answer else intervals, material)
     return tuple(
-        _note(value, names, material[MODULUS], spread, density_is_free=density_is_free)
+        _note(value, names, material[MODULUS], spread, density_is_free=DENSITY in intervals)
         for value, names in raised.items()
         if excess_density(value * spread[0]) >= _WORTH_A_NOTE
     )
@@ -112,7 +112,7 @@ def _note(
     takes = "the fitted particle density is too low" if density_is_free else "friction is fitted"
     return (
         f"The particles are soft, E/(\u03c1 g d) = {number(value, 3)}: {in_a_row(names)} {verb} "
-        f"about {_percent(excess_density(value))} % above that of rigid particles{within}, because "
+        f"about {_percent(excess_density(value))} % above that of stiff particles{within}, because "
         f"they overlap, and {takes} for it. {_remedy(value, modulus)}"
     )
 

@@ -15,7 +15,14 @@ from grainfit.campaign.work_folder import hold, recover
 from grainfit.contact_models.registry import MATERIAL_PARAMETERS
 from grainfit.errors import Fault, InputError, RunFailedError
 from grainfit.evaluation import Evaluation, Proposal
-from grainfit.formatting import duration, number, plain_interval, unit_for_people, with_unit
+from grainfit.formatting import (
+    duration,
+    in_a_row,
+    number,
+    plain_interval,
+    unit_for_people,
+    with_unit,
+)
 from grainfit.problem import Target
 from grainfit.solvers.base import Solver
 from grainfit.tables import TextTable, as_html, as_text
@@ -95,17 +102,26 @@ class ModulusStudy:
 
     @property
     def smallest_sufficient(self) -> ModulusRow | None:
-        """Row of the smallest modulus at which all responses agree with the stiffest one.
+        """Row of the smallest modulus at which no response differs from that of the stiffest one.
 
-        All stiffer ones agree too, by their means. None if only the stiffest agrees with itself:
-        whether it is stiff enough cannot be known.
+        A response differs if it is farther away than its tolerance, beyond what the scatter of the
+        runs explains (95 %). None of the stiffer rows has one that differs either. None if only the
+        stiffest agrees with itself: whether it is stiff enough cannot be known.
         """
         found = None
         for row in reversed(self.rows[: self.rows.index(self.stiffest)]):
-            if not self._agrees(row):
+            if not self._is_complete(row) or self._differing(row):
                 break
             found = row
         return found
+
+    @property
+    def in_doubt(self) -> tuple[str, ...]:
+        """Responses whose scatter leaves open whether `smallest_sufficient` is stiff enough."""
+        row = self.smallest_sufficient
+        return (
+            () if row is None else tuple(t.name for t in self.targets if self._may_differ(row, t))
+        )
 
     def difference(self, row: ModulusRow, name: str) -> tuple[float, float | None]:
         """Return how far a response is from that of the stiffest row, and the 95 % half-width.
@@ -138,16 +154,23 @@ class ModulusStudy:
     def _is_complete(self, row: ModulusRow) -> bool:
         return all(target.name in row.responses for target in self.targets)
 
-    def _agrees(self, row: ModulusRow) -> bool:
-        return self._is_complete(row) and all(
-            abs(self.difference(row, target.name)[0]) <= target.tolerance for target in self.targets
-        )
+    def _differing(self, row: ModulusRow) -> list[Target]:
+        found = []
+        for target in self.targets:
+            difference, half = self.difference(row, target.name)
+            if abs(difference) - (half or 0.0) > target.tolerance:
+                found.append(target)
+        return found
+
+    def _may_differ(self, row: ModulusRow, target: Target) -> bool:
+        difference, half = self.difference(row, target.name)
+        return half is None or abs(difference) + half > target.tolerance
 
     def _table(self) -> TextTable:
         header = ("modulus", *(target.name for target in self.targets), "time step", "a run")
         rows = tuple(
             (
-                f"{row.modulus:.4g} Pa",
+                _in_mpa(row.modulus),
                 *(_cell(row.responses.get(target.name)) for target in self.targets),
                 "-" if row.time_step is None else f"{row.time_step:.3g} s",
                 f"{row.seconds:.1f} s",
@@ -160,41 +183,46 @@ class ModulusStudy:
 
     def _verdict(self) -> tuple[str, ...]:
         row = self.smallest_sufficient
-        top = f"{self.stiffest.modulus:.4g} Pa"
+        top = _in_mpa(self.stiffest.modulus)
         if row is None:
-            misses = "; ".join(self._misses(self.rows[self.rows.index(self.stiffest) - 1]))
+            misses = "; ".join(self._misses())
             return (
-                f"No smaller modulus gives what {top} gives"
-                f"{f' ({misses})' if misses else ''}. Whether {top} is stiff enough is not known: "
-                "add a larger factor.",
+                f"No smaller modulus gives what {top} gives{f' ({misses})' if misses else ''}. "
+                f"Whether {top} is stiff enough is not known: add a larger factor.",
             )
-        first = (
-            f"{row.modulus:.4g} Pa is enough: every response is within its tolerance of that at "
-            f"{top}, and at every modulus between them."
+        sure = [t.name for t in self.targets if t.name not in self.in_doubt]
+        modulus = _in_mpa(row.modulus)
+        if not self.in_doubt:
+            return (
+                f"{modulus} is enough: every response is within its tolerance of that at {top}, "
+                "and at every modulus between them.",
+            )
+        verb = "is" if len(self.in_doubt) == 1 else "are"
+        words = f"; {in_a_row(sure)} {'is' if len(sure) == 1 else 'are'}" if sure else ""
+        return (
+            f"{modulus} is the smallest modulus that may be enough: the scatter leaves open "
+            f"whether {in_a_row(self.in_doubt)} {verb} within "
+            f"tolerance of what {top} gives{words}. More seeds tell.",
         )
-        doubtful = [t.name for t in self.targets if self._is_in_doubt(row, t)]
-        if not doubtful:
-            return (first,)
-        names = " and ".join(doubtful)
-        return (first, f"By the means: the scatter of {names} leaves it in doubt. More seeds help.")
 
-    def _misses(self, row: ModulusRow) -> list[str]:
-        found = []
-        for target in self.targets:
-            if target.name in row.responses:
-                difference, _ = self.difference(row, target.name)
-                if abs(difference) > target.tolerance:
-                    unit = unit_for_people(target.unit)
-                    found.append(
-                        f"{target.name} differs by {with_unit(number(difference, 2), unit)} at "
-                        f"{row.modulus:.4g} Pa, {with_unit(number(target.tolerance, 2), unit)} are "
-                        "accepted"
-                    )
-        return found
+    def _misses(self) -> list[str]:
+        """Say what differs at the modulus next to the stiffest."""
+        position = self.rows.index(self.stiffest)
+        if position == 0 or not self._is_complete(row := self.rows[position - 1]):
+            return []
+        return [
+            f"{target.name} differs by {_amount(self.difference(row, target.name)[0], target)} at "
+            f"{_in_mpa(row.modulus)}, {_amount(target.tolerance, target)} are accepted"
+            for target in self._differing(row)
+        ]
 
-    def _is_in_doubt(self, row: ModulusRow, target: Target) -> bool:
-        difference, half = self.difference(row, target.name)
-        return half is None or abs(difference) + half > target.tolerance
+
+def _in_mpa(modulus: float) -> str:
+    return f"{number(modulus / 1e6, 3)} MPa"
+
+
+def _amount(value: float, target: Target) -> str:
+    return with_unit(number(value, 2), unit_for_people(target.unit))
 
 
 def _cell(found: MeanResponse | None) -> str:
@@ -222,6 +250,8 @@ class ExpectedWork:
     seconds: float | None
 
     def __str__(self) -> str:
+        if not self.runs:
+            return "All runs are known already"
         words = f"{self.runs} runs to make, {self.known} known already"
         return words if self.seconds is None else f"{words}; about {duration(self.seconds)}"
 

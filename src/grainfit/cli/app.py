@@ -38,6 +38,7 @@ EXIT_CODES = {
 _BAD_INPUT = 1
 _INTERRUPTED = 130
 _USAGE_ERROR = 2
+_STOPPED = "Interrupted. Finished runs are kept; start again to continue."
 
 app = typer.Typer(
     name="grainfit",
@@ -308,17 +309,22 @@ def stiffness(
     """
     from grainfit.work_folder.stiffness_study import stiffness_study
 
-    with _err.status("simulating") as status:
-        study = stiffness_study(
-            path,
-            factors=show.read_numbers("factors", factors),
-            seeds=seeds,
-            settings=settings or (),
-            workdir=workdir,
-            workers=workers,
-            on_start=lambda work: _err.print(f"{work}.", highlight=False),
-            on_progress=lambda done, count: status.update(f"simulating: {done} of {count}"),
-        )
+    try:
+        with _err.status("simulating") as status:
+            study = stiffness_study(
+                path,
+                factors=show.read_numbers("factors", factors),
+                seeds=seeds,
+                settings=settings or (),
+                workdir=workdir,
+                workers=workers,
+                on_start=lambda work: _err.print(f"{work}.", highlight=False),
+                on_progress=lambda done, count: status.update(f"simulating: {done} of {count}"),
+            )
+    except KeyboardInterrupt:
+        # Typer would end it without a word.
+        _err.print(_STOPPED)
+        raise typer.Exit(_INTERRUPTED) from None
     show.print_parts(_out, study.summary())
 
 
@@ -404,7 +410,7 @@ def _exit_code() -> int:
         code = stop.code if isinstance(stop.code, int) else 0
         return _BAD_INPUT if code == _USAGE_ERROR else code
     except KeyboardInterrupt:
-        _err.print("Interrupted. Finished runs are kept; start again to continue.")
+        _err.print(_STOPPED)
         return _INTERRUPTED
     except GrainfitError as error:
         show.print_error(_err, error)

@@ -18,13 +18,16 @@ from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from grainfit.bulk_tests.base import BulkTest
 from grainfit.bulk_tests.run_cost import RunCost
 from grainfit.errors import Fault
 from grainfit.evaluation import Response
 from grainfit.run_definition import RunDefinition, without_defaults
+
+if TYPE_CHECKING:
+    # Imports NumPy, which the state of a calibration does without.
+    from grainfit.bulk_tests.base import BulkTest
 
 
 @dataclass(frozen=True)

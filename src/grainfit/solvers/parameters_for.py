@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from typing_extensions import override
 
-from grainfit.bulk_tests.base import BulkTest
 from grainfit.bulk_tests.run_cost import RunCost
 from grainfit.errors import Fault
 from grainfit.evaluation import Response
 from grainfit.solvers.base import Solver, Workspace
+
+if TYPE_CHECKING:
+    # Imports NumPy, which the state of a calibration does without.
+    from grainfit.bulk_tests.base import BulkTest
 
 
 class ParametersFor(Solver):

@@ -96,13 +96,12 @@ def stiffness_study(
 
 
 def _of_file(setup: CalibrationSetup, settings: Sequence[str]) -> dict[str, Any]:
-    values = {**setup.file.fixed, **setup.values(settings)}
-    modulus = _modulus(values, str(setup.file.path))
-    free = setup.values(settings)
+    values = setup.values(settings)
+    modulus = _modulus({**setup.file.fixed, **values}, str(setup.file.path))
     return {
         "solvers": setup.solvers,
         "targets": setup.problem.targets,
-        "parameters": {**free, MODULUS: modulus},
+        "parameters": {**values, MODULUS: modulus},
         "workers": setup.workers,
         "timeouts": setup.timeouts,
     }
