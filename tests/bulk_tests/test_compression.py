@@ -13,11 +13,13 @@ import pytest
 import grainfit as gf
 from grainfit.bulk_tests.compression import Compression
 from grainfit.bulk_tests.compression.curve import Curve, fit_modulus
+from grainfit.bulk_tests.natural_units import NaturalRun, natural_run
 from grainfit.calibration_file.build import build_calibration
 from grainfit.calibration_file.load import load_calibration_file
 from grainfit.calibration_file.plan import describe_plan
 from grainfit.errors import InputError, NotMeasurableError, RunFailedError
 from grainfit.materials.sizes import ParticleSizes
+from grainfit.run_definition import RunDefinition
 from grainfit.scenes.records import Force
 from grainfit.scenes.run_output import RunOutput
 from grainfit.scenes.scene import Scene
@@ -108,6 +110,33 @@ class TestOptions:
         with pytest.raises(InputError) as caught:
             Compression(MONOSIZE, **options)
         assert [fault.key for fault in caught.value.faults] == [key]
+
+
+def natural(diameter: float, density: float, **options: object) -> NaturalRun:
+    """Return a run in natural units, of particles whose E/(rho g d) is always the same."""
+    material = {**MATERIAL, "particle.density": density, E: 6e4 * density * 9.81 * diameter}
+    # Walls are as much stiffer than the particles, too.
+    material["wall.youngs_modulus"] = 2e4 * material[E]
+    test = Compression(ParticleSizes((diameter,)), **options)
+    run = natural_run(
+        RunDefinition({"solver": "lammps", "version": "1", "test": test.definition()}, material, 1)
+    )
+    assert run is not None
+    return run
+
+
+class TestNaturalUnits:
+    def test_runs_of_other_sizes_and_the_same_stress_over_weight_are_the_same(self) -> None:
+        assert natural(0.010, 2100.0).is_same(natural(0.002, 2100.0))
+        twice = {"stress": "20 kPa", "seating_stress": "1 kPa"}
+        assert natural(0.010, 2000.0).is_same(natural(0.010, 4000.0, **twice))
+
+    def test_the_default_stress_is_another_one_to_lighter_particles(self) -> None:
+        assert not natural(0.010, 2000.0).is_same(natural(0.010, 1000.0))
+
+    def test_a_default_that_is_given_is_the_same_run(self) -> None:
+        given = Compression(MONOSIZE, stress=10e3, pot_radius=0.05)
+        assert given.definition() == Compression(MONOSIZE).definition()
 
 
 class TestMaterials:
