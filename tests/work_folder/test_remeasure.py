@@ -43,7 +43,7 @@ def test_a_whole_definition_is_understood(tmp_path: Path) -> None:
         measure_path(tmp_path)
 
 
-@pytest.mark.parametrize("key", ["cylinder_radius", "diameters", "mass_fractions", "views"])
+@pytest.mark.parametrize("key", ["setup", "diameters", "mass_fractions", "views"])
 def test_an_incomplete_definition_is_said(tmp_path: Path, key: str) -> None:
     test = definition()
     del test[key]
@@ -66,14 +66,6 @@ def test_an_incomplete_definition_is_said(tmp_path: Path, key: str) -> None:
 def test_an_impossible_definition_is_said(tmp_path: Path, key: str, value: Any) -> None:
     write_record(tmp_path, {**definition(), key: value})
     with pytest.raises(InputError, match=r"run\.json' does not define a heap test"):
-        measure_path(tmp_path)
-
-
-def test_the_definition_of_version_0_1_0_is_understood(tmp_path: Path) -> None:
-    written = definition()
-    setup = {key: written.pop(key) for key in ("cylinder_radius", "lift_speed", "gravity")}
-    write_record(tmp_path, {**written, "revision": 1, "setup": setup})
-    with pytest.raises(NotMeasurableError, match=r"stages\.csv is missing"):
         measure_path(tmp_path)
 
 

@@ -7,7 +7,6 @@ from typing import Any
 
 import sqlalchemy as sql
 
-from grainfit.bulk_tests.natural_units import natural_hash
 from grainfit.run_definition import RunDefinition
 
 SCHEMA_VERSION = 5
@@ -138,8 +137,15 @@ def _hash(definition: Any, hash_of: Callable[[RunDefinition], str]) -> str:
         return ""
 
 
+def _natural_hash(definition: RunDefinition) -> str:
+    # Bulk tests need libraries that opening a store does not wait for.
+    from grainfit.bulk_tests.natural_units import natural_hash
+
+    return natural_hash(definition)
+
+
 #: Hashes that a version of the store lacks: the column, and how to compute it.
 _HASHES: Mapping[int, tuple[str, Callable[[RunDefinition], str]]] = {
     3: ("model_hash", lambda definition: definition.model_hash),
-    4: ("natural_hash", natural_hash),
+    4: ("natural_hash", _natural_hash),
 }

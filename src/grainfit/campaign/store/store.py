@@ -20,7 +20,6 @@ import sqlalchemy as sql
 from sqlalchemy.exc import ArgumentError, IntegrityError, NoSuchModuleError, SQLAlchemyError
 from sqlalchemy.pool import StaticPool
 
-from grainfit.bulk_tests.natural_units import natural_hash
 from grainfit.campaign.store import schema
 from grainfit.campaign.store.records import CalibrationRecord, RequestRecord, RunRecord, RunStatus
 from grainfit.campaign.store.schema import OLDEST_READABLE, SCHEMA_VERSION
@@ -323,6 +322,8 @@ class RunStore:
             From `grainfit.bulk_tests.natural_units.natural_hash`.
         """
         if self._version < SCHEMA_VERSION:
+            from grainfit.bulk_tests.natural_units import natural_hash
+
             known = self.runs("finished")
             return [r for r in known if natural_hash(r.definition) in natural_hashes]
         return self._runs("finished", _runs.c.natural_hash.in_(list(natural_hashes)))
@@ -518,6 +519,9 @@ def _path(folder: Path) -> Path:
 
 
 def _row(record: RunRecord) -> dict[str, Any]:
+    # Bulk tests need libraries that reading a store does not wait for.
+    from grainfit.bulk_tests.natural_units import natural_hash
+
     row = record.to_json() | {
         "model_hash": record.definition.model_hash,
         "natural_hash": natural_hash(record.definition),
