@@ -6,16 +6,15 @@ import math
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
-import numpy as np
-from PIL import Image, ImageDraw, ImageFont
+from PIL import Image, ImageDraw
 
 from grainfit.bulk_tests.compression.curve import FITTED, Curve, Modulus
 from grainfit.bulk_tests.compression.setup import CompressionSetup
+from grainfit.bulk_tests.shared.pot_view import PotView
 from grainfit.formatting import number
-from grainfit.measurement.particles import Particles
+from grainfit.measurement.sheet import INK, PAPER, QUIET_INK, font
+from grainfit.measurement.sheet import OVERSAMPLING as _SCALE
 
-#: Everything is drawn this much larger and then reduced, for smooth edges.
-_SCALE = 2
 _WIDTH, _HEIGHT = 1240 * _SCALE, 620 * _SCALE
 _PLOT = (100 * _SCALE, 110 * _SCALE, 700 * _SCALE, 540 * _SCALE)
 _POT = (800 * _SCALE, 110 * _SCALE, 1200 * _SCALE, 540 * _SCALE)
@@ -23,8 +22,7 @@ _TITLE, _TEXT = 30 * _SCALE, 17 * _SCALE
 _TICK = 6 * _SCALE
 _MOST_TICKS = 6
 
-_PAPER, _INK, _QUIET, _GRID = "#ffffff", "#1f2933", "#616e7c", "#e4e7eb"
-_GREY = "#9aa5b1"
+_GRID, _GREY = "#e4e7eb", "#9aa5b1"
 #: Blue and vermilion are distinct in any kind of colour blindness (Okabe & Ito).
 _COLOURS = {"load": "#0072b2", "unload": "#d55e00", "seat": _GREY}
 _NAMES = {"load": "loading", "unload": "unloading"}
@@ -34,7 +32,7 @@ Place = Callable[[float, float], tuple[float, float]]
 
 def draw_compression(
     path: Path,
-    bed: Particles,
+    view: PotView,
     setup: CompressionSetup,
     curves: Mapping[str, Curve],
     moduli: Mapping[str, Modulus],
@@ -45,8 +43,8 @@ def draw_compression(
     ----------
     path : Path
         File to write; ends in ``.png``.
-    bed : Particles
-        Under the stress.
+    view : PotView
+        The bed under the stress.
     setup : CompressionSetup
         Geometry and stresses.
     curves : mapping of str to Curve
@@ -54,14 +52,14 @@ def draw_compression(
     moduli : mapping of str to Modulus
         ``"loading_modulus"`` and ``"unloading_modulus"``.
     """
-    image = Image.new("RGB", (_WIDTH, _HEIGHT), _PAPER)
+    image = Image.new("RGB", (_WIDTH, _HEIGHT), PAPER)
     draw = ImageDraw.Draw(image)
     values = [f"{_NAMES[s]} {_kilo(moduli[f'{s}ing_modulus'].value)} kPa" for s in _NAMES]
     margin = 24 * _SCALE
     title = f"Compression: modulus of {', of '.join(values)}"
-    draw.text((margin, margin), title, fill=_INK, font=_font(_TITLE))
+    draw.text((margin, margin), title, fill=INK, font=font(_TITLE))
     _draw_curves(draw, setup.stress, curves, moduli)
-    _draw_bed(draw, bed, setup, float(curves["load"].heights[-1]))
+    _paste_bed(image, view, setup)
     image.reduce(_SCALE).save(path)
 
 
@@ -93,27 +91,27 @@ def _draw_curves(
         fit = moduli[f"{stage}ing_modulus"]
         ends = [share * stress for share in FITTED]
         line = [place((p - fit.stress_at_zero) / fit.value, p) for p in ends]
-        draw.line(line, fill=_INK, width=4 * _SCALE)
+        draw.line(line, fill=INK, width=4 * _SCALE)
         x, y = (line[0][0] + line[1][0]) / 2, (line[0][1] + line[1][1]) / 2
         side, anchor = (-1, "rm") if stage == "load" else (1, "lm")
         label = f"{name} {_kilo(fit.value)} kPa"
-        draw.text((x + 12 * _SCALE * side, y), label, _COLOURS[stage], _font(_TEXT), anchor)
+        draw.text((x + 12 * _SCALE * side, y), label, _COLOURS[stage], font(_TEXT), anchor)
 
 
 def _axes(draw: ImageDraw.ImageDraw, place: Place, percent: float, kilopascals: float) -> None:
     left, top, right, bottom = _PLOT
-    font = _font(_TEXT)
+    used = font(_TEXT)
     for tick in _ticks(percent):
         x, _ = place(tick / 100, 0)
         draw.line([(x, top), (x, bottom)], fill=_GRID, width=_SCALE)
-        draw.text((x, bottom + 2 * _TICK), f"{tick:g}", _QUIET, font, "ma")
+        draw.text((x, bottom + 2 * _TICK), f"{tick:g}", QUIET_INK, used, "ma")
     for tick in _ticks(kilopascals):
         _, y = place(0, 1000 * tick)
         draw.line([(left, y), (right, y)], fill=_GRID, width=_SCALE)
-        draw.text((left - 2 * _TICK, y), f"{tick:g}", _QUIET, font, "rm")
-    draw.line([(left, top), (left, bottom), (right, bottom)], fill=_INK, width=_SCALE)
-    draw.text(((left + right) / 2, bottom + 6 * _TICK), "strain, %", _INK, font, "ma")
-    draw.text((left, top - 2 * _TICK), "stress on the piston, kPa", _INK, font, "ls")
+        draw.text((left - 2 * _TICK, y), f"{tick:g}", QUIET_INK, used, "rm")
+    draw.line([(left, top), (left, bottom), (right, bottom)], fill=INK, width=_SCALE)
+    draw.text(((left + right) / 2, bottom + 6 * _TICK), "strain, %", INK, used, "ma")
+    draw.text((left, top - 2 * _TICK), "stress on the piston, kPa", INK, used, "ls")
 
 
 def _ticks(longest: float) -> list[float]:
@@ -123,32 +121,11 @@ def _ticks(longest: float) -> list[float]:
     return [step * n for n in range(int(longest / step) + 1)]
 
 
-def _draw_bed(
-    draw: ImageDraw.ImageDraw, bed: Particles, setup: CompressionSetup, piston: float
-) -> None:
-    """Draw the particles from the side, those in front last, and pot, floor and piston."""
-    left, top, right, bottom = _POT
-    radius = setup.pot_radius
-    scale = min((right - left) / (2 * radius), (bottom - top) / setup.piston_start)
-    middle = (left + right) / 2
-
-    def place(x: float, z: float) -> tuple[float, float]:
-        return middle + x * scale, bottom - z * scale
-
-    for i in np.argsort(-bed.positions[:, 1]):
-        x, y, z = bed.positions[i]
-        r = bed.radii[i]
-        shade = round(205 + 40 * y / radius)
-        box = [place(x - r, z + r), place(x + r, z - r)]
-        draw.ellipse(box, fill=(shade, shade, shade), outline=_GREY, width=_SCALE)
-    wide = 3 * _SCALE
-    ends = [place(-radius, setup.piston_start), place(-radius, 0), place(radius, 0)]
-    draw.line([*ends, place(radius, setup.piston_start)], fill=_INK, width=wide)
-    colour = _COLOURS["load"]
-    draw.line([place(-radius, piston), place(radius, piston)], fill=colour, width=2 * wide)
-    words = f"the bed under {_kilo(setup.stress)} kPa"
-    draw.text((middle, bottom + 6 * _TICK), words, _INK, _font(_TEXT), "ma")
-
-
-def _font(size: int) -> ImageFont.FreeTypeFont | ImageFont.ImageFont:
-    return ImageFont.load_default(size)
+def _paste_bed(image: Image.Image, view: PotView, setup: CompressionSetup) -> None:
+    """Paste the half of the bed behind the axis, with pot and piston."""
+    left, _, right, bottom = _POT
+    panel = view.side_view(has_piston=True).panel(right - left)
+    image.paste(panel, (left, bottom - panel.height))
+    words = f"the bed under {_kilo(setup.stress)} kPa, behind the axis"
+    middle = ((left + right) / 2, bottom + 6 * _TICK)
+    ImageDraw.Draw(image).text(middle, words, INK, font(_TEXT), "ma")

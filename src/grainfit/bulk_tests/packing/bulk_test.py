@@ -7,9 +7,10 @@ from dataclasses import dataclass, field
 from typing import ClassVar
 
 from grainfit.bulk_tests.base import BulkTest, ResponseInfo
+from grainfit.bulk_tests.packing.picture import draw_packing
 from grainfit.bulk_tests.packing.setup import PackingSetup, plan_setup
-from grainfit.bulk_tests.packing.view import PackingView
 from grainfit.bulk_tests.sensitivities import DENSITY, MODULUS, ROLLING, SLIDING, Sensitivities
+from grainfit.bulk_tests.shared.pot_view import PotView, highest_point
 from grainfit.bulk_tests.shared.validity import require_separate
 from grainfit.bulk_tests.view import Shown
 from grainfit.errors import NotMeasurableError
@@ -158,9 +159,9 @@ class Packing(BulkTest):
                 setup.bulk_density_top,
             )
         except NotMeasurableError as error:
-            view.picture(run.folder / _PICTURE, str(error))
+            draw_packing(run.folder / _PICTURE, view, setup, str(error))
             raise
-        view.picture(run.folder / _PICTURE, density)
+        draw_packing(run.folder / _PICTURE, view, setup, density)
         return {"bulk_density": density}
 
     @property
@@ -172,9 +173,10 @@ class Packing(BulkTest):
         """Estimate the simulated time of a run, s."""
         return _FILL_SHARE * self.setup.filling.fill_time
 
-    def view(self, run: RunOutput) -> PackingView:
+    def view(self, run: RunOutput) -> PotView:
         """Read the bed of a run, to be drawn."""
         bed = run.snapshot(_BED)
         if not len(bed):
             raise NotMeasurableError("no particles are left in the container")
-        return PackingView(bed, self.setup)
+        words = f"mass over volume {self.setup.measured_heights}"
+        return PotView(bed, self.setup.container_radius, highest_point(bed), words)

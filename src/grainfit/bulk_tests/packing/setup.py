@@ -39,6 +39,12 @@ class PackingSetup:
     filling: Filling
     settling_time_limit: float
 
+    @property
+    def measured_heights(self) -> str:
+        """Heights between which the bulk density is measured, in words."""
+        low, high = 1000 * self.bulk_density_bottom, 1000 * self.bulk_density_top
+        return f"between {low:.3g} and {high:.3g} mm"
+
 
 def plan_setup(sizes: ParticleSizes, options: Mapping[str, float | None]) -> PackingSetup:
     """Resolve every default of a packing test.
