@@ -4,7 +4,7 @@ Finished runs are kept in the file ``--kept`` and not repeated, so that the comm
 and started again.
 
     python benchmarks/solver_agreement.py --kept agreement.jsonl [--seeds 20] [--tests heap ...]
-        [--set particle.youngs_modulus=1e7] [--processes 2] [--table]
+        [--material rough|beads] [--set particle.youngs_modulus=1e7] [--processes 2] [--table]
 
 Prints, for each response, mean and standard deviation over the seeds on each solver, the difference
 of the means (LIGGGHTS minus LAMMPS) with its 95 % confidence interval (Welch), the ratio of the
@@ -35,34 +35,28 @@ from grainfit.errors import GrainfitError
 from grainfit.formatting import number
 from grainfit.solvers.base import Workspace
 from grainfit.solvers.registry import DEM_PROGRAMS
-from grainfit.testing.materials import GLASS_BEADS
+from grainfit.testing.materials import GLASS_BEADS, ROUGH_SPHERES
 
 SOLVERS = ("lammps", "liggghts")
 DIAMETER = 0.010
-#: Base point A of the trials: rough particles, as most bulk solids are.
-ROUGH: Mapping[str, float] = {
-    **GLASS_BEADS,
-    "particle.density": 2100.0,
-    "particle_particle.sliding_friction": 0.5,
-    "particle_particle.rolling_friction": 0.2,
-    "particle_particle.restitution": 0.6,
-    "particle_wall.sliding_friction": 0.4,
-    "particle_wall.rolling_friction": 0.1,
-    "particle_wall.restitution": 0.6,
-}
+MATERIALS: Mapping[str, Mapping[str, float]] = {"rough": ROUGH_SPHERES, "beads": GLASS_BEADS}
 #: A test that needs another modulus than the others, Pa.
 MODULI = {"compression": 10e6}
 Record = dict[str, Any]
 
 
-def run(test: str, solver: str, seed: int, changes: Mapping[str, float]) -> Record:
+def run(test: str, solver: str, seed: int, name: str, changes: Mapping[str, float]) -> Record:
     """Simulate a test once; return its responses and the processor time."""
-    material = {**ROUGH, **changes}
-    material["particle.youngs_modulus"] = changes.get(
-        "particle.youngs_modulus", MODULI.get(test, ROUGH["particle.youngs_modulus"])
-    )
+    modulus = MODULI.get(test, MATERIALS[name]["particle.youngs_modulus"])
+    material = {**MATERIALS[name], "particle.youngs_modulus": modulus, **changes}
     before = _processor_seconds()
-    record: Record = {"test": test, "solver": solver, "seed": seed, "changes": dict(changes)}
+    record: Record = {
+        "test": test,
+        "solver": solver,
+        "seed": seed,
+        "material": name,
+        "changes": dict(changes),
+    }
     with tempfile.TemporaryDirectory() as folder:
         program = DEM_PROGRAMS[solver](bulk_tests()[test](diameter=DIAMETER), material)
         try:
@@ -81,18 +75,19 @@ def _processor_seconds() -> float:
 def measure(
     tests: Sequence[str],
     seeds: int,
+    material: str,
     changes: Mapping[str, float],
     processes: int,
     kept: Path,
 ) -> list[Record]:
     """Return the records of all runs; add new ones to the file as they end."""
-    records = [r for r in _read(kept) if r["changes"] == changes]
+    records = _of(_read(kept), material, changes)
     known = {(r["test"], r["solver"], r["seed"]) for r in records}
     wanted = [(t, s, n) for n in range(1, seeds + 1) for t in tests for s in SOLVERS]
     jobs = [job for job in wanted if job not in known]
     start = time.monotonic()
     with ProcessPoolExecutor(processes, max_tasks_per_child=1) as pool, kept.open("a") as file:
-        pending = [pool.submit(run, *job, changes) for job in jobs]
+        pending = [pool.submit(run, *job, material, changes) for job in jobs]
         try:
             for done, future in enumerate(as_completed(pending), 1):
                 records.append(future.result())
@@ -109,6 +104,10 @@ def measure(
 
 def _read(kept: Path) -> list[Record]:
     return [json.loads(line) for line in kept.read_text().splitlines()] if kept.exists() else []
+
+
+def _of(records: Iterable[Record], material: str, changes: Mapping[str, float]) -> list[Record]:
+    return [r for r in records if r["material"] == material and r["changes"] == changes]
 
 
 def table(records: Iterable[Record]) -> str:
@@ -178,6 +177,7 @@ def main() -> None:
     parser.add_argument("--seeds", type=int, default=20, help="runs of each test and solver")
     parser.add_argument("--tests", nargs="+", choices=bulk_tests(), default=list(bulk_tests()))
     parser.add_argument("--processes", type=int, default=2)
+    parser.add_argument("--material", choices=MATERIALS, default="rough")
     parser.add_argument(
         "--set", action="append", default=[], metavar="NAME=VALUE", help="a material parameter"
     )
@@ -185,9 +185,20 @@ def main() -> None:
     options = parser.parse_args()
     changes = {name: float(value) for name, value in (item.split("=") for item in options.set)}
     if options.table:
-        print(table(r for r in _read(options.kept) if r["changes"] == changes))
+        print(table(_of(_read(options.kept), options.material, changes)))
         return
-    print(table(measure(options.tests, options.seeds, changes, options.processes, options.kept)))
+    print(
+        table(
+            measure(
+                options.tests,
+                options.seeds,
+                options.material,
+                changes,
+                options.processes,
+                options.kept,
+            )
+        )
+    )
 
 
 if __name__ == "__main__":
