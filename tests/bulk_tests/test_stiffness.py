@@ -11,11 +11,7 @@ from rich.console import Console
 
 import grainfit as gf
 from grainfit.analysis.stiffness_notes import stiffness_notes
-from grainfit.bulk_tests.shared.stiffness import (
-    excess_density,
-    number_with_excess,
-    stiffness_number,
-)
+from grainfit.bulk_tests.stiffness import UNDER_OWN_WEIGHT
 from grainfit.calibration_file.plan import describe_plan
 from grainfit.calibration_file.starter import STARTER_FILE
 from grainfit.cli.console import print_plan
@@ -33,10 +29,10 @@ def notes(answer: dict[str, float] | None = None, **changes: float) -> tuple[str
 
 def test_the_number_is_that_of_the_same_heap_at_every_size_and_density() -> None:
     heap = gf.tests.Heap(diameter="10 mm")
-    assert stiffness_number(GLASS_BEADS, heap.conditions) == pytest.approx(1747, abs=1)
+    assert heap.stiffness_number(GLASS_BEADS) == pytest.approx(1747, abs=1)
     moon = gf.tests.Heap(diameter="50 mm", gravity=1.62)
     scaled = {**GLASS_BEADS, MODULUS: 3.6e5 * 5 * 1.62 / 9.81 * 2, DENSITY: 4200.0}
-    assert stiffness_number(scaled, moon.conditions) == pytest.approx(1747, abs=1)
+    assert moon.stiffness_number(scaled) == pytest.approx(1747, abs=1)
 
 
 @pytest.mark.parametrize(
@@ -48,19 +44,19 @@ def test_the_number_is_that_of_the_same_heap_at_every_size_and_density() -> None
     ],
 )
 def test_the_excess_is_that_of_measured_heaps(measured: dict[float, float]) -> None:
-    stiff = [fraction / (1 + excess_density(number)) for number, fraction in measured.items()]
+    stiff = [fraction / (1 + UNDER_OWN_WEIGHT.excess(number)) for number, fraction in measured.items()]
     assert max(stiff) / min(stiff) < 1.006
 
 
 def test_softer_particles_never_have_less_excess() -> None:
-    many = [excess_density(number) for number in (100, 525, 1000, 1750, 9000, 52_500, 1e7)]
+    many = [UNDER_OWN_WEIGHT.excess(number) for number in (100, 525, 1000, 1750, 9000, 52_500, 1e7)]
     assert many == sorted(many, reverse=True)
     assert many[-1] == 0.0
 
 
 def test_the_number_of_an_excess_has_that_excess() -> None:
     for excess in (0.4, 0.1, 0.02, 0.01):
-        assert excess_density(number_with_excess(excess)) == pytest.approx(excess)
+        assert UNDER_OWN_WEIGHT.excess(UNDER_OWN_WEIGHT.number_with(excess)) == pytest.approx(excess)
 
 
 def test_the_example_of_the_paper_is_told_its_excess_and_a_modulus() -> None:
@@ -99,8 +95,8 @@ def test_the_starter_file_has_particles_that_are_stiff_enough(tmp_path: Path) ->
     setup = gf.load(path)
     [test] = setup.bulk_tests.values()
     middle = setup.problem.from_unit([0.5] * setup.problem.dimension)
-    number = stiffness_number({**setup.file.fixed, **middle}, test.conditions)
-    assert excess_density(number) < 0.0205
+    number = test.stiffness_number({**setup.file.fixed, **middle})
+    assert UNDER_OWN_WEIGHT.excess(number) < 0.0205
 
 
 def test_check_says_it(tmp_path: Path) -> None:
