@@ -11,7 +11,7 @@ from rich.console import Console
 
 import grainfit as gf
 from grainfit.analysis.stiffness_notes import stiffness_notes
-from grainfit.bulk_tests.stiffness import UNDER_OWN_WEIGHT
+from grainfit.bulk_tests.stiffness import UNDER_A_STRESS, UNDER_OWN_WEIGHT
 from grainfit.calibration_file.plan import describe_plan
 from grainfit.calibration_file.starter import STARTER_FILE
 from grainfit.cli.console import print_plan
@@ -44,19 +44,39 @@ def test_the_number_is_that_of_the_same_heap_at_every_size_and_density() -> None
     ],
 )
 def test_the_excess_is_that_of_measured_heaps(measured: dict[float, float]) -> None:
-    stiff = [fraction / (1 + UNDER_OWN_WEIGHT.excess(number)) for number, fraction in measured.items()]
+    stiff = [
+        fraction / (1 + UNDER_OWN_WEIGHT.excess(number)) for number, fraction in measured.items()
+    ]
     assert max(stiff) / min(stiff) < 1.006
 
 
+@pytest.mark.parametrize(
+    "measured",
+    [
+        # Rolling friction 0.66; frictions 0.5 and 0.2: E/stress, bulk density.
+        {1000: 1240.0, 4000: 1205.3, 16_000: 1183.7, 64_000: 1174.0},
+        {1000: 1186.5, 4000: 1141.6, 16_000: 1126.3},
+    ],
+)
+def test_the_excess_under_a_stress_is_that_of_measured_compressions(
+    measured: dict[float, float],
+) -> None:
+    stiff = [density / (1 + UNDER_A_STRESS.excess(number)) for number, density in measured.items()]
+    assert max(stiff) / min(stiff) < 1.008
+
+
 def test_softer_particles_never_have_less_excess() -> None:
-    many = [UNDER_OWN_WEIGHT.excess(number) for number in (100, 525, 1000, 1750, 9000, 52_500, 1e7)]
-    assert many == sorted(many, reverse=True)
-    assert many[-1] == 0.0
+    for law in (UNDER_OWN_WEIGHT, UNDER_A_STRESS):
+        many = [law.excess(number) for number in (100, 525, 1000, 1750, 9000, 52_500, 1e7)]
+        assert many == sorted(many, reverse=True)
+        assert many[-1] == 0.0
 
 
 def test_the_number_of_an_excess_has_that_excess() -> None:
     for excess in (0.4, 0.1, 0.02, 0.01):
-        assert UNDER_OWN_WEIGHT.excess(UNDER_OWN_WEIGHT.number_with(excess)) == pytest.approx(excess)
+        assert UNDER_OWN_WEIGHT.excess(UNDER_OWN_WEIGHT.number_with(excess)) == pytest.approx(
+            excess
+        )
 
 
 def test_the_example_of_the_paper_is_told_its_excess_and_a_modulus() -> None:
@@ -78,6 +98,37 @@ def test_nothing_is_said_where_no_target_depends_on_it() -> None:
     setup = gf.load(EXAMPLE)
     angle = replace(setup.problem, targets=[setup.problem.targets[1]])
     assert stiffness_notes(angle, setup.bulk_tests, setup.file.fixed) == ()
+
+
+def compression_notes(stress: str) -> tuple[str, ...]:
+    problem = gf.Problem(
+        [gf.Parameter(DENSITY, 2000.0, 3000.0)],
+        [gf.Target("bulk_density", 1500.0), gf.Target("loading_modulus", 3e5)],
+    )
+    test = gf.tests.Compression(diameter="10 mm", stress=stress)
+    return stiffness_notes(problem, {"press": test}, {**GLASS_BEADS, MODULUS: 1e7})
+
+
+def test_the_note_of_a_compression_depends_on_its_stress() -> None:
+    [note] = compression_notes("10 kPa")
+    assert "E/stress = 1000: bulk_density is about 6.1 % above" in note
+    assert "loading_modulus" not in note
+    assert "within the intervals" not in note
+    [note] = compression_notes("2.5 kPa")
+    assert "E/stress = 4000: bulk_density is about 2.4 % above" in note
+    assert compression_notes("200 Pa") == ()
+
+
+def test_nothing_is_said_of_a_response_that_does_not_depend_on_the_modulus() -> None:
+    problem = gf.Problem(
+        [gf.Parameter(DENSITY, 2000.0, 3000.0)],
+        [gf.Target("bulk_density", 1500.0), gf.Target("mass_flow", 1.0)],
+    )
+    [note] = stiffness_notes(
+        problem, {"discharge": gf.tests.Discharge(diameter="10 mm")}, GLASS_BEADS
+    )
+    assert "bulk_density is about" in note
+    assert "mass_flow" not in note
 
 
 def test_a_material_that_is_not_known_or_impossible_has_no_note() -> None:
