@@ -20,7 +20,7 @@ many pairs of frictions.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 
 from grainfit.bulk_tests.registry import bulk_tests
 from grainfit.bulk_tests.sensitivities import (
@@ -36,18 +36,25 @@ from grainfit.formatting import in_a_row
 
 _DROP_TEST = "fix it from a drop test (height to which a particle rebounds"
 
-#: Tests that respond to one parameter and to little else, by the parameter's name.
+_DRAW_DOWN = "a draw-down test ({draw_down}angle of repose, mass flow)"
+_COMPRESSION = "uniaxial compression ({compression}lateral stress ratio)"
+
+#: Tests that respond to one parameter and to little else, by the parameter's name. Fields such as
+#: ``{heap}`` are the types of tests, for the calibration file, as far as they are installed.
 TESTS: Mapping[str, str] = {
     SLIDING: (
-        "the bulk density, at a particle density that a pycnometer has determined (it falls with "
-        "sliding friction, and hardly with rolling friction); a draw-down test (angle of repose, "
-        "mass flow); or uniaxial compression (lateral stress ratio)"
+        "the bulk density ({packing}at a particle density that a pycnometer has determined; it "
+        "falls with sliding friction, and hardly with rolling friction); "
+        f"{_DRAW_DOWN}; or {_COMPRESSION}"
     ),
     ROLLING: (
-        "the angle of repose of a heap, at a sliding friction that another test determines; where "
-        "rolling friction is larger than sliding friction, no test of the bench determines it well"
+        "the angle of repose of a heap ({heap}at a sliding friction that another test determines); "
+        "where rolling friction is larger than sliding friction, none of grainfit's tests "
+        "determines it well"
     ),
-    RESTITUTION: (f"no test of the bench does; {_DROP_TEST} from a plate of the same material)"),
+    RESTITUTION: (
+        f"none of grainfit's tests does; {_DROP_TEST} from a plate of the same material)"
+    ),
     WALL_SLIDING: (
         "an inclined plane of the wall's material: the angle at which the bulk solid slides is "
         "atan(sliding friction), so the value is known without a simulation; a heap hardly "
@@ -57,23 +64,16 @@ TESTS: Mapping[str, str] = {
         "an inclined plane of the wall's material: the angle at which single particles begin to "
         "roll is atan(rolling friction), so the value is known without a simulation"
     ),
-    WALL_RESTITUTION: (f"no test of the bench does; {_DROP_TEST} from the wall's material)"),
+    WALL_RESTITUTION: (f"none of grainfit's tests does; {_DROP_TEST} from the wall's material)"),
     DENSITY: (
         "a pycnometer (density of the solid); bulk densities and mass flows are proportional to "
         "it, and angles do not depend on it"
     ),
     MODULUS: (
-        "uniaxial compression (modulus of loading and unloading), which alone depends on it as a "
-        "bulk property; without that test, fix it: stiff enough that overlaps do not add to the "
-        "bulk density, see 'grainfit stiffness'"
+        "uniaxial compression ({compression}modulus of loading and unloading), which alone "
+        "depends on it as a bulk property; without that test, fix it: stiff enough that overlaps "
+        "do not add to the bulk density, see 'grainfit stiffness'"
     ),
-}
-
-#: Types of test of grainfit that determine a parameter, as far as they are installed.
-_SIMULATED: Mapping[str, tuple[str, ...]] = {
-    SLIDING: ("packing", "draw_down", "compression"),
-    ROLLING: ("heap",),
-    MODULUS: ("compression",),
 }
 
 #: Laboratory measurements that give a parameter its value, so that it need not be free.
@@ -92,6 +92,8 @@ BETTER_FIXED: Mapping[str, str] = {
     "particle_wall.rolling_damping": "at a value of the literature",
 }
 
+#: Types of test that are named.
+_TYPES = ("compression", "draw_down", "heap", "packing")
 _FRICTIONS = frozenset({SLIDING, ROLLING})
 
 
@@ -119,32 +121,31 @@ def how_to_determine(name: str) -> str:
     """Return the tests that determine a parameter, up to the end of a sentence."""
     if name not in TESTS:
         return "add a target of a test that responds to it."
-    return f"{TESTS[name]}.{_runnable(_SIMULATED.get(name, ()))}"
+    return f"{_with_types(TESTS[name])}."
 
 
 def how_to_tell_apart(names: tuple[str, ...]) -> str:
     """Return the tests that tell parameters apart, up to the end of a sentence."""
     if set(names) >= _FRICTIONS and set(names) <= {*_FRICTIONS, DENSITY}:
         return (
-            f"{_bulk_density(names)}; a draw-down test (angle of repose, mass flow); or uniaxial "
-            "compression (lateral stress ratio). Another angle does not help: heap, rotating drum "
-            "and angle of internal friction depend on both frictions in nearly the same way."
-            f"{_runnable(('draw_down', 'compression'))}"
+            f"{_with_types(f'{_bulk_density(names)}; {_DRAW_DOWN}; or {_COMPRESSION}')}. Another "
+            "angle does not help: heap, rotating drum and angle of internal friction depend on "
+            "both frictions in nearly the same way."
         )
-    known = [f"for {name}, {TESTS[name]}" for name in names if name in TESTS]
+    known = [f"for {name}, {_with_types(TESTS[name])}" for name in names if name in TESTS]
     if not known:
         return "add a target of a test that responds to one of them only."
-    tests = dict.fromkeys(test for name in names for test in _SIMULATED.get(name, ()))
-    return f"determine one of them; {'; '.join(known)}.{_runnable(tests)}"
+    return f"determine one of them; {'; '.join(known)}."
 
 
 def _bulk_density(names: tuple[str, ...]) -> str:
     if DENSITY in names:
         return "give the particle density (pycnometer) and measure the bulk density"
-    return "the bulk density, at a particle density that a pycnometer has determined"
+    return "the bulk density ({packing}at a particle density that a pycnometer has determined)"
 
 
-def _runnable(tests: Iterable[str]) -> str:
-    """Return a sentence that names the tests which are installed; empty if there are none."""
-    installed = [f'"{test}"' for test in tests if test in bulk_tests()]
-    return f" grainfit runs it as type = {in_a_row(installed, 'or')}." if installed else ""
+def _with_types(words: str) -> str:
+    """Return words with the types of tests that are installed; the others are left out."""
+    known = bulk_tests()
+    types = {name: f'type = "{name}": ' if name in known else "" for name in _TYPES}
+    return words.format(**types)

@@ -1,7 +1,7 @@
 """Runs of bulk tests in natural units: length d, time sqrt(d/g), mass rho d^3.
 
-Two runs whose dimensionless numbers agree are the same run, whatever the size and the density of
-the particles: frictions, restitution, Poisson's ratio, E/(rho g d), and the test in units of d. A
+Two runs whose dimensionless numbers agree are the same run, at any size and density of the
+particles: frictions, restitution, Poisson's ratio, E/(rho g d), and the test in units of d. A
 run of one size therefore gives the responses of every other size.
 """
 

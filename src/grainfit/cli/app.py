@@ -221,7 +221,7 @@ def report(
 
     One HTML file that can be read without network and without grainfit: is it
     calibrated, what are the values, how sure are they, what do the responses
-    depend on, what does the heap look like, and every run.
+    depend on, what do the particles of the tests look like, and every run.
 
     'grainfit run' writes it at its end; this command writes it at any time.
     """
@@ -297,7 +297,7 @@ def stiffness(
     """Show what the stiffness of the particles changes, and the smallest modulus that will do.
 
     DEM particles are chosen far softer than real ones, because the time step is proportional to
-    1/sqrt(E). Soft particles overlap, which raises bulk densities; angles mostly do not mind.
+    1/sqrt(E). Soft particles overlap, which raises bulk densities; most angles do not change.
     This command simulates the tests again with stiffer particles and names the smallest modulus at
     which every response stays within its tolerance of that of the stiffest ones.
 
