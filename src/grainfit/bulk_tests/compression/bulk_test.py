@@ -11,6 +11,7 @@ from grainfit.bulk_tests.base import BulkTest, ResponseInfo
 from grainfit.bulk_tests.compression.curve import COLUMNS, Curve, Modulus, fit_modulus
 from grainfit.bulk_tests.compression.picture import draw_compression
 from grainfit.bulk_tests.compression.setup import CompressionSetup, plan_setup
+from grainfit.bulk_tests.compression.view import CompressionView
 from grainfit.bulk_tests.sensitivities import (
     DENSITY,
     MODULUS,
@@ -20,7 +21,6 @@ from grainfit.bulk_tests.sensitivities import (
     WALL_SLIDING,
     Sensitivities,
 )
-from grainfit.bulk_tests.shared.pot_view import PotView
 from grainfit.bulk_tests.shared.validity import require_at_rest, require_held, require_separate
 from grainfit.bulk_tests.view import Shown
 from grainfit.errors import Fault, NotMeasurableError, RunFailedError
@@ -358,14 +358,22 @@ class Compression(BulkTest):
         travel = _USUAL_TRAVEL * setup.fill_height / setup.largest_speed(material)
         return _FILL_SHARE * setup.fill_time + travel
 
-    def view(self, run: RunOutput) -> PotView:
+    def view(self, run: RunOutput) -> CompressionView:
         """Read the loaded bed of a run, to be drawn."""
         bed = run.snapshot(_LOADED)
         if not len(bed):
             raise NotMeasurableError("no particles are left in the pot")
-        curve = Curve.of_stage(run, "load", self.setup)
-        words = "slope of stress over strain, from 50 to 98 % of the stress"
-        return PotView(bed, self.setup.pot_radius, float(curve.heights[-1]), words)
+        curves = {
+            name: Curve.of_stage(run, name, self.setup) for name in ("seat", "load", "unload")
+        }
+        return CompressionView(
+            bed,
+            self.setup.pot_radius,
+            float(curves["load"].heights[-1]),
+            "slope of the drawn stress over strain, from 50 to 98 % of the stress",
+            curves,
+            self.setup.stress,
+        )
 
 
 def _scatter(response: str, particles: int) -> float:
