@@ -25,6 +25,8 @@ class TestCompressionContract(BulkTestContract):
         "time_step_fraction": 0.1,
     }
 
+    open_options: ClassVar = {"piston_speed"}
+
     @pytest.fixture
     def bulk_test(self) -> Compression:
         return Compression(diameter="10 mm", pot_radius="30 mm", fill_height="50 mm")

@@ -68,10 +68,14 @@ class BulkTestContract:
         For every option, a valid value that differs from that of `bulk_test`.
     material : mapping of str to float
         All material parameters, for a run that ends well.
+    open_options : set of str
+        Options with a unit that have no value by default: they follow the material, or belong to
+        another geometry.
     """
 
     others: ClassVar[Mapping[str, Any]]
     material: ClassVar[Mapping[str, float]] = GLASS_BEADS
+    open_options: ClassVar[set[str]] = set()
 
     @pytest.fixture
     def bulk_test(self) -> BulkTest:
@@ -114,6 +118,24 @@ class BulkTestContract:
         definitions = {json.dumps(test.definition()) for test in [bulk_test, *tests]}
 
         assert len(definitions) == 1 + len(tests)
+
+    def test_defaults_given_explicitly_have_the_same_definition(self, bulk_test: BulkTest) -> None:
+        for test in (bulk_test, type(bulk_test)(bulk_test.sizes)):
+            given = {name: v for name, v in test.resolved_options().items() if v is not None}
+            explicit = type(test)(test.sizes, **given)
+
+            assert json.dumps(explicit.definition()) == json.dumps(test.definition())
+
+    def test_every_length_and_time_is_in_the_definition(self, bulk_test: BulkTest) -> None:
+        """Another default would not be another run otherwise."""
+        resolved = type(bulk_test)(bulk_test.sizes).resolved_options()
+        unresolved = {
+            key.name
+            for key in bulk_test.option_keys()
+            if isinstance(key.kind, Quantity) and key.kind.unit and resolved[key.name] is None
+        }
+
+        assert unresolved == self.open_options
 
     def test_damaged_definition_is_refused(self, bulk_test: BulkTest) -> None:
         whole = bulk_test.definition()

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
-from typing import Any, ClassVar
+from typing import ClassVar
 
 from grainfit.bulk_tests.base import BulkTest, ResponseInfo
 from grainfit.bulk_tests.compression.curve import COLUMNS, Curve, Modulus, fit_modulus
@@ -175,18 +175,12 @@ class Compression(BulkTest):
     setup: CompressionSetup = field(init=False, repr=False, compare=False)
 
     def prepare(self) -> None:
-        """Resolve geometry and procedure."""
-        options = {key.name: getattr(self, key.name) for key in self.option_keys()}
-        object.__setattr__(self, "setup", plan_setup(self.sizes, options))
-
-    def resolved_options(self) -> dict[str, Any]:
-        """Return the value of every option, with the defaults of stresses and geometry.
+        """Resolve geometry and procedure.
 
         The default stress does not follow the density of the particles, so two runs with it are
         not the same in natural units. The default piston speed does, and stays open.
         """
-        options = super().resolved_options()
-        return {name: getattr(self.setup, name, value) for name, value in options.items()}
+        object.__setattr__(self, "setup", plan_setup(self.sizes, self.given_options()))
 
     def material_faults(self, material: Mapping[str, float]) -> Iterator[Fault]:
         """Yield why the test means nothing with a material: too soft, or too heavy."""

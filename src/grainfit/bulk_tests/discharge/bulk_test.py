@@ -134,8 +134,7 @@ class Discharge(BulkTest):
 
     def prepare(self) -> None:
         """Resolve geometry and procedure."""
-        options = {key.name: getattr(self, key.name) for key in self.option_keys()}
-        object.__setattr__(self, "setup", plan_setup(self.sizes, options))
+        object.__setattr__(self, "setup", plan_setup(self.sizes, self.given_options()))
 
     def scene(self, material: Mapping[str, float], seed: int) -> Scene:
         """Return the experiment: a column falls, the orifice is opened, the bed flows out."""

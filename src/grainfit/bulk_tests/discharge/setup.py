@@ -63,6 +63,32 @@ class DischargeSetup:
     settling_time_limit: float
 
     @property
+    def width(self) -> float:
+        """Inner width or diameter of the container, m."""
+        return 2 * self.half_width
+
+    @property
+    def fill_height(self) -> float:
+        """Height of the bed before it settles, m."""
+        return self.container.fill_height
+
+    @property
+    def slot_width(self) -> float | None:
+        """Width of the slot, m; None with a round orifice."""
+        return self.container.slot_width if isinstance(self.container, SlotBox) else None
+
+    @property
+    def depth(self) -> float | None:
+        """Period of a slot, m; None with a round orifice."""
+        return self.container.depth if isinstance(self.container, SlotBox) else None
+
+    @property
+    def orifice_diameter(self) -> float | None:
+        """Diameter of a round orifice, m; None with a slot."""
+        container = self.container
+        return None if isinstance(container, SlotBox) else 2 * container.orifice_radius
+
+    @property
     def underside(self) -> float:
         """Height below which particles have left the container, m."""
         return -self.container.thickness if isinstance(self.container, SlotBox) else 0.0

@@ -39,8 +39,8 @@ class DrawDownSetup:
         The upper box, whose floor is the shelf with the slot.
     filling : Filling
         Its particles.
-    floor : float
-        Height of the lower floor; negative.
+    floor_distance : float
+        Distance from the underside of the shelf to the lower floor.
     floor_half_width : float
         Half the width of the lower floor, whose edges are free.
     density_bottom, density_top : float
@@ -53,13 +53,43 @@ class DrawDownSetup:
 
     box: SlotBox
     filling: Filling
-    floor: float
+    floor_distance: float
     floor_half_width: float
     density_bottom: float
     density_top: float
     shortest_flow: float
     flow_time: float
     settling_time_limit: float
+
+    @property
+    def width(self) -> float:
+        """Inner width of the upper box, m."""
+        return self.box.width
+
+    @property
+    def depth(self) -> float:
+        """Period of the slice, m."""
+        return self.box.depth
+
+    @property
+    def fill_height(self) -> float:
+        """Height of the bed before it settles, m."""
+        return self.box.fill_height
+
+    @property
+    def slot_width(self) -> float:
+        """Width of the slot, m."""
+        return self.box.slot_width
+
+    @property
+    def shelf_thickness(self) -> float:
+        """Thickness of the shelf, m."""
+        return self.box.thickness
+
+    @property
+    def floor(self) -> float:
+        """Height of the lower floor, m; negative."""
+        return self.underside - self.floor_distance
 
     @property
     def footprint(self) -> Rectangle:
@@ -106,7 +136,7 @@ def plan_setup(sizes: ParticleSizes, options: Mapping[str, float | None]) -> Dra
     setup = DrawDownSetup(
         box=box,
         filling=filling,
-        floor=-box.thickness - given.get("floor_distance", 14 * diameter),
+        floor_distance=given.get("floor_distance", 14 * diameter),
         floor_half_width=given.get("floor_half_width", 30 * diameter),
         density_bottom=_LOWEST * diameter,
         density_top=_HIGHEST * box.fill_height,
@@ -122,7 +152,7 @@ def plan_setup(sizes: ParticleSizes, options: Mapping[str, float | None]) -> Dra
 
 def _faults(setup: DrawDownSetup, sizes: ParticleSizes) -> Iterator[Fault]:
     largest = max(sizes.diameters)
-    distance = setup.underside - setup.floor
+    distance = setup.floor_distance
     needed = (CLEARANCE + 3) * largest
     if distance < needed:
         yield Fault(

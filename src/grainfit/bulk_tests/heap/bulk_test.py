@@ -195,12 +195,7 @@ class Heap(BulkTest):
 
     def prepare(self) -> None:
         """Resolve geometry and procedure."""
-        object.__setattr__(self, "setup", plan_setup(self.sizes, super().resolved_options()))
-
-    def resolved_options(self) -> dict[str, Any]:
-        """Return the value of every option, with the defaults of geometry and procedure."""
-        options = super().resolved_options()
-        return {name: getattr(self.setup, name, value) for name, value in options.items()}
+        object.__setattr__(self, "setup", plan_setup(self.sizes, self.given_options()))
 
     def definition(self) -> dict[str, Any]:
         """Return everything in the test that affects a run's outcome, as JSON.

@@ -99,12 +99,7 @@ class Packing(BulkTest):
 
     def prepare(self) -> None:
         """Resolve geometry and procedure."""
-        object.__setattr__(self, "setup", plan_setup(self.sizes, super().resolved_options()))
-
-    def resolved_options(self) -> dict[str, object]:
-        """Return the value of every option, with the defaults of geometry and procedure."""
-        options = super().resolved_options()
-        return {name: getattr(self.setup, name, value) for name, value in options.items()}
+        object.__setattr__(self, "setup", plan_setup(self.sizes, self.given_options()))
 
     def scene(self, material: Mapping[str, float], seed: int) -> Scene:
         """Return the experiment: a column falls and comes to rest."""
