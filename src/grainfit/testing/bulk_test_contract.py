@@ -40,6 +40,7 @@ from grainfit.errors import (
     SolverNotFoundError,
 )
 from grainfit.evaluation import Response
+from grainfit.materials.sizes import ParticleSizes
 from grainfit.options.kinds import Quantity, Whole
 from grainfit.options.tables import Key
 from grainfit.run_definition import RunDefinition
@@ -185,6 +186,15 @@ class BulkTestContract:
             type(bulk_test)()
         with pytest.raises(InputError, match=r"'1 kg' has the unit kg"):
             type(bulk_test)(diameter="1 kg")
+
+    @pytest.mark.parametrize("fine", [0.005, 0.0035])
+    def test_defaults_accept_mixtures(self, bulk_test: BulkTest, fine: float) -> None:
+        mixture = ParticleSizes((fine, 0.010), (0.3, 0.7))
+        test = type(bulk_test)(mixture)
+        material = {**GLASS_BEADS, **self.material}
+
+        assert test.number_of_particles > 0
+        assert test.scene(material, _SEED).sizes == mixture
 
     def test_responses_and_material_are_described(self, bulk_test: BulkTest) -> None:
         targets = {key.name: key for key in layout_of_test(types_of_test()[bulk_test.type]).keys}

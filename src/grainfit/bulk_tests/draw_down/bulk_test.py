@@ -50,8 +50,9 @@ class DrawDown(BulkTest):
     the slot runs dry. Two wedges stay on the shelf, and a pile lies on the lower floor. The test is
     a slice: its depth is periodic, without end walls.
 
-    Defaults follow the Sauter diameter d of the particles; times follow it by Froude's law. The
-    options are the fields below, as in the calibration file.
+    Defaults follow the Sauter diameter d of the particles, and are never smaller than the largest
+    particles allow; times follow d by Froude's law. The options are the fields below, as in the
+    calibration file.
 
     Parameters
     ----------

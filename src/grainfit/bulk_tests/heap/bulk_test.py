@@ -11,6 +11,7 @@ from grainfit.bulk_tests.base import BulkTest, ResponseInfo
 from grainfit.bulk_tests.heap.setup import HeapSetup, plan_setup
 from grainfit.bulk_tests.heap.view import HeapView
 from grainfit.bulk_tests.sensitivities import DENSITY, MODULUS, ROLLING, SLIDING, Sensitivities
+from grainfit.bulk_tests.shared.filling import fill_stage
 from grainfit.bulk_tests.shared.validity import require_separate
 from grainfit.bulk_tests.view import Shown
 from grainfit.errors import NotMeasurableError
@@ -262,13 +263,7 @@ class Heap(BulkTest):
         setup = self.setup
         limit = setup.settling_time_limit
         return (
-            Stage(
-                "fill",
-                AtRest(setup.fill_time + limit, at_least=setup.fill_time),
-                "the column falls and comes to rest",
-                is_closed=True,
-                snapshot=_SETTLED,
-            ),
+            fill_stage(setup.fill_time, limit, _SETTLED),
             Stage(
                 "lift",
                 Clear("cylinder", setup.lift_height / setup.lift_speed),
