@@ -9,11 +9,11 @@ if TYPE_CHECKING:
     from grainfit import tests as tests
     from grainfit.analysis import Analysis, analyse
     from grainfit.analysis.expected import ExpectedNarrowing, expected_narrowing
+    from grainfit.analysis.modulus_study import ModulusStudy
     from grainfit.calibration.calibrate import calibrate
     from grainfit.calibration.progress import Progress
     from grainfit.calibration_file.build import CalibrationSetup
     from grainfit.calibration_file.build import load_calibration as load
-    from grainfit.campaign.moduli import ModulusStudy
     from grainfit.errors import (
         GrainfitError,
         InputError,
@@ -88,7 +88,7 @@ _HOMES = {
     "Progress": "calibration.progress",
     "Result": "result",
     "open": "opened",
-    "ModulusStudy": "campaign.moduli",
+    "ModulusStudy": "analysis.modulus_study",
     "stiffness_study": "work_folder.stiffness_study",
     "write_report": "report.page",
     **dict.fromkeys(("Parameter", "Problem", "Target"), "problem"),

@@ -11,11 +11,7 @@ from rich.console import Console
 
 import grainfit as gf
 from grainfit.analysis.stiffness_notes import stiffness_notes
-from grainfit.bulk_tests.shared.stiffness import (
-    excess_density,
-    number_with_excess,
-    stiffness_number,
-)
+from grainfit.bulk_tests.stiffness import UNDER_A_STRESS, UNDER_OWN_WEIGHT
 from grainfit.calibration_file.plan import describe_plan
 from grainfit.calibration_file.starter import STARTER_FILE
 from grainfit.cli.console import print_plan
@@ -33,10 +29,10 @@ def notes(answer: dict[str, float] | None = None, **changes: float) -> tuple[str
 
 def test_the_number_is_that_of_the_same_heap_at_every_size_and_density() -> None:
     heap = gf.tests.Heap(diameter="10 mm")
-    assert stiffness_number(GLASS_BEADS, heap.conditions) == pytest.approx(1747, abs=1)
+    assert heap.stiffness_number(GLASS_BEADS) == pytest.approx(1747, abs=1)
     moon = gf.tests.Heap(diameter="50 mm", gravity=1.62)
     scaled = {**GLASS_BEADS, MODULUS: 3.6e5 * 5 * 1.62 / 9.81 * 2, DENSITY: 4200.0}
-    assert stiffness_number(scaled, moon.conditions) == pytest.approx(1747, abs=1)
+    assert moon.stiffness_number(scaled) == pytest.approx(1747, abs=1)
 
 
 @pytest.mark.parametrize(
@@ -48,19 +44,39 @@ def test_the_number_is_that_of_the_same_heap_at_every_size_and_density() -> None
     ],
 )
 def test_the_excess_is_that_of_measured_heaps(measured: dict[float, float]) -> None:
-    stiff = [fraction / (1 + excess_density(number)) for number, fraction in measured.items()]
+    stiff = [
+        fraction / (1 + UNDER_OWN_WEIGHT.excess(number)) for number, fraction in measured.items()
+    ]
     assert max(stiff) / min(stiff) < 1.006
 
 
+@pytest.mark.parametrize(
+    "measured",
+    [
+        # Rolling friction 0.66; frictions 0.5 and 0.2: E/stress, bulk density.
+        {1000: 1240.0, 4000: 1205.3, 16_000: 1183.7, 64_000: 1174.0},
+        {1000: 1186.5, 4000: 1141.6, 16_000: 1126.3},
+    ],
+)
+def test_the_excess_under_a_stress_is_that_of_measured_compressions(
+    measured: dict[float, float],
+) -> None:
+    stiff = [density / (1 + UNDER_A_STRESS.excess(number)) for number, density in measured.items()]
+    assert max(stiff) / min(stiff) < 1.008
+
+
 def test_softer_particles_never_have_less_excess() -> None:
-    many = [excess_density(number) for number in (100, 525, 1000, 1750, 9000, 52_500, 1e7)]
-    assert many == sorted(many, reverse=True)
-    assert many[-1] == 0.0
+    for law in (UNDER_OWN_WEIGHT, UNDER_A_STRESS):
+        many = [law.excess(number) for number in (100, 525, 1000, 1750, 9000, 52_500, 1e7)]
+        assert many == sorted(many, reverse=True)
+        assert many[-1] == 0.0
 
 
 def test_the_number_of_an_excess_has_that_excess() -> None:
     for excess in (0.4, 0.1, 0.02, 0.01):
-        assert excess_density(number_with_excess(excess)) == pytest.approx(excess)
+        assert UNDER_OWN_WEIGHT.excess(UNDER_OWN_WEIGHT.number_with(excess)) == pytest.approx(
+            excess
+        )
 
 
 def test_the_example_of_the_paper_is_told_its_excess_and_a_modulus() -> None:
@@ -84,6 +100,37 @@ def test_nothing_is_said_where_no_target_depends_on_it() -> None:
     assert stiffness_notes(angle, setup.bulk_tests, setup.file.fixed) == ()
 
 
+def compression_notes(stress: str) -> tuple[str, ...]:
+    problem = gf.Problem(
+        [gf.Parameter(DENSITY, 2000.0, 3000.0)],
+        [gf.Target("bulk_density", 1500.0), gf.Target("loading_modulus", 3e5)],
+    )
+    test = gf.tests.Compression(diameter="10 mm", stress=stress)
+    return stiffness_notes(problem, {"press": test}, {**GLASS_BEADS, MODULUS: 1e7})
+
+
+def test_the_note_of_a_compression_depends_on_its_stress() -> None:
+    [note] = compression_notes("10 kPa")
+    assert "E/stress = 1000: bulk_density is about 6.1 % above" in note
+    assert "loading_modulus" not in note
+    assert "within the intervals" not in note
+    [note] = compression_notes("2.5 kPa")
+    assert "E/stress = 4000: bulk_density is about 2.4 % above" in note
+    assert compression_notes("200 Pa") == ()
+
+
+def test_nothing_is_said_of_a_response_that_does_not_depend_on_the_modulus() -> None:
+    problem = gf.Problem(
+        [gf.Parameter(DENSITY, 2000.0, 3000.0)],
+        [gf.Target("bulk_density", 1500.0), gf.Target("mass_flow", 1.0)],
+    )
+    [note] = stiffness_notes(
+        problem, {"discharge": gf.tests.Discharge(diameter="10 mm")}, GLASS_BEADS
+    )
+    assert "bulk_density is about" in note
+    assert "mass_flow" not in note
+
+
 def test_a_material_that_is_not_known_or_impossible_has_no_note() -> None:
     setup = gf.load(EXAMPLE)
     tests, fixed = setup.bulk_tests, setup.file.fixed
@@ -99,8 +146,8 @@ def test_the_starter_file_has_particles_that_are_stiff_enough(tmp_path: Path) ->
     setup = gf.load(path)
     [test] = setup.bulk_tests.values()
     middle = setup.problem.from_unit([0.5] * setup.problem.dimension)
-    number = stiffness_number({**setup.file.fixed, **middle}, test.conditions)
-    assert excess_density(number) < 0.0205
+    number = test.stiffness_number({**setup.file.fixed, **middle})
+    assert UNDER_OWN_WEIGHT.excess(number) < 0.0205
 
 
 def test_check_says_it(tmp_path: Path) -> None:

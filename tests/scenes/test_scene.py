@@ -6,14 +6,15 @@ import numpy as np
 import pytest
 
 from grainfit.errors import InputError
-from grainfit.scenes.conditions import Elapsed
-from grainfit.scenes.records import KineticEnergy, Series
+from grainfit.scenes.conditions import Clear, Elapsed, Loaded
+from grainfit.scenes.records import Force, KineticEnergy, Series
 from grainfit.scenes.scene import Box, Stage, Velocity, Wall
 from grainfit.scenes.shapes import Block, Plane
 from grainfit.scenes.triangles import triangles_of
 from grainfit.testing.scene_contract import MASS, RADIUS, WEIGHT, frames, scene_of, spheres
 
 FLOOR = Wall(Plane("z", 0.0))
+LIFT = Velocity("z", 1.0)
 ONE = spheres([(0, 0, 0.1)])
 
 
@@ -37,6 +38,58 @@ def test_a_name_that_a_deck_would_misread_is_refused(walls, stage, key, message)
         scene_of(ONE, walls, [stage])
     (fault,) = caught.value.faults
     assert fault.key == key
+    assert message in fault.message
+    assert fault.remedy
+
+
+@pytest.mark.parametrize(
+    ("key", "name"),
+    [
+        *(("walls", name) for name in ("gravity", "motion", "series", "walls", "above")),
+        ("walls", "youngs_modulus"),
+        *(("stages", name) for name in ("end", "restless", "broken", "unstable", "unloaded")),
+        ("columns", "time"),
+    ],
+)
+def test_a_name_that_decks_use_themselves_is_refused(key, name):
+    walls = {name if key == "walls" else "floor": FLOOR}
+    series = Series({name if key == "columns" else "energy": KineticEnergy()}, 0.1)
+    stage = Stage(name if key == "stages" else "fall", Elapsed(1.0), series=series)
+    with pytest.raises(InputError) as caught:
+        scene_of(ONE, walls, [stage])
+    (fault,) = caught.value.faults
+    assert fault.key == key
+    assert f"'{name}' has another meaning in decks" in fault.message
+
+
+@pytest.mark.parametrize(
+    ("stage", "message"),
+    [
+        (Stage("open", Elapsed(1.0), take_away=("door",)), "takes away the wall 'door'"),
+        (
+            Stage("open", Elapsed(1.0), motions={"door": Velocity("z", 1.0)}),
+            "moves the wall 'door'",
+        ),
+        (
+            Stage(
+                "open", Elapsed(1.0), take_away=("floor",), motions={"floor": Velocity("z", 1.0)}
+            ),
+            "moves the wall 'floor', which is not there",
+        ),
+        (
+            Stage("open", Elapsed(1.0), series=Series({"force": Force("door", "z")}, 0.1)),
+            "records the wall 'door'",
+        ),
+        (Stage("open", Clear("floor", 1.0)), "'floor' is clear, which is no Cylinder"),
+        (Stage("open", Clear("tube", 1.0)), "'tube' is clear, which is no Cylinder"),
+        (Stage("open", Loaded("floor", 0.1, 1.0)), "puts no load on it"),
+    ],
+)
+def test_a_stage_without_the_wall_that_it_needs_is_refused(stage, message):
+    with pytest.raises(InputError) as caught:
+        scene_of(ONE, {"floor": FLOOR}, [stage])
+    (fault,) = caught.value.faults
+    assert fault.key == "stage open"
     assert message in fault.message
     assert fault.remedy
 

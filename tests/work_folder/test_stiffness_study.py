@@ -10,7 +10,8 @@ import pytest
 from typer.testing import CliRunner
 
 import grainfit as gf
-from grainfit.campaign.moduli import ExpectedWork, ModulusRow
+from grainfit.analysis.modulus_study import ModulusRow
+from grainfit.campaign.moduli import ExpectedWork, ModulusPlan, simulate_moduli
 from grainfit.cli.app import app
 from grainfit.testing.materials import GLASS_BEADS
 
@@ -125,6 +126,38 @@ def test_failed_moduli_are_named_and_the_others_compared() -> None:
     assert "the time step is too small" in str(study)
     with pytest.raises(gf.RunFailedError, match="the time step is too small"):
         gf.stiffness_study("sand.toml", factors=[256, 512])
+
+
+@pytest.mark.usefixtures("sand")
+def test_failed_runs_are_known_and_not_made_again() -> None:
+    works: list[ExpectedWork] = []
+    for _ in range(2):
+        gf.stiffness_study("sand.toml", factors=[16, 256], seeds=2, on_start=works.append)
+    assert [(work.runs, work.known) for work in works] == [(4, 0), (0, 4)]
+    assert len(calls()) == 4
+
+
+def density_only(parameters: dict[str, float], seed: int) -> dict[str, float]:
+    return {"bulk_density": 1500 + 1e8 / parameters["particle.youngs_modulus"] + seed}
+
+
+def test_old_runs_without_a_response_that_is_no_target_are_known(tmp_path: Path) -> None:
+    old = gf.solvers.PythonCallable(density_only)
+    new = gf.solvers.PythonCallable(density_only, ["bulk_density", "angle"])
+    parameter = gf.Parameter("particle.youngs_modulus", 1e5, 1e8)
+    targets = [gf.Target(name, 1500, tolerance=40) for name in ("bulk_density", "angle")]
+    works: list[ExpectedWork] = []
+    for solver, wanted in ((old, targets[:1]), (new, targets[:1]), (new, targets)):
+        plan = ModulusPlan(
+            {"sand": solver}, gf.Problem([parameter], wanted), {parameter.name: 1e6}, (1, 4), 2
+        )
+        simulate_moduli(plan, tmp_path, works.append)
+    assert [(work.runs, work.known) for work in works] == [(4, 0), (0, 4), (4, 0)]
+
+
+def test_a_time_below_a_second_is_not_said() -> None:
+    assert str(ExpectedWork(2, 1, 0.2)) == "2 runs to make, 1 known already"
+    assert str(ExpectedWork(2, 1, 90.0)) == "2 runs to make, 1 known already; about 1 min 30 s"
 
 
 def test_ctrl_c_keeps_what_has_finished(sand: Path) -> None:

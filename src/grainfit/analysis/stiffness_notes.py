@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from itertools import product
 from math import sqrt
 
 from grainfit.bulk_tests.base import BulkTest, ResponseInfo
 from grainfit.bulk_tests.sensitivities import DENSITY, MODULUS
-from grainfit.bulk_tests.shared.stiffness import (
-    excess_density,
-    number_with_excess,
-    stiffness_number,
-)
+from grainfit.bulk_tests.stiffness import OverlapLaw
 from grainfit.evaluation import response_name
 from grainfit.formatting import in_a_row, number
 from grainfit.problem import Problem
@@ -21,7 +18,8 @@ _WORTH_A_NOTE = 0.01
 _OFFERED = (0.02, 0.01)
 #: Smallest factor on the modulus that is worth offering.
 _STIFFER = 1.2
-#: Responses nearly proportional to the density of the particles are those that overlaps change.
+#: Overlaps raise responses that are nearly proportional to the density of the particles, and fall
+#: with Young's modulus.
 _PROPORTIONAL = 0.5
 
 
@@ -56,14 +54,15 @@ def stiffness_notes(
     if min(lowest) <= 0:
         # Not known, or impossible: its run will say so.
         return ()
-    raised: dict[float, list[str]] = {}
+    raised: dict[tuple[str, float], tuple[BulkTest, list[str]]] = {}
     for name, test in _raised_targets(problem, tests).items():
-        raised.setdefault(stiffness_number(material, test.conditions), []).append(name)
-    spread = _spread({} if answer else intervals, material)
+        key = (test.overlap_law.symbol, test.stiffness_number(material))
+        raised.setdefault(key, (test, []))[1].append(name)
+    within = {} if answer else intervals
     return tuple(
-        _note(value, names, material[MODULUS], spread, density_is_free=DENSITY in intervals)
-        for value, names in raised.items()
-        if excess_density(value * spread[0]) >= _WORTH_A_NOTE
+        _note(test, names, material, within, density_is_free=DENSITY in intervals)
+        for test, names in raised.values()
+        if max(_excesses(test, material, within)) >= _WORTH_A_NOTE
     )
 
 
@@ -80,44 +79,47 @@ def _raised_targets(problem: Problem, tests: Mapping[str, BulkTest]) -> dict[str
 
 
 def _is_raised(info: ResponseInfo) -> bool:
-    known = info.sensitivities
-    return known is not None and known.slopes.get(DENSITY, 0.0) >= _PROPORTIONAL
+    if info.sensitivities is None:
+        return False
+    slopes = info.sensitivities.slopes
+    return slopes.get(DENSITY, 0.0) >= _PROPORTIONAL and slopes.get(MODULUS, 0.0) < 0
 
 
-def _spread(
-    intervals: Mapping[str, tuple[float, float]], material: Mapping[str, float]
+def _excesses(
+    test: BulkTest, material: Mapping[str, float], within: Mapping[str, tuple[float, float]]
 ) -> tuple[float, float]:
-    """Smallest and largest stiffness number within intervals, over that of the material."""
-    low = high = 1.0
-    if DENSITY in intervals:
-        least, most = intervals[DENSITY]
-        low, high = low * material[DENSITY] / most, high * material[DENSITY] / least
-    if MODULUS in intervals:
-        least, most = intervals[MODULUS]
-        low, high = low * least / material[MODULUS], high * most / material[MODULUS]
-    return low, high
+    """Smallest and largest excess of the bulk density within intervals."""
+    corners = product(*(within.get(name, (material[name],)) for name in (DENSITY, MODULUS)))
+    found = [
+        test.overlap_law.excess(
+            test.stiffness_number({**material, DENSITY: density, MODULUS: modulus})
+        )
+        for density, modulus in corners
+    ]
+    return min(found), max(found)
 
 
 def _note(
-    value: float,
+    test: BulkTest,
     names: list[str],
-    modulus: float,
-    spread: tuple[float, float],
+    material: Mapping[str, float],
+    intervals: Mapping[str, tuple[float, float]],
     *,
     density_is_free: bool,
 ) -> str:
-    verb = "are" if len(names) > 1 else "is"
+    law, value = test.overlap_law, test.stiffness_number(material)
+    least, most = _excesses(test, material, intervals)
     within = ""
-    if spread != (1.0, 1.0):
-        least, most = (_percent(excess_density(value * factor)) for factor in reversed(spread))
-        within = f" ({least} to {most} % within the intervals)"
+    if least < most:
+        within = f" ({_percent(least)} to {_percent(most)} % within the intervals)"
+    verb = "are" if len(names) > 1 else "is"
     takes = "the fitted particle density is too low"
     if not density_is_free:
         takes = "the fitted parameters make up"
     return (
-        f"The particles are soft, E/(\u03c1 g d) = {number(value, 3)}: {in_a_row(names)} {verb} "
-        f"about {_percent(excess_density(value))} % above that of stiff particles{within}, because "
-        f"they overlap, and {takes} for it. {_remedy(value, modulus)}"
+        f"The particles are soft, {law.symbol} = {number(value, 3)}: {in_a_row(names)} {verb} "
+        f"about {_percent(law.excess(value))} % above that of stiff particles{within}, because "
+        f"they overlap, and {takes} for it. {_remedy(law, value, material[MODULUS])}"
     )
 
 
@@ -125,10 +127,10 @@ def _percent(share: float) -> str:
     return number(100 * share, 2)
 
 
-def _remedy(value: float, modulus: float) -> str:
+def _remedy(law: OverlapLaw, value: float, modulus: float) -> str:
     offers = []
     for excess in _OFFERED:
-        factor = number_with_excess(excess) / value
+        factor = law.number_with(excess) / value
         if factor > _STIFFER:
             offers.append(
                 f"{_percent(excess)} % with {number(modulus * factor / 1e6, 2)} MPa "

@@ -17,7 +17,8 @@ from functools import cache
 from typing import Any, ClassVar, Self
 
 from grainfit.bulk_tests.run_cost import RunCost
-from grainfit.bulk_tests.sensitivities import Sensitivities
+from grainfit.bulk_tests.sensitivities import DENSITY, MODULUS, Sensitivities
+from grainfit.bulk_tests.stiffness import UNDER_OWN_WEIGHT, OverlapLaw
 from grainfit.bulk_tests.view import RunView, Shown
 from grainfit.contact_models.registry import MATERIAL_PARAMETERS
 from grainfit.errors import Fault, InputError
@@ -122,6 +123,8 @@ class BulkTest(ABC):
     material_parameters: ClassVar[tuple[str, ...]] = tuple(MATERIAL_PARAMETERS)
     #: View of its runs in a report; None when there is none.
     shown: ClassVar[Shown | None] = None
+    #: Bulk density that overlaps of soft particles add, over `stiffness_number`.
+    overlap_law: ClassVar[OverlapLaw] = UNDER_OWN_WEIGHT
     #: Raised whenever the procedure or its evaluation change the outcome of a run.
     revision: ClassVar[int] = 1
 
@@ -209,6 +212,21 @@ class BulkTest(ABC):
             Material parameters by dotted name: those that are known.
         """
         return ()
+
+    def stiffness_number(self, material: Mapping[str, float]) -> float:
+        """Return Young's modulus over the stress that presses particles together.
+
+        By default E / (rho g d): over the weight of a particle on its cross-section. Overridden by
+        tests with another load than the weight of the bed.
+
+        Parameters
+        ----------
+        material : mapping of str to float
+            At least Young's modulus (Pa) and density (kg/m^3) of the particles, by dotted name.
+        """
+        conditions = self.conditions
+        weight = material[DENSITY] * conditions.gravity * conditions.sizes.sauter_diameter
+        return material[MODULUS] / weight
 
     @abstractmethod
     def scene(self, material: Mapping[str, float], seed: int) -> Scene:

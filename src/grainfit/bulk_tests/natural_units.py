@@ -15,6 +15,7 @@ from typing import Any
 
 from grainfit.bulk_tests.base import BulkTest
 from grainfit.bulk_tests.registry import recreate_test
+from grainfit.bulk_tests.sensitivities import DENSITY
 from grainfit.contact_models.hertz_mindlin.model import particle_moduli
 from grainfit.contact_models.registry import MATERIAL_PARAMETERS, with_defaults
 from grainfit.errors import InputError
@@ -27,7 +28,6 @@ _DIGITS = 9
 #: Walls of steel are all the same to soft particles: their stiffness agrees to this share.
 _WALL_TOLERANCE = 1e-3
 _TOLERANCE = 1e-9
-PARTICLE_DENSITY = "particle.density"
 #: Ratios of the stiffness of a contact with a wall to that of two particles.
 _WALL_RATIOS = ("normal stiffness of walls", "tangential stiffness of walls")
 _WALL = "wall."
@@ -117,7 +117,7 @@ def natural_run(definition: RunDefinition) -> NaturalRun | None:
         if test is None:
             return None
         material = with_defaults(definition.parameters)
-        scale = Scale(test.sizes.sauter_diameter, material[PARTICLE_DENSITY], float(test.gravity))
+        scale = Scale(test.sizes.sauter_diameter, material[DENSITY], float(test.gravity))
         numbers = _numbers_of_material(material, scale)
         options, loads = _options(test, scale)
     except (InputError, KeyError, TypeError, ValueError, ZeroDivisionError):
@@ -139,7 +139,7 @@ def _numbers_of_material(material: Mapping[str, float], scale: Scale) -> dict[st
         name: value / scale.of(MATERIAL_PARAMETERS[name].unit)
         for name, value in material.items()
         # Walls do not move, and of their elasticity only the contact's stiffness matters.
-        if name != PARTICLE_DENSITY and not name.startswith(_WALL)
+        if name != DENSITY and not name.startswith(_WALL)
     }
     particles, walls = particle_moduli(material, "particle"), particle_moduli(material, "wall")
     ratios = (walls.young / particles.young, walls.shear / particles.shear)
@@ -179,7 +179,7 @@ def in_si(run: NaturalRun, scale: Scale) -> dict[str, float]:
         for name, value in run.numbers.items()
         if name in MATERIAL_PARAMETERS
     }
-    return {**values, PARTICLE_DENSITY: scale.density}
+    return {**values, DENSITY: scale.density}
 
 
 def natural_hash(definition: RunDefinition) -> str:

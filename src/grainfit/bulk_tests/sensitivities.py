@@ -1,9 +1,9 @@
 """Sensitivities of responses to material parameters, measured once for each bulk test.
 
-They say before any run which parameters a response depends on. Trials on LAMMPS (291 runs, 10 mm
-spheres, 2^(6-2) factorial designs about two materials) gave the numbers of the built-in tests, see
-docs/choosing_tests.md. They are slopes at two points, so they are good for a note, not for an
-answer.
+They tell which parameters a response depends on, so that it is known before any run what a set of
+tests determines. Trials on LAMMPS (291 runs, 10 mm spheres, 2^(6-2) factorial designs about two
+materials) gave the numbers of the built-in tests, see docs/choosing_tests.md. They are slopes at
+two points: precise enough to warn, too coarse to fit parameters with.
 """
 
 from __future__ import annotations
@@ -19,7 +19,8 @@ ROLLING = "particle_particle.rolling_friction"
 WALL_SLIDING = "particle_wall.sliding_friction"
 RESTITUTION = "particle_particle.restitution"
 WALL_RESTITUTION = "particle_wall.restitution"
-#: Parameters varied in the trials; a response does not depend on those that it does not name.
+#: Parameters varied in the trials. A response has no measurable dependence on those of them that it
+#: does not name; how it depends on parameters that were not varied is unknown.
 VARIED = (DENSITY, MODULUS, SLIDING, ROLLING, WALL_SLIDING, RESTITUTION, WALL_RESTITUTION)
 #: Rolling over sliding friction of the two materials of the trials: 0.2 / 0.5 and 0.5 / 0.2.
 _LOW, _HIGH = math.log(0.4), math.log(2.5)
@@ -34,8 +35,8 @@ class Sensitivities:
     Parameters
     ----------
     slopes : mapping of str to float
-        By dotted name, at a sliding friction of 0.5 and a rolling friction of 0.2. Parameters that
-        are not named have no effect beyond three standard errors.
+        By dotted name, at a sliding friction of 0.5 and a rolling friction of 0.2. Parameters of
+        `VARIED` that are not named have no effect beyond three standard errors.
     slopes_at_high_rolling : mapping of str to float
         Those that are others at a sliding friction of 0.2 and a rolling friction of 0.5.
 

@@ -209,6 +209,10 @@ class Campaign:
             self._options.keep,
         )
 
+    def is_known(self, identity: str, test: str) -> bool:
+        """Return whether a run has a final outcome, so that `start` does not make it."""
+        return self._find(identity, test) is not None
+
     def _find(self, identity: str, test: str) -> RunRecord | None:
         """Find a run with a final outcome, here or in the shared store."""
         known = self._fetched.pop(identity, None) or self._store.find(identity)

@@ -17,12 +17,12 @@ from pathlib import Path
 from typing import Any
 
 from grainfit.bulk_tests.natural_units import (
-    PARTICLE_DENSITY,
     NaturalRun,
     in_si,
     natural_run,
     without_rounding_error,
 )
+from grainfit.bulk_tests.sensitivities import DENSITY
 from grainfit.campaign.campaign import evaluation_of
 from grainfit.campaign.store.records import RunRecord
 from grainfit.campaign.store.store import STORE_NAME, RunStore, not_a_work_folder
@@ -112,7 +112,7 @@ class ScaledRunMatcher:
         self._free, self._fixed = _free_and_fixed(solver, problem, sample)
         self._natural = natural_run(sample)
         intervals = {p.name: (p.minimum, p.maximum) for p in problem.parameters}
-        self._densities = intervals.get(PARTICLE_DENSITY, (0.0, math.inf))
+        self._densities = intervals.get(DENSITY, (0.0, math.inf))
 
     @property
     def natural_hash(self) -> str:
@@ -152,8 +152,8 @@ class ScaledRunMatcher:
 
     def _density(self, run: NaturalRun) -> float:
         """Density of the particles at which the run has the problem's fixed values, kg/m^3."""
-        if PARTICLE_DENSITY in self._fixed:
-            return self._fixed[PARTICLE_DENSITY]
+        if DENSITY in self._fixed:
+            return self._fixed[DENSITY]
         assert self._natural is not None
         per_density = replace(self._natural.scale, density=1.0)
         known = in_si(run, per_density)

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from pathlib import Path
 
-from grainfit.campaign.campaign import Campaign, CampaignOptions
+from grainfit.campaign.campaign import CampaignOptions
 from grainfit.campaign.keep import Keep
-from grainfit.campaign.store.store import RunStore
-from grainfit.campaign.work_folder import hold, recover, run_folder
+from grainfit.campaign.open_campaign import open_campaign
+from grainfit.campaign.work_folder import run_folder
 from grainfit.evaluation import Evaluation, Proposal
 from grainfit.solvers.base import Solver
 
@@ -45,26 +45,12 @@ def simulate_once(
     folders : dict of str to Path
         Run folder by name of the test, for those solvers that use one.
     """
-    folder = folder.absolute()
-    for solver in solvers.values():
-        solver.check()
-    with hold(folder):
-        store = RunStore.in_folder(folder)
-        recover(folder, store)
-        campaign = Campaign(
-            solvers, store, folder, CampaignOptions(len(solvers), timeouts or {}, keep=keep)
-        )
-        try:
-            campaign.start(Proposal(dict(parameters), seed, "design"))
-            [evaluation] = campaign.wait()
-        except KeyboardInterrupt:
-            campaign.cancel()
-            raise
-        finally:
-            campaign.close()
-            store.close()
+    options = CampaignOptions(len(solvers), timeouts or {}, keep=keep)
+    with open_campaign(solvers, folder, options) as campaign:
+        campaign.start(Proposal(dict(parameters), seed, "design"))
+        [evaluation] = campaign.wait()
     folders = {
-        test: run_folder(folder, identity)
+        test: run_folder(folder.absolute(), identity)
         for test, identity in evaluation.runs.items()
         if solvers[test].uses_folder
     }

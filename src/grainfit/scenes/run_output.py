@@ -1,4 +1,4 @@
-"""Output of a run of a scene: the same files, whatever the solver.
+"""Output of a run of a scene: the same files from every solver.
 
 ==========================  =====================================================================
 ``snapshots/NAME.dump``     particles at the end of a stage: a text dump, for OVITO, too

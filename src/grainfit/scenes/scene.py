@@ -16,15 +16,24 @@ from grainfit.contact_models.contact import TYPICAL_LOAD, particle_mass
 from grainfit.errors import Fault, InputError
 from grainfit.materials.sizes import ParticleSizes
 from grainfit.materials.time_step import rayleigh_time_step
-from grainfit.scenes.conditions import Condition
+from grainfit.scenes.conditions import Clear, Condition, Loaded
 from grainfit.scenes.packing import Column
-from grainfit.scenes.records import Series
-from grainfit.scenes.shapes import Shape, Vector
+from grainfit.scenes.records import Force, RadialForce, Series, Travel
+from grainfit.scenes.shapes import Cylinder, Shape, Vector
 
 #: Raised whenever packing or decks of scenes change the outcome of runs: part of their identity.
 SCENES_REVISION = 1
 #: The surface of walls whose contacts are those of the material's section ``[particle_wall]``.
 WALL = "wall"
+#: Names that decks use themselves.
+_TAKEN = {
+    "walls": {
+        *("gravity", "motion", "series", "walls", "above"),
+        *("youngs_modulus", "poissons_ratio"),
+    },
+    "stages": {"end", "restless", "broken", "unstable", "unloaded"},
+    "columns": {"time"},
+}
 
 
 @dataclass(frozen=True)
@@ -192,8 +201,8 @@ class Scene:
     typical_load: float = TYPICAL_LOAD
 
     def __post_init__(self) -> None:
-        """Raise `InputError` if a name would be misread in a deck."""
-        faults = [*_name_faults(self)]
+        """Raise `InputError` if a deck would misread a name, or a wall is not there."""
+        faults = [*_name_faults(self), *_wall_faults(self)]
         if faults:
             raise InputError(faults)
 
@@ -283,10 +292,45 @@ def _name_faults(scene: Scene) -> Iterator[Fault]:
             if not (name.isidentifier() and name.isascii()):
                 remedy = "Use letters, digits and underscores, a letter first."
                 yield Fault(key, f"{name!r} is not one word.", remedy)
+            if name in _TAKEN.get(key, ()):
+                yield Fault(key, f"{name!r} has another meaning in decks.", "Use another name.")
     for key, names in kinds.items():
         for name in dict.fromkeys(names):
             if names.count(name) > 1:
                 yield Fault(key, f"{name!r} is there twice.", "Give each a name of its own.")
+
+
+def _wall_faults(scene: Scene) -> Iterator[Fault]:
+    """Everything that a stage does with a wall needs the wall."""
+    there = dict(scene.walls)
+    for stage in scene.stages:
+        key = f"stage {stage.name}"
+        for name in stage.take_away:
+            if there.pop(name, None) is None:
+                yield _no_wall(key, "takes away", name, there)
+        there |= stage.put
+        for name in stage.motions:
+            if name not in there:
+                yield _no_wall(key, "moves", name, there)
+        for quantity in stage.series.columns.values() if stage.series else ():
+            if isinstance(quantity, Force | RadialForce | Travel) and quantity.wall not in there:
+                yield _no_wall(key, "records", quantity.wall, there)
+        until = stage.until
+        if isinstance(until, Clear) and not _is_cylinder(there.get(until.wall)):
+            remedy = "Clear is for lifted tubes: name a wall that is a Cylinder."
+            yield Fault(key, f"ends when {until.wall!r} is clear, which is no Cylinder.", remedy)
+        if isinstance(until, Loaded) and not isinstance(stage.motions.get(until.wall), Load):
+            remedy = "Give the wall a Load among the motions of the stage."
+            yield Fault(key, f"ends when {until.wall!r} is loaded, but puts no load on it.", remedy)
+
+
+def _no_wall(stage: str, does: str, name: str, there: Mapping[str, Wall]) -> Fault:
+    remedy = f"Walls of that stage: {', '.join(there) or 'none'}."
+    return Fault(stage, f"{does} the wall {name!r}, which is not there.", remedy)
+
+
+def _is_cylinder(wall: Wall | None) -> bool:
+    return wall is not None and isinstance(wall.shape, Cylinder)
 
 
 def time_step(sizes: ParticleSizes, material: Mapping[str, float], fraction: float) -> float:

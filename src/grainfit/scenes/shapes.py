@@ -34,7 +34,7 @@ class Block:
     Parameters
     ----------
     low, high : tuple of float
-        Corners. Along a periodic axis the block goes on for ever, and they do not matter.
+        Corners. Along a periodic axis the block is infinite, and they have no effect.
     """
 
     low: Vector

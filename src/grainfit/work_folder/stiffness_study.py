@@ -7,15 +7,11 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from grainfit.analysis.modulus_study import ModulusStudy, modulus_study
 from grainfit.bulk_tests.registry import recreate_test
+from grainfit.bulk_tests.sensitivities import MODULUS
 from grainfit.calibration_file.build import CalibrationSetup, load_calibration
-from grainfit.campaign.moduli import (
-    MODULUS,
-    ExpectedWork,
-    ModulusPlan,
-    ModulusStudy,
-    simulate_moduli,
-)
+from grainfit.campaign.moduli import ExpectedWork, ModulusPlan, simulate_moduli
 from grainfit.campaign.store.records import RunRecord
 from grainfit.campaign.work_folder import default_workdir
 from grainfit.contact_models.registry import MATERIAL_PARAMETERS
@@ -75,8 +71,12 @@ def stiffness_study(
     ------
     InputError
         The source has no answer or no Young's modulus, or an option is impossible.
-    SolverNotFoundError, RunFailedError, StoreError
-        See `grainfit.campaign.moduli.simulate_moduli`.
+    SolverNotFoundError
+        A program is not found.
+    RunFailedError
+        No modulus has all responses.
+    StoreError
+        The folder cannot be used.
 
     Examples
     --------
@@ -92,7 +92,8 @@ def stiffness_study(
     plan = ModulusPlan(**{**given, "factors": tuple(factors), "seeds": seeds})
     if workers is not None:
         plan = replace(plan, workers=workers)
-    return simulate_moduli(plan, Path(workdir or folder), on_start, on_progress)
+    evaluations = simulate_moduli(plan, Path(workdir or folder), on_start, on_progress)
+    return modulus_study(plan, evaluations)
 
 
 def _of_file(setup: CalibrationSetup, settings: Sequence[str]) -> dict[str, Any]:
@@ -100,7 +101,7 @@ def _of_file(setup: CalibrationSetup, settings: Sequence[str]) -> dict[str, Any]
     modulus = _modulus({**setup.file.fixed, **values}, str(setup.file.path))
     return {
         "solvers": setup.solvers,
-        "targets": setup.problem.targets,
+        "problem": setup.problem,
         "parameters": {**values, MODULUS: modulus},
         "workers": setup.workers,
         "timeouts": setup.timeouts,
@@ -119,7 +120,7 @@ def _of_answer(folder: Path, settings: Sequence[str]) -> dict[str, Any]:
     modulus = _modulus({**saved.fixed, **answer}, str(folder))
     return {
         "solvers": {test: _solver(record, saved) for test, record in first.items()},
-        "targets": saved.problem.targets,
+        "problem": saved.problem,
         "parameters": {**answer, MODULUS: modulus},
         "workers": saved.workers,
     }

@@ -23,6 +23,7 @@ from grainfit.bulk_tests.sensitivities import (
 )
 from grainfit.bulk_tests.shared.filling import fill_stage
 from grainfit.bulk_tests.shared.validity import require_at_rest, require_held, require_separate
+from grainfit.bulk_tests.stiffness import UNDER_A_STRESS, OverlapLaw
 from grainfit.bulk_tests.view import Shown
 from grainfit.errors import Fault, NotMeasurableError, RunFailedError
 from grainfit.evaluation import Response
@@ -94,6 +95,7 @@ class Compression(BulkTest):
 
     type: ClassVar[str] = "compression"
     title: ClassVar[str] = "uniaxial, confined"
+    overlap_law: ClassVar[OverlapLaw] = UNDER_A_STRESS
     shown: ClassVar[Shown | None] = Shown(
         "bed", "loading_modulus", snapshot_file(_LOADED), _PICTURE
     )
@@ -187,6 +189,10 @@ class Compression(BulkTest):
     def material_faults(self, material: Mapping[str, float]) -> Iterator[Fault]:
         """Yield why the test means nothing with a material: too soft, or too heavy."""
         return self.setup.material_faults(material)
+
+    def stiffness_number(self, material: Mapping[str, float]) -> float:
+        """Return Young's modulus of the particles over the stress of the piston."""
+        return material[MODULUS] / self.setup.stress
 
     def scene(self, material: Mapping[str, float], seed: int) -> Scene:
         """Return the experiment: a column falls, is struck off, pressed and unloaded."""

@@ -67,6 +67,9 @@ class ScriptDeck(ABC):
         #: Commands that remove the helpers of records at the end of a stage: the next stage may
         #: record the same quantities, or take away the wall that they look at.
         self.undo: list[str] = []
+        #: Computes that sum quantities of the particles at a wall, by wall: they stay from stage to
+        #: stage, and go with the wall.
+        self._sums: dict[str, list[str]] = {}
 
     def write(self) -> Path:
         """Write everything that the solver reads; return the deck."""
@@ -347,6 +350,18 @@ class ScriptDeck(ABC):
             self.undo.append(command("region", f"{name} delete"))
         elif isinstance(quantity, KineticEnergy):
             yield command("variable", f"{name} equal ke")
+
+    def is_new_sum(self, wall: str, sum_: str) -> bool:
+        """Note a sum of forces on a wall; return whether no earlier stage has defined it."""
+        known = self._sums.setdefault(wall, [])
+        if sum_ in known:
+            return False
+        known.append(sum_)
+        return True
+
+    def forget_sums(self, wall: str) -> Iterator[str]:
+        """Delete the sums of a wall: a compute of a fix that is gone would stop the next run."""
+        yield from (command("uncompute", sum_) for sum_ in self._sums.pop(wall, []))
 
     def measured_walls(self) -> set[str]:
         """Return the walls whose force is recorded or wanted."""

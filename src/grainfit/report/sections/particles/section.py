@@ -12,7 +12,7 @@ import numpy as np
 
 from grainfit.bulk_tests.registry import bulk_tests, class_of_test
 from grainfit.bulk_tests.view import RunView
-from grainfit.formatting import number, plain, unit_for_people, with_unit
+from grainfit.formatting import in_a_row, number, plain, unit_for_people, with_unit
 from grainfit.measurement.drawing import Drawing
 from grainfit.measurement.particles import Particles
 from grainfit.plots.labels import Label
@@ -82,16 +82,10 @@ def particles(context: ReportContext) -> Section:
     drawn = [name for name, test in bulk_tests().items() if test.shown is not None]
     nouns = dict.fromkeys(view.noun for view in views)
     html = render(
-        "particles/page", views=views, begun=bool(reading.evaluations), drawn=_one_of(drawn)
+        "particles/page", views=views, begun=bool(reading.evaluations), drawn=in_a_row(drawn, "or")
     )
     title = f"The {next(iter(nouns))}" if len(nouns) == 1 else "The particles"
     return Section("particles", title, html, data=data)
-
-
-def _one_of(names: Sequence[str]) -> str:
-    """Return names with commas and an "or"."""
-    *others, last = names
-    return f"{', '.join(others)} or {last}" if others else last
 
 
 def _view(

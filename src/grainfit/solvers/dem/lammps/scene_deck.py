@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from pathlib import Path
 from typing import ClassVar
 
 from grainfit.contact_models.contact import Contact
 from grainfit.contact_models.lammps import lammps_clauses, lammps_words
 from grainfit.scenes.run_output import snapshot_file
-from grainfit.scenes.scene import Load, Scene, Stage, Velocity, Wall
+from grainfit.scenes.scene import Load, Stage, Velocity, Wall
 from grainfit.scenes.shapes import Block, Cone, Cylinder, Disc, Plane, Shape
 from grainfit.solvers.dem.script import PARTICLES, ScriptDeck, command, continued, heading
 
@@ -32,11 +31,6 @@ class LammpsSceneDeck(ScriptDeck):
         "By hand, in this folder:  lmp -in in.lammps",
         f"Reads {PARTICLES}; writes stages.csv, snapshots/*.dump and series_*.csv.",
     )
-
-    def __init__(self, scene: Scene, folder: Path) -> None:
-        super().__init__(scene, folder)
-        #: Computes that sum the forces on a wall, by wall.
-        self._sums: dict[str, list[str]] = {}
 
     def head(self) -> Iterator[str]:
         """Iterate over the settings of the simulation."""
@@ -92,8 +86,7 @@ class LammpsSceneDeck(ScriptDeck):
     def change_walls(self, stage: Stage) -> Iterator[str]:
         """Take away and put walls; each has its own fixes, so that the others stay as they are."""
         for name in stage.take_away:
-            # A compute of a fix that is gone would stop the next run.
-            yield from (command("uncompute", sum_) for sum_ in self._sums.pop(name, []))
+            yield from self.forget_sums(name)
             yield from (command("unfix", f"{name}{n}") for n in self._numbers())
         for name, wall in stage.put.items():
             yield from self._put(name, wall)
@@ -193,7 +186,7 @@ class LammpsSceneDeck(ScriptDeck):
         column = 2 + self.component(along)
         sums = [f"{wall}_{along}{n}" for n in self._numbers()]
         for n, sum_ in zip(self._numbers(), sums, strict=True):
-            if self._is_new_sum(wall, sum_):
+            if self.is_new_sum(wall, sum_):
                 yield command("compute", f"{sum_} size{n} reduce sum f_{wall}{n}[{column}]")
         yield command("variable", f"{name} equal {_minus(sums)}")
 
@@ -201,20 +194,12 @@ class LammpsSceneDeck(ScriptDeck):
         """Define a variable: the force of the particles on a wall away from the z axis."""
         sums = [f"{wall}_radial{n}" for n in self._numbers()]
         for n, sum_ in zip(self._numbers(), sums, strict=True):
-            if self._is_new_sum(wall, sum_):
+            if self.is_new_sum(wall, sum_):
                 # A particle on the axis must not divide by zero.
                 force = f"(f_{wall}{n}[2]*x+f_{wall}{n}[3]*y)/sqrt(x*x+y*y+1e-30)"
                 yield command("variable", f"{sum_}_of atom {force}")
                 yield command("compute", f"{sum_} size{n} reduce sum v_{sum_}_of")
         yield command("variable", f"{name} equal {_minus(sums)}")
-
-    def _is_new_sum(self, wall: str, sum_: str) -> bool:
-        """Note a sum of forces on a wall; return whether no earlier stage has defined it."""
-        known = self._sums.setdefault(wall, [])
-        if sum_ in known:
-            return False
-        known.append(sum_)
-        return True
 
 
 def _minus(sums: list[str]) -> str:

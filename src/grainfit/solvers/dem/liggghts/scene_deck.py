@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import shutil
 from collections.abc import Iterator, Mapping
-from pathlib import Path
 from typing import ClassVar
 
 from grainfit.contact_models.liggghts import liggghts_model, liggghts_properties
 from grainfit.errors import Fault, InputError
 from grainfit.scenes.run_output import snapshot_file
-from grainfit.scenes.scene import WALL, Load, Scene, Stage, Velocity, Wall
+from grainfit.scenes.scene import WALL, Load, Stage, Velocity, Wall
 from grainfit.scenes.shapes import Cylinder, Mesh
 from grainfit.scenes.triangles import triangles_of, write_stl
 from grainfit.solvers.dem.script import PARTICLES, ScriptDeck, command, continued, heading
@@ -33,11 +32,6 @@ class LiggghtsSceneDeck(ScriptDeck):
         "By hand, in this folder:  liggghts -in in.liggghts",
         f"Reads {PARTICLES} and *.stl; writes stages.csv, snapshots/*.dump and series_*.csv.",
     )
-
-    def __init__(self, scene: Scene, folder: Path) -> None:
-        super().__init__(scene, folder)
-        #: Computes that sum the forces on a wall, by wall.
-        self._sums: dict[str, list[str]] = {}
 
     @property
     def _surfaces(self) -> list[str]:
@@ -97,7 +91,7 @@ class LiggghtsSceneDeck(ScriptDeck):
         if self._meshes:
             yield command("unfix", "walls")
         for name in stage.take_away:
-            yield from (command("uncompute", sum_) for sum_ in self._sums.pop(name, []))
+            yield from self.forget_sums(name)
             yield command("unfix", name)
             del self.walls[name]
         for name, wall in stage.put.items():
@@ -207,8 +201,10 @@ class LiggghtsSceneDeck(ScriptDeck):
         if not self._is_through(wall):
             yield command("variable", f"{name} equal f_{wall}[{number}]")
             return
-        yield from self._sum(wall, f"{wall}_{along}", f"f_force_{wall}[{number}]")
-        yield command("variable", f"{name} equal -c_{wall}_{along}")
+        sum_ = f"{wall}_{along}"
+        if self.is_new_sum(wall, sum_):
+            yield command("compute", f"{sum_} all reduce sum f_force_{wall}[{number}]")
+        yield command("variable", f"{name} equal -c_{sum_}")
 
     def record_radial_force(self, wall: str, name: str) -> Iterator[str]:
         """Define a variable: the force of the particles on a wall away from the z axis.
@@ -226,22 +222,14 @@ class LiggghtsSceneDeck(ScriptDeck):
                     "Use a cylinder from the bottom to the top of the box.",
                 )
             )
-        force = f"f_force_{wall}"
-        # A particle on the axis must not divide by zero.
-        radial = f"({force}[1]*x+{force}[2]*y)/sqrt(x*x+y*y+1e-30)"
-        if not self._is_summed(wall, f"{wall}_radial"):
-            yield command("variable", f"{wall}_radial_of atom {radial}")
-        yield from self._sum(wall, f"{wall}_radial", f"v_{wall}_radial_of")
-        yield command("variable", f"{name} equal -c_{wall}_radial")
-
-    def _sum(self, wall: str, sum_: str, source: str) -> Iterator[str]:
-        """Sum a quantity of the particles, unless an earlier stage does so."""
-        if not self._is_summed(wall, sum_):
-            self._sums.setdefault(wall, []).append(sum_)
-            yield command("compute", f"{sum_} all reduce sum {source}")
-
-    def _is_summed(self, wall: str, sum_: str) -> bool:
-        return sum_ in self._sums.get(wall, [])
+        sum_ = f"{wall}_radial"
+        if self.is_new_sum(wall, sum_):
+            force = f"f_force_{wall}"
+            # A particle on the axis must not divide by zero.
+            radial = f"({force}[1]*x+{force}[2]*y)/sqrt(x*x+y*y+1e-30)"
+            yield command("variable", f"{sum_}_of atom {radial}")
+            yield command("compute", f"{sum_} all reduce sum v_{sum_}_of")
+        yield command("variable", f"{name} equal -c_{sum_}")
 
 
 def _gain(load: Load) -> float:
