@@ -16,8 +16,8 @@ class TestCompressionContract(BulkTestContract):
     others: ClassVar = {
         "stress": "9 kPa",
         "seating_stress": "600 Pa",
-        "pot_radius": "31 mm",
-        "fill_height": "51 mm",
+        "cylinder_radius": "31 mm",
+        "strike_off_height": "51 mm",
         "particle_count": 260,
         "piston_speed": "0.02 m/s",
         "settling_time_limit": "3 s",
@@ -25,6 +25,8 @@ class TestCompressionContract(BulkTestContract):
         "time_step_fraction": 0.1,
     }
 
+    open_options: ClassVar = {"piston_speed"}
+
     @pytest.fixture
     def bulk_test(self) -> Compression:
-        return Compression(diameter="10 mm", pot_radius="30 mm", fill_height="50 mm")
+        return Compression(diameter="10 mm", cylinder_radius="30 mm", strike_off_height="50 mm")

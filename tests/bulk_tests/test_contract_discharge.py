@@ -25,6 +25,8 @@ class TestDischarge(BulkTestContract):
         "time_step_fraction": 0.1,
     }
 
+    open_options: ClassVar = {"orifice_diameter"}
+
     @pytest.fixture
     def bulk_test(self) -> Discharge:
         return Discharge(diameter="10 mm", depth="4 cm", width="10 cm", fill_height="10 cm")

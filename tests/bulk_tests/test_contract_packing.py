@@ -18,7 +18,7 @@ from grainfit.testing.materials import GLASS_BEADS
 
 class TestPacking(BulkTestContract):
     others: ClassVar = {
-        "container_radius": "36 mm",
+        "cylinder_radius": "36 mm",
         "fill_height": "95 mm",
         "bulk_density_bottom": "15 mm",
         "bulk_density_top": "65 mm",
@@ -31,7 +31,7 @@ class TestPacking(BulkTestContract):
     def bulk_test(self) -> Packing:
         return Packing(
             diameter="10 mm",
-            container_radius="35 mm",
+            cylinder_radius="35 mm",
             fill_height="90 mm",
             bulk_density_top="70 mm",
         )
@@ -40,16 +40,26 @@ class TestPacking(BulkTestContract):
 @pytest.mark.parametrize(
     ("options", "key"),
     [
-        ({"container_radius": "15 mm"}, "container_radius"),
+        ({"cylinder_radius": "15 mm"}, "cylinder_radius"),
         ({"bulk_density_top": "15 mm"}, "bulk_density_top"),
-        ({"fill_height": "95 mm"}, "bulk_density_top"),
-        ({"container_radius": "5 m"}, "fill_height"),
+        ({"fill_height": "95 mm", "bulk_density_top": "85 mm"}, "bulk_density_top"),
+        ({"fill_height": "20 mm"}, "fill_height"),
+        ({"cylinder_radius": "5 m"}, "cylinder_radius"),
+        ({"fill_height": "200 m"}, "fill_height"),
     ],
 )
 def test_impossible_packings_are_refused(options: dict[str, str], key: str) -> None:
     with pytest.raises(InputError) as caught:
         Packing(diameter="10 mm", **options)
     assert [fault.key for fault in caught.value.faults] == [key]
+
+
+def test_a_default_bed_is_as_high_as_it_is_measured() -> None:
+    high = Packing(diameter="10 mm", bulk_density_top="11 cm").setup
+    low = Packing(diameter="10 mm", fill_height="6 cm").setup
+
+    assert high.fill_height == pytest.approx(0.11 / 0.85)
+    assert low.bulk_density_top == pytest.approx(0.85 * 0.06)
 
 
 @pytest.mark.slow

@@ -101,7 +101,8 @@ class TestImpossibleTests:
         assert option_faults(plate_radius=0.05) == ["plate_radius"]
 
     def test_a_cylinder_narrower_than_four_particles(self):
-        assert option_faults(cylinder_radius=0.019) == ["cylinder_radius"]
+        with pytest.raises(InputError, match=r"of 0.019 m radius .* a radius of at least 0.02 m"):
+            Heap(MONOSIZE, cylinder_radius=0.019)
         # It is the largest particle that jams.
         assert option_faults(ParticleSizes((0.03, 0.005), (0.5, 0.5)), cylinder_radius=0.05) == [
             "cylinder_radius"
@@ -130,8 +131,9 @@ class TestImpossibleTests:
 
     def test_more_particles_than_any_machine_calibrates_with(self):
         assert option_faults(cylinder_radius=2.0, plate_radius=5.0, strike_off_height=5.0) == [
-            "particle_count"
+            "strike_off_height"
         ]
+        assert option_faults(particle_count=2_000_000) == ["particle_count"]
 
 
 class TestDefinition:

@@ -146,9 +146,22 @@ def test_runs_of_another_lift_speed_are_other_runs() -> None:
     assert taken(stored(solver, RESPONSES), BEADS, **ROLLING) == []
 
 
-def test_runs_of_the_same_scale_are_taken_as_they_are() -> None:
-    store = stored(BEADS.solver(), RESPONSES)
-    [run] = taken(store, BEADS, **ROLLING)
+@pytest.mark.parametrize(
+    "free",
+    [
+        ROLLING,
+        {"particle__density": (1500.0, 2500.0)},
+        {"particle__youngs_modulus": (1e5, 1e6)},
+        # Just outside an interval, it must not be taken as it is and at its bound as well.
+        {"particle__density": (1500.0, 1900.0), "particle__youngs_modulus": (1e5, 1e6)},
+    ],
+)
+def test_runs_of_the_same_scale_are_taken_once_as_they_are(
+    free: dict[str, tuple[float, float]],
+) -> None:
+    # Densities as a Latin hypercube has them, with all their digits.
+    store = stored(Material(0.010, 1981.0280000123).solver(), RESPONSES)
+    [run] = taken(store, Material(0.010, 1981.0280000123), **free)
     [original] = store.runs("finished")
 
     assert run.identity == original.identity

@@ -8,19 +8,35 @@ from pathlib import Path
 import pytest
 
 from grainfit.bulk_tests.heap import Heap
+from grainfit.bulk_tests.registry import BUILT_IN, bulk_tests
 from grainfit.materials.sizes import ParticleSizes
 from grainfit.scenes.packing import Round, random_column
 from grainfit.scenes.scene import SCENES_REVISION
+from grainfit.solvers.registry import DEM_PROGRAMS
 from grainfit.testing.decks import write_deck
 from grainfit.testing.materials import GLASS_BEADS
 
-MIXTURE = ParticleSizes((0.012, 0.008), (0.5, 0.5))
+BEADS, MIXTURE = ParticleSizes((0.010,)), ParticleSizes((0.012, 0.008), (0.5, 0.5))
 SOFT_WALL = {**GLASS_BEADS, "wall.youngs_modulus": 2e5, "particle_wall.sliding_friction": 0.6}
 #: Revision, and decks of it: beads, and a mixture on a plate with a rim.
 DECKS = {"lammps": (1, "41ba9408b19bb4a1"), "liggghts": (1, "f447515809efd14c")}
+#: Every test with its defaults, and one with another geometry: its own revision, that of scenes,
+#: and the decks of beads and of a mixture in all solvers that have its shapes.
+DEFAULT_DECKS: dict[tuple[str, str], tuple[int, int, str]] = {
+    ("heap", ""): (1, 1, "43572c2fc00ec747"),
+    ("packing", ""): (1, 1, "693b512048690ff6"),
+    ("compression", ""): (1, 1, "8264f66227d16ddb"),
+    ("discharge", "slot"): (1, 1, "3e20fd7fb0dad1c4"),
+    ("discharge", "round"): (1, 1, "d8f0e27866375d0a"),
+    ("draw_down", ""): (1, 1, "d7bcacd59223199c"),
+}
 #: Revision, height of the column and place of the first particle, m.
 COLUMN = (1, 0.0684905716, (-0.0441319384, -0.0035668218, 0.0367854215))
 CHANGED = "have changed: raise SCENES_REVISION in scenes/scene.py, and pin the new values here"
+CHANGED_TEST = (
+    "have changed: raise the revision of the test, or SCENES_REVISION in scenes/scene.py when all "
+    "tests change, and pin the new values here"
+)
 
 
 @pytest.mark.parametrize("solver", DECKS)
@@ -33,6 +49,25 @@ def test_decks_are_those_of_their_revision(tmp_path: Path, solver: str) -> None:
         digest.update(write_deck(test, tmp_path, solver, material, seed=1).read_bytes())
 
     assert (SCENES_REVISION, digest.hexdigest()[:16]) == DECKS[solver], f"decks {CHANGED}"
+
+
+@pytest.mark.parametrize(("name", "orifice"), DEFAULT_DECKS)
+def test_default_decks_are_those_of_their_revision(tmp_path: Path, name: str, orifice: str) -> None:
+    digest = hashlib.sha256()
+    kind = bulk_tests()[name]
+    for sizes in (BEADS, MIXTURE):
+        test = kind(sizes, **({"orifice": orifice} if orifice else {}))
+        for solver, program in DEM_PROGRAMS.items():
+            if not test.concepts() & set(program.missing):
+                deck = write_deck(test, tmp_path / solver, solver, GLASS_BEADS, seed=1)
+                digest.update(deck.read_bytes())
+    found = (kind.revision, SCENES_REVISION, digest.hexdigest()[:16])
+
+    assert found == DEFAULT_DECKS[name, orifice], f"decks {CHANGED_TEST}"
+
+
+def test_decks_of_every_built_in_test_are_pinned() -> None:
+    assert {name for name, _ in DEFAULT_DECKS} == set(BUILT_IN)
 
 
 def test_packing_is_that_of_its_revision() -> None:

@@ -31,8 +31,11 @@ from grainfit.options.tables import Key
 from grainfit.scenes.run_output import RunOutput
 from grainfit.scenes.scene import SCENES_REVISION, Scene, time_step
 
-#: Gravity on Earth, m/s^2, and the share of the Rayleigh time step at which beds come to rest.
+#: Gravity on Earth, m/s^2.
 GRAVITY = 9.81
+#: Below it, m/s^2, hardly anything falls: no bed fills and none comes to rest in a sensible time.
+LOWEST_GRAVITY = 1e-3
+#: Share of the Rayleigh time step at which beds come to rest.
 TIME_STEP_FRACTION = 0.12
 #: A run that takes this much longer than estimated hangs, even on a slow and busy machine.
 _PATIENCE = 100.0
@@ -128,7 +131,7 @@ class BulkTest(ABC):
     sizes: ParticleSizes = None  # type: ignore[assignment]  # given as diameter instead
     diameter: InitVar[Amount | list[dict[str, Amount]] | None] = None
     gravity: Amount = option(
-        Quantity("m/s^2", above_zero=True), "Gravity.", example="9.81", default=GRAVITY
+        Quantity("m/s^2", lowest=LOWEST_GRAVITY), "Gravity.", example="9.81", default=GRAVITY
     )
     time_step_fraction: Amount = option(
         Quantity("", highest=1.0, above_zero=True),
@@ -140,13 +143,16 @@ class BulkTest(ABC):
 
     def __post_init__(self, diameter: Amount | list[dict[str, Amount]] | None) -> None:
         object.__setattr__(self, "sizes", _sizes(self.sizes, diameter))
-        given = {key.name: getattr(self, key.name) for key in self.option_keys()}
-        for name, value in read_options(self.option_keys(), given).items():
+        for name, value in read_options(self.option_keys(), self.given_options()).items():
             object.__setattr__(self, name, value)
         self.prepare()
 
     def prepare(self) -> None:
-        """Derive values from the options; raise `InputError` when they are impossible."""
+        """Derive values from the options; raise `InputError` when they are impossible.
+
+        A test whose defaults follow from particles and other options keeps geometry and procedure,
+        with every default resolved, as its attribute ``setup``.
+        """
 
     @classmethod
     def option_keys(cls) -> tuple[Key, ...]:
@@ -165,11 +171,15 @@ class BulkTest(ABC):
         }
 
     def resolved_options(self) -> dict[str, Any]:
-        """Return the value of every option.
+        """Return the value of every option, defaults included, as far as ``setup`` has them.
 
-        Overridden by tests whose defaults follow from other options: a default that is given
-        explicitly is the same run.
+        A default that is given explicitly is the same run, and another default is another run.
         """
+        setup = getattr(self, "setup", None)
+        return {name: getattr(setup, name, value) for name, value in self.given_options().items()}
+
+    def given_options(self) -> dict[str, Any]:
+        """Return the value of every option as it was given, None for many of the defaults."""
         return {key.name: getattr(self, key.name) for key in self.option_keys()}
 
     @classmethod

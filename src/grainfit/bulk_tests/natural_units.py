@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import astuple, dataclass
 from functools import cached_property
 from typing import Any
 
@@ -50,6 +50,11 @@ class Scale:
     length: float
     density: float
     gravity: float
+
+    def is_same(self, other: Scale) -> bool:
+        """Return True if both are the same but for rounding errors."""
+        pairs = zip(astuple(self), astuple(other), strict=True)
+        return all(math.isclose(one, two, rel_tol=_TOLERANCE) for one, two in pairs)
 
     def of(self, unit: str) -> float:
         """Return the natural unit of a quantity in its SI unit.
@@ -162,10 +167,15 @@ def _rounded(value: float) -> float:
     return float(f"{value:.{_DIGITS}g}")
 
 
+def without_rounding_error(value: float) -> float:
+    """Return a value without the digits that conversions lose."""
+    return float(f"{value:.12g}")
+
+
 def in_si(run: NaturalRun, scale: Scale) -> dict[str, float]:
     """Return the material parameters of a run at a scale, without those of walls."""
     values = {
-        name: float(f"{value * scale.of(MATERIAL_PARAMETERS[name].unit):.12g}")
+        name: without_rounding_error(value * scale.of(MATERIAL_PARAMETERS[name].unit))
         for name, value in run.numbers.items()
         if name in MATERIAL_PARAMETERS
     }

@@ -9,14 +9,19 @@ from __future__ import annotations
 
 import math
 from collections import defaultdict
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from functools import reduce
 from pathlib import Path
 from typing import Any
 
-from grainfit.bulk_tests.natural_units import NaturalRun, in_si, natural_run
+from grainfit.bulk_tests.natural_units import (
+    NaturalRun,
+    in_si,
+    natural_run,
+    without_rounding_error,
+)
 from grainfit.bulk_tests.sensitivities import DENSITY
 from grainfit.campaign.campaign import evaluation_of
 from grainfit.campaign.store.records import RunRecord
@@ -26,7 +31,7 @@ from grainfit.errors import GrainfitError, InputError
 from grainfit.evaluation import Evaluation, Proposal, Response, response_name
 from grainfit.metamodels.known_runs import REACH, beyond
 from grainfit.problem import Problem
-from grainfit.run_definition import identity_of
+from grainfit.run_definition import RunDefinition, identity_of
 from grainfit.solvers.base import Solver
 from grainfit.units import powers
 
@@ -51,12 +56,9 @@ class RunMatcher:
     """
 
     def __init__(self, solver: Solver, problem: Problem) -> None:
-        sample = solver.definition(problem.from_unit([0.5] * problem.dimension), 1)
+        sample = _sample(solver, problem)
         self._defaults = dict(solver.defaults)
-        values = self._defaults | dict(sample.parameters)
-        # Not every test takes every parameter.
-        self._free = [p.name for p in problem.parameters if p.name in values]
-        self._fixed = {name: v for name, v in values.items() if name not in self._free}
+        self._free, self._fixed = _free_and_fixed(solver, problem, sample)
         self.model_hash = sample.model_hash
 
     def match(self, record: RunRecord) -> tuple[dict[str, float], int] | None:
@@ -72,6 +74,20 @@ class RunMatcher:
         if values != self._fixed or len(free) < len(self._free):
             return None
         return free, definition.seed
+
+
+def _sample(solver: Solver, problem: Problem) -> RunDefinition:
+    """Return a run in the middle of the intervals."""
+    return solver.definition(problem.from_unit([0.5] * problem.dimension), 1)
+
+
+def _free_and_fixed(
+    solver: Solver, problem: Problem, sample: RunDefinition
+) -> tuple[list[str], dict[str, float]]:
+    """Return the free parameters that a solver takes, and the values of the others."""
+    values = dict(solver.defaults) | dict(sample.parameters)
+    free = [p.name for p in problem.parameters if p.name in values]
+    return free, {name: v for name, v in values.items() if name not in free}
 
 
 class ScaledRunMatcher:
@@ -92,10 +108,8 @@ class ScaledRunMatcher:
 
     def __init__(self, solver: Solver, problem: Problem) -> None:
         self._solver = solver
-        sample = solver.definition(problem.from_unit([0.5] * problem.dimension), 1)
-        values = dict(solver.defaults) | dict(sample.parameters)
-        self._free = [p.name for p in problem.parameters if p.name in values]
-        self._fixed = {name: v for name, v in values.items() if name not in self._free}
+        sample = _sample(solver, problem)
+        self._free, self._fixed = _free_and_fixed(solver, problem, sample)
         self._natural = natural_run(sample)
         intervals = {p.name: (p.minimum, p.maximum) for p in problem.parameters}
         self._densities = intervals.get(DENSITY, (0.0, math.inf))
@@ -114,7 +128,7 @@ class ScaledRunMatcher:
         if self._natural is None or run is None or run.model_hash != self.natural_hash:
             return None
         scale = replace(self._natural.scale, density=self._density(run))
-        if scale == run.scale:
+        if run.scale.is_same(scale):
             return None
         known = in_si(run, scale)
         values = {name: known[name] for name in self._free if name in known}
@@ -146,7 +160,7 @@ class ScaledRunMatcher:
         for name, value in self._fixed.items():
             # A stiffness that is fixed says how dense the particles are.
             if name in known and powers(MATERIAL_PARAMETERS[name].unit)[0]:
-                return value / known[name]
+                return without_rounding_error(value / known[name])
         low, high = self._densities
         return min(max(run.scale.density, low), high)
 
@@ -281,10 +295,10 @@ def take_runs(
     there = store.states()
     fitting = is_run_of(problem, solvers)
     found = [*filter(fitting, other.runs_of(models_of(solvers), "finished"))]
-    found += _at_other_scales(other, problem, solvers)
+    found += _at_other_scales(other, problem, solvers, {record.identity for record in found})
     new = {
         record.identity: replace(record, origin=record.origin or other.place)
-        for record in reversed(found)
+        for record in found
         if there.get(record.identity) != "finished"
     }
     store.save_many(new.values())
@@ -292,9 +306,12 @@ def take_runs(
 
 
 def _at_other_scales(
-    other: RunStore, problem: Problem, solvers: Mapping[str, Solver]
+    other: RunStore, problem: Problem, solvers: Mapping[str, Solver], taken: Collection[str]
 ) -> list[RunRecord]:
-    """Return the runs of other sizes and densities that are runs of this problem, too."""
+    """Return the runs of other sizes and densities that are runs of this problem, too.
+
+    Those that are taken as they are would count twice.
+    """
     try:
         matchers = [ScaledRunMatcher(solver, problem) for solver in solvers.values()]
     except GrainfitError:
@@ -303,6 +320,7 @@ def _at_other_scales(
     if not hashes:
         return []
     records = other.runs_at_any_scale(hashes)
+    records = [record for record in records if record.identity not in taken]
     scaled = (matcher.match(record) for record in records for matcher in matchers)
     return [record for record in scaled if record is not None]
 

@@ -40,6 +40,7 @@ from grainfit.errors import (
     SolverNotFoundError,
 )
 from grainfit.evaluation import Response
+from grainfit.materials.sizes import ParticleSizes
 from grainfit.options.kinds import Quantity, Whole
 from grainfit.options.tables import Key
 from grainfit.run_definition import RunDefinition
@@ -68,10 +69,14 @@ class BulkTestContract:
         For every option, a valid value that differs from that of `bulk_test`.
     material : mapping of str to float
         All material parameters, for a run that ends well.
+    open_options : set of str
+        Options with a unit that have no value by default: they follow the material, or belong to
+        another geometry.
     """
 
     others: ClassVar[Mapping[str, Any]]
     material: ClassVar[Mapping[str, float]] = GLASS_BEADS
+    open_options: ClassVar[set[str]] = set()
 
     @pytest.fixture
     def bulk_test(self) -> BulkTest:
@@ -114,6 +119,24 @@ class BulkTestContract:
         definitions = {json.dumps(test.definition()) for test in [bulk_test, *tests]}
 
         assert len(definitions) == 1 + len(tests)
+
+    def test_defaults_given_explicitly_have_the_same_definition(self, bulk_test: BulkTest) -> None:
+        for test in (bulk_test, type(bulk_test)(bulk_test.sizes)):
+            given = {name: v for name, v in test.resolved_options().items() if v is not None}
+            explicit = type(test)(test.sizes, **given)
+
+            assert json.dumps(explicit.definition()) == json.dumps(test.definition())
+
+    def test_every_length_and_time_is_in_the_definition(self, bulk_test: BulkTest) -> None:
+        """Another default would not be another run otherwise."""
+        resolved = type(bulk_test)(bulk_test.sizes).resolved_options()
+        unresolved = {
+            key.name
+            for key in bulk_test.option_keys()
+            if isinstance(key.kind, Quantity) and key.kind.unit and resolved[key.name] is None
+        }
+
+        assert unresolved == self.open_options
 
     def test_damaged_definition_is_refused(self, bulk_test: BulkTest) -> None:
         whole = bulk_test.definition()
@@ -163,6 +186,15 @@ class BulkTestContract:
             type(bulk_test)()
         with pytest.raises(InputError, match=r"'1 kg' has the unit kg"):
             type(bulk_test)(diameter="1 kg")
+
+    @pytest.mark.parametrize("fine", [0.005, 0.0035])
+    def test_defaults_accept_mixtures(self, bulk_test: BulkTest, fine: float) -> None:
+        mixture = ParticleSizes((fine, 0.010), (0.3, 0.7))
+        test = type(bulk_test)(mixture)
+        material = {**GLASS_BEADS, **self.material}
+
+        assert test.number_of_particles > 0
+        assert test.scene(material, _SEED).sizes == mixture
 
     def test_responses_and_material_are_described(self, bulk_test: BulkTest) -> None:
         targets = {key.name: key for key in layout_of_test(types_of_test()[bulk_test.type]).keys}

@@ -5,12 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
-from typing import Any, ClassVar
+from typing import ClassVar
 
 from grainfit.bulk_tests.base import BulkTest, ResponseInfo
 from grainfit.bulk_tests.compression.curve import COLUMNS, Curve, Modulus, fit_modulus
 from grainfit.bulk_tests.compression.picture import draw_compression
 from grainfit.bulk_tests.compression.setup import CompressionSetup, plan_setup
+from grainfit.bulk_tests.compression.view import CompressionView
 from grainfit.bulk_tests.sensitivities import (
     DENSITY,
     MODULUS,
@@ -20,7 +21,7 @@ from grainfit.bulk_tests.sensitivities import (
     WALL_SLIDING,
     Sensitivities,
 )
-from grainfit.bulk_tests.shared.pot_view import PotView
+from grainfit.bulk_tests.shared.filling import fill_stage
 from grainfit.bulk_tests.shared.validity import require_at_rest, require_held, require_separate
 from grainfit.bulk_tests.stiffness import UNDER_A_STRESS, OverlapLaw
 from grainfit.bulk_tests.view import Shown
@@ -30,7 +31,7 @@ from grainfit.measurement.bulk_density import bulk_density
 from grainfit.measurement.particles import Particles, write_vtk
 from grainfit.options.fields import Amount, option
 from grainfit.options.kinds import Quantity, Whole
-from grainfit.scenes.conditions import AtRest, Loaded
+from grainfit.scenes.conditions import Loaded
 from grainfit.scenes.packing import Round, random_column
 from grainfit.scenes.records import Series
 from grainfit.scenes.run_output import RunOutput, StageEnd, snapshot_file
@@ -63,10 +64,11 @@ _STRESS = Quantity("Pa", above_zero=True, highest=1e12)
 class Compression(BulkTest):
     """Uniaxial confined compression: moduli, bulk density and lateral stress ratio at a stress.
 
-    Particles rain into an upright pot and come to rest; those above the fill height are removed.
-    A piston presses with the seating stress, where strain is zero, then with the stress, which it
-    holds, and goes back to the seating stress. The default stress and all lengths follow the
-    Sauter diameter d of the particles, so that the test is the same test at every size.
+    Particles rain into an upright pot and come to rest; those above the strike-off height are
+    removed. A piston presses with the seating stress, where strain is zero, then with the stress,
+    which it holds, and goes back to the seating stress. The default stress and all lengths follow
+    the Sauter diameter d of the particles, so that the test is the same test at every size; no
+    default is smaller than the largest particles allow.
 
     Young's modulus of the particles must be at least 1000 times the stress, else particles are
     compressed instead of the bed. The options are the fields below, as in the calibration file.
@@ -149,10 +151,10 @@ class Compression(BulkTest):
         example='"500 Pa"',
         words="5 % of the stress",
     )
-    pot_radius: Amount | None = option(
+    cylinder_radius: Amount | None = option(
         _LENGTH, "Inner radius of the pot.", example='"50 mm"', words="5 d"
     )
-    fill_height: Amount | None = option(
+    strike_off_height: Amount | None = option(
         _LENGTH,
         "Height of the bed before it is pressed: particles with their centre above are removed.",
         example='"80 mm"',
@@ -177,18 +179,12 @@ class Compression(BulkTest):
     setup: CompressionSetup = field(init=False, repr=False, compare=False)
 
     def prepare(self) -> None:
-        """Resolve geometry and procedure."""
-        options = {key.name: getattr(self, key.name) for key in self.option_keys()}
-        object.__setattr__(self, "setup", plan_setup(self.sizes, options))
-
-    def resolved_options(self) -> dict[str, Any]:
-        """Return the value of every option, with the defaults of stresses and geometry.
+        """Resolve geometry and procedure.
 
         The default stress does not follow the density of the particles, so two runs with it are
         not the same in natural units. The default piston speed does, and stays open.
         """
-        options = super().resolved_options()
-        return {name: getattr(self.setup, name, value) for name, value in options.items()}
+        object.__setattr__(self, "setup", plan_setup(self.sizes, self.given_options()))
 
     def material_faults(self, material: Mapping[str, float]) -> Iterator[Fault]:
         """Yield why the test means nothing with a material: too soft, or too heavy."""
@@ -201,9 +197,9 @@ class Compression(BulkTest):
     def scene(self, material: Mapping[str, float], seed: int) -> Scene:
         """Return the experiment: a column falls, is struck off, pressed and unloaded."""
         setup, largest = self.setup, max(self.sizes.diameters)
-        column = random_column(self.sizes, setup.particle_count, Round(setup.pot_radius), seed)
+        column = random_column(self.sizes, setup.particle_count, Round(setup.cylinder_radius), seed)
         top = column.height + 1.25 * largest
-        side = setup.pot_radius + 1.5 * largest
+        side = setup.cylinder_radius + 1.5 * largest
         box = Box((-side, -side, -3 * largest), (side, side, top + 2 * largest))
         return Scene(
             title="Compression test, uniaxial and confined",
@@ -212,7 +208,7 @@ class Compression(BulkTest):
             particles=column,
             box=box,
             walls={
-                "pot": Wall(Cylinder(setup.pot_radius, box.low[2], box.high[2])),
+                "pot": Wall(Cylinder(setup.cylinder_radius, box.low[2], box.high[2])),
                 "floor": Wall(Plane("z", 0.0)),
             },
             stages=self._stages(material),
@@ -227,19 +223,13 @@ class Compression(BulkTest):
         setup = self.setup
         seat = setup.load(setup.seating_stress, material)
         return (
-            Stage(
-                "fill",
-                AtRest(setup.fill_time + setup.settling_time_limit, at_least=setup.fill_time),
-                "the column falls and comes to rest",
-                is_closed=True,
-                snapshot=_FILLED,
-            ),
+            fill_stage(setup.fill_time, setup.settling_time_limit, _FILLED),
             self._pressed(
                 "seat",
                 seat,
                 material,
                 remark=f"the piston presses with {setup.seating_stress:g} Pa",
-                strike_off=setup.fill_height,
+                strike_off=setup.strike_off_height,
                 put={"piston": Wall(Plane("z", setup.piston_start, upwards=False))},
             ),
             self._pressed(
@@ -327,13 +317,13 @@ class Compression(BulkTest):
         # As the deck does: before the bed was struck off.
         mass = float(bed.masses.mean()) * setup.particle_count
         require_at_rest(loaded, mass, setup.quiet_speed)
-        lowest = _LOWEST_PISTON * setup.fill_height
+        lowest = _LOWEST_PISTON * setup.strike_off_height
         for curve in (seat, load):
             height = float(curve.heights[-1])
             if not lowest < height < setup.piston_start:
                 raise RunFailedError(
                     f"the piston left the pot's bed: it stands {height:.3g} m above the floor of "
-                    f"a pot that was filled up to {setup.fill_height:g} m"
+                    f"a pot that was filled up to {setup.strike_off_height:g} m"
                 )
 
     @staticmethod
@@ -344,7 +334,7 @@ class Compression(BulkTest):
     def _density(self, bed: Particles, height: float) -> Response:
         """Measure the bulk density without the layers at floor and piston."""
         margin = self.sizes.sauter_diameter
-        return bulk_density(bed, self.setup.pot_radius, margin, height - margin)
+        return bulk_density(bed, self.setup.cylinder_radius, margin, height - margin)
 
     @staticmethod
     def _ratio(held: Curve, particles: int) -> Response:
@@ -361,17 +351,25 @@ class Compression(BulkTest):
     def simulated_time(self, material: Mapping[str, float]) -> float:
         """Estimate the simulated time of a run, s."""
         setup = self.setup
-        travel = _USUAL_TRAVEL * setup.fill_height / setup.largest_speed(material)
+        travel = _USUAL_TRAVEL * setup.strike_off_height / setup.largest_speed(material)
         return _FILL_SHARE * setup.fill_time + travel
 
-    def view(self, run: RunOutput) -> PotView:
+    def view(self, run: RunOutput) -> CompressionView:
         """Read the loaded bed of a run, to be drawn."""
         bed = run.snapshot(_LOADED)
         if not len(bed):
             raise NotMeasurableError("no particles are left in the pot")
-        curve = Curve.of_stage(run, "load", self.setup)
-        words = "slope of stress over strain, from 50 to 98 % of the stress"
-        return PotView(bed, self.setup.pot_radius, float(curve.heights[-1]), words)
+        curves = {
+            name: Curve.of_stage(run, name, self.setup) for name in ("seat", "load", "unload")
+        }
+        return CompressionView(
+            bed,
+            self.setup.cylinder_radius,
+            float(curves["load"].heights[-1]),
+            "slope of the drawn stress over strain, from 50 to 98 % of the stress",
+            curves,
+            self.setup.stress,
+        )
 
 
 def _scatter(response: str, particles: int) -> float:

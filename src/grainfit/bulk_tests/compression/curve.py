@@ -77,7 +77,7 @@ class Curve:
             heights,
             series["piston_force"] / setup.area,
             -series["floor_force"] / setup.area,
-            series["pot_force"] / (2 * math.pi * setup.pot_radius * heights),
+            series["pot_force"] / (2 * math.pi * setup.cylinder_radius * heights),
         )
 
     def strains(self, height: float) -> Array:

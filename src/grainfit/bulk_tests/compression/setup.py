@@ -6,9 +6,17 @@ import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
+from grainfit.bulk_tests.shared.filling import (
+    Fall,
+    count_faults,
+    cylinder_faults,
+    least_radius,
+    particles_to_fill,
+    strike_off_faults,
+)
 from grainfit.errors import Fault, InputError
 from grainfit.materials.sizes import ParticleSizes
-from grainfit.scenes.packing import Round, column_height, mean_particle_volume
+from grainfit.scenes.packing import Round, column_height
 from grainfit.scenes.scene import Load, natural_speed, natural_time
 
 #: The default stress for particles of 10 mm on Earth. It is proportional to diameter and gravity,
@@ -18,12 +26,7 @@ _REFERENCE_DIAMETER = 0.010
 _REFERENCE_GRAVITY = 9.81
 _SEATING_SHARE = 0.05
 
-#: Solid fraction to calculate the number of particles: a settled bed is looser, so that it
-#: rises above the height at which it is struck off.
-_FILLING_MONOSIZE = 0.66
-_FILLING_POLYDISPERSE = 0.70
-_MOST_PARTICLES = 1_000_000
-_NARROWEST_POT = 4.0
+#: Lowest bed, in diameters of the largest particles.
 _SHALLOWEST_BED = 4.0
 
 #: Young's modulus over stress below which particles overlap by more than 2 % of their diameter.
@@ -51,7 +54,7 @@ class CompressionSetup:
     ----------
     particle_count : int
         Particles rained in.
-    pot_radius, fill_height : float
+    cylinder_radius, strike_off_height : float
         Inner radius of the pot, and height above its floor at which the bed is struck off.
     column_height : float
         Height of the column of particles before it falls.
@@ -74,8 +77,8 @@ class CompressionSetup:
     """
 
     particle_count: int
-    pot_radius: float
-    fill_height: float
+    cylinder_radius: float
+    strike_off_height: float
     column_height: float
     stress: float
     seating_stress: float
@@ -90,7 +93,7 @@ class CompressionSetup:
     @property
     def area(self) -> float:
         """Cross-section of the pot, m^2."""
-        return math.pi * self.pot_radius**2
+        return math.pi * self.cylinder_radius**2
 
     def largest_speed(self, material: Mapping[str, float]) -> float:
         """Return the largest speed of the piston, m/s."""
@@ -99,12 +102,12 @@ class CompressionSetup:
 
     def travel_time(self, material: Mapping[str, float]) -> float:
         """Return the time in which the piston crosses half of the pot at its largest speed, s."""
-        return self.fill_height / 2 / self.largest_speed(material)
+        return self.strike_off_height / 2 / self.largest_speed(material)
 
     def record_interval(self, material: Mapping[str, float]) -> float:
         """Return the simulated time between two records of stress and strain, s."""
         strain = self.stress / _bed_modulus(material, self.stress)
-        return strain * self.fill_height / self.largest_speed(material) / _RECORDS
+        return strain * self.strike_off_height / self.largest_speed(material) / _RECORDS
 
     def load(self, stress: float, material: Mapping[str, float]) -> Load:
         """Return the motion of the piston to a stress, Pa.
@@ -132,13 +135,14 @@ class CompressionSetup:
             )
         density = material.get("particle.density")
         if density is not None:
-            weight = _SOLID_FRACTION * density * self.gravity * self.fill_height
+            weight = _SOLID_FRACTION * density * self.gravity * self.strike_off_height
             if weight > _LARGEST_WEIGHT * self.stress:
                 yield Fault(
                     "stress",
                     f"{self.stress:g} Pa is not much more than the bed's own weight of about "
                     f"{weight:.3g} Pa (particle.density {density:g} kg/m^3).",
-                    f"Use at least {weight / _LARGEST_WEIGHT:.2g} Pa, or a lower fill_height.",
+                    f"Use at least {weight / _LARGEST_WEIGHT:.2g} Pa, or a lower "
+                    "strike_off_height.",
                 )
 
 
@@ -165,21 +169,26 @@ def plan_setup(sizes: ParticleSizes, options: Mapping[str, float | None]) -> Com
     given = {name: value for name, value in options.items() if value is not None}
     diameter, largest = sizes.sauter_diameter, max(sizes.diameters)
     gravity = given["gravity"]
-    radius = given.get("pot_radius", 5 * diameter)
-    fill = given.get("fill_height", 8 * diameter)
+    radius = given.get("cylinder_radius", max(5 * diameter, least_radius(sizes)))
+    fill = given.get("strike_off_height", max(8 * diameter, _SHALLOWEST_BED * largest))
     scale = diameter / _REFERENCE_DIAMETER * gravity / _REFERENCE_GRAVITY
     stress = given.get("stress", _REFERENCE_STRESS * scale)
     seating = given.get("seating_stress", _SEATING_SHARE * stress)
-    count = int(given.get("particle_count", _particles_to_fill(sizes, radius, fill)))
-    faults = [*_faults(sizes, radius, fill, count), *_stress_faults(stress, seating)]
+    count = int(given.get("particle_count", particles_to_fill(sizes, radius, fill)))
+    faults = [*_shape_faults(sizes, radius, fill)]
+    if not faults:
+        lengths = {"cylinder_radius": radius, "strike_off_height": fill}
+        faults += count_faults(count, lengths, count_is_given="particle_count" in given)
+        faults += strike_off_faults(sizes, radius, fill, count)
+    faults += _stress_faults(stress, seating)
     if faults:
         raise InputError(faults)
     height = column_height(sizes, count, Round(radius))
-    fall_time = math.sqrt(2 * height / gravity)
+    fall = Fall(height, gravity)
     return CompressionSetup(
         particle_count=count,
-        pot_radius=radius,
-        fill_height=fill,
+        cylinder_radius=radius,
+        strike_off_height=fill,
         column_height=height,
         stress=stress,
         seating_stress=seating,
@@ -189,47 +198,20 @@ def plan_setup(sizes: ParticleSizes, options: Mapping[str, float | None]) -> Com
         gravity=gravity,
         quiet_speed=0.0128 * natural_speed(sizes, gravity),
         check_interval=0.5 * natural_time(sizes, gravity),
-        fill_time=1.7 * fall_time,
-        settling_time_limit=given.get("settling_time_limit", 10 * fall_time),
+        fill_time=fall.fill_time,
+        settling_time_limit=given.get("settling_time_limit", fall.settling_time_limit),
     )
 
 
-def _particles_to_fill(sizes: ParticleSizes, radius: float, height: float) -> int:
-    filling = _FILLING_MONOSIZE if len(sizes.diameters) == 1 else _FILLING_POLYDISPERSE
-    volume = math.pi * radius**2 * height
-    return math.ceil(filling * volume / mean_particle_volume(sizes) / 10) * 10
-
-
-def _faults(sizes: ParticleSizes, radius: float, fill: float, count: int) -> Iterator[Fault]:
+def _shape_faults(sizes: ParticleSizes, radius: float, fill: float) -> Iterator[Fault]:
     largest = max(sizes.diameters)
-    if 2 * radius < _NARROWEST_POT * largest:
-        yield Fault(
-            "pot_radius",
-            f"a pot of {2 * radius:g} m diameter is narrower than {_NARROWEST_POT:g} of the "
-            f"largest particles ({largest:g} m).",
-            f"Use at least {_NARROWEST_POT / 2 * largest:g} m.",
-        )
-        return
+    yield from cylinder_faults(sizes, radius)
     if fill < _SHALLOWEST_BED * largest:
         yield Fault(
-            "fill_height",
+            "strike_off_height",
             f"a bed of {fill:g} m is less than {_SHALLOWEST_BED:g} of the largest particles "
             f"({largest:g} m) deep.",
             f"Use at least {_SHALLOWEST_BED * largest:g} m.",
-        )
-        return
-    if count > _MOST_PARTICLES:
-        yield Fault(
-            "particle_count",
-            f"{count} particles are needed, more than {_MOST_PARTICLES}.",
-            "Use a smaller pot or larger particles.",
-        )
-    needed = _particles_to_fill(sizes, radius, fill)
-    if count < 0.95 * needed:
-        yield Fault(
-            "particle_count",
-            f"{count} particles do not fill the pot up to the fill height {fill:g} m.",
-            f"Use {needed} (the default) or a lower fill height.",
         )
 
 

@@ -42,8 +42,9 @@ class Discharge(BulkTest):
     nothing moves any more; particles that have left are gone. With a slot the container is a slice
     of periodic depth without end walls, with a round orifice it is a cylinder.
 
-    Defaults follow the Sauter diameter d of the particles; times follow it by Froude's law. The
-    options are the fields below, as in the calibration file.
+    Defaults follow the Sauter diameter d of the particles, and are never smaller than the largest
+    particles allow; times follow d by Froude's law. The options are the fields below, as in the
+    calibration file.
 
     Parameters
     ----------
@@ -134,8 +135,7 @@ class Discharge(BulkTest):
 
     def prepare(self) -> None:
         """Resolve geometry and procedure."""
-        options = {key.name: getattr(self, key.name) for key in self.option_keys()}
-        object.__setattr__(self, "setup", plan_setup(self.sizes, options))
+        object.__setattr__(self, "setup", plan_setup(self.sizes, self.given_options()))
 
     def scene(self, material: Mapping[str, float], seed: int) -> Scene:
         """Return the experiment: a column falls, the orifice is opened, the bed flows out."""

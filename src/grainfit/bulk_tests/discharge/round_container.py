@@ -12,6 +12,9 @@ from grainfit.materials.sizes import ParticleSizes
 from grainfit.scenes.scene import Wall
 from grainfit.scenes.shapes import Annulus, Cylinder, Disc
 
+#: Diameter of an orifice, in diameters of the largest particles, below which arches may block it.
+ARCHES_ROUND = 5.0
+
 
 @dataclass(frozen=True)
 class RoundContainer:
@@ -61,6 +64,7 @@ class RoundContainer:
             yield Fault(
                 "orifice_diameter",
                 f"no particle of {largest:g} m passes an orifice of {orifice:g} m.",
-                f"Orifices of less than 5 diameters ({5 * largest:g} m) may be blocked by arches.",
+                f"Orifices of less than {ARCHES_ROUND:g} diameters ({ARCHES_ROUND * largest:g} m) "
+                "may be blocked by arches.",
             )
         yield from container_faults(sizes, 2 * self.radius, self.fill_height)

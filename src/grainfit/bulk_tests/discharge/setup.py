@@ -7,20 +7,18 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from grainfit.bulk_tests.discharge.round_container import RoundContainer
-from grainfit.bulk_tests.shared.slot_box import (
-    Filling,
-    SlotBox,
-    count_faults,
-    flow_time,
-    plan_filling,
-)
+from grainfit.bulk_tests.discharge.round_container import ARCHES_ROUND, RoundContainer
+from grainfit.bulk_tests.shared.filling import Filling, count_faults, plan_filling
+from grainfit.bulk_tests.shared.slot_box import SlotBox, default_lengths, flow_time
 from grainfit.errors import Fault, InputError
 from grainfit.materials.sizes import ParticleSizes
 from grainfit.scenes.packing import Footprint, Rectangle, Round
 from grainfit.scenes.scene import natural_time
 
 SLOT, ROUND = "slot", "round"
+#: Default lengths, and default diameter of a round orifice, in Sauter diameters.
+_LENGTHS = {"width": 16, "depth": 5, "fill_height": 16, "slot_width": 5}
+_ORIFICE = 6
 #: Shortest time of the flow stage, over sqrt(d/g): before, the particles have hardly moved.
 _SHORTEST_FLOW = 8.0
 #: The particles come to rest this long after the flow has ended, over sqrt(d/g).
@@ -63,6 +61,32 @@ class DischargeSetup:
     settling_time_limit: float
 
     @property
+    def width(self) -> float:
+        """Inner width or diameter of the container, m."""
+        return 2 * self.half_width
+
+    @property
+    def fill_height(self) -> float:
+        """Height of the bed before it settles, m."""
+        return self.container.fill_height
+
+    @property
+    def slot_width(self) -> float | None:
+        """Width of the slot, m; None with a round orifice."""
+        return self.container.slot_width if isinstance(self.container, SlotBox) else None
+
+    @property
+    def depth(self) -> float | None:
+        """Period of a slot, m; None with a round orifice."""
+        return self.container.depth if isinstance(self.container, SlotBox) else None
+
+    @property
+    def orifice_diameter(self) -> float | None:
+        """Diameter of a round orifice, m; None with a slot."""
+        container = self.container
+        return None if isinstance(container, SlotBox) else 2 * container.orifice_radius
+
+    @property
     def underside(self) -> float:
         """Height below which particles have left the container, m."""
         return -self.container.thickness if isinstance(self.container, SlotBox) else 0.0
@@ -94,9 +118,8 @@ def plan_setup(sizes: ParticleSizes, options: Mapping[str, Any]) -> DischargeSet
     if faults:
         raise InputError(faults)
     diameter, gravity = sizes.sauter_diameter, given["gravity"]
-    width = given.get("width", 16 * diameter)
-    height = given.get("fill_height", 16 * diameter)
-    container, footprint = _container(diameter, width, height, given)
+    container, footprint = _container(sizes, given)
+    height = container.fill_height
     faults = [*container.faults(sizes)]
     if faults:
         raise InputError(faults)
@@ -104,10 +127,7 @@ def plan_setup(sizes: ParticleSizes, options: Mapping[str, Any]) -> DischargeSet
     natural = natural_time(sizes, gravity)
     area, opening = _equivalent_slot(container)
     flow = flow_time(sizes, area, opening, gravity) + _SETTLING * natural
-    faults = [*count_faults(filling.particle_count)]
-    if faults:
-        raise InputError(faults)
-    return DischargeSetup(
+    setup = DischargeSetup(
         container=container,
         footprint=footprint,
         filling=filling,
@@ -117,6 +137,12 @@ def plan_setup(sizes: ParticleSizes, options: Mapping[str, Any]) -> DischargeSet
         flow_time=flow,
         settling_time_limit=given.get("settling_time_limit", _PATIENCE * flow),
     )
+    lengths = {"width": setup.width, "depth": setup.depth, "fill_height": height}
+    possible = {name: length for name, length in lengths.items() if length is not None}
+    faults = [*count_faults(filling.particle_count, possible, count_is_given=False)]
+    if faults:
+        raise InputError(faults)
+    return setup
 
 
 def _misplaced(given: Mapping[str, Any]) -> Iterator[Fault]:
@@ -137,14 +163,17 @@ def _article(orifice: str) -> str:
 
 
 def _container(
-    diameter: float, width: float, height: float, given: Mapping[str, Any]
+    sizes: ParticleSizes, given: Mapping[str, Any]
 ) -> tuple[SlotBox | RoundContainer, Footprint]:
+    lengths = {**default_lengths(sizes, _LENGTHS), **given}
+    width, height = lengths["width"], lengths["fill_height"]
+    diameter = sizes.sauter_diameter
     if given["orifice"] == ROUND:
-        orifice = given.get("orifice_diameter", 6 * diameter)
+        least = ARCHES_ROUND * max(sizes.diameters)
+        orifice = given.get("orifice_diameter", max(_ORIFICE * diameter, least))
         return RoundContainer(width / 2, height, orifice / 2), Round(width / 2)
-    depth = given.get("depth", 5 * diameter)
-    slot = given.get("slot_width", 5 * diameter)
-    box = SlotBox(width, depth, height, slot, _THICKNESS * diameter)
+    depth = lengths["depth"]
+    box = SlotBox(width, depth, height, lengths["slot_width"], _THICKNESS * diameter)
     return box, Rectangle(width, depth)
 
 

@@ -50,8 +50,9 @@ class DrawDown(BulkTest):
     the slot runs dry. Two wedges stay on the shelf, and a pile lies on the lower floor. The test is
     a slice: its depth is periodic, without end walls.
 
-    Defaults follow the Sauter diameter d of the particles; times follow it by Froude's law. The
-    options are the fields below, as in the calibration file.
+    Defaults follow the Sauter diameter d of the particles, and are never smaller than the largest
+    particles allow; times follow d by Froude's law. The options are the fields below, as in the
+    calibration file.
 
     Parameters
     ----------
@@ -188,8 +189,7 @@ class DrawDown(BulkTest):
 
     def prepare(self) -> None:
         """Resolve geometry and procedure."""
-        options = {key.name: getattr(self, key.name) for key in self.option_keys()}
-        object.__setattr__(self, "setup", plan_setup(self.sizes, options))
+        object.__setattr__(self, "setup", plan_setup(self.sizes, self.given_options()))
 
     def scene(self, material: Mapping[str, float], seed: int) -> Scene:
         """Return the experiment: a column falls, the door is taken away, the bed flows."""
@@ -263,8 +263,7 @@ class DrawDown(BulkTest):
     def _require_valid(self, surfaces: Surfaces, bed: Particles) -> None:
         setup, diameter = self.setup, surfaces.diameter
         clearance = CLEARANCE * diameter
-        shelf = setup.underside - setup.floor
-        require_apex_below(surfaces.apex, shelf, clearance, diameter)
+        require_apex_below(surfaces.apex, setup.floor_distance, clearance, diameter)
         above = surfaces.upper.positions
         middle = np.abs(above[:, 0]) < setup.box.slot_width / 4
         require_emptied(surfaces.upper.select(middle & (above[:, 2] > 0)), "slot")

@@ -5,18 +5,15 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
-from grainfit.bulk_tests.shared.slot_box import (
-    Filling,
-    SlotBox,
-    count_faults,
-    flow_time,
-    plan_filling,
-)
+from grainfit.bulk_tests.shared.filling import Filling, count_faults, plan_filling
+from grainfit.bulk_tests.shared.slot_box import SlotBox, default_lengths, flow_time
 from grainfit.errors import Fault, InputError
 from grainfit.materials.sizes import ParticleSizes
 from grainfit.scenes.packing import Rectangle
 from grainfit.scenes.scene import natural_time
 
+#: Default lengths of the upper box, in Sauter diameters.
+_LENGTHS = {"width": 24, "depth": 8, "fill_height": 10, "slot_width": 5}
 #: Shortest time of the flow stage, over sqrt(d/g): before, the particles have hardly moved.
 _SHORTEST_FLOW = 8.0
 #: The particles come to rest this long after the flow has ended, over sqrt(d/g).
@@ -39,8 +36,8 @@ class DrawDownSetup:
         The upper box, whose floor is the shelf with the slot.
     filling : Filling
         Its particles.
-    floor : float
-        Height of the lower floor; negative.
+    floor_distance : float
+        Distance from the underside of the shelf to the lower floor.
     floor_half_width : float
         Half the width of the lower floor, whose edges are free.
     density_bottom, density_top : float
@@ -53,13 +50,43 @@ class DrawDownSetup:
 
     box: SlotBox
     filling: Filling
-    floor: float
+    floor_distance: float
     floor_half_width: float
     density_bottom: float
     density_top: float
     shortest_flow: float
     flow_time: float
     settling_time_limit: float
+
+    @property
+    def width(self) -> float:
+        """Inner width of the upper box, m."""
+        return self.box.width
+
+    @property
+    def depth(self) -> float:
+        """Period of the slice, m."""
+        return self.box.depth
+
+    @property
+    def fill_height(self) -> float:
+        """Height of the bed before it settles, m."""
+        return self.box.fill_height
+
+    @property
+    def slot_width(self) -> float:
+        """Width of the slot, m."""
+        return self.box.slot_width
+
+    @property
+    def shelf_thickness(self) -> float:
+        """Thickness of the shelf, m."""
+        return self.box.thickness
+
+    @property
+    def floor(self) -> float:
+        """Height of the lower floor, m; negative."""
+        return self.underside - self.floor_distance
 
     @property
     def footprint(self) -> Rectangle:
@@ -89,11 +116,12 @@ def plan_setup(sizes: ParticleSizes, options: Mapping[str, float | None]) -> Dra
     """
     given = {name: value for name, value in options.items() if value is not None}
     diameter, gravity = sizes.sauter_diameter, given["gravity"]
+    lengths = {**default_lengths(sizes, _LENGTHS), **given}
     box = SlotBox(
-        width=given.get("width", 24 * diameter),
-        depth=given.get("depth", 8 * diameter),
-        fill_height=given.get("fill_height", 10 * diameter),
-        slot_width=given.get("slot_width", 5 * diameter),
+        width=lengths["width"],
+        depth=lengths["depth"],
+        fill_height=lengths["fill_height"],
+        slot_width=lengths["slot_width"],
         thickness=given.get("shelf_thickness", diameter / 2),
     )
     impossible = [*box.faults(sizes)]
@@ -106,24 +134,29 @@ def plan_setup(sizes: ParticleSizes, options: Mapping[str, float | None]) -> Dra
     setup = DrawDownSetup(
         box=box,
         filling=filling,
-        floor=-box.thickness - given.get("floor_distance", 14 * diameter),
-        floor_half_width=given.get("floor_half_width", 30 * diameter),
+        floor_distance=given.get("floor_distance", max(14 * diameter, _least_distance(sizes))),
+        floor_half_width=given.get("floor_half_width", max(30 * diameter, 1.2 * box.width)),
         density_bottom=_LOWEST * diameter,
         density_top=_HIGHEST * box.fill_height,
         shortest_flow=_SHORTEST_FLOW * natural,
         flow_time=flow,
         settling_time_limit=given.get("settling_time_limit", _PATIENCE * flow),
     )
-    faults = [*_faults(setup, sizes), *count_faults(filling.particle_count)]
+    boxes = {"width": box.width, "depth": box.depth, "fill_height": box.fill_height}
+    too_many = count_faults(filling.particle_count, boxes, count_is_given=False)
+    faults = [*_faults(setup, sizes), *too_many]
     if faults:
         raise InputError(faults)
     return setup
 
 
+def _least_distance(sizes: ParticleSizes) -> float:
+    """Return the smallest distance between shelf and floor, m."""
+    return (CLEARANCE + 3) * max(sizes.diameters)
+
+
 def _faults(setup: DrawDownSetup, sizes: ParticleSizes) -> Iterator[Fault]:
-    largest = max(sizes.diameters)
-    distance = setup.underside - setup.floor
-    needed = (CLEARANCE + 3) * largest
+    distance, needed = setup.floor_distance, _least_distance(sizes)
     if distance < needed:
         yield Fault(
             "floor_distance",

@@ -11,6 +11,7 @@ from grainfit.bulk_tests.base import BulkTest, ResponseInfo
 from grainfit.bulk_tests.heap.setup import HeapSetup, plan_setup
 from grainfit.bulk_tests.heap.view import HeapView
 from grainfit.bulk_tests.sensitivities import DENSITY, MODULUS, ROLLING, SLIDING, Sensitivities
+from grainfit.bulk_tests.shared.filling import fill_stage
 from grainfit.bulk_tests.shared.validity import require_separate
 from grainfit.bulk_tests.view import Shown
 from grainfit.errors import NotMeasurableError
@@ -195,12 +196,7 @@ class Heap(BulkTest):
 
     def prepare(self) -> None:
         """Resolve geometry and procedure."""
-        object.__setattr__(self, "setup", plan_setup(self.sizes, super().resolved_options()))
-
-    def resolved_options(self) -> dict[str, Any]:
-        """Return the value of every option, with the defaults of geometry and procedure."""
-        options = super().resolved_options()
-        return {name: getattr(self.setup, name, value) for name, value in options.items()}
+        object.__setattr__(self, "setup", plan_setup(self.sizes, self.given_options()))
 
     def definition(self) -> dict[str, Any]:
         """Return everything in the test that affects a run's outcome, as JSON.
@@ -267,13 +263,7 @@ class Heap(BulkTest):
         setup = self.setup
         limit = setup.settling_time_limit
         return (
-            Stage(
-                "fill",
-                AtRest(setup.fill_time + limit, at_least=setup.fill_time),
-                "the column falls and comes to rest",
-                is_closed=True,
-                snapshot=_SETTLED,
-            ),
+            fill_stage(setup.fill_time, limit, _SETTLED),
             Stage(
                 "lift",
                 Clear("cylinder", setup.lift_height / setup.lift_speed),

@@ -6,20 +6,20 @@ import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
+from grainfit.bulk_tests.shared.filling import (
+    Fall,
+    count_faults,
+    cylinder_faults,
+    particles_to_fill,
+    strike_off_faults,
+)
 from grainfit.errors import Fault, InputError
 from grainfit.materials.sizes import ParticleSizes
-from grainfit.scenes.packing import Round, column_height, mean_particle_volume
+from grainfit.scenes.packing import Round, column_height
 
 #: The defaults are those of a test of 10 mm beads on Earth; other sizes follow by Froude's law.
 _REFERENCE_DIAMETER = 0.010
 _REFERENCE_GRAVITY = 9.81
-
-#: Solid fraction to calculate the number of particles: a settled bed is looser, so that it
-#: rises above the strike-off height.
-_FILLING_MONOSIZE = 0.66
-_FILLING_POLYDISPERSE = 0.70
-_MOST_PARTICLES = 1_000_000
-_NARROWEST_CYLINDER = 4.0
 
 
 @dataclass(frozen=True)
@@ -94,13 +94,15 @@ def plan_setup(sizes: ParticleSizes, options: Mapping[str, float | None]) -> Hea
     froude_time = math.sqrt(diameter / _REFERENCE_DIAMETER * _REFERENCE_GRAVITY / gravity)
     radius = given.get("cylinder_radius", 6 * diameter)
     strike_off = given.get("strike_off_height", 10.5 * diameter)
-    default_count = _particles_to_fill(sizes, radius, strike_off)
+    default_count = particles_to_fill(sizes, radius, strike_off)
     count = int(given.get("particle_count", default_count))
-    faults = [*_cylinder_faults(sizes, radius, count)]
+    lengths = {"cylinder_radius": radius, "strike_off_height": strike_off}
+    too_many = count_faults(count, lengths, count_is_given="particle_count" in given)
+    faults = [*cylinder_faults(sizes, radius), *too_many]
     if faults:
         raise InputError(faults)
     height = column_height(sizes, count, Round(radius))
-    fall_time = math.sqrt(2 * height / gravity)
+    fall = Fall(height, gravity)
     setup = HeapSetup(
         particle_count=count,
         cylinder_radius=radius,
@@ -116,36 +118,13 @@ def plan_setup(sizes: ParticleSizes, options: Mapping[str, float | None]) -> Hea
         gravity=gravity,
         quiet_speed=0.004 * froude_speed,
         check_interval=0.05 * froude_time,
-        fill_time=1.7 * fall_time,
-        settling_time_limit=given.get("settling_time_limit", 10 * fall_time),
+        fill_time=fall.fill_time,
+        settling_time_limit=given.get("settling_time_limit", fall.settling_time_limit),
     )
     faults = [*_geometry_faults(setup, sizes)]
     if faults:
         raise InputError(faults)
     return setup
-
-
-def _particles_to_fill(sizes: ParticleSizes, radius: float, height: float) -> int:
-    filling = _FILLING_MONOSIZE if len(sizes.diameters) == 1 else _FILLING_POLYDISPERSE
-    volume = math.pi * radius**2 * height
-    return math.ceil(filling * volume / mean_particle_volume(sizes) / 10) * 10
-
-
-def _cylinder_faults(sizes: ParticleSizes, radius: float, count: int) -> Iterator[Fault]:
-    largest = max(sizes.diameters)
-    if 2 * radius < _NARROWEST_CYLINDER * largest:
-        yield Fault(
-            "cylinder_radius",
-            f"a cylinder of {2 * radius:g} m diameter is narrower than {_NARROWEST_CYLINDER:g} of "
-            f"the largest particles ({largest:g} m).",
-            f"Use at least {_NARROWEST_CYLINDER / 2 * largest:g} m.",
-        )
-    if count > _MOST_PARTICLES:
-        yield Fault(
-            "particle_count",
-            f"{count} particles are needed, more than {_MOST_PARTICLES}.",
-            "Use a smaller cylinder or larger particles.",
-        )
 
 
 def _geometry_faults(setup: HeapSetup, sizes: ParticleSizes) -> Iterator[Fault]:
@@ -181,15 +160,6 @@ def _geometry_faults(setup: HeapSetup, sizes: ParticleSizes) -> Iterator[Fault]:
             f"{setup.lift_height:g} m leaves the cylinder in the heap.",
             f"Use about the strike-off height, {setup.strike_off_height:g} m.",
         )
-    yield from _filling_faults(setup, sizes)
-
-
-def _filling_faults(setup: HeapSetup, sizes: ParticleSizes) -> Iterator[Fault]:
-    needed = _particles_to_fill(sizes, setup.cylinder_radius, setup.strike_off_height)
-    if setup.particle_count < 0.95 * needed:
-        yield Fault(
-            "particle_count",
-            f"{setup.particle_count} particles do not fill the cylinder up to the strike-off "
-            f"height {setup.strike_off_height:g} m.",
-            f"Use {needed} (the default) or a lower strike-off height.",
-        )
+    yield from strike_off_faults(
+        sizes, setup.cylinder_radius, setup.strike_off_height, setup.particle_count
+    )

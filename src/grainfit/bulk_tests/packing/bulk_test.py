@@ -10,6 +10,7 @@ from grainfit.bulk_tests.base import BulkTest, ResponseInfo
 from grainfit.bulk_tests.packing.picture import draw_packing
 from grainfit.bulk_tests.packing.setup import PackingSetup, plan_setup
 from grainfit.bulk_tests.sensitivities import DENSITY, MODULUS, ROLLING, SLIDING, Sensitivities
+from grainfit.bulk_tests.shared.filling import fill_stage
 from grainfit.bulk_tests.shared.pot_view import PotView, highest_point
 from grainfit.bulk_tests.shared.validity import require_separate
 from grainfit.bulk_tests.view import Shown
@@ -19,7 +20,6 @@ from grainfit.measurement.bulk_density import bulk_density
 from grainfit.measurement.particles import write_vtk
 from grainfit.options.fields import Amount, option
 from grainfit.options.kinds import Quantity
-from grainfit.scenes.conditions import AtRest
 from grainfit.scenes.packing import Round, random_column
 from grainfit.scenes.run_output import RunOutput, snapshot_file
 from grainfit.scenes.scene import Box, Scene, Stage, Wall
@@ -36,8 +36,9 @@ class Packing(BulkTest):
     """Poured container: bulk density alone, in a few seconds of computing.
 
     Particles rain into an upright cylinder and come to rest; the bulk density is that of the bed
-    between two heights. Defaults follow the Sauter diameter d of the particles. The options are
-    the fields below, as in the calibration file.
+    between two heights. Defaults follow the Sauter diameter d of the particles, and are never
+    smaller than the largest particles allow. The options are the fields below, as in the
+    calibration file.
 
     Parameters
     ----------
@@ -53,7 +54,7 @@ class Packing(BulkTest):
 
     Examples
     --------
-    >>> Packing(diameter="10 mm").setup.container_radius
+    >>> Packing(diameter="10 mm").setup.cylinder_radius
     0.06
     """
 
@@ -73,7 +74,7 @@ class Packing(BulkTest):
         ),
     }
 
-    container_radius: Amount | None = option(
+    cylinder_radius: Amount | None = option(
         _LENGTH, "Inner radius of the container.", example='"60 mm"', words="6 d"
     )
     fill_height: Amount | None = option(
@@ -99,17 +100,12 @@ class Packing(BulkTest):
 
     def prepare(self) -> None:
         """Resolve geometry and procedure."""
-        object.__setattr__(self, "setup", plan_setup(self.sizes, super().resolved_options()))
-
-    def resolved_options(self) -> dict[str, object]:
-        """Return the value of every option, with the defaults of geometry and procedure."""
-        options = super().resolved_options()
-        return {name: getattr(self.setup, name, value) for name, value in options.items()}
+        object.__setattr__(self, "setup", plan_setup(self.sizes, self.given_options()))
 
     def scene(self, material: Mapping[str, float], seed: int) -> Scene:
         """Return the experiment: a column falls and comes to rest."""
         setup, largest = self.setup, max(self.sizes.diameters)
-        radius, filling = setup.container_radius, setup.filling
+        radius, filling = setup.cylinder_radius, setup.filling
         column = random_column(self.sizes, filling.particle_count, Round(radius), seed)
         top = column.height + 1.25 * largest
         side = radius + 1.5 * largest
@@ -131,10 +127,8 @@ class Packing(BulkTest):
         )
 
     def _stages(self) -> tuple[Stage, ...]:
-        shortest = self.setup.filling.fill_time
-        rest = AtRest(shortest + self.setup.settling_time_limit, at_least=shortest)
-        remark = "the column falls and comes to rest"
-        return (Stage("fill", rest, remark, is_closed=True, snapshot=_BED),)
+        setup = self.setup
+        return (fill_stage(setup.filling.fill_time, setup.settling_time_limit, _BED),)
 
     def measure(self, run: RunOutput) -> dict[str, Response]:
         """Measure the bulk density; leave a picture and a VTK file of the bed.
@@ -154,7 +148,7 @@ class Packing(BulkTest):
         try:
             density = bulk_density(
                 view.particles,
-                setup.container_radius,
+                setup.cylinder_radius,
                 setup.bulk_density_bottom,
                 setup.bulk_density_top,
             )
@@ -179,4 +173,4 @@ class Packing(BulkTest):
         if not len(bed):
             raise NotMeasurableError("no particles are left in the container")
         words = f"mass over volume {self.setup.measured_heights}"
-        return PotView(bed, self.setup.container_radius, highest_point(bed), words)
+        return PotView(bed, self.setup.cylinder_radius, highest_point(bed), words)

@@ -7,84 +7,25 @@ from outside, so that the edges of the slot are exact in every solver.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 from grainfit.bulk_tests.view import Outline
 from grainfit.errors import Fault
 from grainfit.materials.sizes import ParticleSizes
-from grainfit.scenes.packing import Footprint, column_height, mean_particle_volume
-from grainfit.scenes.scene import Wall, natural_speed, natural_time
+from grainfit.scenes.scene import Wall, natural_time
 from grainfit.scenes.shapes import Block
 
-#: Solid fraction to calculate the number of particles: the one of a loose bed.
-_FILLING = 0.58
-_MOST_PARTICLES = 1_000_000
 #: Narrowest container and shortest period, in diameters of the largest particles: a shorter period
 #: lets a particle touch its own neighbours on both sides.
 _NARROWEST, _SHORTEST_PERIOD = 6.0, 4.0
 _LOWEST_BED = 4.0
+#: Widths of slots, in diameters of the largest particles, below which arches may block them.
+_ARCHES = 4.0
 #: Thickness of the side walls, in diameters of the largest particles.
 _SIDE = 2.0
-#: Quiet speed over sqrt(g d), and time between two looks over sqrt(d/g). The kinetic energy is that
-#: of one particle in a thousand that falls a fifth of its diameter.
-_QUIET_SPEED = 0.02
-_CHECK_INTERVAL = 1.57
 #: Beverloo's law for a slot, in natural units: volume of bulk per depth and time is C (W - k)^1.5.
 _BEVERLOO_C, _BEVERLOO_K = 0.88, 1.64
-
-
-@dataclass(frozen=True)
-class Filling:
-    """Particles that fill a container, and when they are at rest; times in s, lengths in m.
-
-    Parameters
-    ----------
-    particle_count : int
-        Particles rained in.
-    column_height : float
-        Height of the column of particles before it falls.
-    fill_time : float
-        Shortest simulated time of the fill stage: the particles have fallen by then.
-    quiet_speed : float
-        A bed is at rest when its kinetic energy is less than if every particle had this speed, m/s.
-    check_interval : float
-        Simulated time between two checks of the kinetic energy.
-    """
-
-    particle_count: int
-    column_height: float
-    fill_time: float
-    quiet_speed: float
-    check_interval: float
-
-
-def plan_filling(
-    sizes: ParticleSizes, footprint: Footprint, height: float, gravity: float
-) -> Filling:
-    """Return the particles that fill a container up to about a height.
-
-    Parameters
-    ----------
-    sizes : ParticleSizes
-        Particle size distribution.
-    footprint : Footprint
-        Cross-section of the container.
-    height : float
-        Height of the bed at a solid fraction of 0.58, m; it settles lower.
-    gravity : float
-        m/s^2.
-    """
-    volume = footprint.area * height
-    count = math.ceil(_FILLING * volume / mean_particle_volume(sizes))
-    column = column_height(sizes, count, footprint)
-    return Filling(
-        particle_count=count,
-        column_height=column,
-        fill_time=1.7 * math.sqrt(2 * column / gravity),
-        quiet_speed=_QUIET_SPEED * natural_speed(sizes, gravity),
-        check_interval=_CHECK_INTERVAL * natural_time(sizes, gravity),
-    )
 
 
 def flow_time(sizes: ParticleSizes, area: float, slot: float, gravity: float) -> float:
@@ -190,7 +131,8 @@ class SlotBox:
             yield Fault(
                 "slot_width",
                 f"no particle of {largest:g} m passes a slot of {self.slot_width:g} m.",
-                f"Slots of less than 4 diameters ({4 * largest:g} m) may be blocked by arches.",
+                f"Slots of less than {_ARCHES:g} diameters ({_ARCHES * largest:g} m) may be "
+                "blocked by arches.",
             )
         if self.depth < _SHORTEST_PERIOD * largest:
             yield Fault(
@@ -200,6 +142,26 @@ class SlotBox:
                 f"Use at least {_SHORTEST_PERIOD * largest:g} m.",
             )
         yield from container_faults(sizes, self.width, self.fill_height)
+
+
+def default_lengths(sizes: ParticleSizes, planned: Mapping[str, float]) -> dict[str, float]:
+    """Return the default lengths of a container by option, m.
+
+    Parameters
+    ----------
+    sizes : ParticleSizes
+        Particle size distribution.
+    planned : mapping of str to float
+        Lengths in Sauter diameters, of which none is smaller than the largest particles allow.
+    """
+    diameter, largest = sizes.sauter_diameter, max(sizes.diameters)
+    least = {
+        "width": _NARROWEST,
+        "depth": _SHORTEST_PERIOD,
+        "fill_height": _LOWEST_BED,
+        "slot_width": _ARCHES,
+    }
+    return {name: max(n * diameter, least[name] * largest) for name, n in planned.items()}
 
 
 def container_faults(sizes: ParticleSizes, width: float, fill_height: float) -> Iterator[Fault]:
@@ -226,14 +188,4 @@ def container_faults(sizes: ParticleSizes, width: float, fill_height: float) -> 
             f"a bed of {fill_height:g} m is lower than {_LOWEST_BED:g} of the largest particles "
             f"({largest:g} m): its bulk density cannot be measured.",
             f"Use at least {_LOWEST_BED * largest:g} m.",
-        )
-
-
-def count_faults(count: int) -> Iterator[Fault]:
-    """Iterate over what is impossible about the number of particles."""
-    if count > _MOST_PARTICLES:
-        yield Fault(
-            "fill_height",
-            f"{count} particles are needed, more than {_MOST_PARTICLES}.",
-            "Use a smaller container or larger particles.",
         )
