@@ -96,7 +96,7 @@ class ScaledRunMatcher:
     Parameters
     ----------
     solver : Solver
-        The solver of the runs; of a model of the user, nothing matches.
+        The solver of the runs. Runs of a model of the user never match.
     problem : Problem
         The problem, with the free parameters.
 
