@@ -122,6 +122,9 @@ class BulkTest(ABC):
     material_parameters: ClassVar[tuple[str, ...]] = tuple(MATERIAL_PARAMETERS)
     #: View of its runs in a report; None when there is none.
     shown: ClassVar[Shown | None] = None
+    #: Parameters of which one end of an interval is the worse one for `material_faults`, by name:
+    #: 0 for the lower end, 1 for the upper.
+    worse_ends: ClassVar[Mapping[str, int]] = {}
     #: Raised whenever the procedure or its evaluation change the outcome of a run.
     revision: ClassVar[int] = 1
 

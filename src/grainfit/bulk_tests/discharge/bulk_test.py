@@ -227,8 +227,6 @@ class Discharge(BulkTest):
         return self._view(run, run.snapshot(END))
 
     def _view(self, run: RunOutput, end: Particles) -> DischargeView:
-        series = run.series(FLOW)
-        if set(series) != {"time", INSIDE}:
-            raise NotMeasurableError(f"the series of the {FLOW} stage has other columns")
+        series = run.series(FLOW, [INSIDE])
         diameter = self.sizes.sauter_diameter
         return DischargeView(self.setup, end, series["time"], series[INSIDE], diameter)
