@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any, ClassVar, Self
@@ -26,6 +26,7 @@ from grainfit.measurement.bulk_density import bulk_density
 from grainfit.measurement.heap_size import base_radius, heap_height
 from grainfit.measurement.particles import Particles, write_vtk
 from grainfit.measurement.picture import draw_heap
+from grainfit.measurement.silhouette import Silhouette
 from grainfit.options.fields import Amount, option
 from grainfit.options.kinds import Quantity, Whole
 from grainfit.scenes.conditions import AtRest, Clear
@@ -299,17 +300,17 @@ class Heap(BulkTest):
         require_separate(bed)
         heap = run.snapshot(_HEAP)
         write_vtk(run.folder / "heap.vtk", heap)
-        angle = self._measure_angle(heap, run.folder / _PICTURE)
         setup = self.setup
+        plate = setup.plate_radius
+        silhouettes = heap_silhouettes(on_plate(heap, plate), plate, self.views)
+        angle = self._measure_angle(heap, silhouettes, run.folder / _PICTURE)
         density = bulk_density(
             bed, setup.cylinder_radius, setup.bulk_density_bottom, setup.bulk_density_top
         )
-        plate = setup.plate_radius
-        silhouettes = heap_silhouettes(on_plate(heap, plate), plate, self.views)
         return {
             "bulk_density": density,
             "angle_of_repose": angle.response,
-            "base_radius": base_radius(silhouettes, self.ground, heap.diameter),
+            "base_radius": base_radius(silhouettes, self.ground, heap.diameter, plate),
             "heap_height": heap_height(silhouettes, heap.diameter),
         }
 
@@ -331,10 +332,12 @@ class Heap(BulkTest):
             raise NotMeasurableError("no particles are left on the plate")
         return HeapView(heap, plate, self.setup.rim_height, self.ground, self.views)
 
-    def _measure_angle(self, heap: Particles, picture: Path) -> AngleOfRepose:
+    def _measure_angle(
+        self, heap: Particles, silhouettes: Sequence[Silhouette], picture: Path
+    ) -> AngleOfRepose:
         plate = self.setup.plate_radius
         try:
-            angle = angle_of_repose(heap, self.ground, plate, self.views)
+            angle = angle_of_repose(heap, self.ground, plate, self.views, silhouettes)
         except NotMeasurableError as error:
             draw_heap(picture, heap, plate, self.ground, str(error))
             raise
