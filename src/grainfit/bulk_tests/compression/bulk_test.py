@@ -21,6 +21,7 @@ from grainfit.bulk_tests.sensitivities import (
     Sensitivities,
 )
 from grainfit.bulk_tests.shared.filling import fill_stage
+from grainfit.bulk_tests.shared.options import LENGTH, TIME
 from grainfit.bulk_tests.shared.pot_view import PotView
 from grainfit.bulk_tests.shared.validity import require_held, require_separate
 from grainfit.bulk_tests.view import Shown
@@ -55,7 +56,6 @@ _USUAL_TRAVEL = 0.128
 #: The bed is at rest soon after the shortest fill stage.
 _FILL_SHARE = 1.05
 
-_LENGTH = Quantity("m", above_zero=True, highest=1e3)
 _STRESS = Quantity("Pa", above_zero=True, highest=1e12)
 
 
@@ -151,10 +151,10 @@ class Compression(BulkTest):
         words="5 % of the stress",
     )
     cylinder_radius: Amount | None = option(
-        _LENGTH, "Inner radius of the pot.", example='"50 mm"', words="5 d"
+        LENGTH, "Inner radius of the pot.", example='"50 mm"', words="5 d"
     )
     strike_off_height: Amount | None = option(
-        _LENGTH,
+        LENGTH,
         "Height of the bed before it is pressed: particles with their centre above are removed.",
         example='"80 mm"',
         words="8 d",
@@ -169,7 +169,7 @@ class Compression(BulkTest):
         words="0.0065 sqrt(stress / particle density)",
     )
     settling_time_limit: Amount | None = option(
-        Quantity("s", above_zero=True),
+        TIME,
         "Longest simulated time in which the bed may come to rest.",
         example='"2 s"',
         words="ten times the time of fall",
