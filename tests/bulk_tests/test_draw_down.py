@@ -55,8 +55,8 @@ def test_defaults_follow_the_diameter() -> None:
         ({"fill_height": "3 cm"}, "fill_height: a bed of 0.03 m .* Use at least 0.04 m"),
         ({"floor_distance": "4 cm"}, "floor_distance: a floor 0.04 m .* Use at least 0.05 m"),
         ({"floor_half_width": "12 cm"}, "floor_half_width: .* 0.12 m .* Use at least 0.3 m"),
-        ({"fill_height": "900 m"}, r"fill_height: \d+ particles are needed, more than 1000000 \("),
-        ({"width": "900 m"}, r"width: \d+ particles are needed .*width 900 m, depth 0.08 m"),
+        ({"fill_height": "900 m"}, r"fill_height: \d+ particles are more than 1000000 \("),
+        ({"width": "900 m"}, r"width: \d+ particles are more .*width 900 m, depth 0.08 m"),
     ],
 )
 def test_impossible_geometry_is_refused_with_its_option(
