@@ -90,15 +90,16 @@ def test_round_orifice_flows_in_liggghts(tmp_path: Path) -> None:
     test = Discharge(diameter="10 mm", orifice="round", width="9 cm", fill_height="9 cm")
     responses = Liggghts(test, GLASS_BEADS).run({}, 1, Workspace(tmp_path, 300.0))
 
-    # Beverloo: 0.58 rho_b sqrt(g) (D - 1.4 d)^2.5, with a constant that is known to a fifth.
-    expected = 0.58 * responses["bulk_density"].value * 9.81**0.5 * 0.046**2.5
-    assert responses["mass_flow"].value == pytest.approx(expected, rel=0.25)
+    # Beverloo: C rho_b sqrt(g) (D - 1.4 d)^2.5. Laboratories find C = 0.55 to 0.65 in deep beds;
+    # seeds of this one, which is as deep as wide, give 0.50, with a scatter of 4 %.
+    expected = 0.50 * responses["bulk_density"].value * 9.81**0.5 * 0.046**2.5
+    assert responses["mass_flow"].value == pytest.approx(expected, rel=0.1)
 
 
 @pytest.mark.slow
 def test_flow_grows_with_the_slot_as_beverloo_says(tmp_path: Path) -> None:
     """Two slots; benchmarks/beverloo.py fits the exponent to several seeds."""
-    flows = []
+    constants, flows = [], []
     for slot in (0.05, 0.08):
         test = Discharge(
             diameter="10 mm", slot_width=slot, depth="6 cm", width="12 cm", fill_height="14 cm"
@@ -107,5 +108,10 @@ def test_flow_grows_with_the_slot_as_beverloo_says(tmp_path: Path) -> None:
         folder.mkdir()
         responses = Lammps(test, GLASS_BEADS).run({}, 1, Workspace(folder, 300.0))
         flows.append(responses["mass_flow"].value)
+        scale = responses["bulk_density"].value * 9.81**0.5 * 0.06 * (slot - 0.015) ** 1.5
+        constants.append(flows[-1] / scale)
 
-    assert flows[1] / flows[0] == pytest.approx((6.5 / 3.5) ** 1.5, rel=0.15)
+    # Two seeds gave 0.98 and 1.00 with the narrow slot, 0.91 and 0.89 with the wide one: the
+    # container is only 1.5 slots wide. A flow in proportion to the slot would be 1.6, not 2.3.
+    assert constants == pytest.approx([0.99, 0.90], rel=0.07)
+    assert flows[1] / flows[0] == pytest.approx(2.3, rel=0.08)

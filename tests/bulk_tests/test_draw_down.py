@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -45,26 +46,32 @@ def test_defaults_follow_the_diameter() -> None:
 
 
 @pytest.mark.parametrize(
-    ("options", "key"),
+    ("options", "said"),
     [
-        ({"slot_width": "25 cm"}, "slot_width"),
-        ({"slot_width": "9 mm"}, "slot_width"),
-        ({"depth": "3 cm"}, "depth"),
-        ({"width": "5 cm", "slot_width": "4 cm"}, "width"),
-        ({"fill_height": "3 cm"}, "fill_height"),
-        ({"floor_distance": "4 cm"}, "floor_distance"),
-        ({"floor_half_width": "12 cm"}, "floor_half_width"),
-        ({"fill_height": "900 m"}, "fill_height"),
-        ({"width": "1 mm", "depth": "1 mm", "fill_height": "1 mm"}, "depth"),
+        ({"slot_width": "25 cm"}, "slot_width: a slot of 0.25 m is not narrower than"),
+        ({"slot_width": "9 mm"}, "slot_width: no particle of 0.01 m passes a slot of 0.009 m"),
+        ({"depth": "3 cm"}, "depth: a depth of 0.03 m repeats .* Use at least 0.04 m"),
+        ({"width": "5 cm", "slot_width": "4 cm"}, "width: 0.05 m is .* Use at least 0.06 m"),
+        ({"fill_height": "3 cm"}, "fill_height: a bed of 0.03 m .* Use at least 0.04 m"),
+        ({"floor_distance": "4 cm"}, "floor_distance: a floor 0.04 m .* Use at least 0.05 m"),
+        ({"floor_half_width": "12 cm"}, "floor_half_width: .* 0.12 m .* Use at least 0.3 m"),
+        ({"fill_height": "900 m"}, r"fill_height: \d+ particles are more than 1000000 \("),
+        ({"width": "900 m"}, r"width: \d+ particles are more .*width 900 m, depth 0.08 m"),
     ],
 )
 def test_impossible_geometry_is_refused_with_its_option(
-    options: dict[str, object], key: str
+    options: dict[str, object], said: str
 ) -> None:
     found = faults_of(**options)
 
-    assert key in found
-    assert " m" in found[key]
+    assert list(found) == [said.split(":")[0]]
+    assert re.search(said, found[said.split(":")[0]])
+
+
+def test_every_impossible_length_is_named_at_once() -> None:
+    found = faults_of(width="1 mm", depth="1 mm", fill_height="1 mm")
+
+    assert set(found) == {"width", "depth", "fill_height", "slot_width"}
 
 
 def test_heap_that_reaches_the_shelf_chokes_the_slot() -> None:

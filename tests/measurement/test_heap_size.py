@@ -134,6 +134,19 @@ def test_a_heap_that_leaves_the_picture_is_as_wide_as_the_picture() -> None:
     assert base_radius([cut], 0.001, 0.001).value == pytest.approx(0.1)
 
 
+@pytest.mark.parametrize(("beyond", "is_known"), [(0.9, False), (1.1, True)])
+def test_a_heap_that_ends_at_the_edge_of_the_plate_tells_no_radius(
+    beyond: float, is_known: bool
+) -> None:
+    silhouettes = heap_silhouettes(heap(30.0, 8.0, 1), WIDE_PLATE, 12)
+    free = base_radius(silhouettes, DIAMETER, DIAMETER)
+    plate = free.value + beyond * DIAMETER
+    found = base_radius(silhouettes, DIAMETER, DIAMETER, plate)
+
+    assert found.value == free.value
+    assert found.standard_error == (free.standard_error if is_known else DIAMETER)
+
+
 def test_blank_photographs_are_not_measurable() -> None:
     blank = Silhouette(np.zeros((100, 200), dtype=bool), 0.001, left=-0.1)
     for silhouettes in ([], [blank]):

@@ -125,6 +125,9 @@ class BulkTest(ABC):
     shown: ClassVar[Shown | None] = None
     #: Bulk density that overlaps of soft particles add, over `stiffness_number`.
     overlap_law: ClassVar[OverlapLaw] = UNDER_OWN_WEIGHT
+    #: Parameters of which one end of an interval is the worse one for `material_faults`, by name:
+    #: 0 for the lower end, 1 for the upper.
+    worse_ends: ClassVar[Mapping[str, int]] = {}
     #: Raised whenever the procedure or its evaluation change the outcome of a run.
     revision: ClassVar[int] = 1
 

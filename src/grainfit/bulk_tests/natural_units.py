@@ -61,7 +61,7 @@ class Scale:
 
         Examples
         --------
-        >>> Scale(0.01, 2000.0, 10.0).of("Pa")
+        >>> round(Scale(0.01, 2000.0, 10.0).of("Pa"), 6)
         200.0
         """
         mass, length, time = powers(unit)

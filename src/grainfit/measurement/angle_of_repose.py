@@ -142,12 +142,18 @@ def azimuths_of(views: int) -> list[float]:
 
 
 def heap_silhouettes(heap: Particles, plate_radius: float, views: int) -> list[Silhouette]:
-    """Render the silhouettes of a heap from all `azimuths_of` so many views."""
+    """Render the silhouettes of a heap from all `azimuths_of` so many views; none of no heap."""
+    if not len(heap):
+        return []
     return [heap_silhouette(heap, azimuth, plate_radius) for azimuth in azimuths_of(views)]
 
 
 def angle_of_repose(
-    particles: Particles, ground: float, plate_radius: float, views: int = 12
+    particles: Particles,
+    ground: float,
+    plate_radius: float,
+    views: int = 12,
+    silhouettes: Sequence[Silhouette] | None = None,
 ) -> AngleOfRepose:
     """Measure the angle of repose of a heap about the z axis.
 
@@ -163,6 +169,8 @@ def angle_of_repose(
         Radius of the plate, m.
     views : int
         Number of azimuths, evenly spread over half a turn.
+    silhouettes : sequence of Silhouette, optional
+        Those of `heap_silhouettes`, if they have been rendered already.
 
     Returns
     -------
@@ -179,7 +187,8 @@ def angle_of_repose(
         raise NotMeasurableError(
             f"angle of repose: none of {len(particles)} particles is left on the plate."
         )
-    silhouettes = heap_silhouettes(heap, plate_radius, views)
+    if silhouettes is None:
+        silhouettes = heap_silhouettes(heap, plate_radius, views)
     return angle_of_repose_in(silhouettes, azimuths_of(views), ground, heap.diameter)
 
 

@@ -18,6 +18,9 @@ from grainfit.measurement.silhouette import Silhouette
 
 #: Length over which outlines are averaged, in particle diameters.
 _AVERAGED = 2.0
+#: A heap whose mean foot is this close to the edge of the plate, in particle diameters, ends there
+#: because the plate does.
+_EDGE = 1.0
 #: Feet of the heap this many degrees of azimuth apart show different particles.
 _CORRELATION_AZIMUTH = 30.0
 #: Standard error of the height, in particle diameters.
@@ -26,7 +29,12 @@ _HEIGHT_ERROR = 0.12
 Array = NDArray[np.float64]
 
 
-def base_radius(silhouettes: Sequence[Silhouette], ground: float, diameter: float) -> Response:
+def base_radius(
+    silhouettes: Sequence[Silhouette],
+    ground: float,
+    diameter: float,
+    plate_radius: float = math.inf,
+) -> Response:
     """Measure the base radius of a heap: half its width just above the plate, mean of all views.
 
     Parameters
@@ -39,12 +47,15 @@ def base_radius(silhouettes: Sequence[Silhouette], ground: float, diameter: floa
         particle diameter, below which single particles lie around the heap.
     diameter : float
         Median particle diameter, m.
+    plate_radius : float
+        Radius of the plate, m, beyond which there is no heap.
 
     Returns
     -------
     Response
-        Base radius and its standard error, m. A heap that reaches the edge of the plate has the
-        radius of the plate.
+        Base radius and its standard error, m. A heap that reaches the edge of the plate, within a
+        particle diameter, has the radius of the plate, whatever its material; its standard error
+        is then a particle diameter at least.
 
     Raises
     ------
@@ -65,9 +76,13 @@ def base_radius(silhouettes: Sequence[Silhouette], ground: float, diameter: floa
     feet = np.array([foot for s in silhouettes for foot in _feet(s, ground, diameter)])
     if not len(feet):
         raise NotMeasurableError(f"base radius: nothing is higher than {ground:g} m.")
+    radius = float(feet.mean())
     independent = min(float(len(feet)), 360.0 / _CORRELATION_AZIMUTH)
     error = float(np.std(feet)) / math.sqrt(independent - 1)
-    return Response(float(feet.mean()), error)
+    if radius > plate_radius - _EDGE * diameter:
+        # All feet are at the edge: that they agree says nothing about the heap.
+        error = max(error, diameter)
+    return Response(radius, error)
 
 
 def heap_height(silhouettes: Sequence[Silhouette], diameter: float) -> Response:

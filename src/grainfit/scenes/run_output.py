@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import csv
 import math
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -126,13 +126,22 @@ class RunOutput:
         older = self.folder / path.name
         return older if older.exists() and not path.exists() else path
 
-    def series(self, stage: str) -> dict[str, NDArray[np.float64]]:
+    def series(
+        self, stage: str, columns: Collection[str] | None = None
+    ) -> dict[str, NDArray[np.float64]]:
         """Read the series of a stage: arrays by name of the column, ``"time"`` first.
+
+        Parameters
+        ----------
+        stage : str
+            Name of the stage.
+        columns : collection of str, optional
+            Columns that are needed beside the time.
 
         Raises
         ------
         NotMeasurableError
-            The file is missing or damaged.
+            The file is missing or damaged, or a column is missing.
         """
         path = self.folder / series_file(stage)
         try:
@@ -147,6 +156,9 @@ class RunOutput:
             raise NotMeasurableError(f"{path}: cannot be read ({error}).") from error
         if not np.isfinite(table).all():
             raise NotMeasurableError(f"{path}: has values that are no numbers.")
+        missing = [name for name in ("time", *(columns or ())) if name not in names]
+        if missing:
+            raise NotMeasurableError(f"{path}: has no column {' and no column '.join(missing)}.")
         # A solver that pauses at a step that it records there records it twice.
         table = table[np.append(True, np.diff(table[:, 0]) > 0)[: len(table)]]
         return dict(zip(names, table.T, strict=True))

@@ -17,6 +17,9 @@ from grainfit.measurement.heap_size import base_radius, heap_height
 from grainfit.measurement.particles import read_dump
 from grainfit.scenes.run_output import RunOutput
 
+#: Silhouettes of a heap in a dump: the default of the heap test.
+_VIEWS = 12
+
 
 def measure_path(path: Path) -> dict[str, Response]:
     """Measure the responses in a run folder, or the heap in a dump of particles.
@@ -47,8 +50,8 @@ def measure_path(path: Path) -> dict[str, Response]:
         raise NotMeasurableError(f"{path}: its last frame has no particles.")
     reach = float(np.hypot(particles.positions[:, 0], particles.positions[:, 1]).max())
     diameter = particles.diameter
-    angle = angle_of_repose(particles, ground=diameter, plate_radius=reach)
-    silhouettes = heap_silhouettes(on_plate(particles, reach), reach, len(angle.views))
+    silhouettes = heap_silhouettes(on_plate(particles, reach), reach, _VIEWS)
+    angle = angle_of_repose(particles, diameter, reach, _VIEWS, silhouettes)
     return {
         "angle_of_repose": angle.response,
         "base_radius": base_radius(silhouettes, diameter, diameter),

@@ -67,10 +67,7 @@ class Curve:
         NotMeasurableError
             The file is missing or damaged, or a column is missing.
         """
-        series = run.series(stage)
-        missing = [name for name in COLUMNS if name not in series]
-        if missing:
-            raise NotMeasurableError(f"series of stage {stage}: no column {' '.join(missing)}.")
+        series = run.series(stage, COLUMNS)
         heights = setup.piston_start + series["travel"]
         return cls(
             series["time"],

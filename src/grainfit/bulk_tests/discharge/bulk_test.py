@@ -12,6 +12,13 @@ from grainfit.bulk_tests.base import BulkTest, ResponseInfo
 from grainfit.bulk_tests.discharge.setup import ROUND, SLOT, DischargeSetup, plan_setup
 from grainfit.bulk_tests.discharge.view import DischargeView
 from grainfit.bulk_tests.sensitivities import DENSITY, MODULUS, ROLLING, SLIDING, Sensitivities
+from grainfit.bulk_tests.shared.options import (
+    FILL_HEIGHT,
+    FLOW_TIME_LIMIT,
+    LENGTH,
+    SLOT_WIDTH,
+    TIME,
+)
 from grainfit.bulk_tests.shared.slot_box import SlotBox
 from grainfit.bulk_tests.shared.slot_scene import BED, END, FLOW, INSIDE, Flow, fill_and_flow
 from grainfit.bulk_tests.shared.validity import require_emptied, require_separate
@@ -22,13 +29,12 @@ from grainfit.measurement.bulk_density import bulk_density, bulk_density_in_box
 from grainfit.measurement.flow_rate import flow_rate
 from grainfit.measurement.particles import Particles, write_vtk
 from grainfit.options.fields import Amount, option
-from grainfit.options.kinds import Choice, Quantity
+from grainfit.options.kinds import Choice
 from grainfit.scenes.packing import random_column
 from grainfit.scenes.run_output import RunOutput, snapshot_file
 from grainfit.scenes.scene import Box, Scene, Stage
 
 _PICTURE, _VTK = "discharge.png", "discharge.vtk"
-_LENGTH = Quantity("m", above_zero=True, highest=1e3)
 #: Height that particles fall below the orifice before they are gone, in diameters.
 _SINK = 4.0
 
@@ -95,40 +101,26 @@ class Discharge(BulkTest):
         default=SLOT,
         words=f'`"{SLOT}"`',
     )
-    slot_width: Amount | None = option(
-        _LENGTH,
-        "Width of the slot. The mass flow depends on it strongly: use that of the laboratory.",
-        example='"50 mm"',
-        words="5 d",
-    )
+    slot_width: Amount | None = option(LENGTH, SLOT_WIDTH, example='"50 mm"', words="5 d")
     depth: Amount | None = option(
-        _LENGTH,
+        LENGTH,
         "Depth of the simulated slice of a slot; it repeats without end. The mass flow is that of "
         "this depth.",
         example='"50 mm"',
         words="5 d",
     )
     orifice_diameter: Amount | None = option(
-        _LENGTH, "Diameter of a round orifice.", example='"60 mm"', words="6 d"
+        LENGTH, "Diameter of a round orifice.", example='"60 mm"', words="6 d"
     )
     width: Amount | None = option(
-        _LENGTH,
+        LENGTH,
         "Inner width of the container; with a round orifice its inner diameter.",
         example='"160 mm"',
         words="16 d",
     )
-    fill_height: Amount | None = option(
-        _LENGTH,
-        "Height of the bed at a solid fraction of 0.58; it gives the number of particles.",
-        example='"160 mm"',
-        words="16 d",
-    )
+    fill_height: Amount | None = option(LENGTH, FILL_HEIGHT, example='"160 mm"', words="16 d")
     settling_time_limit: Amount | None = option(
-        Quantity("s", above_zero=True),
-        "Longest simulated time in which the bed, and after the flow all particles, may come to "
-        "rest.",
-        example='"8 s"',
-        words="four times the expected time of the flow",
+        TIME, FLOW_TIME_LIMIT, example='"8 s"', words="four times the expected time of the flow"
     )
     #: Geometry and procedure, with every default resolved.
     setup: DischargeSetup = field(init=False, repr=False, compare=False)
@@ -227,8 +219,6 @@ class Discharge(BulkTest):
         return self._view(run, run.snapshot(END))
 
     def _view(self, run: RunOutput, end: Particles) -> DischargeView:
-        series = run.series(FLOW)
-        if set(series) != {"time", INSIDE}:
-            raise NotMeasurableError(f"the series of the {FLOW} stage has other columns")
+        series = run.series(FLOW, [INSIDE])
         diameter = self.sizes.sauter_diameter
         return DischargeView(self.setup, end, series["time"], series[INSIDE], diameter)

@@ -9,7 +9,13 @@ from typing import Any
 
 from grainfit.bulk_tests.discharge.round_container import ARCHES_ROUND, RoundContainer
 from grainfit.bulk_tests.shared.filling import Filling, count_faults, plan_filling
-from grainfit.bulk_tests.shared.slot_box import SlotBox, default_lengths, flow_time
+from grainfit.bulk_tests.shared.slot_box import (
+    SlotBox,
+    default_lengths,
+    flow_time,
+    measured_heights,
+    shortest_flow,
+)
 from grainfit.errors import Fault, InputError
 from grainfit.materials.sizes import ParticleSizes
 from grainfit.scenes.packing import Footprint, Rectangle, Round
@@ -19,14 +25,10 @@ SLOT, ROUND = "slot", "round"
 #: Default lengths, and default diameter of a round orifice, in Sauter diameters.
 _LENGTHS = {"width": 16, "depth": 5, "fill_height": 16, "slot_width": 5}
 _ORIFICE = 6
-#: Shortest time of the flow stage, over sqrt(d/g): before, the particles have hardly moved.
-_SHORTEST_FLOW = 8.0
 #: The particles come to rest this long after the flow has ended, over sqrt(d/g).
 _SETTLING = 15.0
 #: Longest time of a stage over the expected one.
 _PATIENCE = 4.0
-#: The bulk density is that between these heights: the first layer is left out, and the surface.
-_LOWEST, _HIGHEST = 1.0, 0.7
 #: Thickness of the floor of a box, in diameters.
 _THICKNESS = 0.5
 
@@ -117,7 +119,7 @@ def plan_setup(sizes: ParticleSizes, options: Mapping[str, Any]) -> DischargeSet
     faults = [*_misplaced(given)]
     if faults:
         raise InputError(faults)
-    diameter, gravity = sizes.sauter_diameter, given["gravity"]
+    gravity = given["gravity"]
     container, footprint = _container(sizes, given)
     height = container.fill_height
     faults = [*container.faults(sizes)]
@@ -127,13 +129,14 @@ def plan_setup(sizes: ParticleSizes, options: Mapping[str, Any]) -> DischargeSet
     natural = natural_time(sizes, gravity)
     area, opening = _equivalent_slot(container)
     flow = flow_time(sizes, area, opening, gravity) + _SETTLING * natural
+    bottom, top = measured_heights(sizes, height)
     setup = DischargeSetup(
         container=container,
         footprint=footprint,
         filling=filling,
-        density_bottom=_LOWEST * diameter,
-        density_top=_HIGHEST * height,
-        shortest_flow=_SHORTEST_FLOW * natural,
+        density_bottom=bottom,
+        density_top=top,
+        shortest_flow=shortest_flow(sizes, gravity),
         flow_time=flow,
         settling_time_limit=given.get("settling_time_limit", _PATIENCE * flow),
     )

@@ -14,6 +14,14 @@ from grainfit.bulk_tests.draw_down.setup import CLEARANCE, DrawDownSetup, plan_s
 from grainfit.bulk_tests.draw_down.surfaces import Surfaces
 from grainfit.bulk_tests.draw_down.view import DrawDownView, draw_draw_down
 from grainfit.bulk_tests.sensitivities import DENSITY, MODULUS, ROLLING, SLIDING, Sensitivities
+from grainfit.bulk_tests.shared.options import (
+    FILL_HEIGHT,
+    FLOW_TIME_LIMIT,
+    FRICTION,
+    LENGTH,
+    SLOT_WIDTH,
+    TIME,
+)
 from grainfit.bulk_tests.shared.slot_scene import BED, END, FLOW, INSIDE, Flow, fill_and_flow
 from grainfit.bulk_tests.shared.validity import (
     require_apex_below,
@@ -28,15 +36,12 @@ from grainfit.measurement.bulk_density import bulk_density_in_box
 from grainfit.measurement.flow_rate import flow_rate
 from grainfit.measurement.particles import Particles, write_vtk
 from grainfit.options.fields import Amount, option
-from grainfit.options.kinds import Quantity
 from grainfit.scenes.packing import random_column
 from grainfit.scenes.run_output import RunOutput, snapshot_file
 from grainfit.scenes.scene import WALL, Box, Scene, Stage, Wall
 from grainfit.scenes.shapes import Block
 
 _PICTURE, _VTK = "draw_down.png", "draw_down.vtk"
-_LENGTH = Quantity("m", above_zero=True, highest=1e3)
-_FRICTION = Quantity("", lowest=0.0, highest=10.0)
 #: Surface of the lower floor, when it is another one than that of the walls.
 _FLOOR = "floor"
 
@@ -124,65 +129,51 @@ class DrawDown(BulkTest):
     }
 
     width: Amount | None = option(
-        _LENGTH, "Inner width of the upper box.", example='"240 mm"', words="24 d"
+        LENGTH, "Inner width of the upper box.", example='"240 mm"', words="24 d"
     )
     depth: Amount | None = option(
-        _LENGTH,
+        LENGTH,
         "Depth of the simulated slice; it repeats without end. The mass flow is that of this "
         "depth.",
         example='"80 mm"',
         words="8 d",
     )
-    fill_height: Amount | None = option(
-        _LENGTH,
-        "Height of the bed at a solid fraction of 0.58; it gives the number of particles.",
-        example='"100 mm"',
-        words="10 d",
-    )
-    slot_width: Amount | None = option(
-        _LENGTH,
-        "Width of the slot. The mass flow depends on it strongly: use that of the laboratory.",
-        example='"50 mm"',
-        words="5 d",
-    )
+    fill_height: Amount | None = option(LENGTH, FILL_HEIGHT, example='"100 mm"', words="10 d")
+    slot_width: Amount | None = option(LENGTH, SLOT_WIDTH, example='"50 mm"', words="5 d")
     shelf_thickness: Amount | None = option(
-        _LENGTH,
+        LENGTH,
         "Thickness of the shelf, the floor of the upper box.",
         example='"5 mm"',
         words="0.5 d",
     )
     floor_distance: Amount | None = option(
-        _LENGTH,
+        LENGTH,
         "Distance from the underside of the shelf to the lower floor. The apex of the heap must "
         "stay 2 d below the shelf.",
         example='"140 mm"',
         words="14 d",
     )
     floor_half_width: Amount | None = option(
-        _LENGTH,
+        LENGTH,
         "Half the width of the lower floor, whose edges are free. The heap must not reach them.",
         example='"300 mm"',
         words="30 d",
     )
     floor_sliding_friction: Amount | None = option(
-        _FRICTION,
+        FRICTION,
         "Sliding friction between particles and lower floor.",
         example="0.5",
         words="that of the walls",
     )
     floor_rolling_friction: Amount | None = option(
-        _FRICTION,
+        FRICTION,
         "Rolling friction between particles and lower floor. On a smooth floor particles roll away "
         "beyond its edges, and the run fails.",
         example="0.3",
         words="that of the walls",
     )
     settling_time_limit: Amount | None = option(
-        Quantity("s", above_zero=True),
-        "Longest simulated time in which the bed, and after the flow all particles, may come to "
-        "rest.",
-        example='"7 s"',
-        words="three times the expected time of the flow",
+        TIME, FLOW_TIME_LIMIT, example='"7 s"', words="three times the expected time of the flow"
     )
     #: Geometry and procedure, with every default resolved.
     setup: DrawDownSetup = field(init=False, repr=False, compare=False)
@@ -246,9 +237,7 @@ class DrawDown(BulkTest):
         run.require_complete([stage.name for stage in self._stages()], "box")
         bed, end = run.snapshot(BED), run.snapshot(END)
         require_separate(bed)
-        series = run.series(FLOW)
-        if set(series) != {"time", INSIDE}:
-            raise NotMeasurableError(f"the series of the {FLOW} stage has other columns")
+        series = run.series(FLOW, [INSIDE])
         surfaces = Surfaces.of(end, self.setup)
         write_vtk(run.folder / _VTK, end)
         try:

@@ -6,7 +6,13 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 from grainfit.bulk_tests.shared.filling import Filling, count_faults, plan_filling
-from grainfit.bulk_tests.shared.slot_box import SlotBox, default_lengths, flow_time
+from grainfit.bulk_tests.shared.slot_box import (
+    SlotBox,
+    default_lengths,
+    flow_time,
+    measured_heights,
+    shortest_flow,
+)
 from grainfit.errors import Fault, InputError
 from grainfit.materials.sizes import ParticleSizes
 from grainfit.scenes.packing import Rectangle
@@ -14,14 +20,10 @@ from grainfit.scenes.scene import natural_time
 
 #: Default lengths of the upper box, in Sauter diameters.
 _LENGTHS = {"width": 24, "depth": 8, "fill_height": 10, "slot_width": 5}
-#: Shortest time of the flow stage, over sqrt(d/g): before, the particles have hardly moved.
-_SHORTEST_FLOW = 8.0
 #: The particles come to rest this long after the flow has ended, over sqrt(d/g).
 _SETTLING = 25.0
 #: Longest time of a stage over the expected one.
 _PATIENCE = 3.0
-#: The bulk density is that between these heights: the first layer is left out, and the surface.
-_LOWEST, _HIGHEST = 1.0, 0.7
 #: Distance that the apex of the heap must keep from the shelf, in diameters.
 CLEARANCE = 2.0
 
@@ -131,14 +133,15 @@ def plan_setup(sizes: ParticleSizes, options: Mapping[str, float | None]) -> Dra
     natural = natural_time(sizes, gravity)
     area = box.width * box.fill_height
     flow = flow_time(sizes, area, box.slot_width, gravity) + _SETTLING * natural
+    bottom, top = measured_heights(sizes, box.fill_height)
     setup = DrawDownSetup(
         box=box,
         filling=filling,
         floor_distance=given.get("floor_distance", max(14 * diameter, _least_distance(sizes))),
         floor_half_width=given.get("floor_half_width", max(30 * diameter, 1.2 * box.width)),
-        density_bottom=_LOWEST * diameter,
-        density_top=_HIGHEST * box.fill_height,
-        shortest_flow=_SHORTEST_FLOW * natural,
+        density_bottom=bottom,
+        density_top=top,
+        shortest_flow=shortest_flow(sizes, gravity),
         flow_time=flow,
         settling_time_limit=given.get("settling_time_limit", _PATIENCE * flow),
     )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any, ClassVar, Self
@@ -12,6 +12,7 @@ from grainfit.bulk_tests.heap.setup import HeapSetup, plan_setup
 from grainfit.bulk_tests.heap.view import HeapView
 from grainfit.bulk_tests.sensitivities import DENSITY, MODULUS, ROLLING, SLIDING, Sensitivities
 from grainfit.bulk_tests.shared.filling import fill_stage
+from grainfit.bulk_tests.shared.options import FRICTION, LENGTH, TIME
 from grainfit.bulk_tests.shared.validity import require_separate
 from grainfit.bulk_tests.view import Shown
 from grainfit.errors import NotMeasurableError
@@ -26,6 +27,7 @@ from grainfit.measurement.bulk_density import bulk_density
 from grainfit.measurement.heap_size import base_radius, heap_height
 from grainfit.measurement.particles import Particles, write_vtk
 from grainfit.measurement.picture import draw_heap
+from grainfit.measurement.silhouette import Silhouette
 from grainfit.options.fields import Amount, option
 from grainfit.options.kinds import Quantity, Whole
 from grainfit.scenes.conditions import AtRest, Clear
@@ -46,9 +48,7 @@ _LIFT_SHARE = 0.9
 _PLATE = "plate"
 
 
-_LENGTH = Quantity("m", above_zero=True, highest=1e3)
 _LENGTH_OR_ZERO = Quantity("m", lowest=0.0, highest=1e3)
-_FRICTION = Quantity("", lowest=0.0, highest=10.0)
 
 
 @dataclass(frozen=True)
@@ -130,10 +130,10 @@ class Heap(BulkTest):
         words="as many as fill the cylinder",
     )
     cylinder_radius: Amount | None = option(
-        _LENGTH, "Inner radius of the cylinder.", example='"60 mm"', words="6 d"
+        LENGTH, "Inner radius of the cylinder.", example='"60 mm"', words="6 d"
     )
     plate_radius: Amount | None = option(
-        _LENGTH,
+        LENGTH,
         "Radius of the plate, whose edge is free unless it has a rim.",
         example='"160 mm"',
         words="16 d",
@@ -146,16 +146,16 @@ class Heap(BulkTest):
         words="0, a free edge",
     )
     strike_off_height: Amount | None = option(
-        _LENGTH,
+        LENGTH,
         "Particles with their centre above are removed before the lift.",
         example='"105 mm"',
         words="10.5 d",
     )
     bulk_density_bottom: Amount | None = option(
-        _LENGTH, "The bulk density is measured from this height on.", example='"10 mm"', words="1 d"
+        LENGTH, "The bulk density is measured from this height on.", example='"10 mm"', words="1 d"
     )
     bulk_density_top: Amount | None = option(
-        _LENGTH, "The bulk density is measured up to this height.", example='"90 mm"', words="9 d"
+        LENGTH, "The bulk density is measured up to this height.", example='"90 mm"', words="9 d"
     )
     lift_speed: Amount | None = option(
         Quantity("m/s", above_zero=True),
@@ -164,23 +164,23 @@ class Heap(BulkTest):
         words="0.05 m/s for d = 10 mm",
     )
     lift_height: Amount | None = option(
-        _LENGTH,
+        LENGTH,
         "Longest travel of the cylinder; the lift ends earlier once the cylinder is clear of a "
         "heap at rest.",
         example='"100 mm"',
         words="10 d",
     )
     plate_sliding_friction: Amount = option(
-        _FRICTION, "Sliding friction between particles and plate.", example="0.5", default=0.5
+        FRICTION, "Sliding friction between particles and plate.", example="0.5", default=0.5
     )
     plate_rolling_friction: Amount | None = option(
-        _FRICTION,
+        FRICTION,
         "Rolling friction between particles and plate.",
         example="0.67",
         words="as between two particles",
     )
     settling_time_limit: Amount | None = option(
-        Quantity("s", above_zero=True),
+        TIME,
         "Longest simulated time in which the bed and the heap may come to rest.",
         example='"2 s"',
         words="ten times the time of fall",
@@ -299,17 +299,17 @@ class Heap(BulkTest):
         require_separate(bed)
         heap = run.snapshot(_HEAP)
         write_vtk(run.folder / "heap.vtk", heap)
-        angle = self._measure_angle(heap, run.folder / _PICTURE)
         setup = self.setup
+        plate = setup.plate_radius
+        silhouettes = heap_silhouettes(on_plate(heap, plate), plate, self.views)
+        angle = self._measure_angle(heap, silhouettes, run.folder / _PICTURE)
         density = bulk_density(
             bed, setup.cylinder_radius, setup.bulk_density_bottom, setup.bulk_density_top
         )
-        plate = setup.plate_radius
-        silhouettes = heap_silhouettes(on_plate(heap, plate), plate, self.views)
         return {
             "bulk_density": density,
             "angle_of_repose": angle.response,
-            "base_radius": base_radius(silhouettes, self.ground, heap.diameter),
+            "base_radius": base_radius(silhouettes, self.ground, heap.diameter, plate),
             "heap_height": heap_height(silhouettes, heap.diameter),
         }
 
@@ -331,10 +331,12 @@ class Heap(BulkTest):
             raise NotMeasurableError("no particles are left on the plate")
         return HeapView(heap, plate, self.setup.rim_height, self.ground, self.views)
 
-    def _measure_angle(self, heap: Particles, picture: Path) -> AngleOfRepose:
+    def _measure_angle(
+        self, heap: Particles, silhouettes: Sequence[Silhouette], picture: Path
+    ) -> AngleOfRepose:
         plate = self.setup.plate_radius
         try:
-            angle = angle_of_repose(heap, self.ground, plate, self.views)
+            angle = angle_of_repose(heap, self.ground, plate, self.views, silhouettes)
         except NotMeasurableError as error:
             draw_heap(picture, heap, plate, self.ground, str(error))
             raise

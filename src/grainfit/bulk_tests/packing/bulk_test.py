@@ -11,6 +11,7 @@ from grainfit.bulk_tests.packing.picture import draw_packing
 from grainfit.bulk_tests.packing.setup import PackingSetup, plan_setup
 from grainfit.bulk_tests.sensitivities import DENSITY, MODULUS, ROLLING, SLIDING, Sensitivities
 from grainfit.bulk_tests.shared.filling import fill_stage
+from grainfit.bulk_tests.shared.options import FILL_HEIGHT, LENGTH, TIME
 from grainfit.bulk_tests.shared.pot_view import PotView, highest_point
 from grainfit.bulk_tests.shared.validity import require_separate
 from grainfit.bulk_tests.view import Shown
@@ -19,14 +20,12 @@ from grainfit.evaluation import Response
 from grainfit.measurement.bulk_density import bulk_density
 from grainfit.measurement.particles import write_vtk
 from grainfit.options.fields import Amount, option
-from grainfit.options.kinds import Quantity
 from grainfit.scenes.packing import Round, random_column
 from grainfit.scenes.run_output import RunOutput, snapshot_file
 from grainfit.scenes.scene import Box, Scene, Stage, Wall
 from grainfit.scenes.shapes import Cylinder, Disc
 
 _BED, _PICTURE = "bed", "packing.png"
-_LENGTH = Quantity("m", above_zero=True, highest=1e3)
 #: The bed is at rest soon after the shortest fill stage.
 _FILL_SHARE = 1.25
 
@@ -75,22 +74,17 @@ class Packing(BulkTest):
     }
 
     cylinder_radius: Amount | None = option(
-        _LENGTH, "Inner radius of the container.", example='"60 mm"', words="6 d"
+        LENGTH, "Inner radius of the container.", example='"60 mm"', words="6 d"
     )
-    fill_height: Amount | None = option(
-        _LENGTH,
-        "Height of the bed at a solid fraction of 0.58; it gives the number of particles.",
-        example='"120 mm"',
-        words="12 d",
-    )
+    fill_height: Amount | None = option(LENGTH, FILL_HEIGHT, example='"120 mm"', words="12 d")
     bulk_density_bottom: Amount | None = option(
-        _LENGTH, "The bulk density is measured from this height on.", example='"10 mm"', words="1 d"
+        LENGTH, "The bulk density is measured from this height on.", example='"10 mm"', words="1 d"
     )
     bulk_density_top: Amount | None = option(
-        _LENGTH, "The bulk density is measured up to this height.", example='"90 mm"', words="9 d"
+        LENGTH, "The bulk density is measured up to this height.", example='"90 mm"', words="9 d"
     )
     settling_time_limit: Amount | None = option(
-        Quantity("s", above_zero=True),
+        TIME,
         "Longest simulated time in which the bed may come to rest.",
         example='"2 s"',
         words="ten times the time of fall",

@@ -183,11 +183,10 @@ def count_faults(count: int, lengths: Mapping[str, float], count_is_given: bool)
     if count <= _MOST_PARTICLES:
         return
     longest = max(lengths, key=lambda name: lengths[name])
-    of = " and ".join(f"{name} {value:g} m" for name, value in lengths.items())
+    container = ", ".join(f"{name} {value:g} m" for name, value in lengths.items())
     yield Fault(
         "particle_count" if count_is_given else longest,
-        f"{count} particles are needed, more than {_MOST_PARTICLES}"
-        + (f" ({of})." if not count_is_given else "."),
+        f"{count} particles are more than {_MOST_PARTICLES} ({container}).",
         "Use a smaller container or larger particles.",
     )
 

@@ -24,8 +24,23 @@ _LOWEST_BED = 4.0
 _ARCHES = 4.0
 #: Thickness of the side walls, in diameters of the largest particles.
 _SIDE = 2.0
+#: Shortest time of the flow stage, over sqrt(d/g): before, the particles have hardly moved.
+_SHORTEST_FLOW = 8.0
+#: The bulk density is that between these heights, in diameters and as a share of the fill height:
+#: the first layer is left out, and the surface.
+_LOWEST, _HIGHEST = 1.0, 0.7
 #: Beverloo's law for a slot, in natural units: volume of bulk per depth and time is C (W - k)^1.5.
 _BEVERLOO_C, _BEVERLOO_K = 0.88, 1.64
+
+
+def shortest_flow(sizes: ParticleSizes, gravity: float) -> float:
+    """Return the time before which no flow is over, s, at a gravity, m/s^2."""
+    return _SHORTEST_FLOW * natural_time(sizes, gravity)
+
+
+def measured_heights(sizes: ParticleSizes, fill_height: float) -> tuple[float, float]:
+    """Return the heights between which the bulk density of a bed is measured, m."""
+    return _LOWEST * sizes.sauter_diameter, _HIGHEST * fill_height
 
 
 def flow_time(sizes: ParticleSizes, area: float, slot: float, gravity: float) -> float:

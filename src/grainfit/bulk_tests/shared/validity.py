@@ -9,7 +9,6 @@ from scipy.spatial import cKDTree
 from grainfit.errors import NotMeasurableError, RunFailedError
 from grainfit.measurement.height_map import HeightMap
 from grainfit.measurement.particles import Particles
-from grainfit.scenes.run_output import StageEnd
 
 #: Overlap over diameter above which contacts are no longer those of spheres.
 _LARGEST_MEAN_OVERLAP = 0.08
@@ -43,26 +42,6 @@ def require_held(stress: float, wanted: float, within: float, stage: str) -> Non
         raise RunFailedError(
             f"the stress was not held in the {stage} stage: {stress:.4g} Pa instead of "
             f"{wanted:g} Pa at its end"
-        )
-
-
-def require_at_rest(stage: StageEnd, mass: float, quiet_speed: float) -> None:
-    """Raise `RunFailedError` unless the particles were at rest at the end of a stage.
-
-    Parameters
-    ----------
-    stage : StageEnd
-        End of the stage.
-    mass : float
-        Of all particles, kg.
-    quiet_speed : float
-        They are at rest when they have less kinetic energy than if all had this speed, m/s.
-    """
-    limit = mass * quiet_speed**2 / 2
-    if not stage.kinetic_energy < limit:
-        raise RunFailedError(
-            f"the bed was not at rest at the end of the {stage.name} stage (kinetic energy "
-            f"{stage.kinetic_energy:.3g} J, at rest below {limit:.3g} J)"
         )
 
 

@@ -184,8 +184,9 @@ class DeckSolver(Solver):
     def interval_faults(self, intervals: Mapping[str, tuple[float, float]]) -> list[Fault]:
         """Return why the test means nothing with a material at an end of the intervals."""
         faults: list[Fault] = []
+        worse = self.test.worse_ends
         for end in (0, 1):
-            values = {name: interval[end] for name, interval in intervals.items()}
+            values = {name: ends[worse.get(name, end)] for name, ends in intervals.items()}
             faults += self.test.material_faults({**self.material, **values})
         return list(dict.fromkeys(faults))
 

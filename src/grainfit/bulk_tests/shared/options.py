@@ -1,0 +1,17 @@
+"""Kinds and descriptions of options that several bulk tests share."""
+
+from __future__ import annotations
+
+from grainfit.options.kinds import Quantity
+
+LENGTH = Quantity("m", above_zero=True, highest=1e3)
+FRICTION = Quantity("", lowest=0.0, highest=10.0)
+TIME = Quantity("s", above_zero=True)
+
+#: Height of a bed that is not struck off.
+FILL_HEIGHT = "Height of the bed at a solid fraction of 0.58; it gives the number of particles."
+SLOT_WIDTH = "Width of the slot. The mass flow depends on it strongly: use that of the laboratory."
+#: Time limit of tests with a door in the floor.
+FLOW_TIME_LIMIT = (
+    "Longest simulated time in which the bed, and after the flow all particles, may come to rest."
+)
