@@ -16,6 +16,8 @@ from dataclasses import InitVar, dataclass, fields
 from functools import cache
 from typing import Any, ClassVar, Self
 
+import numpy as np
+
 from grainfit.bulk_tests.run_cost import RunCost
 from grainfit.bulk_tests.sensitivities import DENSITY, MODULUS, Sensitivities
 from grainfit.bulk_tests.stiffness import UNDER_OWN_WEIGHT, OverlapLaw
@@ -28,6 +30,7 @@ from grainfit.materials.sizes import ParticleSizes
 from grainfit.options.fields import Amount, option, option_keys, read_options
 from grainfit.options.kinds import Quantity
 from grainfit.options.tables import Key
+from grainfit.scenes.packing import Column, Footprint, random_column
 from grainfit.scenes.run_output import RunOutput
 from grainfit.scenes.scene import SCENES_REVISION, Scene, time_step
 
@@ -231,7 +234,6 @@ class BulkTest(ABC):
         weight = material[DENSITY] * conditions.gravity * conditions.sizes.sauter_diameter
         return material[MODULUS] / weight
 
-    @abstractmethod
     def scene(self, material: Mapping[str, float], seed: int) -> Scene:
         """Return the experiment with a material.
 
@@ -242,10 +244,31 @@ class BulkTest(ABC):
         seed : int
             Insertion seed.
         """
+        column = random_column(self.sizes, self.number_of_particles, self.footprint, seed)
+        return self.scene_of(column, material)
+
+    @property
+    @abstractmethod
+    def footprint(self) -> Footprint:
+        """Cross-section of the container that is filled."""
+
+    @abstractmethod
+    def scene_of(self, column: Column, material: Mapping[str, float]) -> Scene:
+        """Return the experiment with a column of particles.
+
+        Parameters
+        ----------
+        column : Column
+            Particles that fill the container; its height decides how high walls must be.
+        material : mapping of str to float
+            Material parameters by dotted name; those with a default may be missing.
+        """
 
     def concepts(self) -> set[str]:
         """Return the concepts of the scene that a solver must have, see `Scene.concepts`."""
-        return self.scene(_ANY_MATERIAL, 0).concepts()
+        # They do not follow from the particles, which take long to place when they are many.
+        empty = Column(np.empty((0, 3)), np.empty(0, dtype=np.int64), self.sizes.sauter_diameter)
+        return self.scene_of(empty, _ANY_MATERIAL).concepts()
 
     @abstractmethod
     def measure(self, run: RunOutput) -> dict[str, Response]:

@@ -33,7 +33,7 @@ from grainfit.measurement.particles import Particles, write_vtk
 from grainfit.options.fields import Amount, option
 from grainfit.options.kinds import Quantity, Whole
 from grainfit.scenes.conditions import Loaded
-from grainfit.scenes.packing import Round, random_column
+from grainfit.scenes.packing import Column, Footprint, Round
 from grainfit.scenes.records import Series
 from grainfit.scenes.run_output import RunOutput, snapshot_file
 from grainfit.scenes.scene import Box, Load, Scene, Stage, Wall
@@ -195,10 +195,14 @@ class Compression(BulkTest):
         """Return Young's modulus of the particles over the stress of the piston."""
         return material[MODULUS] / self.setup.stress
 
-    def scene(self, material: Mapping[str, float], seed: int) -> Scene:
+    @property
+    def footprint(self) -> Footprint:
+        """Cross-section of the container that is filled."""
+        return Round(self.setup.cylinder_radius)
+
+    def scene_of(self, column: Column, material: Mapping[str, float]) -> Scene:
         """Return the experiment: a column falls, is struck off, pressed and unloaded."""
         setup, largest = self.setup, max(self.sizes.diameters)
-        column = random_column(self.sizes, setup.particle_count, Round(setup.cylinder_radius), seed)
         top = column.height + 1.25 * largest
         side = setup.cylinder_radius + 1.5 * largest
         box = Box((-side, -side, -3 * largest), (side, side, top + 2 * largest))

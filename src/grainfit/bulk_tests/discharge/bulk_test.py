@@ -30,7 +30,7 @@ from grainfit.measurement.flow_rate import flow_rate
 from grainfit.measurement.particles import Particles, write_vtk
 from grainfit.options.fields import Amount, option
 from grainfit.options.kinds import Choice
-from grainfit.scenes.packing import random_column
+from grainfit.scenes.packing import Column, Footprint
 from grainfit.scenes.run_output import RunOutput, snapshot_file
 from grainfit.scenes.scene import Box, Scene, Stage
 
@@ -129,11 +129,15 @@ class Discharge(BulkTest):
         """Resolve geometry and procedure."""
         object.__setattr__(self, "setup", plan_setup(self.sizes, self.given_options()))
 
-    def scene(self, material: Mapping[str, float], seed: int) -> Scene:
+    @property
+    def footprint(self) -> Footprint:
+        """Cross-section of the container that is filled."""
+        return self.setup.footprint
+
+    def scene_of(self, column: Column, material: Mapping[str, float]) -> Scene:
         """Return the experiment: a column falls, the orifice is opened, the bed flows out."""
         setup, largest = self.setup, max(self.sizes.diameters)
         container, filling = setup.container, setup.filling
-        column = random_column(self.sizes, filling.particle_count, setup.footprint, seed)
         top = column.height + 1.25 * largest
         side, bottom = setup.half_width + 1.5 * largest, -_SINK * largest
         if isinstance(container, SlotBox):

@@ -36,7 +36,7 @@ from grainfit.measurement.bulk_density import bulk_density_in_box
 from grainfit.measurement.flow_rate import flow_rate
 from grainfit.measurement.particles import Particles, write_vtk
 from grainfit.options.fields import Amount, option
-from grainfit.scenes.packing import random_column
+from grainfit.scenes.packing import Column, Footprint
 from grainfit.scenes.run_output import RunOutput, snapshot_file
 from grainfit.scenes.scene import WALL, Box, Scene, Stage, Wall
 from grainfit.scenes.shapes import Block
@@ -182,11 +182,15 @@ class DrawDown(BulkTest):
         """Resolve geometry and procedure."""
         object.__setattr__(self, "setup", plan_setup(self.sizes, self.given_options()))
 
-    def scene(self, material: Mapping[str, float], seed: int) -> Scene:
+    @property
+    def footprint(self) -> Footprint:
+        """Cross-section of the container that is filled."""
+        return self.setup.footprint
+
+    def scene_of(self, column: Column, material: Mapping[str, float]) -> Scene:
         """Return the experiment: a column falls, the door is taken away, the bed flows."""
         setup, largest = self.setup, max(self.sizes.diameters)
         box, filling = setup.box, setup.filling
-        column = random_column(self.sizes, filling.particle_count, setup.footprint, seed)
         top = column.height + 1.25 * largest
         side = setup.floor_half_width + 3 * largest
         bottom = setup.floor - 3 * largest

@@ -31,7 +31,7 @@ from grainfit.measurement.silhouette import Silhouette
 from grainfit.options.fields import Amount, option
 from grainfit.options.kinds import Quantity, Whole
 from grainfit.scenes.conditions import AtRest, Clear
-from grainfit.scenes.packing import Round, random_column
+from grainfit.scenes.packing import Column, Footprint, Round
 from grainfit.scenes.run_output import RunOutput, snapshot_file
 from grainfit.scenes.scene import SCENES_REVISION, Box, Scene, Stage, Velocity, Wall
 from grainfit.scenes.shapes import Cylinder, Disc
@@ -229,11 +229,14 @@ class Heap(BulkTest):
         """Height from which flanks and base of the heap are measured, m; see `angle_of_repose`."""
         return max(self.setup.rim_height, self.sizes.sauter_diameter)
 
-    def scene(self, material: Mapping[str, float], seed: int) -> Scene:
+    @property
+    def footprint(self) -> Footprint:
+        """Cross-section of the container that is filled."""
+        return Round(self.setup.cylinder_radius)
+
+    def scene_of(self, column: Column, material: Mapping[str, float]) -> Scene:
         """Return the experiment: a column falls, is struck off, and the cylinder is lifted."""
         setup, largest = self.setup, max(self.sizes.diameters)
-        footprint = Round(setup.cylinder_radius)
-        column = random_column(self.sizes, setup.particle_count, footprint, seed)
         top = column.height + 1.25 * largest
         side = setup.plate_radius + 1.5 * largest
         ceiling = top + setup.lift_height + 2 * largest

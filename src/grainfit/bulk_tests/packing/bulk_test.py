@@ -20,7 +20,7 @@ from grainfit.evaluation import Response
 from grainfit.measurement.bulk_density import bulk_density
 from grainfit.measurement.particles import write_vtk
 from grainfit.options.fields import Amount, option
-from grainfit.scenes.packing import Round, random_column
+from grainfit.scenes.packing import Column, Footprint, Round
 from grainfit.scenes.run_output import RunOutput, snapshot_file
 from grainfit.scenes.scene import Box, Scene, Stage, Wall
 from grainfit.scenes.shapes import Cylinder, Disc
@@ -96,11 +96,15 @@ class Packing(BulkTest):
         """Resolve geometry and procedure."""
         object.__setattr__(self, "setup", plan_setup(self.sizes, self.given_options()))
 
-    def scene(self, material: Mapping[str, float], seed: int) -> Scene:
+    @property
+    def footprint(self) -> Footprint:
+        """Cross-section of the container that is filled."""
+        return Round(self.setup.cylinder_radius)
+
+    def scene_of(self, column: Column, material: Mapping[str, float]) -> Scene:
         """Return the experiment: a column falls and comes to rest."""
         setup, largest = self.setup, max(self.sizes.diameters)
         radius, filling = setup.cylinder_radius, setup.filling
-        column = random_column(self.sizes, filling.particle_count, Round(radius), seed)
         top = column.height + 1.25 * largest
         side = radius + 1.5 * largest
         return Scene(
