@@ -289,9 +289,8 @@ class Compression(BulkTest):
         setup = self.setup
         bed = run.snapshot(_LOADED)
         require_separate(bed)
-        seat, load, unload = (
-            Curve.of_stage(run, name, setup) for name in ("seat", "load", "unload")
-        )
+        curves = self._curves(run)
+        seat, load, unload = curves.values()
         self._require_valid(seat, load)
         write_vtk(run.folder / "loaded.vtk", bed)
         height = float(seat.heights[-1])
@@ -299,8 +298,7 @@ class Compression(BulkTest):
             "loading_modulus": fit_modulus(load, height, setup.stress, "loading modulus"),
             "unloading_modulus": fit_modulus(unload, height, setup.stress, "unloading modulus"),
         }
-        curves = {"seat": seat, "load": load, "unload": unload}
-        draw_compression(run.folder / _PICTURE, self.view(run), setup, curves, moduli)
+        draw_compression(run.folder / _PICTURE, self._view(bed, curves), setup, curves, moduli)
         return {
             **{name: self._modulus(name, fit, len(bed)) for name, fit in moduli.items()},
             "bulk_density": self._density(bed, float(load.heights[-1])),
@@ -361,9 +359,13 @@ class Compression(BulkTest):
         bed = run.snapshot(_LOADED)
         if not len(bed):
             raise NotMeasurableError("no particles are left in the pot")
-        curves = {
-            name: Curve.of_stage(run, name, self.setup) for name in ("seat", "load", "unload")
-        }
+        return self._view(bed, self._curves(run))
+
+    def _curves(self, run: RunOutput) -> dict[str, Curve]:
+        """Read the curves of the stages with a piston, in their order."""
+        return {name: Curve.of_stage(run, name, self.setup) for name in ("seat", "load", "unload")}
+
+    def _view(self, bed: Particles, curves: Mapping[str, Curve]) -> CompressionView:
         return CompressionView(
             bed,
             self.setup.cylinder_radius,

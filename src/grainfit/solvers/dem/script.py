@@ -318,6 +318,21 @@ class ScriptDeck(ABC):
             yield command("jump", "SELF end")
         yield command("label", "end")
 
+    # --- motions -------------------------------------------------------------------------------
+
+    @staticmethod
+    def follow(wall: str, speed: float) -> Iterator[str]:
+        """Let the variable of a wall's travel grow with its speed from the stage's start on."""
+        yield command("variable", f"{wall}_from equal ${{{wall}_travel}}")
+        path = f"${{{wall}_from}}+({speed})*(step-${{start}})*dt"
+        yield command("variable", f"{wall}_travel equal {path}")
+
+    @staticmethod
+    def hold(wall: str) -> Iterator[str]:
+        """Let the variable of a wall's travel stay as it is."""
+        yield command("variable", f"{wall}_to equal ${{{wall}_travel}}")
+        yield command("variable", f"{wall}_travel equal ${{{wall}_to}}")
+
     # --- records -------------------------------------------------------------------------------
 
     def _record(self, stage: Stage) -> Iterator[str]:

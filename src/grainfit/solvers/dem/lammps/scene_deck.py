@@ -146,9 +146,7 @@ class LammpsSceneDeck(ScriptDeck):
         """Start a motion of a wall."""
         travel = f"{wall}_travel"
         if not self._is_loaded(wall):
-            yield command("variable", f"{wall}_from equal ${{{travel}}}")
-            path = f"${{{wall}_from}}+({motion.speed})*(step-${{start}})*dt"  # type: ignore[union-attr]
-            yield command("variable", f"{travel} equal {path}")
+            yield from self.follow(wall, motion.speed)  # type: ignore[union-attr]
             return
         yield from self.record_force(wall, motion.along, f"{wall}_force")
         if isinstance(motion, Load):
@@ -170,8 +168,7 @@ class LammpsSceneDeck(ScriptDeck):
         if self._is_loaded(wall):
             yield command("unfix", f"{wall}_motion")
         else:
-            yield command("variable", f"{wall}_to equal ${{{wall}_travel}}")
-            yield command("variable", f"{wall}_travel equal ${{{wall}_to}}")
+            yield from self.hold(wall)
 
     # --- records -------------------------------------------------------------------------------
 

@@ -172,9 +172,7 @@ class LiggghtsSceneDeck(ScriptDeck):
         vector[self.component(motion.along)] = motion.speed
         x, y, z = vector
         yield command("fix", f"{wall}_motion all move/mesh mesh {wall} linear {x} {y} {z}")
-        yield command("variable", f"{wall}_from equal ${{{wall}_travel}}")
-        path = f"${{{wall}_from}}+({motion.speed})*(step-${{start}})*dt"
-        yield command("variable", f"{wall}_travel equal {path}")
+        yield from self.follow(wall, motion.speed)
 
     def stop_motion(self, wall: str, motion: Velocity | Load) -> Iterator[str]:
         """Stop a motion of a wall where it is."""
@@ -182,8 +180,7 @@ class LiggghtsSceneDeck(ScriptDeck):
             yield command("fix_modify", f"{wall} integrate stop")
         else:
             yield command("unfix", f"{wall}_motion")
-            yield command("variable", f"{wall}_to equal ${{{wall}_travel}}")
-            yield command("variable", f"{wall}_travel equal ${{{wall}_to}}")
+            yield from self.hold(wall)
 
     # --- records -------------------------------------------------------------------------------
 
