@@ -14,12 +14,12 @@ from grainfit.bulk_tests.sensitivities import DENSITY, MODULUS, ROLLING, SLIDING
 from grainfit.bulk_tests.shared.options import LENGTH
 from grainfit.bulk_tests.shared.validity import require_separate
 from grainfit.bulk_tests.shear.flow import (
+    COLUMNS,
     BlockMean,
     Frame,
     Profile,
     Record,
     block_mean,
-    columns,
     read_frame,
     velocity_profile,
 )
@@ -211,7 +211,7 @@ class Shear(BulkTest):
         setup = self.setup
         rate = setup.shear_rate(material)
         motions = {"upper": setup.motions(material)}
-        recorded = Series(columns(setup), setup.record_interval(material))
+        recorded = Series(COLUMNS, setup.record_interval(material))
         closing = Stage(
             "close",
             Elapsed(setup.closing_time(travel, material)),
@@ -270,7 +270,8 @@ class Shear(BulkTest):
         require_separate(frames[-1].bed)
         require_sheared(self.setup, frames, records, profile)
         write_vtk(run.folder / "sheared.vtk", frames[-1].bed)
-        friction, density = _friction(records), _density(records)
+        friction = _friction(records)
+        density = block_mean([frame.density(self.setup) for frame in frames])
         angle = math.degrees(math.atan(friction.value))
         error = math.degrees(friction.standard_error / (1 + friction.value**2))
         view = self._view(frames[-1], profile)
@@ -324,7 +325,3 @@ def _speed(records: list[Record]) -> float:
 def _friction(records: list[Record]) -> BlockMean:
     """Return shear stress over normal stress."""
     return block_mean([float(r.shear_stresses.mean() / r.normal_stresses.mean()) for r in records])
-
-
-def _density(records: list[Record]) -> BlockMean:
-    return block_mean([float(r.densities.mean()) for r in records])

@@ -13,30 +13,30 @@ from numpy.typing import NDArray
 
 from grainfit.bulk_tests.shear.setup import ShearSetup
 from grainfit.errors import NotMeasurableError, RunFailedError
+from grainfit.measurement.bulk_density import masses_between
 from grainfit.measurement.particles import Particles
-from grainfit.scenes.records import Force, MassAbove, Recorded, Travel
+from grainfit.scenes.records import Force, Recorded, Travel
 from grainfit.scenes.run_output import RunOutput
 
 #: Numbers of the glued sets.
 LOWER, UPPER = 1, 2
 #: A window of so many diameters must not take up much more than its share of the shear.
 _WINDOW = 2
+#: The density is measured from so many of the largest diameters above the middle of the lower plate
+#: to as many below that of the upper one: nearer to them is a layer that is less dense.
+_MARGIN = 1.5
 
 Array = NDArray[np.float64]
 
 
-def columns(setup: ShearSetup) -> dict[str, Recorded]:
-    """Return the columns of the series of every stage in which the bed is sheared."""
-    low, high = setup.measured_heights
-    return {
-        "shear_lower": Force("lower", "x"),
-        "shear_upper": Force("upper", "x"),
-        "normal_lower": Force("lower", "z"),
-        "normal_upper": Force("upper", "z"),
-        "travel": Travel("upper", "x"),
-        "mass_above_low": MassAbove(low),
-        "mass_above_high": MassAbove(high),
-    }
+#: Columns of the series of every stage in which the bed is sheared.
+COLUMNS: dict[str, Recorded] = {
+    "shear_lower": Force("lower", "x"),
+    "shear_upper": Force("upper", "x"),
+    "normal_lower": Force("lower", "z"),
+    "normal_upper": Force("upper", "z"),
+    "travel": Travel("upper", "x"),
+}
 
 
 @dataclass(frozen=True)
@@ -51,15 +51,12 @@ class Record:
         Distance that the upper plate has moved along x, m.
     shear_stresses, normal_stresses : ndarray of shape (n,)
         Means of both plates, Pa.
-    densities : ndarray of shape (n,)
-        Mass over volume in the middle of the bed, kg/m^3.
     """
 
     times: Array
     travels: Array
     shear_stresses: Array
     normal_stresses: Array
-    densities: Array
 
     @classmethod
     def of_stage(cls, run: RunOutput, stage: str, setup: ShearSetup) -> Self:
@@ -70,14 +67,12 @@ class Record:
         NotMeasurableError
             The file is missing or damaged, or a column is missing.
         """
-        series = run.series(stage, columns(setup))
-        low, high = setup.measured_heights
+        series = run.series(stage, COLUMNS)
         return cls(
             series["time"],
             series["travel"],
             (series["shear_lower"] - series["shear_upper"]) / (2 * setup.area),
             (series["normal_upper"] - series["normal_lower"]) / (2 * setup.area),
-            (series["mass_above_low"] - series["mass_above_high"]) / (setup.area * (high - low)),
         )
 
 
@@ -172,6 +167,14 @@ class Frame:
         """Heights of the middles of the plates, m."""
         low, high = (float(p.positions[:, 2].mean()) for p in (self.lower, self.upper))
         return low, high
+
+    def density(self, setup: ShearSetup) -> float:
+        """Return mass over volume of the bed without the layers at the plates, kg/m^3."""
+        low, high = self.plates
+        margin = _MARGIN * setup.largest
+        planes = np.array([low + margin, high - margin])
+        mass = float(masses_between(self.bed, planes)[0])
+        return mass / (setup.area * float(planes[1] - planes[0]))
 
 
 def read_frame(run: RunOutput, name: str, time: float) -> Frame:

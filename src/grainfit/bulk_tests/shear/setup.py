@@ -27,9 +27,6 @@ _MOST_PARTICLES = 1_000_000
 _SOLID_FRACTION = 0.58
 #: Layer at a plate that its own particles fill, over their diameter.
 _LAYER = 0.5
-#: Height that counts as the middle of the bed: from so many largest diameters above the lower plate
-#: to so many below the upper one.
-_MARGIN = 2.5
 #: Largest displacement between two snapshots, over the length: beyond half of it, a particle that
 #: lags behind could not be told from one that went around.
 _DISPLACEMENT = 0.4
@@ -92,12 +89,6 @@ class ShearSetup:
     def blocks(self) -> int:
         """Number of equal parts of the averaged strain, each with a snapshot at its end."""
         return max(2, math.ceil(self.averaged_strain * self.gap / (_DISPLACEMENT * self.length)))
-
-    @property
-    def measured_heights(self) -> tuple[float, float]:
-        """Heights above the lower plate between which the density is measured, m."""
-        margin = _MARGIN * self.largest
-        return margin, self.gap - margin
 
     def shear_rate(self, material: Mapping[str, float]) -> float:
         """Return the shear rate at the usual gap, 1/s."""
