@@ -102,7 +102,7 @@ class Shear(BulkTest):
             "angle of internal friction: arc tangent of shear stress over normal stress in steady "
             "shear",
             '{ value = "23.5 deg", uncertainty = "0.5 deg" }',
-            Sensitivities({MODULUS: 0.034, SLIDING: 0.038, ROLLING: 0.123}),
+            Sensitivities({MODULUS: 0.033, SLIDING: 0.040, ROLLING: 0.124}, {SLIDING: 0.375}),
         ),
         "shear_density": ResponseInfo(
             "kg/m^3",
@@ -110,7 +110,10 @@ class Shear(BulkTest):
             "density in shear: mass of the bed over its volume, voids included, while it is "
             "sheared",
             '{ value = "1230 kg/m^3", uncertainty = "1 %" }',
-            Sensitivities({DENSITY: 1.0, MODULUS: -0.056, SLIDING: -0.074, ROLLING: -0.029}),
+            Sensitivities(
+                {DENSITY: 1.0, MODULUS: -0.056, SLIDING: -0.074, ROLLING: -0.029},
+                {SLIDING: -0.105, ROLLING: -0.011},
+            ),
         ),
     }
 
