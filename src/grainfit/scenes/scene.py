@@ -27,7 +27,7 @@ SCENES_REVISION = 1
 #: The surface of walls whose contacts are those of the material's section ``[particle_wall]``.
 WALL = "wall"
 #: Gravity that particle weights are counted with in a scene without gravity, m/s^2.
-_STANDARD_GRAVITY = 9.81
+STANDARD_GRAVITY = 9.81
 #: Names that decks use themselves.
 _TAKEN = {
     "walls": {
@@ -245,7 +245,7 @@ class Scene:
     @property
     def weight_gravity(self) -> float:
         """Gravity that particle weights are counted with, m/s^2: Earth's where there is none."""
-        return self.gravity or _STANDARD_GRAVITY
+        return self.gravity or STANDARD_GRAVITY
 
     @property
     def mass(self) -> float:

@@ -9,7 +9,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from grainfit.bulk_tests.base import BulkTest, ResponseInfo
+from grainfit.bulk_tests.base import GRAVITY, LOWEST_GRAVITY, BulkTest, ResponseInfo
 from grainfit.bulk_tests.sensitivities import DENSITY, MODULUS, ROLLING, SLIDING, Sensitivities
 from grainfit.bulk_tests.shared.options import LENGTH
 from grainfit.bulk_tests.shared.validity import require_separate
@@ -29,6 +29,7 @@ from grainfit.bulk_tests.shear.validity import require_sheared
 from grainfit.bulk_tests.shear.view import ShearView
 from grainfit.bulk_tests.stiffness import UNDER_A_STRESS, OverlapLaw
 from grainfit.bulk_tests.view import Shown
+from grainfit.contact_models.contact import particle_mass
 from grainfit.errors import Fault, NotMeasurableError
 from grainfit.evaluation import Response
 from grainfit.measurement.particles import write_vtk
@@ -44,7 +45,7 @@ from grainfit.scenes.packing import (
 )
 from grainfit.scenes.records import Series
 from grainfit.scenes.run_output import RunOutput, snapshot_file
-from grainfit.scenes.scene import Box, Scene, Stage
+from grainfit.scenes.scene import STANDARD_GRAVITY, Box, Scene, Stage
 
 #: Last snapshot of a run, and its picture.
 _LAST, _PICTURE = "sheared", "shear.png"
@@ -152,6 +153,12 @@ class Shear(BulkTest):
         example="4.5",
         default=4.5,
     )
+    gravity: Amount = option(
+        Quantity("m/s^2", lowest=LOWEST_GRAVITY),
+        "Gravity of the laboratory, which the default stress follows; the sheared bed has none.",
+        example="9.81",
+        default=GRAVITY,
+    )
     #: Geometry and procedure, with every default resolved.
     setup: ShearSetup = field(init=False, repr=False, compare=False)
 
@@ -253,7 +260,7 @@ class Shear(BulkTest):
 
     def _typical_load(self, material: Mapping[str, float]) -> float:
         """Return the usual force of a contact under the stress, in particle weights on Earth."""
-        weight = material[DENSITY] * math.pi / 6 * self.setup.diameter**3 * 9.81
+        weight = particle_mass(material, self.setup.diameter / 2) * STANDARD_GRAVITY
         return self.setup.normal_stress * self.setup.diameter**2 / weight
 
     def measure(self, run: RunOutput) -> dict[str, Response]:
