@@ -90,6 +90,6 @@ def _ratio_panel(records: Sequence[Record], transient: int, gap: float, mean: fl
         at = place(0, float(tick))
         draw.text((at[0] - TEXT_SIZE / 3, at[1]), f"{tick:.1f}", QUIET_INK, used_font, "rm")
     draw.text((_MARGIN, _MARGIN - TEXT_SIZE), "stress ratio over strain", INK, used_font, "ls")
-    end = place(longest, mean)
-    draw.text((end[0], end[1] - TEXT_SIZE / 3), f"{mean:.3f}", FLANK, used_font, "rs")
+    beside = (place(longest, 0)[0], _MARGIN - TEXT_SIZE)
+    draw.text(beside, f"mean {mean:.3f}", FLANK, used_font, "rs")
     return panel
