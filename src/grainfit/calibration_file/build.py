@@ -350,6 +350,7 @@ def _entry(file: CalibrationFile, test: TestSpecification) -> FileEntry:
         tuple(parameter.name for parameter in file.parameters),
         file.fixed,
         file.sizes,
+        file.contact_models,
     )
 
 

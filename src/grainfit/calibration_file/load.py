@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from grainfit.calibration_file.content import CalibrationFile, SearchOptions
-from grainfit.calibration_file.layout import MATERIAL_SECTIONS, read_document
+from grainfit.calibration_file.layout import MATERIAL_SECTIONS, chosen_models, read_document
 from grainfit.calibration_file.line_numbers import key_lines
 from grainfit.errors import InputError
 from grainfit.options.places import FileFault, Findings, Place
@@ -111,4 +111,5 @@ def _calibration_file(values: dict[str, Any], path: Path) -> CalibrationFile:
         tests=values["test"],
         strategy=values.get("strategy", SearchOptions()),
         cluster=values.get("cluster"),
+        contact_models=chosen_models(values),
     )

@@ -62,6 +62,7 @@ def make_card(
         identity=reading.identity,
         version=reading.version,
         notices=answer.notices,
+        contact_models=_contact_models(reading),
     )
 
 
@@ -131,6 +132,12 @@ def _programs(reading: SavedCalibration) -> list[Program]:
     models = [record.definition.model for record in reading.records.values()]
     found = [Program(str(d.get("solver", "")), str(d.get("version", ""))) for d in models]
     return list(dict.fromkeys(found))
+
+
+def _contact_models(reading: SavedCalibration) -> tuple[str, ...]:
+    """Contact models that replaced the usual ones: the same in all tests of a file."""
+    models = (record.definition.model for record in reading.records.values())
+    return tuple(dict.fromkeys(name for m in models for name in m.get("contact_models", ())))
 
 
 def _date(reading: SavedCalibration) -> str:

@@ -122,6 +122,8 @@ class MaterialCard:
         calibration, and version of grainfit.
     notices : tuple of str
         What the user should know.
+    contact_models : tuple of str
+        Contact models that replaced the usual ones of their kind in the runs.
     """
 
     name: str
@@ -141,6 +143,7 @@ class MaterialCard:
     identity: str
     version: str
     notices: tuple[str, ...]
+    contact_models: tuple[str, ...] = ()
 
     @property
     def calibrated(self) -> bool:

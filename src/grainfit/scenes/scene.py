@@ -12,7 +12,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from grainfit.contact_models.base import ContactLaw
 from grainfit.contact_models.contact import TYPICAL_LOAD, particle_mass
+from grainfit.contact_models.registry import contact_law
 from grainfit.errors import Fault, InputError
 from grainfit.materials.sizes import ParticleSizes
 from grainfit.materials.time_step import rayleigh_time_step
@@ -184,6 +186,8 @@ class Scene:
     typical_load : float
         Typical normal force of a contact in particle weights: LAMMPS and YADE keep rolling
         stiffness and damping constant at its value there.
+    contact_models : tuple of str
+        Contact models that replace the usual ones of their kind.
     """
 
     title: str
@@ -199,12 +203,18 @@ class Scene:
     check_interval: float
     surfaces: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
     typical_load: float = TYPICAL_LOAD
+    contact_models: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         """Raise `InputError` if a deck would misread a name, or a wall is not there."""
         faults = [*_name_faults(self), *_wall_faults(self)]
         if faults:
             raise InputError(faults)
+
+    @property
+    def law(self) -> ContactLaw:
+        """Contact models that act."""
+        return contact_law(self.material, self.contact_models)
 
     def material_on(self, surface: str) -> dict[str, float]:
         """Return the material parameters for contacts with a surface."""

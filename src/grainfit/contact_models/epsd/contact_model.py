@@ -8,19 +8,22 @@ from grainfit.contact_models.epsd.liggghts import EPSD_LIGGGHTS
 from grainfit.contact_models.epsd.yade import EpsdYade
 from grainfit.materials.parameters import CONTACTS, declare
 
+#: Shared by the rolling models.
+ROLLING_FRICTION = declare(
+    CONTACTS,
+    "rolling_friction",
+    "μ_r",
+    "",
+    "rolling friction coefficient",
+    (0.0, 10.0),
+    example="{ min = 0.2, max = 1.0 }",
+)
+
 EPSD = ContactModel(
     name="epsd",
     kind="rolling",
     parameters=(
-        *declare(
-            CONTACTS,
-            "rolling_friction",
-            "μ_r",
-            "",
-            "rolling friction coefficient",
-            (0.0, 10.0),
-            example="{ min = 0.2, max = 1.0 }",
-        ),
+        *ROLLING_FRICTION,
         *declare(
             CONTACTS,
             "rolling_damping",

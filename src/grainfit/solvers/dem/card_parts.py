@@ -58,10 +58,10 @@ def require_material(card: MaterialCard, solver: str) -> tuple[dict[str, float],
         not have a contact model that the card needs.
     """
     values = with_defaults(card.values)
-    faults = contact_law_faults(values, solver)
+    faults = contact_law_faults(values, solver, card.contact_models)
     if faults:
         raise InputError(faults)
-    law = contact_law(values)
+    law = contact_law(values, card.contact_models)
     needs = _BODIES | law.needs(solver)
     needed = [name for name in MATERIAL_PARAMETERS if name in needs]
     _require_nothing_missing([name for name in needed if name not in values], solver)

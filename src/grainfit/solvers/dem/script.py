@@ -10,7 +10,6 @@ from typing import ClassVar
 import numpy as np
 
 from grainfit.contact_models.base import ContactLaw
-from grainfit.contact_models.registry import contact_law
 from grainfit.scenes.conditions import AtRest, Clear, Elapsed, Loaded
 from grainfit.scenes.records import Force, KineticEnergy, MassAbove, RadialForce, Recorded, Travel
 from grainfit.scenes.run_output import SNAPSHOTS, STAGES, STAGES_HEADER, series_file
@@ -61,7 +60,7 @@ class ScriptDeck(ABC):
     def __init__(self, scene: Scene, folder: Path) -> None:
         self.scene = scene
         self.folder = folder
-        self.law: ContactLaw = contact_law(scene.material)
+        self.law: ContactLaw = scene.law
         #: Walls that are there, by name.
         self.walls: dict[str, Wall] = {}
         #: Commands that remove the helpers of records at the end of a stage: the next stage may

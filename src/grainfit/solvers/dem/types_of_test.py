@@ -65,6 +65,7 @@ def _solver(test: type[BulkTest], programs: Programs, entry: FileEntry) -> Solve
         {name: value for name, value in entry.fixed.items() if name in MATERIAL_PARAMETERS},
         entry.options.get("ranks", 1),
         entry.options.get("executable"),
+        entry.contact_models,
     )
     if all(name in MATERIAL_PARAMETERS for name in entry.free):
         return solver
