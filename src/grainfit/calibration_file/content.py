@@ -83,6 +83,8 @@ class CalibrationFile:
         Cluster jobs for the runs, if the file has them.
     contact_models : tuple of str
         Contact models that replace the usual ones of their kind.
+    notes : tuple of str
+        Parameters that have been measured, for people.
     """
 
     name: str
@@ -94,3 +96,4 @@ class CalibrationFile:
     strategy: SearchOptions
     cluster: ClusterOptions | None = None
     contact_models: tuple[str, ...] = ()
+    notes: tuple[str, ...] = ()

@@ -61,6 +61,7 @@ def describe_plan(setup: CalibrationSetup) -> Plan:
             problems += [f"{setup.file.path}: test {test}, {fault}" for fault in error.faults]
         except GrainfitError as error:
             problems.append(f"Test {test}: {error}")
+    lines += setup.file.notes
     lines += _rayleigh_lines(setup.problem)
     cluster = setup.cluster or setup.file.cluster
     if cluster is not None:
@@ -115,6 +116,7 @@ def _run_lines(setup: CalibrationSetup) -> Iterator[str]:
         f"{verification * tests} or more are fresh seeds at the answer. {setup.workers} at a time. "
         f"Strategy: {search.name}."
     )
+    dimension -= len(setup.problem.measured)
     if dimension > len(setup.problem.targets):
         yield (
             f"Note: {dimension} free parameters and {len(setup.problem.targets)} targets: many "
