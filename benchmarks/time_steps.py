@@ -4,10 +4,12 @@ Finished runs are kept in the file ``--kept`` and not repeated, so that the comm
 and started again.
 
     python benchmarks/time_steps.py --kept steps.jsonl [--seeds 3] [--tests heap packing]
-        [--models epsd "epsd 0.25" epsd2] [--fractions 0.12 0.2 0.25 0.3] [--table]
+        [--models epsd2 epsd "epsd 0.25"] [--fractions 0.12 0.16 0.2 0.25 0.3]
+        [--frictions 0.2 1] [--restitutions 0.6] [--table]
 
-Prints, for each rolling model, rolling friction and solver, how many runs at each share of the
-Rayleigh time step gave responses, and the mean of each response with its standard error.
+``"epsd 0.25"`` is EPSD with a rolling damping of 0.25, ``epsd`` the same without. Prints, for each
+setting and solver, how many runs at each share of the Rayleigh time step gave responses, and the
+mean of each response with its standard error.
 """
 
 from __future__ import annotations
@@ -35,10 +37,11 @@ from grainfit.solvers.registry import DEM_PROGRAMS
 from grainfit.testing.materials import ROUGH_SPHERES
 
 SOLVERS = ("lammps", "liggghts")
-#: The dashpot of EPSD as it is usual, and none.
 MODELS = ("epsd2", "epsd", "epsd 0.25")
-FRACTIONS = (0.12, 0.2, 0.25, 0.3)
+FRACTIONS = (0.12, 0.16, 0.2, 0.25, 0.3)
 ROLLING_FRICTIONS = (0.2, 1.0)
+#: A test that needs another modulus than the others, Pa.
+MODULI = {"compression": 10e6}
 
 
 class Run(NamedTuple):
@@ -47,18 +50,22 @@ class Run(NamedTuple):
     seed: int
     test: str
     rolling_friction: float
+    restitution: float
     model: str
     fraction: float
     solver: str
 
 
 def material_of(run: Run) -> Mapping[str, float]:
-    """Return rough spheres with the rolling friction and the rolling damping of a run."""
+    """Return rough spheres with rolling friction, rolling damping and restitution of a run."""
     name, _, damping = run.model.partition(" ")
     rest = {k: v for k, v in ROUGH_SPHERES.items() if not k.endswith("rolling_damping")}
     contacts = ("particle_particle", "particle_wall")
     dashpot = {f"{c}.rolling_damping": float(damping or 0) for c in contacts if name == "epsd"}
-    return {**rest, **dashpot, "particle_particle.rolling_friction": run.rolling_friction}
+    bounce = {f"{c}.restitution": run.restitution for c in contacts}
+    modulus = MODULI.get(run.test, rest["particle.youngs_modulus"])
+    changes = {**dashpot, **bounce, "particle.youngs_modulus": modulus}
+    return {**rest, **changes, "particle_particle.rolling_friction": run.rolling_friction}
 
 
 def simulate(run: Run) -> dict[str, Any]:
@@ -98,18 +105,18 @@ def _read(kept: Path) -> dict[Run, dict[str, Any]]:
 
 def table(records: Mapping[Run, dict[str, Any]]) -> Iterator[str]:
     """Yield the lines of the table in Markdown, one for every setting."""
-    yield "| test | μ_r | model | solver | time step | responses from | means | CPU s |"
-    yield "|---|---|---|---|---|---|---|---|"
+    yield "| test | μ_r | e | model | solver | time step | responses from | means | CPU s |"
+    yield "|---|---|---|---|---|---|---|---|---|"
     settings = dict.fromkeys(run._replace(seed=0) for run in sorted(records))
     for setting in settings:
         own = [r for run, r in records.items() if run._replace(seed=0) == setting]
         good = [r["responses"] for r in own if "responses" in r]
         names = good[0] if good else ()
         means = ", ".join(f"{name} {_mean([r[name] for r in good])}" for name in names)
-        _, test, friction, model, fraction, solver = setting
+        _, test, friction, restitution, model, fraction, solver = setting
         seconds = number(float(np.median([r["seconds"] for r in own])), 2)
         yield (
-            f"| {test} | {friction} | {model} | {solver} | {fraction:.0%} "
+            f"| {test} | {friction} | {restitution} | {model} | {solver} | {fraction:.0%} "
             f"| {len(good)} of {len(own)} | {means} | {seconds} |"
         )
 
@@ -127,14 +134,16 @@ def main() -> None:
     parser.add_argument("--tests", nargs="+", choices=bulk_tests(), default=["heap", "packing"])
     parser.add_argument("--models", nargs="+", default=list(MODELS))
     parser.add_argument("--frictions", nargs="+", type=float, default=list(ROLLING_FRICTIONS))
+    parser.add_argument("--restitutions", nargs="+", type=float, default=[0.6])
     parser.add_argument("--fractions", nargs="+", type=float, default=list(FRACTIONS))
     parser.add_argument("--solvers", nargs="+", choices=SOLVERS, default=list(SOLVERS))
     parser.add_argument("--table", action="store_true", help="only print what is known")
     given = parser.parse_args()
     if not given.table:
         seeds = range(1, given.seeds + 1)
-        varied = (given.tests, given.frictions, given.models, given.fractions, given.solvers)
-        measure([Run(*values) for values in product(seeds, *varied)], given.kept)
+        varied = (given.frictions, given.restitutions, given.models, given.fractions)
+        settings = product(seeds, given.tests, *varied, given.solvers)
+        measure([Run(*values) for values in settings], given.kept)
     print("\n".join(table(_read(given.kept))))
 
 

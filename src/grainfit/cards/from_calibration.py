@@ -75,6 +75,7 @@ def _parameters(
     rayleigh = reading.problem.rayleigh
     given = {**(rayleigh.fixed if rayleigh else {}), **reading.fixed}
     values = {**given, **found}
+    own = {parameter.name for parameter in reading.problem.measured}
     first = [name for name in MATERIAL_PARAMETERS if name in values]
     for name in dict.fromkeys([*first, *values]):
         known = MATERIAL_PARAMETERS.get(name)
@@ -85,7 +86,7 @@ def _parameters(
             known.unit if known else reading.units.get(name, ""),
             known.description if known else "",
             float(values[name]),
-            origin if name in found else "given",
+            "measured" if name in own else origin if name in found else "given",
             None if interval is None else (interval.low, interval.high),
             None if interval is None else interval.determination,
         )
