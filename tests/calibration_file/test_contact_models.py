@@ -46,6 +46,13 @@ def test_without_a_dashpot_no_damping_is_asked_for_and_time_steps_are_longer(
     assert run.model["test"]["time_step_fraction"] == 0.2
 
 
+def test_low_restitution_shortens_the_time_step_that_is_the_default(tmp_path: Path) -> None:
+    text = choosing("epsd2").replace("restitution = 0.79", "restitution = 0.4")
+    heap = setup_of(tmp_path, text).bulk_tests["heap"]
+
+    assert heap.conditions.time_step_fraction == 0.16
+
+
 def test_a_given_time_step_is_kept(tmp_path: Path) -> None:
     text = choosing("epsd2").replace('"lammps"', '"lammps"\ntime_step_fraction = 0.1')
     heap = setup_of(tmp_path, text).bulk_tests["heap"]
@@ -115,6 +122,8 @@ def test_a_material_that_crosses_solvers_is_named_with_the_size_of_the_effect(
         (choosing("epsd2"), 0.2, None),
         (GLASS_BEADS.replace(DAMPED, "rolling_damping = 0\n"), 0.2, None),
         (GLASS_BEADS, 0.12, None),
+        (GLASS_BEADS.replace("restitution = 0.79", "restitution = 0.1"), 0.12, "0.11"),
+        (GLASS_BEADS.replace("0.79", "{ min = 0.1, max = 0.9 }"), 0.12, "0.11"),
     ],
 )
 def test_a_time_step_beyond_the_safe_one_is_named(

@@ -27,14 +27,15 @@ def contact_notes(file: CalibrationFile, bulk_tests: Mapping[str, BulkTest]) -> 
     except InputError:
         return
     yield from _crossing(sorted(set(solvers.values())), law.solver_difference(file.fixed))
-    safe = law.time_step_fraction(file.fixed)
+    lowest = {p.name: p.minimum for p in file.parameters if p.name.endswith(".restitution")}
+    safe = law.time_step_fraction({**file.fixed, **lowest})
     for name, test in bulk_tests.items():
         fraction = test.conditions.time_step_fraction
         if fraction > safe:
             yield (
                 f"Test {name}: a time step of {fraction:.3g} of the Rayleigh time step is more "
-                f"than the {safe:g} that is safe with this contact law. Beds may never come to "
-                "rest; at 0.25, others give bulk densities up to 8 % too large, without any error."
+                f"than the {safe:.2g} that is safe with this contact law and restitution. Beds "
+                "may never come to rest, or come to rest up to 16 % too dense without any error."
             )
 
 

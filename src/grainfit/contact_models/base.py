@@ -19,15 +19,15 @@ A new contact model is a folder of `grainfit.contact_models` and a line of
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import ClassVar, Literal
 
 from grainfit.materials.parameters import MaterialParameter
 
-#: Largest shares of the Rayleigh time step at which beds come to rest with the responses that
-#: smaller steps give, with a dashpot against rolling and without one (benchmarks/time_steps.py).
-SAFE_WITH_DASHPOT, SAFE_WITHOUT = 0.12, 0.2
+#: Largest share of the Rayleigh time step at which beds with a dashpot against rolling come to rest
+#: with the responses that smaller steps give.
+SAFE_WITH_ROLLING_DASHPOT = 0.12
 
 Kind = Literal["contact", "cohesion", "rolling"]
 #: In the order in which solvers need the keywords.
@@ -58,10 +58,12 @@ class ContactModel:
     words : tuple of SolverWords
         One for each solver that has the model.
     dashpots : tuple of str
-        Names of parameters of dashpots that limit the time step, and that solvers implement in
-        different ways.
+        Names of parameters of rolling dashpots, which limit the time step, and which solvers
+        implement in different ways.
     solver_difference : str
         Sentences on how far solvers differ while one of the dashpots acts.
+    safe_time_step : callable, optional
+        Largest safe share of the Rayleigh time step for a material, apart from rolling dashpots.
     """
 
     name: str
@@ -70,6 +72,7 @@ class ContactModel:
     words: tuple[SolverWords, ...]
     dashpots: tuple[str, ...] = ()
     solver_difference: str = ""
+    safe_time_step: Callable[[Mapping[str, float]], float] | None = None
 
     @property
     def solvers(self) -> tuple[str, ...]:
@@ -121,10 +124,12 @@ class ContactLaw:
         Parameters
         ----------
         material : mapping of str to float
-            Values by dotted name; a dashpot whose parameter is missing counts.
+            Values by dotted name; where one is missing, the share is safe for all usual values.
         """
-        damped = any(model.is_damped(material) for model in self.models)
-        return SAFE_WITH_DASHPOT if damped else SAFE_WITHOUT
+        shares = [m.safe_time_step(material) for m in self.models if m.safe_time_step is not None]
+        if any(model.is_damped(material) for model in self.models):
+            shares.append(SAFE_WITH_ROLLING_DASHPOT)
+        return min(shares)
 
     def solver_difference(self, material: Mapping[str, float]) -> str:
         """Return sentences on how far LAMMPS and LIGGGHTS differ; empty if they agree."""

@@ -59,7 +59,7 @@ def friction_about(
     Examples
     --------
     >>> [round(number, 4) for number in friction_about("21.8 deg", "0.5 deg")]
-    [0.4, 0.0101, 0.3702, 0.4307]
+    [0.4, 0.0101, 0.3699, 0.4307]
     """
     middle, spread = _degrees("angle", angle), _degrees("uncertainty", uncertainty)
     if spread == 0:

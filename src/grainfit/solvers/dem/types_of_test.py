@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import replace
 from functools import partial
@@ -61,7 +62,9 @@ def _solver(test: type[BulkTest], programs: Programs, entry: FileEntry) -> Solve
     options = {name: entry.options[name] for name in names if name in entry.options}
     if entry.contact_models:
         law = contact_law(entry.fixed, entry.contact_models)
-        options.setdefault("time_step_fraction", law.time_step_fraction(entry.fixed))
+        # Rounded down: the share becomes part of a run's identity.
+        safe = math.floor(100 * law.time_step_fraction(entry.fixed)) / 100
+        options.setdefault("time_step_fraction", safe)
     assert entry.sizes is not None, "a file with a simulated test has been checked to have sizes"
     solver = programs[entry.options["solver"]](
         test(entry.sizes, **options),
