@@ -12,7 +12,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from grainfit.contact_models.base import ContactLaw
 from grainfit.contact_models.contact import TYPICAL_LOAD, particle_mass
+from grainfit.contact_models.registry import contact_law
 from grainfit.errors import Fault, InputError
 from grainfit.materials.sizes import ParticleSizes
 from grainfit.materials.time_step import rayleigh_time_step
@@ -201,6 +203,8 @@ class Scene:
         without gravity.
     glued : mapping of str to Glued
         Rigid bodies of glued particles, by name (one word, and no wall's).
+    contact_models : tuple of str
+        Contact models that replace the usual ones of their kind.
     """
 
     title: str
@@ -217,12 +221,18 @@ class Scene:
     surfaces: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
     typical_load: float = TYPICAL_LOAD
     glued: Mapping[str, Glued] = field(default_factory=dict)
+    contact_models: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         """Raise `InputError` if a deck would misread a name, or what a stage names is not there."""
         faults = [*_name_faults(self), *_wall_faults(self), *_motion_faults(self)]
         if faults:
             raise InputError(faults)
+
+    @property
+    def law(self) -> ContactLaw:
+        """Contact models that act."""
+        return contact_law(self.material, self.contact_models)
 
     def material_on(self, surface: str) -> dict[str, float]:
         """Return the material parameters for contacts with a surface."""
