@@ -25,7 +25,7 @@ FLOORS: tuple[tuple[str, ...], ...] = (
     ("materials",),
     ("contact_models",),
     ("evaluation", "problem", "run_definition"),
-    ("result",),
+    ("exchange", "result"),
     ("measurement",),
     ("scenes",),
     ("bulk_tests", "metamodels"),

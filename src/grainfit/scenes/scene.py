@@ -25,6 +25,8 @@ from grainfit.scenes.shapes import Cylinder, Shape, Vector
 SCENES_REVISION = 1
 #: The surface of walls whose contacts are those of the material's section ``[particle_wall]``.
 WALL = "wall"
+#: Largest length of a triangle in a periodic box, over the period.
+_SHARE_OF_PERIOD = 0.25
 #: Names that decks use themselves.
 _TAKEN = {
     "walls": {
@@ -51,6 +53,16 @@ class Box:
     low: Vector
     high: Vector
     periodic: str = ""
+
+    @property
+    def longest_element(self) -> float:
+        """Largest length of a triangle of a wall, m; infinite without a period.
+
+        An element that is longer than a period makes LIGGGHTS abort.
+        """
+        axes = (axis for axis, name in enumerate("xyz") if name in self.periodic)
+        lengths = (self.high[axis] - self.low[axis] for axis in axes)
+        return _SHARE_OF_PERIOD * min(lengths, default=math.inf)
 
 
 @dataclass(frozen=True)
