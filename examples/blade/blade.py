@@ -52,7 +52,12 @@ def scene(material, sizes, seed, gravity, time_step, options):
         },
         stages=(
             Stage("fill", AtRest(limit=80 * time, at_least=12 * time), is_closed=True),
-            Stage("slump", AtRest(limit=80 * time), take_away=("gate",), snapshot="pile"),
+            Stage(
+                "slump",
+                AtRest(limit=80 * time, at_least=8 * time),
+                take_away=("gate",),
+                snapshot="pile",
+            ),
             Stage(
                 "push",
                 Elapsed(PUSH * d / speed),

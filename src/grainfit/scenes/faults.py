@@ -10,7 +10,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from grainfit.errors import Fault
-from grainfit.scenes.conditions import Elapsed
+from grainfit.scenes.conditions import AtRest, Elapsed
 from grainfit.scenes.packing import Column
 from grainfit.scenes.records import Force
 from grainfit.scenes.scene import Box, Scene, Stage, Wall
@@ -37,7 +37,7 @@ def scene_faults(scene: Scene) -> tuple[Fault, ...]:
         *_particle_faults(scene),
         *(f for name, wall in scene.all_walls().items() for f in _wall_faults(name, wall, scene)),
         *(f for stage in scene.stages for f in _stage_faults(stage)),
-        *_stage_list_faults(scene),
+        *_order_faults(scene),
     )
 
 
@@ -171,6 +171,11 @@ def _stage_faults(stage: Stage) -> Iterator[Fault]:
                 yield Fault(key, f"records {column} along {quantity.along!r}.", "Use x, y or z.")
 
 
-def _stage_list_faults(scene: Scene) -> Iterator[Fault]:
+def _order_faults(scene: Scene) -> Iterator[Fault]:
     if not scene.stages:
         yield Fault("stages", "are missing.", "Give at least one Stage.")
+    for stage in scene.stages[1:]:
+        changes = stage.take_away or stage.put or stage.strike_off is not None or stage.motions
+        if isinstance(stage.until, AtRest) and changes and not stage.until.at_least > 0:
+            message = "ends at rest: a bed that is at rest when it begins ends it at once."
+            yield Fault(f"stage {stage.name}", message, "Give AtRest an at_least, s.")
