@@ -33,6 +33,7 @@ SOLID_FRACTION = 0.58
 
 
 def scene(material, sizes, seed, gravity, time_step, options):
+    """Return the experiment, from the parameters of the run."""
     d, time = sizes.sauter_diameter, natural_time(sizes, gravity)
     width, depth = WIDTH * d, DEPTH * d
     count = round(SOLID_FRACTION * WIDTH * DEPTH * FILL / (np.pi / 6))

@@ -32,10 +32,10 @@ def _classes(names: Mapping[str, Any]) -> tuple[type[BulkTest], ...]:
     )
 
 
-#: The test whose scene and responses the user's own functions give: no laboratory test by itself.
-OWN_SCENE: type[BulkTest] = own_scene.OwnScene
 #: The built-in tests, by name: every test that is imported above.
 BUILT_IN: Mapping[str, type[BulkTest]] = {test.type: test for test in _classes(globals())}
+#: The test whose scene and responses the user's own functions give: no laboratory test by itself.
+OWN_SCENE: type[BulkTest] = own_scene.OwnScene
 
 
 @cache

@@ -214,6 +214,8 @@ def _note_impossible_tests(simulated: list[_Simulated], values: Values, place: P
     for one in simulated:
         keys = one.test.option_keys()
         given = {key.name: one.table[key.name] for key in keys if key.name in one.table}
+        if any(key.required and key.name not in given for key in keys):
+            continue
         # Faults of the single options are noted already.
         options = Table(keys).read(given, Place(Findings(place.findings.folder)))
         if None in options.values():

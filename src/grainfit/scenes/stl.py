@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -23,6 +24,8 @@ _RECORD_TYPE = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("att
 _VERTEX = re.compile(rb"^\s*vertex\s+(\S+)\s+(\S+)\s+(\S+)\s*$", re.MULTILINE)
 #: Corners nearer than this are one, over the size of the mesh.
 _SAME = 1e-6
+#: Distance from a periodic side that counts as none, over the period.
+_SIDE = 1e-6
 #: A triangle whose height is below this, over its longest side, has no direction.
 _SLIVER = 1e-6
 #: A mesh this much larger than the box, or smaller, has another unit.
@@ -161,7 +164,19 @@ def mesh_triangles(mesh: Mesh, box: Box) -> Triangles:
     triangles = mesh.scale * read_stl(mesh.path).triangles
     if not box.periodic:
         return triangles
-    return divided(triangles, box.longest_element)
+    return divided(triangles[~_on_periodic_side(triangles, box)], box.longest_element)
+
+
+def _on_periodic_side(triangles: Triangles, box: Box) -> NDArray[np.bool_]:
+    """Find triangles in a periodic side of the box: there, the wall goes on."""
+    found = np.zeros(len(triangles), dtype=bool)
+    for axis, name in enumerate("xyz"):
+        if name in box.periodic:
+            low, high = box.low[axis], box.high[axis]
+            near = _SIDE * (high - low)
+            for side in (low, high):
+                found |= (np.abs(triangles[:, :, axis] - side) < near).all(axis=1)
+    return found
 
 
 def divided(triangles: Triangles, longest: float) -> Triangles:
@@ -173,15 +188,22 @@ def divided(triangles: Triangles, longest: float) -> Triangles:
         Corners.
     longest : float
         Largest length of a side.
+
+    Raises
+    ------
+    InputError
+        There would be too many.
     """
+    sides = triangles[:, 1:] - triangles[:, :1]
+    area = float(np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1).sum() / 2)
+    if area > MOST_TRIANGLES * math.sqrt(3) / 4 * longest**2:
+        message = "needs too many triangles, each shorter than a quarter of the period."
+        raise InputError(Fault("mesh", message, "Cut the mesh to the size of the box."))
     done = []
     while len(triangles):
         sides = np.linalg.norm(triangles - np.roll(triangles, -1, axis=1), axis=2)
         long = sides.max(axis=1) > longest
         done.append(triangles[~long])
-        if len(triangles) > MOST_TRIANGLES:
-            message = "needs too many triangles, each shorter than a quarter of the period."
-            raise InputError(Fault("mesh", message, "Cut the mesh to the size of the box."))
         rest, worst = triangles[long], sides[long].argmax(axis=1)
         at = np.arange(len(rest))
         a, b, c = (rest[at, (worst + n) % 3] for n in range(3))
@@ -223,3 +245,16 @@ def mesh_faults(key: str, shape: Shape, box: Box) -> Iterator[Fault]:
         yield Fault(key, f"{extent}.", f"Is it in another unit? {unit}")
     elif (low > box.high).any() or (high < box.low).any():
         yield Fault(key, f"{shape.path.name} lies outside of the box.", f"Move it. {unit}")
+    else:
+        yield from _period_faults(key, shape.path.name, low, high, box)
+
+
+def _period_faults(
+    key: str, name: str, low: NDArray[np.float64], high: NDArray[np.float64], box: Box
+) -> Iterator[Fault]:
+    for axis, letter in enumerate("xyz"):
+        near = _SIDE * (box.high[axis] - box.low[axis])
+        beyond = low[axis] < box.low[axis] - near or high[axis] > box.high[axis] + near
+        if letter in box.periodic and beyond:
+            message = f"{name} goes beyond the periodic sides along {letter}."
+            yield Fault(key, message, "Cut it there: it repeats with the box.")

@@ -10,14 +10,14 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-import grainfit
 from grainfit.errors import GrainfitError, RunFailedError
 from grainfit.options.python_file import PythonFile
 
 #: Longest time of a call, s.
 LIMIT = 600.0
 _TAIL_LINES = 20
-_PACKAGE = str(Path(grainfit.__file__).parent)
+#: Folder of grainfit.
+_PACKAGE = str(Path(__file__).parents[2])
 _FULL = (errno.ENOSPC, errno.EDQUOT, errno.ENOMEM)
 
 
