@@ -283,6 +283,7 @@ def test_problems_of_a_scene_stop_a_calibration_before_its_first_run(
     path.write_text(FILE.replace("SOLVER", "lammps"))
     beads.write_text(CODE.replace("AtRest(limit=5.0, at_least=0.1)", "AtRst()"))
 
+    assert describe_plan(load_calibration(path), call_scenes=False).problems == ()
     (problem,) = describe_plan(load_calibration(path)).problems
     assert "beads.py, line 16: NameError: name 'AtRst' is not defined" in problem
     with pytest.raises(InputError, match=r"beads\.py, line 16"):

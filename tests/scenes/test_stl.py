@@ -162,7 +162,10 @@ def test_triangles_in_a_periodic_box_are_short_and_cover_the_same_area(table: Pa
     assert areas(after) == pytest.approx(areas(before) - 2 * 0.1 * 0.07, rel=1e-9)
     narrow = Box((-0.1, -0.03, -0.1), (0.1, 0.03, 0.2), periodic="y")
     (fault,) = mesh_faults("wall table", Mesh(table, 0.001), narrow)
-    assert "goes beyond the periodic sides along y" in fault.message
+    assert "goes beyond the box along y" in fault.message
+    assert "repeats" in fault.remedy
+    (fault,) = mesh_faults("wall table", Mesh(table, 0.001), replace(narrow, periodic=""))
+    assert "Make the box larger" in fault.remedy
     with pytest.raises(InputError, match="too many triangles"):
         divided(before, 1e-5)
 

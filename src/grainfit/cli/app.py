@@ -151,12 +151,21 @@ def run(
 
 
 @app.command()
-def check(file: CalibrationPath) -> None:
-    """Validate a calibration file and show the plan. Nothing is simulated."""
+def check(
+    file: CalibrationPath,
+    no_code: Annotated[
+        bool,
+        typer.Option("--no-code", help="Call no function of a scene; its cost stays unknown."),
+    ] = False,
+) -> None:
+    """Validate a calibration file and show the plan. Nothing is simulated.
+
+    The function that describes a scene of your own is called once. Nothing else is executed.
+    """
     from grainfit.calibration_file.plan import describe_plan
 
     setup = _build(file)
-    plan = describe_plan(setup)
+    plan = describe_plan(setup, call_scenes=not no_code)
     show.print_plan(_out, plan)
     if plan.problems:
         raise typer.Exit(_BAD_INPUT)

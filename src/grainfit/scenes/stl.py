@@ -246,15 +246,18 @@ def mesh_faults(key: str, shape: Shape, box: Box) -> Iterator[Fault]:
     elif (low > box.high).any() or (high < box.low).any():
         yield Fault(key, f"{shape.path.name} lies outside of the box.", f"Move it. {unit}")
     else:
-        yield from _period_faults(key, shape.path.name, low, high, box)
+        yield from _side_faults(key, shape.path.name, low, high, box)
 
 
-def _period_faults(
+def _side_faults(
     key: str, name: str, low: NDArray[np.float64], high: NDArray[np.float64], box: Box
 ) -> Iterator[Fault]:
+    """Yield where a mesh goes beyond the box: LIGGGHTS loses such triangles."""
     for axis, letter in enumerate("xyz"):
         near = _SIDE * (box.high[axis] - box.low[axis])
-        beyond = low[axis] < box.low[axis] - near or high[axis] > box.high[axis] + near
-        if letter in box.periodic and beyond:
-            message = f"{name} goes beyond the periodic sides along {letter}."
-            yield Fault(key, message, "Cut it there: it repeats with the box.")
+        if low[axis] >= box.low[axis] - near and high[axis] <= box.high[axis] + near:
+            continue
+        message = f"{name} goes beyond the box along {letter}."
+        repeats = letter in box.periodic
+        remedy = "Cut it there: it repeats with the box." if repeats else "Make the box larger."
+        yield Fault(key, message, remedy)
