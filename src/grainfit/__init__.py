@@ -107,7 +107,7 @@ _HOMES = {
 
 
 #: Rooms that are used by their name.
-_ROOMS = ("plots", "solvers", "tests")
+_ROOMS = ("plots", "scenes", "solvers", "tests")
 #: Functions that have a longer name at home.
 _OTHER_NAMES = {"load": "load_calibration", "open": "open_calibration"}
 

@@ -42,7 +42,7 @@ def layout_of_test(kind: TypeOfTest) -> Table:
 
 def _targets(test: type[BulkTest] | None) -> tuple[Kind, str]:
     """Return the layout of a test's targets, and an example."""
-    if test is None:
+    if test is None or not test.responses:
         return _OWN_TARGETS, _OWN_EXAMPLE
     keys = tuple(
         Key(name, TargetTable(info.unit), f"{info.words}.", example=info.example)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shutil
 from collections.abc import Iterator, Mapping
 from typing import ClassVar
 
@@ -10,7 +9,7 @@ from grainfit.contact_models.liggghts import liggghts_model, liggghts_properties
 from grainfit.errors import Fault, InputError
 from grainfit.scenes.run_output import snapshot_file
 from grainfit.scenes.scene import WALL, Load, Stage, Velocity, Wall
-from grainfit.scenes.shapes import Cylinder, Mesh
+from grainfit.scenes.shapes import Cylinder
 from grainfit.scenes.triangles import triangles_of, write_stl
 from grainfit.solvers.dem.script import PARTICLES, ScriptDeck
 from grainfit.solvers.dem.script_words import command, continued, heading
@@ -105,11 +104,8 @@ class LiggghtsSceneDeck(ScriptDeck):
             yield from self._put_tube(name, wall)
             return
         path = self.folder / f"{name}.stl"
-        if isinstance(wall.shape, Mesh):
-            shutil.copyfile(wall.shape.path, path)
-        else:
-            edge = 0.95 * self.scene.sizes.sauter_diameter
-            write_stl(path, triangles_of(wall.shape, self.scene.box, edge))
+        edge = 0.95 * self.scene.sizes.sauter_diameter
+        write_stl(path, triangles_of(wall.shape, self.scene.box, edge))
         number = 2 + self._surfaces.index(wall.surface)
         loads = [m for m in self.scene.motions_of(name) if isinstance(m, Load)]
         style = "mesh/surface/stress" if name in self.measured_walls() else "mesh/surface"
