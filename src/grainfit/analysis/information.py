@@ -1,0 +1,151 @@
+"""Information that measurements give about parameters: linear, with normal errors.
+
+Parameters are counted in relative units: 0.1 is 10 % of a value, or 0.1 in its logarithm. So a
+standard deviation is a share of the value, and a slope says by how many percent a response changes
+when a parameter changes by 1 %.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from math import log
+
+import numpy as np
+from numpy.typing import NDArray
+
+from grainfit.bulk_tests.base import ResponseInfo
+from grainfit.problem import Parameter
+
+Array = NDArray[np.float64]
+
+#: Half the width of a 95 % interval in standard deviations.
+NORMAL_QUANTILE = 1.96
+#: Runs whose mean scatters as the expected response at the end of a calibration does.
+RUNS = 5
+#: Variance of an even spread over an interval of the length 1.
+_EVEN = 1.0 / 12.0
+
+
+@dataclass(frozen=True)
+class Observation:
+    """A response that is measured, as far as it tells about parameters.
+
+    Parameters
+    ----------
+    name : str
+        Name of the response, with that of its test.
+    slopes : mapping of str to float
+        d ln y / d ln p by name of the parameter; 0 for those that are not named.
+    variance : float
+        Of the relative difference between measured and simulated response at the true parameters.
+    """
+
+    name: str
+    slopes: Mapping[str, float]
+    variance: float
+
+
+@dataclass(frozen=True)
+class Knowledge:
+    """Parameters with their uncertainties, in relative units.
+
+    Parameters
+    ----------
+    names : tuple of str
+        The parameters.
+    covariance : ndarray, shape (d, d)
+        Of the parameters.
+    """
+
+    names: tuple[str, ...]
+    covariance: Array
+
+    @classmethod
+    def of_intervals(cls, parameters: Sequence[Parameter]) -> Knowledge:
+        """Return what intervals say before any measurement: an even spread over each."""
+        variances = [_EVEN * extent(parameter) ** 2 for parameter in parameters]
+        return cls(tuple(p.name for p in parameters), np.diag(np.array(variances, dtype=float)))
+
+    def after(self, observations: Sequence[Observation]) -> Knowledge:
+        """Return what is known when responses have been measured.
+
+        Examples
+        --------
+        >>> before = Knowledge(("friction",), np.array([[0.04]]))
+        >>> after = before.after([Observation("angle", {"friction": 0.5}, 0.01)])
+        >>> round(after.deviation("friction"), 3)
+        0.141
+        """
+        if not observations or not self.names:
+            return self
+        slopes = np.array([[o.slopes.get(name, 0.0) for name in self.names] for o in observations])
+        seen = slopes @ self.covariance
+        total = seen @ slopes.T + np.diag([o.variance for o in observations])
+        change = seen.T @ np.linalg.solve(total, seen)
+        return Knowledge(self.names, self.covariance - (change + change.T) / 2)
+
+    def without(self, names: Sequence[str]) -> Knowledge:
+        """Return it without some parameters, as if they were not free."""
+        kept = [i for i, name in enumerate(self.names) if name not in names]
+        return Knowledge(tuple(self.names[i] for i in kept), self.covariance[np.ix_(kept, kept)])
+
+    def deviation(self, name: str) -> float:
+        """Return the standard deviation of a parameter, a share of its value."""
+        position = self.names.index(name)
+        return math.sqrt(max(float(self.covariance[position, position]), 0.0))
+
+    def half_width(self, name: str) -> float:
+        """Return half the width of the 95 % interval of a parameter, a share of its value."""
+        return NORMAL_QUANTILE * self.deviation(name)
+
+
+def extent(parameter: Parameter) -> float:
+    """Return the length of an interval in relative units, in its middle."""
+    low, high = parameter.minimum, parameter.maximum
+    if parameter.scale == "log":
+        return log(high / low)
+    return (high - low) / middle(parameter)
+
+
+def middle(parameter: Parameter) -> float:
+    """Return the value to which relative units of a parameter refer, above zero."""
+    low, high = parameter.minimum, parameter.maximum
+    # An interval about zero has no middle to refer to.
+    return abs(low + high) / 2 or high - low
+
+
+def recorded_observation(
+    name: str, info: ResponseInfo, material: Mapping[str, float], uncertainty: float
+) -> Observation | None:
+    """Return the observation of a response by its recorded sensitivities; None without them.
+
+    Parameters
+    ----------
+    name : str
+        Name of the response, with that of its test.
+    info : ResponseInfo
+        Has the sensitivities.
+    material : mapping of str to float
+        Where the slopes are taken.
+    uncertainty : float
+        Standard uncertainty of the measurement, a share of the value.
+    """
+    known = info.sensitivities
+    if known is None:
+        return None
+    return Observation(name, known.at(material), variance(uncertainty, known.scatter))
+
+
+def variance(uncertainty: float, scatter: float) -> float:
+    """Return the relative variance of a measurement against the expected response.
+
+    Parameters
+    ----------
+    uncertainty : float
+        Standard uncertainty of the measurement, a share of the value.
+    scatter : float
+        Relative standard deviation from run to run; a calibration averages it over `RUNS` runs.
+    """
+    return uncertainty**2 + scatter**2 / RUNS
