@@ -17,8 +17,9 @@ from grainfit.analysis.further_tests import (
     how_to_determine,
     how_to_tell_apart,
 )
-from grainfit.analysis.information import Knowledge, Observation, recorded_observation
+from grainfit.analysis.information import Knowledge, Observation, recorded_measurable
 from grainfit.analysis.posterior import standard_uncertainty
+from grainfit.bulk_tests.accuracy import Accuracy
 from grainfit.bulk_tests.sensitivities import VARIED
 from grainfit.evaluation import response_name
 from grainfit.formatting import in_a_row
@@ -109,12 +110,12 @@ def _observations(
     }
     found = []
     for target in problem.targets:
-        uncertainty = standard_uncertainty(target) / target.value
+        accuracy = Accuracy(standard_uncertainty(target))
         info = infos.get(target.name)
-        seen = info and recorded_observation(target.name, info, material, uncertainty)
+        seen = info and recorded_measurable(target.name, info, material, target.value, accuracy)
         if not seen:
             return None
-        found.append(seen)
+        found.append(seen.observation())
     return found
 
 

@@ -15,6 +15,7 @@ from math import log
 import numpy as np
 from numpy.typing import NDArray
 
+from grainfit.bulk_tests.accuracy import Accuracy
 from grainfit.bulk_tests.base import ResponseInfo
 from grainfit.problem import Parameter
 
@@ -116,10 +117,54 @@ def middle(parameter: Parameter) -> float:
     return abs(low + high) / 2 or high - low
 
 
-def recorded_observation(
-    name: str, info: ResponseInfo, material: Mapping[str, float], uncertainty: float
-) -> Observation | None:
-    """Return the observation of a response by its recorded sensitivities; None without them.
+@dataclass(frozen=True)
+class Measurable:
+    """A response that a laboratory can measure.
+
+    Parameters
+    ----------
+    name : str
+        Name of the response, with that of its test.
+    value : float
+        Expected value, in its unit.
+    accuracy : Accuracy
+        Of its measurement.
+    slopes : mapping of str to float
+        d ln y / d ln p by name of the parameter; 0 for those that are not named.
+    scatter : float
+        Relative standard deviation from run to run; a calibration averages it over `RUNS` runs.
+    slope_variance : float
+        Relative variance that the uncertainty of the slopes adds.
+    """
+
+    name: str
+    value: float
+    accuracy: Accuracy
+    slopes: Mapping[str, float]
+    scatter: float
+    slope_variance: float = 0.0
+
+    def observation(self, coarser: float = 1.0) -> Observation:
+        """Return what its measurement tells, with an accuracy that is coarser by a factor."""
+        uncertainty = coarser * self.accuracy.of(self.value) / abs(self.value)
+        variance = uncertainty**2 + self.scatter**2 / RUNS + self.slope_variance
+        return Observation(self.name, self.slopes, variance)
+
+    def signal(self, before: Knowledge) -> float:
+        """Return by how much it differs over what is known of the parameters, over its error."""
+        seen = self.observation()
+        slopes = np.array([seen.slopes.get(name, 0.0) for name in before.names])
+        return math.sqrt(max(float(slopes @ before.covariance @ slopes), 0.0) / seen.variance)
+
+
+def recorded_measurable(
+    name: str,
+    info: ResponseInfo,
+    material: Mapping[str, float],
+    value: float,
+    accuracy: Accuracy,
+) -> Measurable | None:
+    """Return a response with its recorded sensitivities; None without them.
 
     Parameters
     ----------
@@ -129,23 +174,12 @@ def recorded_observation(
         Has the sensitivities.
     material : mapping of str to float
         Where the slopes are taken.
-    uncertainty : float
-        Standard uncertainty of the measurement, a share of the value.
+    value : float
+        Expected value.
+    accuracy : Accuracy
+        Of the measurement.
     """
     known = info.sensitivities
     if known is None:
         return None
-    return Observation(name, known.at(material), variance(uncertainty, known.scatter))
-
-
-def variance(uncertainty: float, scatter: float) -> float:
-    """Return the relative variance of a measurement against the expected response.
-
-    Parameters
-    ----------
-    uncertainty : float
-        Standard uncertainty of the measurement, a share of the value.
-    scatter : float
-        Relative standard deviation from run to run; a calibration averages it over `RUNS` runs.
-    """
-    return uncertainty**2 + scatter**2 / RUNS
+    return Measurable(name, value, accuracy, known.at(material), known.scatter)
