@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from math import floor, inf, isfinite, log10
 
 _SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
@@ -205,6 +205,18 @@ def in_a_row(names: Iterable[str], last: str = "and") -> str:
     """
     *first, end = names
     return f"{', '.join(first)} {last} {end}" if first else end
+
+
+def short_names(names: Sequence[str]) -> list[str]:
+    """Return dotted names without their sections, as far as they stay different.
+
+    Examples
+    --------
+    >>> short_names(["particle.density", "wall.restitution", "particle_wall.restitution"])
+    ['density', 'wall.restitution', 'particle_wall.restitution']
+    """
+    last = [name.rpartition(".")[2] for name in names]
+    return [own if last.count(own) == 1 else name for own, name in zip(last, names, strict=True)]
 
 
 def variable_name(name: str) -> str:

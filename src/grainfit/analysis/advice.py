@@ -7,11 +7,11 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import combinations
 
-from grainfit.analysis.further_tests import to_settle
+from grainfit.analysis.further_tests import without_the_bench
 from grainfit.analysis.information import Knowledge, Measurable
 from grainfit.analysis.intervals import interval_of
 from grainfit.bulk_tests.registry import bulk_tests
-from grainfit.formatting import ends, in_a_row, number, unit_for_people, with_unit
+from grainfit.formatting import ends, in_a_row, number, short_names, unit_for_people, with_unit
 from grainfit.problem import Parameter
 from grainfit.result import ParameterInterval
 from grainfit.tables import TextTable, as_html, as_text
@@ -204,7 +204,7 @@ class Advice:
             )
             for prospect in self.prospects
         ]
-        header = ("test", *names, "most telling", "span / error", "a run")
+        header = ("test", *short_names(names), "most telling", "span / error", "a run")
         return TextTable(
             header,
             (("today", *now, "", "", f"{self.today.seconds:.0f} s"), *rows),
@@ -218,7 +218,8 @@ class Advice:
             left = _left_by(self.best_pair, self.today)
             words.append(f"{in_a_row([t.name for t in self.best_pair.tests])} leave {left}.")
         words += [
-            f"None of these tests settles {name}. {to_settle(name)}" for name in self.unsettled
+            f"None of these tests settles {name}. {without_the_bench(name)}".rstrip()
+            for name in self.unsettled
         ]
         return words
 

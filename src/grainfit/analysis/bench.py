@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 
 from grainfit.bulk_tests.base import BulkTest
@@ -10,7 +10,7 @@ from grainfit.bulk_tests.registry import bulk_tests
 from grainfit.contact_models.registry import MATERIAL_PARAMETERS
 from grainfit.errors import Fault, InputError
 from grainfit.options.kinds import suggest
-from grainfit.problem import Problem
+from grainfit.problem import Parameter
 from grainfit.solvers.base import Solver
 from grainfit.solvers.parameters_for import ParametersFor
 from grainfit.solvers.registry import DEM_PROGRAMS
@@ -33,7 +33,7 @@ class Bench:
 
 
 def other_tests(
-    problem: Problem,
+    parameters: Sequence[Parameter],
     solvers: Mapping[str, Solver],
     material: Mapping[str, float],
     wanted: Collection[str] = (),
@@ -42,7 +42,7 @@ def other_tests(
 
     Parameters
     ----------
-    problem : Problem
+    parameters : sequence of Parameter
         Free parameters.
     solvers : mapping of str to Solver
         Tests that there are; the first bulk test gives program, particles and gravity.
@@ -70,7 +70,7 @@ def other_tests(
         remedy = "Only bulk tests on a DEM program can be compared with others."
         raise InputError(Fault("test", "all tests are simulated by models of your own.", remedy))
     present = {s.bulk_test.type for s in solvers.values() if s.bulk_test}
-    free = {p.name for p in problem.parameters}
+    free = {p.name for p in parameters}
     fixed = {name: value for name, value in material.items() if name not in free}
     found: dict[str, Solver] = {}
     refused: dict[str, str] = {}

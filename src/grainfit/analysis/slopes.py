@@ -8,18 +8,18 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.linalg import hadamard
 
 from grainfit.analysis.information import Knowledge, Measurable, middle
 from grainfit.bulk_tests.accuracy import Accuracy
-from grainfit.problem import Parameter, Problem
+from grainfit.problem import Parameter
 
 Array = NDArray[np.float64]
 
 #: Share of a cloud at an end of a direction.
 _END = 0.05
-#: A slope counts by what its square exceeds this many squared standard errors, as Akaike's
-#: criterion charges for a coefficient.
-_CHARGE = 2.0
+#: Standard errors below which a slope counts as none.
+_BY_CHANCE = 2.0
 #: Smallest variance along a direction, over the largest: below it, the cloud is flat.
 _FLAT = 1e-9
 
@@ -49,9 +49,9 @@ class Cloud:
     points: Array
 
     @classmethod
-    def of(cls, problem: Problem, values: Array) -> Cloud:
+    def of(cls, parameters: Sequence[Parameter], values: Array) -> Cloud:
         """Return the cloud of parameter sets in SI units, shape (n, d)."""
-        return cls(tuple(problem.parameters), _relative(problem.parameters, values))
+        return cls(tuple(parameters), _relative(parameters, values))
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -85,6 +85,16 @@ class Cloud:
             chosen += [_nearest_to_median(scaled, order[:size])]
             chosen += [_nearest_to_median(scaled, order[-size:])]
         return list(dict.fromkeys(chosen))
+
+
+def corners(dimension: int) -> Array:
+    """Return corners of the cube from -1 to 1 at which no two parameters vary together.
+
+    Rows of a Hadamard matrix: the fewest that tell all slopes, each from all runs (Plackett and
+    Burman 1946, *Biometrika* 33, 305-325).
+    """
+    size = 2 ** math.ceil(math.log2(dimension + 1))
+    return np.asarray(hadamard(size)[:, 1 : dimension + 1], dtype=float)
 
 
 def _relative(parameters: Sequence[Parameter], values: Array) -> Array:
@@ -168,7 +178,7 @@ def _whitening(cloud: Cloud) -> Array:
 def _beyond_chance(slopes: Array, errors: Array) -> Array:
     """Return slopes with the part left out that chance explains."""
     squares = np.maximum(slopes**2, 1e-300)
-    return np.asarray(slopes * np.maximum(1.0 - _CHARGE * errors / squares, 0.0))
+    return np.asarray(slopes * np.maximum(1.0 - _BY_CHANCE**2 * errors / squares, 0.0))
 
 
 def _scatter(values: Array, runs: Sequence[Run]) -> float | None:

@@ -90,6 +90,71 @@ def advise(
     show.print_parts(_out, found.summary())
 
 
+def design(
+    file: Annotated[
+        Path,
+        typer.Argument(
+            metavar="FILE",
+            help="Calibration file (TOML); measured values may be missing.",
+            show_default=False,
+        ),
+    ],
+    wanted: Annotated[
+        str,
+        typer.Option(
+            metavar="SHARE", help="Wanted half of the 95 % interval of every free parameter."
+        ),
+    ] = "20%",
+    tests: Tests = None,
+    accuracies: Accuracies = None,
+    simulate: Annotated[
+        bool,
+        typer.Option(
+            "--simulate", help="Simulate the tests at a few points of the intervals first."
+        ),
+    ] = False,
+    seeds: Seeds = None,
+    max_time: MaxTime = None,
+    workers: Workers = None,
+    workdir: Annotated[
+        Path | None,
+        typer.Option(
+            "--workdir",
+            metavar="DIR",
+            help="Where runs are kept. Default: the file's name with .grainfit, here.",
+        ),
+    ] = None,
+    yes: Yes = False,
+) -> None:
+    """Say which tests to measure, before the laboratory: which would settle the free parameters.
+
+    Ranks combinations of one to three bulk tests by what they leave and what they cost, from
+    recorded sensitivities, so at once; or, with --simulate, from runs at a few points of the
+    intervals. Tests of the file are taken with the accuracies that it gives, such as
+    targets.angle_of_repose = { uncertainty = "0.5 deg" }, all others with the usual ones.
+
+    [bold]Example:[/bold]  grainfit design plan.toml --wanted 30%
+    """
+    from grainfit.calibration_file.accuracies import read_settings
+    from grainfit.work_folder.design import design as plan
+
+    with _Simulating(ask=not yes and max_time is None) as simulating:
+        found = plan(
+            file,
+            wanted=_share(wanted),
+            tests=tests or (),
+            accuracies=read_settings(accuracies or []),
+            simulate=simulate,
+            seeds=seeds,
+            max_seconds=_seconds(max_time),
+            workers=workers,
+            workdir=workdir,
+            on_start=simulating.begin,
+            on_progress=simulating.show,
+        )
+    show.print_parts(_out, found.summary())
+
+
 class _Simulating:
     """Progress of simulations that are confirmed first; Ctrl-C ends them with a word."""
 
@@ -129,9 +194,19 @@ def _seconds(text: str | None) -> float | None:
     if text is None:
         return None
     try:
-        seconds = float(text) if text.replace(".", "", 1).isdigit() else to_unit(text, "s")
+        seconds = to_unit(text, "s")
     except UnitError as error:
         raise InputError(Fault("max-time", error.message, error.remedy)) from None
     if not seconds > 0:
         raise InputError(Fault("max-time", f"is {text!r}.", "Give a time above 0, as 10min."))
     return seconds
+
+
+def _share(text: str) -> float:
+    """Read a share such as ``20%``."""
+    from grainfit.units import percentage
+
+    share = percentage(text)
+    if share is None or not share > 0:
+        raise InputError(Fault("wanted", f"is {text!r}.", "Give a percentage above 0, as 20%."))
+    return share
