@@ -7,8 +7,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import combinations
 
+import numpy as np
+
 from grainfit.analysis.further_tests import without_the_bench
-from grainfit.analysis.information import Knowledge, Measurable
+from grainfit.analysis.information import Knowledge, Measurable, in_relative_units, in_si_units
 from grainfit.analysis.intervals import interval_of
 from grainfit.bulk_tests.registry import bulk_tests
 from grainfit.formatting import ends, in_a_row, number, short_names, unit_for_people, with_unit
@@ -54,9 +56,9 @@ class Prospect:
     tests : tuple of CandidateTest
         Tests to measure.
     intervals : mapping of str to ParameterInterval
-        95 % interval of each open parameter, about the value of today.
+        95 % interval of each open parameter, as wide as it is expected to be.
     shares : mapping of str to float
-        Width of these intervals over those of today.
+        Standard deviations of the open parameters over those of today.
     seconds : float
         Wall time of one parameter set in all tests, those of today included, s.
     """
@@ -101,7 +103,7 @@ class OpenParameters:
     intervals : mapping of str to ParameterInterval
         Their 95 % intervals.
     values : mapping of str to float
-        Their values, within the intervals.
+        Medians, about which the intervals after further tests are shown.
     knowledge : Knowledge
         Covariance of all free parameters.
     seconds : float
@@ -122,18 +124,18 @@ class OpenParameters:
             p.name: _share(then.deviation(p.name), self.knowledge.deviation(p.name))
             for p in self.parameters
         }
-        left = {p.name: self._left(p, shares[p.name]) for p in self.parameters}
+        left = {p.name: self._left(p, then.half_width(p.name)) for p in self.parameters}
         seconds = self.seconds + sum(test.seconds for test in tests)
         return Prospect(tuple(tests), left, shares, seconds)
 
-    def _left(self, parameter: Parameter, share: float) -> ParameterInterval:
-        """Return the interval of today, narrowed to a share about the value."""
-        now, value = self.intervals[parameter.name], self.values[parameter.name]
-        if parameter.minimum > 0:
-            low, high = (value * (end / value) ** share for end in (now.low, now.high))
-        else:
-            low, high = (value + share * (end - value) for end in (now.low, now.high))
-        return interval_of(parameter, low, high)
+    def _left(self, parameter: Parameter, half_width: float) -> ParameterInterval:
+        """Return an interval of this half-width about the value, within that of today."""
+        now = self.intervals[parameter.name]
+        ends = [now.low, self.values[parameter.name], now.high]
+        first, value, last = in_relative_units(parameter, np.array(ends)).tolist()
+        low = max(min(value - half_width, last - 2 * half_width), first)
+        high = min(low + 2 * half_width, last)
+        return interval_of(parameter, *in_si_units(parameter, np.array([low, high])).tolist())
 
 
 def _share(then: float, now: float) -> float:

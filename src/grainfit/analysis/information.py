@@ -117,6 +117,19 @@ def middle(parameter: Parameter) -> float:
     return abs(low + high) / 2 or high - low
 
 
+def in_relative_units(parameter: Parameter, values: Array) -> Array:
+    """Return values of a parameter in relative units: ln p, or p over its middle.
+
+    The logarithm where the interval is above zero.
+    """
+    return np.log(values) if parameter.minimum > 0 else values / middle(parameter)
+
+
+def in_si_units(parameter: Parameter, values: Array) -> Array:
+    """Return values of a parameter from relative units, see `in_relative_units`."""
+    return np.asarray(np.exp(values) if parameter.minimum > 0 else values * middle(parameter))
+
+
 @dataclass(frozen=True)
 class Measurable:
     """A response that a laboratory can measure.

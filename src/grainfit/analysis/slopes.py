@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import hadamard
 
-from grainfit.analysis.information import Knowledge, Measurable, middle
+from grainfit.analysis.information import Knowledge, Measurable, in_relative_units
 from grainfit.bulk_tests.accuracy import Accuracy
 from grainfit.problem import Parameter
 
@@ -98,10 +98,7 @@ def corners(dimension: int) -> Array:
 
 
 def _relative(parameters: Sequence[Parameter], values: Array) -> Array:
-    columns = [
-        np.log(values[:, i]) if p.minimum > 0 else values[:, i] / middle(p)
-        for i, p in enumerate(parameters)
-    ]
+    columns = [in_relative_units(p, values[:, i]) for i, p in enumerate(parameters)]
     return np.stack(columns, axis=1)
 
 

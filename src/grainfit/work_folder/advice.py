@@ -136,7 +136,6 @@ def _today(
     solvers: Mapping[str, Solver],
 ) -> OpenParameters:
     intervals = saved.intervals
-    answer = saved.result.parameters if saved.result else {}
     free = [p for p in saved.problem.parameters if intervals[p.name].determination != "determined"]
     seconds = sum(seconds_of(solver, medians) for solver in solvers.values())
-    return OpenParameters(tuple(free), intervals, {**medians, **answer}, knowledge, seconds)
+    return OpenParameters(tuple(free), intervals, medians, knowledge, seconds)
