@@ -208,15 +208,18 @@ def in_a_row(names: Iterable[str], last: str = "and") -> str:
 
 
 def short_names(names: Sequence[str]) -> list[str]:
-    """Return dotted names without their sections, as far as they stay different.
+    """Return dotted names as headings: without sections where they stay different, in words.
 
     Examples
     --------
-    >>> short_names(["particle.density", "wall.restitution", "particle_wall.restitution"])
-    ['density', 'wall.restitution', 'particle_wall.restitution']
+    >>> short_names(["particle_particle.sliding_friction", "wall.density", "particle.density"])
+    ['sliding friction', 'wall.density', 'particle.density']
     """
     last = [name.rpartition(".")[2] for name in names]
-    return [own if last.count(own) == 1 else name for own, name in zip(last, names, strict=True)]
+    return [
+        (own if last.count(own) == 1 else name).replace("_", " ")
+        for own, name in zip(last, names, strict=True)
+    ]
 
 
 def variable_name(name: str) -> str:

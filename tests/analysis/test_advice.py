@@ -110,7 +110,7 @@ def test_what_a_test_leaves_is_the_closed_form() -> None:
 def test_an_interval_that_is_left_lies_within_that_of_today() -> None:
     now = today(SLIDING, ROLLING)
     assert now.after([]).intervals == now.intervals
-    at_an_end = replace(now, values={SLIDING: 0.21, ROLLING: 0.4})
+    at_an_end = replace(now, values={SLIDING: 0.201, ROLLING: 0.4})
     test = CandidateTest("slide", 5.0, (measured((1.0, 0.0, 0.0)),))
     middle, end = (known.after([test]).intervals[SLIDING] for known in (now, at_an_end))
     assert end.low == pytest.approx(0.2)

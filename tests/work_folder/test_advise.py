@@ -22,7 +22,7 @@ def angle(parameters: dict[str, float], seed: int) -> dict[str, float]:
     return {"angle": 60 * parameters["friction"] + 0.1 * random.normal()}
 
 
-def own_calibration(folder: Path, target: float = 30.0) -> gf.OpenedCalibration:
+def calibrated(folder: Path, target: float = 30.0) -> gf.OpenedCalibration:
     problem = gf.Problem(
         [gf.Parameter("friction", 0.1, 0.9), gf.Parameter("colour", 0.0, 1.0)],
         [gf.Target("angle", target, tolerance=0.5)],
@@ -31,10 +31,14 @@ def own_calibration(folder: Path, target: float = 30.0) -> gf.OpenedCalibration:
     return gf.open(folder)
 
 
-def test_models_of_the_user_have_no_other_tests(tmp_path: Path) -> None:
-    saved = own_calibration(tmp_path)
+@pytest.fixture(scope="module")
+def own(tmp_path_factory: pytest.TempPathFactory) -> gf.OpenedCalibration:
+    return calibrated(tmp_path_factory.mktemp("own"))
+
+
+def test_models_of_the_user_have_no_other_tests(own: gf.OpenedCalibration) -> None:
     with pytest.raises(gf.InputError, match="model of your own"):
-        saved.advise()
+        own.advise()
 
 
 @pytest.mark.parametrize(
@@ -48,14 +52,14 @@ def test_models_of_the_user_have_no_other_tests(tmp_path: Path) -> None:
     ],
 )
 def test_impossible_options_are_named(
-    tmp_path: Path, options: dict[str, object], message: str
+    own: gf.OpenedCalibration, options: dict[str, object], message: str
 ) -> None:
     with pytest.raises(gf.InputError, match=message):
-        own_calibration(tmp_path).advise(**options)
+        own.advise(**options)
 
 
 def test_nothing_is_advised_where_no_parameter_set_agrees(tmp_path: Path) -> None:
-    saved = own_calibration(tmp_path, target=80.0)
+    saved = calibrated(tmp_path, target=80.0)
     assert saved.state == "unreachable"
     with pytest.raises(gf.InputError, match="Widen an interval"):
         saved.advise()
@@ -92,7 +96,7 @@ def test_a_packing_is_recommended_for_the_density_that_an_angle_leaves_open(
     )
     folder = tmp_path / "beads"
     solver = gf.solvers.Lammps(heap, material)
-    gf.calibrate(problem, solver, workdir=folder, max_runs=12, seed=1)
+    gf.calibrate(problem, solver, workdir=folder, max_runs=9, workers=2, seed=1)
     saved = gf.open(folder)
     assert saved.intervals[DENSITY].determination == "not determined"
     works: list[ExpectedWork] = []

@@ -206,12 +206,13 @@ class Advice:
             )
             for prospect in self.prospects
         ]
-        header = ("test", *short_names(names), "most telling", "span / error", "a run")
+        header = ("test", *short_names(names), "most telling", "over its error", "a run")
         return TextTable(
             header,
             (("today", *now, "", "", f"{self.today.seconds:.0f} s"), *rows),
-            f"95 % intervals that would be left if the test were measured with the usual accuracy; "
-            f"{self.points} parameter sets, {self.seeds} seeds each",
+            "95 % intervals that would be left. Most telling: the response that differs most among "
+            "the parameter sets that fit, over its error. "
+            f"{self.points} parameter sets, {self.seeds} seeds each.",
         )
 
     def _words(self) -> list[str]:

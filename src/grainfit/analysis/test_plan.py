@@ -119,11 +119,11 @@ class TestPlan:
         ]
         now = (_percent(self.before.half_width(name)) for name in names)
         return TextTable(
-            ("tests", *short_names(names), "accuracies", "a run"),
+            ("tests", *short_names(names), "accuracy factor", "a run"),
             (("none", *now, "", ""), *rows),
-            f"± half of the 95 % interval that is left. Accuracies: how many times coarser than "
-            f"assumed they may be for ± {_share(self.wanted)}; below 1, how much finer they must "
-            f"be. {self.source}",
+            "± half of the 95 % interval that is left. Accuracy factor: how many times coarser than "
+            f"assumed measurements may be to reach ± {_share(self.wanted)}; below 1, they must be "
+            f"finer. {self.source}",
         )
 
     def _words(self) -> list[str]:
