@@ -13,7 +13,15 @@ from grainfit.analysis.further_tests import without_the_bench
 from grainfit.analysis.information import Knowledge, Measurable, in_relative_units, in_si_units
 from grainfit.analysis.intervals import interval_of
 from grainfit.bulk_tests.registry import bulk_tests
-from grainfit.formatting import ends, in_a_row, number, short_names, unit_for_people, with_unit
+from grainfit.formatting import (
+    counted,
+    ends,
+    in_a_row,
+    number,
+    short_names,
+    unit_for_people,
+    with_unit,
+)
 from grainfit.problem import Parameter
 from grainfit.result import ParameterInterval
 from grainfit.tables import TextTable, as_html, as_text
@@ -26,14 +34,14 @@ _NAMED = 3
 
 @dataclass(frozen=True)
 class CandidateTest:
-    """A test that was simulated at parameter sets that agree with the measurements.
+    """A test that could be measured, with what it tells.
 
     Parameters
     ----------
     name : str
-        Its type.
+        Its type, or its name in the file.
     seconds : float
-        Wall time of a run, s.
+        Estimated wall time of a run, s.
     responses : tuple of Measurable
         What it measures, and how that depends on the parameters.
     """
@@ -212,7 +220,7 @@ class Advice:
             (("today", *now, "", "", f"{self.today.seconds:.0f} s"), *rows),
             "95 % intervals that would be left. Most telling: the response that differs most among "
             "the parameter sets that fit, over its error. "
-            f"{self.points} parameter sets, {self.seeds} seeds each.",
+            f"{self.points} parameter sets, {counted(self.seeds, 'seed')} each.",
         )
 
     def _words(self) -> list[str]:

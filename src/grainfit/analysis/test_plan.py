@@ -121,8 +121,8 @@ class TestPlan:
         return TextTable(
             ("tests", *short_names(names), "accuracy factor", "a run"),
             (("none", *now, "", ""), *rows),
-            "± half of the 95 % interval that is left. Accuracy factor: how many times coarser than "
-            f"assumed measurements may be to reach ± {_share(self.wanted)}; below 1, they must be "
+            "± half of the 95 % interval that is left. Accuracy factor: how many times coarser "
+            f"than assumed measurements may be for ± {_share(self.wanted)}; below 1, they must be "
             f"finer. {self.source}",
         )
 

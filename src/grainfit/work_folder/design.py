@@ -20,6 +20,7 @@ from grainfit.campaign.study import ExpectedWork
 from grainfit.campaign.work_folder import default_workdir
 from grainfit.checks import as_number
 from grainfit.errors import Fault, InputError
+from grainfit.formatting import counted
 from grainfit.problem import Parameter
 from grainfit.work_folder.candidates import (
     AccuracyOf,
@@ -110,7 +111,9 @@ def design(
     evaluations = simulation.run(bench.solvers, points)
     found, failed = candidate_tests(bench.solvers, cloud, points, evaluations, accuracy)
     count = simulation.seeds_for(bench.solvers, points)
-    source_words = f"Slopes from {len(points)} points of the intervals, {count} seeds each."
+    source_words = (
+        f"Slopes from {len(points)} points of the intervals, {counted(count, 'seed')} each."
+    )
     refused = {**bench.refused, **failed}
     return plan_tests(found, cloud.knowledge, wanted, refused, source_words)
 
