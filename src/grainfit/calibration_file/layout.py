@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from grainfit.bulk_tests.base import BulkTest
@@ -135,7 +135,16 @@ LAYOUT = Table(
 )
 
 
-def read_document(document: dict[str, Any], place: Place) -> Values:
+#: Layout of a file from before the laboratory.
+PLANNED_LAYOUT = replace(
+    LAYOUT,
+    keys=tuple(
+        replace(key, kind=Tests(planned=True)) if key.name == "test" else key for key in LAYOUT.keys
+    ),
+)
+
+
+def read_document(document: dict[str, Any], place: Place, *, planned: bool = False) -> Values:
     """Read a whole file and note every fault.
 
     Parameters
@@ -144,8 +153,10 @@ def read_document(document: dict[str, Any], place: Place) -> Values:
         As returned by `tomllib`.
     place : Place
         The top of the file.
+    planned : bool
+        Whether measured values may be missing.
     """
-    values: Values = LAYOUT.read(document, place)
+    values: Values = (PLANNED_LAYOUT if planned else LAYOUT).read(document, place)
     if "test" not in document:
         place.at("test").fault("is missing.", "Add a section [[test]] with type and targets.")
     simulated = _simulated(document)

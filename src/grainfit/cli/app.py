@@ -19,6 +19,7 @@ import typer
 from rich.console import Console
 
 from grainfit.cli import console as show
+from grainfit.cli.advice import advise, design
 from grainfit.cli.export import export
 from grainfit.cli.runs import runs_app
 from grainfit.cli.search_options import with_search_options
@@ -400,6 +401,8 @@ def measure(
 
 
 app.command()(export)
+app.command()(advise)
+app.command()(design)
 
 
 def _write_report(workdir: Path, output: Path | None = None) -> Path:

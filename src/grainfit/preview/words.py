@@ -108,8 +108,9 @@ def _changes(stage: Stage) -> Iterator[str]:
 
 
 def _motions(stage: Stage) -> Iterator[str]:
-    for wall, motion in stage.motions.items():
-        yield f"{wall} {motion_words(motion)}"
+    for name in stage.motions:
+        for motion in stage.motions_of(name):
+            yield f"{name} {motion_words(motion)}"
     if stage.series is not None:
         yield f"{in_a_row(stage.series.columns)} recorded every {_s(stage.series.every)}"
 

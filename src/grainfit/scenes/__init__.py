@@ -7,6 +7,7 @@ from grainfit.scenes.conditions import AtRest as AtRest
 from grainfit.scenes.conditions import Clear as Clear
 from grainfit.scenes.conditions import Elapsed as Elapsed
 from grainfit.scenes.conditions import Loaded as Loaded
+from grainfit.scenes.glued import Glued as Glued
 from grainfit.scenes.packing import Column as Column
 from grainfit.scenes.packing import Rectangle as Rectangle
 from grainfit.scenes.packing import Round as Round

@@ -160,9 +160,10 @@ def _stage_faults(stage: Stage) -> Iterator[Fault]:
     for name, value in times.items():
         if not (_is_number(value) and value > 0):
             yield Fault(key, f"has the {name} {value!r}.", "Give a time in s, above 0.")
-    for wall, motion in stage.motions.items():
-        if getattr(motion, "along", "x") not in _AXES:
-            yield Fault(key, f"moves {wall} along {motion.along!r}.", "Use x, y or z.")
+    for name in stage.motions:
+        for motion in stage.motions_of(name):
+            if getattr(motion, "along", "x") not in _AXES:
+                yield Fault(key, f"moves {name} along {motion.along!r}.", "Use x, y or z.")
     if stage.series is not None:
         if not (_is_number(stage.series.every) and stage.series.every > 0):
             yield Fault(key, f"records every {stage.series.every!r} s.", "Give a time above 0.")
