@@ -32,7 +32,7 @@ from grainfit.testing.materials import GLASS_BEADS
 from grainfit.testing.scene_contract import spheres
 
 BLADE = Path(__file__).parents[2] / "examples" / "blade" / "calibration.toml"
-BOX = Box((-0.1, -0.1, 0.0), (0.1, 0.1, 0.2))
+BOX = Box((-0.1, -0.1, -0.05), (0.12, 0.1, 0.2))
 
 
 def scene(walls: dict[str, Wall], *stages: Stage, positions=((0.0, 0.0, 0.02),)) -> Scene:
@@ -56,7 +56,7 @@ def test_edges_are_those_of_the_shape_and_not_of_its_triangles() -> None:
     edges = feature_edges(block, 0.2)
     # The lower face lies outside of the box, and is not there: its edges are borders.
     assert len(edges) == 12
-    assert np.linalg.norm(edges[:, 0] - edges[:, 1], axis=1).max() == pytest.approx(0.15)
+    assert np.linalg.norm(edges[:, 0] - edges[:, 1], axis=1).max() == pytest.approx(0.2)
 
     tube = triangles_of(Cylinder(0.05, 0.0, 0.1), BOX, 0.01)
     heights = feature_edges(tube, 0.2)[:, :, 2]
@@ -67,7 +67,7 @@ def test_edges_are_those_of_the_shape_and_not_of_its_triangles() -> None:
 def test_walls_have_their_state_and_the_arrows_of_their_motions() -> None:
     drawn = geometry_of(
         scene(
-            {"floor": Wall(Plane("z", 0.0)), "side": Wall(Plane("x", -0.1))},
+            {"floor": Wall(Plane("z", 0.01)), "side": Wall(Plane("x", -0.1))},
             Stage("push", Elapsed(1.0), motions={"side": Velocity("x", -0.2)}),
             Stage(
                 "press",
@@ -161,8 +161,12 @@ def test_every_test_of_the_bench_has_a_preview(tmp_path: Path, name: str) -> Non
     data = json.loads(re.search(r'id="data-particles">(.*?)</script>', text, re.DOTALL)[1])
     table = np.frombuffer(base64.b64decode(data["test-1"]["particles"]), "<i2").reshape(-1, 4)
     step = found.geometry.radii[0] / table[0, 3]
-    np.testing.assert_allclose(table[:, :3] * step, found.geometry.positions, atol=0.02)
-    assert len(data["test-1"]["walls"]) == len(found.geometry.walls)
+    np.testing.assert_allclose(table[:, :3] * step, found.geometry.positions, atol=0.002)
+    walls = data["test-1"]["walls"]
+    assert len(walls) == len(found.geometry.walls)
+    for wall, drawn in zip(walls, found.geometry.walls, strict=True):
+        corners = np.frombuffer(base64.b64decode(wall["triangles"]), "<i2") * step
+        np.testing.assert_allclose(corners, drawn.triangles.ravel(), atol=0.002)
 
 
 def test_the_command_writes_page_and_picture_of_a_scene_of_the_user(
