@@ -92,6 +92,8 @@ def simulate_batch(
                 evaluations += campaign.wait(lambda: _stop_after(end))
                 if on_progress is not None:
                     on_progress(len(evaluations), len(proposals))
+                # Short runs leave the wait before it looks at the time.
+                _stop_after(end)
         except _TimeIsOverError:
             campaign.cancel()
     return evaluations
