@@ -10,7 +10,7 @@ import pytest
 from typer.testing import CliRunner
 
 import grainfit as gf
-from grainfit.campaign.study import ExpectedWork
+from grainfit.campaign.batch import ExpectedWork
 from grainfit.cli.app import app
 from grainfit.testing.materials import GLASS_BEADS
 

@@ -141,28 +141,43 @@ def simulated_measurable(
         return None
     relative = np.log(values) if (values > 0).all() else values / abs(mean)
     whiten = _whitening(cloud)
-    where = points[[run.point for run in runs]] @ whiten.T
-    seeds = sorted({run.seed for run in runs})
-    blocks = np.array([[run.seed == seed for seed in seeds] for run in runs], dtype=float)
-    matrix = np.hstack([blocks, where])
-    freedom = len(runs) - matrix.shape[1]
-    if freedom < 1 or np.linalg.matrix_rank(matrix) < matrix.shape[1]:
+    fit = _fit(points[[run.point for run in runs]] @ whiten.T, relative, runs)
+    if fit is None:
         return None
-    fitted, *_ = np.linalg.lstsq(matrix, relative, rcond=None)
-    residuals = relative - matrix @ fitted
-    noise = float(residuals @ residuals) / freedom
-    slopes = fitted[len(seeds) :]
-    errors = noise * np.diag(np.linalg.inv(matrix.T @ matrix))[len(seeds) :]
-    kept = _beyond_chance(slopes, errors)
+    kept = _beyond_chance(fit.slopes, fit.errors)
     repeated = _scatter(relative, runs)
     return Measurable(
         name,
         mean,
         accuracy,
         dict(zip(cloud.names, (whiten.T @ kept).tolist(), strict=True)),
-        math.sqrt(noise) if repeated is None else repeated,
-        float(errors.sum()),
+        math.sqrt(fit.noise) if repeated is None else repeated,
+        float(fit.errors.sum()),
     )
+
+
+@dataclass(frozen=True)
+class _Fit:
+    """Slopes along the directions of a cloud, with their squared standard errors."""
+
+    slopes: Array
+    errors: Array
+    noise: float
+
+
+def _fit(where: Array, values: Array, runs: Sequence[Run]) -> _Fit | None:
+    """Fit slopes and a constant for each seed; None if nothing is left to know the noise from."""
+    seeds = sorted({run.seed for run in runs})
+    blocks = np.array([[run.seed == seed for seed in seeds] for run in runs], dtype=float)
+    matrix = np.hstack([blocks, where])
+    freedom = len(runs) - matrix.shape[1]
+    if freedom < 1 or np.linalg.matrix_rank(matrix) < matrix.shape[1]:
+        return None
+    fitted, *_ = np.linalg.lstsq(matrix, values, rcond=None)
+    residuals = values - matrix @ fitted
+    noise = float(residuals @ residuals) / freedom
+    errors = noise * np.diag(np.linalg.inv(matrix.T @ matrix))
+    return _Fit(fitted[len(seeds) :], errors[len(seeds) :], noise)
 
 
 def _whitening(cloud: Cloud) -> Array:

@@ -9,9 +9,9 @@ from itertools import product
 from pathlib import Path
 
 from grainfit.bulk_tests.sensitivities import MODULUS
+from grainfit.campaign.batch import ExpectedWork, simulate_batch
 from grainfit.campaign.campaign import CampaignOptions
 from grainfit.campaign.reuse import needed_responses
-from grainfit.campaign.study import ExpectedWork, Study, simulate_study
 from grainfit.contact_models.registry import MATERIAL_PARAMETERS
 from grainfit.errors import Fault, InputError
 from grainfit.evaluation import Evaluation, Proposal
@@ -134,4 +134,4 @@ def simulate_moduli(
     needed = needed_responses(plan.problem, plan.solvers)
     options = CampaignOptions(plan.workers, plan.all_timeouts(), needed=needed)
     proposals = [proposal for _, proposal in plan.proposals()]
-    return simulate_study(Study(plan.solvers, proposals, options), folder, on_start, on_progress)
+    return simulate_batch(plan.solvers, proposals, folder, options, on_start, on_progress)

@@ -13,7 +13,7 @@ from grainfit.cli import console as show
 from grainfit.errors import Fault, InputError
 
 if TYPE_CHECKING:
-    from grainfit.campaign.study import ExpectedWork
+    from grainfit.campaign.batch import ExpectedWork
 
 _INTERRUPTED = 130
 _STOPPED = "Interrupted. Finished runs are kept; start again to continue."

@@ -13,7 +13,7 @@ from grainfit.analysis.bench import other_tests
 from grainfit.analysis.information import Knowledge
 from grainfit.analysis.slopes import Cloud
 from grainfit.calibration_file.accuracies import accuracy_of, read_accuracies
-from grainfit.campaign.study import ExpectedWork
+from grainfit.campaign.batch import ExpectedWork
 from grainfit.errors import Fault, InputError
 from grainfit.solvers.base import Solver
 from grainfit.work_folder.candidates import Simulation, candidate_tests, seconds_of

@@ -10,8 +10,8 @@ from grainfit.analysis.advice import CandidateTest
 from grainfit.analysis.slopes import Cloud, Run, simulated_measurable
 from grainfit.bulk_tests.accuracy import Accuracy
 from grainfit.bulk_tests.base import ResponseInfo
+from grainfit.campaign.batch import ExpectedWork, simulate_batch
 from grainfit.campaign.campaign import CampaignOptions
-from grainfit.campaign.study import ExpectedWork, Study, simulate_study
 from grainfit.checks import as_number
 from grainfit.errors import Fault, InputError
 from grainfit.evaluation import Evaluation, Proposal, response_name
@@ -87,8 +87,15 @@ class Simulation:
         proposals = [Proposal(point, seed, "design") for seed in seeds for point in points]
         timeouts = {name: _timeout(solver, points) for name, solver in solvers.items()}
         known = {name: seconds for name, seconds in timeouts.items() if seconds is not None}
-        study = Study(solvers, proposals, CampaignOptions(self.workers, known), self.max_seconds)
-        return simulate_study(study, self.folder, self.on_start, self.on_progress)
+        return simulate_batch(
+            solvers,
+            proposals,
+            self.folder,
+            CampaignOptions(self.workers, known),
+            self.on_start,
+            self.on_progress,
+            self.max_seconds,
+        )
 
 
 def _timeout(solver: Solver, points: Sequence[Mapping[str, float]]) -> float | None:

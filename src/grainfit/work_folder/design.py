@@ -16,7 +16,7 @@ from grainfit.analysis.slopes import Cloud, corners
 from grainfit.analysis.test_plan import TestPlan, plan_tests
 from grainfit.calibration_file.accuracies import read_accuracies
 from grainfit.calibration_file.planned import PlannedFile, load_planned_file
-from grainfit.campaign.study import ExpectedWork
+from grainfit.campaign.batch import ExpectedWork
 from grainfit.campaign.work_folder import default_workdir
 from grainfit.checks import as_number
 from grainfit.errors import Fault, InputError

@@ -10,8 +10,8 @@ from typing import Any
 from grainfit.analysis.modulus_study import ModulusStudy, modulus_study
 from grainfit.bulk_tests.sensitivities import MODULUS
 from grainfit.calibration_file.build import CalibrationSetup, load_calibration
+from grainfit.campaign.batch import ExpectedWork
 from grainfit.campaign.moduli import ModulusPlan, simulate_moduli
-from grainfit.campaign.study import ExpectedWork
 from grainfit.campaign.work_folder import default_workdir
 from grainfit.errors import Fault, InputError
 from grainfit.work_folder.saved_calibration import SavedCalibration, read_answer

@@ -1,10 +1,10 @@
-"""Simulate a set of parameter sets outside a calibration: say the work, run it, keep it."""
+"""Simulate a list of parameter sets outside a calibration; finished runs are kept."""
 
 from __future__ import annotations
 
 import time
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 
 from grainfit.campaign.campaign import Campaign, CampaignOptions
@@ -16,7 +16,7 @@ from grainfit.solvers.base import Solver
 
 @dataclass(frozen=True)
 class ExpectedWork:
-    """Runs that a study still has to make, and how long that takes.
+    """Runs that are still to be made, and how long that takes.
 
     Parameters
     ----------
@@ -39,56 +39,39 @@ class ExpectedWork:
         return f"{words}; about {duration(self.seconds)}"
 
 
-@dataclass(frozen=True)
-class Study:
-    """Parameter sets to simulate in one or more tests.
+def simulate_batch(
+    solvers: Mapping[str, Solver],
+    proposals: Sequence[Proposal],
+    folder: Path,
+    options: CampaignOptions,
+    on_start: Callable[[ExpectedWork], None] | None = None,
+    on_progress: Callable[[int, int], None] | None = None,
+    max_seconds: float | None = None,
+) -> list[Evaluation]:
+    """Simulate parameter sets in every test, or find the runs in the store of the folder.
 
     Parameters
     ----------
     solvers : mapping of str to Solver
         By name of the test.
     proposals : sequence of Proposal
-        In the order in which they are simulated.
-    options : CampaignOptions
-        Options for executing runs.
-    max_seconds : float, optional
-        Wall time after which no more is simulated, s.
-    """
-
-    solvers: Mapping[str, Solver]
-    proposals: Sequence[Proposal]
-    options: CampaignOptions = field(default_factory=CampaignOptions)
-    max_seconds: float | None = None
-
-
-class _TimeIsOverError(Exception):
-    """The study has taken as long as it may."""
-
-
-def simulate_study(
-    study: Study,
-    folder: Path,
-    on_start: Callable[[ExpectedWork], None] | None = None,
-    on_progress: Callable[[int, int], None] | None = None,
-) -> list[Evaluation]:
-    """Simulate all parameter sets of a study, or find their runs in the store of the folder.
-
-    Parameters
-    ----------
-    study : Study
-        Tests and parameter sets.
+        Parameter sets, each with its seed.
     folder : Path
         Work folder that keeps the runs; it may be that of a calibration. After Ctrl-C, another call
         continues.
+    options : CampaignOptions
+        Options for executing runs.
     on_start : callable, optional
         Called with the expected work before the first run.
     on_progress : callable, optional
         Called with the numbers of finished and of all parameter sets.
+    max_seconds : float, optional
+        Wall time after which no more is simulated, s; finished runs are kept.
 
     Returns
     -------
     list of Evaluation
-        Those that ended within ``max_seconds``.
+        In the order in which they ended.
 
     Raises
     ------
@@ -98,20 +81,26 @@ def simulate_study(
         The folder cannot be used.
     """
     evaluations: list[Evaluation] = []
-    with open_campaign(study.solvers, folder, study.options) as campaign:
+    with open_campaign(solvers, folder, options) as campaign:
         if on_start is not None:
-            on_start(_expected_work(study, campaign))
-        end = None if study.max_seconds is None else time.monotonic() + study.max_seconds
-        for proposal in study.proposals:
+            on_start(_expected_work(campaign, proposals, options.workers))
+        end = None if max_seconds is None else time.monotonic() + max_seconds
+        for proposal in proposals:
             campaign.start(proposal)
         try:
             while campaign.has_pending:
                 evaluations += campaign.wait(lambda: _stop_after(end))
                 if on_progress is not None:
-                    on_progress(len(evaluations), len(study.proposals))
+                    on_progress(len(evaluations), len(proposals))
+                # Short runs leave the wait before it looks at the time.
+                _stop_after(end)
         except _TimeIsOverError:
             campaign.cancel()
     return evaluations
+
+
+class _TimeIsOverError(Exception):
+    """The batch has taken as long as it may."""
 
 
 def _stop_after(end: float | None) -> None:
@@ -119,17 +108,16 @@ def _stop_after(end: float | None) -> None:
         raise _TimeIsOverError
 
 
-def _expected_work(study: Study, campaign: Campaign) -> ExpectedWork:
+def _expected_work(campaign: Campaign, proposals: Sequence[Proposal], workers: int) -> ExpectedWork:
     costs: dict[str, float | None] = {}
     known = set()
-    for proposal in study.proposals:
+    for proposal in proposals:
         for test, identity in campaign.identities(proposal).items():
             if campaign.is_known(identity, test):
                 known.add(identity)
             else:
-                cost = study.solvers[test].estimate_cost(proposal.parameters)
+                cost = campaign.solvers[test].estimate_cost(proposal.parameters)
                 costs[identity] = None if cost is None else cost.wall_seconds
     seconds = [cost for cost in costs.values() if cost is not None]
     is_estimated = len(seconds) == len(costs)
-    workers = study.options.workers
     return ExpectedWork(len(costs), len(known), sum(seconds) / workers if is_estimated else None)

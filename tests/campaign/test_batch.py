@@ -6,8 +6,8 @@ import time
 from pathlib import Path
 
 import grainfit as gf
+from grainfit.campaign.batch import ExpectedWork, simulate_batch
 from grainfit.campaign.campaign import CampaignOptions
-from grainfit.campaign.study import ExpectedWork, Study, simulate_study
 from grainfit.evaluation import Proposal
 
 
@@ -16,18 +16,19 @@ def slow(parameters: dict[str, float], seed: int) -> dict[str, float]:
     return {"angle": 10 * parameters["friction"] + seed}
 
 
-def study(max_seconds: float | None = None) -> Study:
-    proposals = [Proposal({"friction": 0.1}, seed, "design") for seed in range(1, 11)]
+PROPOSALS = [Proposal({"friction": 0.1}, seed, "design") for seed in range(1, 11)]
+
+
+def test_a_batch_stops_in_time_and_keeps_what_has_ended(tmp_path: Path) -> None:
     solvers = {"heap": gf.solvers.PythonCallable(slow, ["angle"])}
-    return Study(solvers, proposals, CampaignOptions(), max_seconds)
-
-
-def test_a_study_stops_in_time_and_keeps_what_has_ended(tmp_path: Path) -> None:
-    part = simulate_study(study(max_seconds=0.7), tmp_path)
+    options = CampaignOptions()
+    part = simulate_batch(solvers, PROPOSALS, tmp_path, options, max_seconds=0.7)
     assert len(part) < 10
     works: list[ExpectedWork] = []
     done: list[tuple[int, int]] = []
-    whole = simulate_study(study(), tmp_path, works.append, lambda *n: done.append(n))
+    whole = simulate_batch(
+        solvers, PROPOSALS, tmp_path, options, works.append, lambda *n: done.append(n)
+    )
     assert len(whole) == 10
     assert works[0].known >= len(part)
     assert works[0].known + works[0].runs == 10
