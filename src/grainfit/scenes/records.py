@@ -23,7 +23,10 @@ class RadialForce:
 
 @dataclass(frozen=True)
 class Travel:
-    """Distance that a wall has moved since it was put, along the axis of its motions, m."""
+    """Distance that a wall has moved since it was put, along the axis of its motions, m.
+
+    The angle by which it has turned, rad, for a wall that turns.
+    """
 
     wall: str
 
@@ -56,4 +59,20 @@ class Series:
     """
 
     columns: Mapping[str, Recorded]
+    every: float
+
+
+@dataclass(frozen=True)
+class Frames:
+    """Snapshots of all particles at an interval during a stage, in one file.
+
+    Parameters
+    ----------
+    name : str
+        Name of the file, apart from those of snapshots.
+    every : float
+        Simulated time between two frames, s.
+    """
+
+    name: str
     every: float

@@ -18,7 +18,7 @@ from grainfit.materials.sizes import ParticleSizes
 from grainfit.materials.time_step import rayleigh_time_step
 from grainfit.scenes.conditions import Clear, Condition, Loaded
 from grainfit.scenes.packing import Column
-from grainfit.scenes.records import Force, RadialForce, Series, Travel
+from grainfit.scenes.records import Force, Frames, RadialForce, Series, Travel
 from grainfit.scenes.shapes import Cylinder, Shape, Vector
 
 #: Raised whenever packing or decks of scenes change the outcome of runs: part of their identity.
@@ -107,7 +107,31 @@ class Load:
     gain: float
 
 
-Motion = Velocity | Load
+@dataclass(frozen=True)
+class Rotation:
+    """Rotation of a wall at constant angular speed.
+
+    Parameters
+    ----------
+    along : {"x", "y", "z"}
+        Direction of the axis.
+    speed : float
+        rad/s, not zero; by the right-hand rule, so that about the y axis z turns towards x.
+    through : tuple of float
+        A point on the axis, m.
+    """
+
+    along: str
+    speed: float
+    through: Vector = (0.0, 0.0, 0.0)
+
+    @property
+    def axis(self) -> tuple[str, Vector]:
+        """Direction of the axis, and a point on it."""
+        return self.along, self.through
+
+
+Motion = Velocity | Load | Rotation
 
 
 @dataclass(frozen=True)
@@ -132,6 +156,8 @@ class Stage:
         Walls that move in this stage, and only in it.
     series : Series, optional
         Quantities recorded in it.
+    frames : Frames, optional
+        Snapshots of the particles during it.
     snapshot : str
         Name of the snapshot of the particles at its end; empty for none.
     is_closed : bool
@@ -146,6 +172,7 @@ class Stage:
     strike_off: float | None = None
     motions: Mapping[str, Motion] = field(default_factory=dict)
     series: Series | None = None
+    frames: Frames | None = None
     snapshot: str = ""
     is_closed: bool = False
 
@@ -202,7 +229,7 @@ class Scene:
 
     def __post_init__(self) -> None:
         """Raise `InputError` if a deck would misread a name, or a wall is not there."""
-        faults = [*_name_faults(self), *_wall_faults(self)]
+        faults = [*_name_faults(self), *_wall_faults(self), *_rotation_faults(self)]
         if faults:
             raise InputError(faults)
 
@@ -273,6 +300,8 @@ class Scene:
         found |= {type(m).__name__.lower() for s in self.stages for m in s.motions.values()}
         if any(len({type(m) for m in self.motions_of(wall)}) > 1 for wall in self.all_walls()):
             found.add("velocity and load")
+        if any(isinstance(w.shape, Cylinder) and w.shape.axis != "z" for w in walls):
+            found.add("lying cylinder")
         if self.box.periodic:
             found.add("periodic " + self.box.periodic)
         return found
@@ -284,7 +313,10 @@ def _name_faults(scene: Scene) -> Iterator[Fault]:
     kinds = {
         "walls": [*scene.walls, *(name for stage in stages for name in stage.put)],
         "stages": [stage.name for stage in stages],
-        "snapshots": [stage.snapshot for stage in stages if stage.snapshot],
+        "snapshots": [
+            *(stage.snapshot for stage in stages if stage.snapshot),
+            *(stage.frames.name for stage in stages if stage.frames),
+        ],
     }
     columns = [name for stage in stages if stage.series for name in stage.series.columns]
     for key, names in {**kinds, "columns": columns}.items():
@@ -317,11 +349,27 @@ def _wall_faults(scene: Scene) -> Iterator[Fault]:
                 yield _no_wall(key, "records", quantity.wall, there)
         until = stage.until
         if isinstance(until, Clear) and not _is_cylinder(there.get(until.wall)):
-            remedy = "Clear is for lifted tubes: name a wall that is a Cylinder."
-            yield Fault(key, f"ends when {until.wall!r} is clear, which is no Cylinder.", remedy)
+            remedy = "Clear is for lifted tubes: name a wall that is an upright Cylinder."
+            yield Fault(
+                key, f"ends when {until.wall!r} is clear, which is no upright Cylinder.", remedy
+            )
         if isinstance(until, Loaded) and not isinstance(stage.motions.get(until.wall), Load):
             remedy = "Give the wall a Load among the motions of the stage."
             yield Fault(key, f"ends when {until.wall!r} is loaded, but puts no load on it.", remedy)
+
+
+def _rotation_faults(scene: Scene) -> Iterator[Fault]:
+    """A wall that turns does so about one axis, and does nothing else."""
+    for name in scene.all_walls():
+        motions = [*scene.motions_of(name)]
+        rotations = [motion for motion in motions if isinstance(motion, Rotation)]
+        turns = {rotation.axis for rotation in rotations}
+        others = [motion for motion in motions if not isinstance(motion, Rotation)]
+        if any(rotation.speed == 0 for rotation in rotations):
+            yield Fault(f"wall {name}", "turns with a speed of 0.", "Give it no rotation then.")
+        if turns and (len(turns) > 1 or others):
+            remedy = "Let it turn about one axis in all stages, and move another wall."
+            yield Fault(f"wall {name}", "turns about an axis, and moves in another way.", remedy)
 
 
 def _no_wall(stage: str, does: str, name: str, there: Mapping[str, Wall]) -> Fault:
@@ -330,7 +378,7 @@ def _no_wall(stage: str, does: str, name: str, there: Mapping[str, Wall]) -> Fau
 
 
 def _is_cylinder(wall: Wall | None) -> bool:
-    return wall is not None and isinstance(wall.shape, Cylinder)
+    return wall is not None and isinstance(wall.shape, Cylinder) and wall.shape.axis == "z"
 
 
 def time_step(sizes: ParticleSizes, material: Mapping[str, float], fraction: float) -> float:

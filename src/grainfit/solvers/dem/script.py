@@ -13,10 +13,18 @@ from grainfit.contact_models.base import ContactLaw
 from grainfit.contact_models.registry import contact_law
 from grainfit.scenes.conditions import AtRest, Clear, Elapsed, Loaded
 from grainfit.scenes.records import Force, KineticEnergy, MassAbove, RadialForce, Recorded, Travel
-from grainfit.scenes.run_output import SNAPSHOTS, STAGES, STAGES_HEADER, series_file
-from grainfit.scenes.scene import Load, Scene, Stage, Velocity, Wall
+from grainfit.scenes.run_output import (
+    SNAPSHOTS,
+    STAGES,
+    STAGES_HEADER,
+    series_file,
+    snapshot_file,
+)
+from grainfit.scenes.scene import Load, Motion, Scene, Stage, Wall
 
 PARTICLES = "particles.data"
+#: Columns of snapshots.
+COLUMNS = "id type x y z radius mass"
 #: Column at which the arguments of a command begin, and width of a heading.
 _INDENT, _WIDTH = 16, 99
 _AXES = {"x": 0, "y": 1, "z": 2}
@@ -118,11 +126,11 @@ class ScriptDeck(ABC):
         """Write the particles into a file."""
 
     @abstractmethod
-    def start_motion(self, wall: str, motion: Velocity | Load) -> Iterator[str]:
+    def start_motion(self, wall: str, motion: Motion) -> Iterator[str]:
         """Start a motion of a wall; its variable ``{wall}_travel`` must follow it."""
 
     @abstractmethod
-    def stop_motion(self, wall: str, motion: Velocity | Load) -> Iterator[str]:
+    def stop_motion(self, wall: str, motion: Motion) -> Iterator[str]:
         """Stop a motion of a wall where it is."""
 
     @abstractmethod
@@ -211,11 +219,14 @@ class ScriptDeck(ABC):
         for wall, motion in stage.motions.items():
             yield from self.start_motion(wall, motion)
         yield from self._record(stage)
+        yield from self._film(stage)
         if stage.is_closed:
             yield command("variable", "expected equal ${remaining}")
         yield from self._until(stage)
         if stage.series is not None:
             yield command("unfix", "series")
+        if stage.frames is not None:
+            yield command("undump", stage.frames.name)
         for wall, motion in stage.motions.items():
             yield from self.stop_motion(wall, motion)
         yield from self.undo
@@ -351,6 +362,14 @@ class ScriptDeck(ABC):
             [f'"{row}"', f'file {path} title "{title}" screen no'],
         )
 
+    def _film(self, stage: Stage) -> Iterator[str]:
+        """Write snapshots of the particles into one file while the stage goes on."""
+        if stage.frames is None:
+            return
+        name, every = stage.frames.name, self.scene.steps(stage.frames.every)
+        yield command("dump", f"{name} all custom {every} {snapshot_file(name)} {COLUMNS}")
+        yield command("dump_modify", f"{name} sort id")
+
     def _quantity(self, quantity: Recorded, name: str) -> Iterator[str]:
         """Define the variable of a recorded quantity."""
         if isinstance(quantity, Force):
@@ -391,12 +410,10 @@ class ScriptDeck(ABC):
             found |= {q.wall for q in columns.values() if isinstance(q, Force | RadialForce)}
         return found
 
-    def moving_walls(self) -> dict[str, str]:
-        """Return the axis along which each moving wall moves."""
+    def moving_walls(self) -> dict[str, Motion]:
+        """Return the last motion of each moving wall: all are along or about one axis."""
         return {
-            wall: motion.along
-            for stage in self.scene.stages
-            for wall, motion in stage.motions.items()
+            wall: motion for stage in self.scene.stages for wall, motion in stage.motions.items()
         }
 
     @staticmethod

@@ -8,9 +8,9 @@ from typing import ClassVar
 from grainfit.contact_models.contact import Contact
 from grainfit.contact_models.lammps import lammps_clauses, lammps_words
 from grainfit.scenes.run_output import snapshot_file
-from grainfit.scenes.scene import Load, Stage, Velocity, Wall
+from grainfit.scenes.scene import Load, Motion, Rotation, Stage, Wall
 from grainfit.scenes.shapes import Block, Cone, Cylinder, Disc, Plane, Shape
-from grainfit.solvers.dem.script import PARTICLES, ScriptDeck, command, continued, heading
+from grainfit.solvers.dem.script import COLUMNS, PARTICLES, ScriptDeck, command, continued, heading
 
 #: Concepts that LAMMPS does not have, with the reason and what to use instead.
 MISSING: Mapping[str, str] = {
@@ -95,14 +95,12 @@ class LammpsSceneDeck(ScriptDeck):
         return range(1, len(self._radii) + 1)
 
     def _put(self, name: str, wall: Wall) -> Iterator[str]:
-        axis = self.moving_walls().get(name)
+        motion = self.moving_walls().get(name)
         move = ""
-        if axis is not None:
+        if motion is not None:
             style = "internal" if self._is_loaded(name) else "equal"
             yield command("variable", f"{name}_travel {style} 0.0")
-            along = ["NULL", "NULL", "NULL"]
-            along[self.component(axis)] = f"v_{name}_travel"
-            move = f" move {' '.join(along)}"
+            move = f" {self._moved(name, motion)}"
         yield command("region", f"{name} {self._region(wall.shape)}{move}")
         material = self.scene.material_on(wall.surface)
         measured = " contacts" if name in self.measured_walls() else ""
@@ -113,6 +111,16 @@ class LammpsSceneDeck(ScriptDeck):
             yield continued(
                 command("fix", f"{name}{number} size{number} wall/gran/region granular"), clauses
             )
+
+    def _moved(self, wall: str, motion: Motion) -> str:
+        """Return the arguments with which the region of a wall follows its variable."""
+        if isinstance(motion, Rotation):
+            axis = [0.0] * 3
+            axis[self.component(motion.along)] = 1.0
+            return f"rotate v_{wall}_travel {_numbers([*motion.through])} {_numbers(axis)}"
+        along = ["NULL", "NULL", "NULL"]
+        along[self.component(motion.along)] = f"v_{wall}_travel"
+        return f"move {' '.join(along)}"
 
     def _is_loaded(self, wall: str) -> bool:
         return any(isinstance(motion, Load) for motion in self.scene.motions_of(wall))
@@ -131,7 +139,9 @@ class LammpsSceneDeck(ScriptDeck):
             return f"block {sides} units box side out"
         if isinstance(shape, Cylinder):
             ends = f"{shape.bottom} {shape.top}"
-            return f"cylinder z 0 0 {shape.radius} {ends} units box open 1 open 2"
+            if shape.axis in self.scene.box.periodic:
+                ends = "INF INF"
+            return f"cylinder {shape.axis} 0 0 {shape.radius} {ends} units box open 1 open 2"
         if isinstance(shape, Cone):
             radii = f"{shape.lower_radius} {shape.upper_radius}"
             return f"cone z 0 0 {radii} {shape.bottom} {shape.top} units box open 1 open 2"
@@ -142,10 +152,10 @@ class LammpsSceneDeck(ScriptDeck):
 
     # --- motions -------------------------------------------------------------------------------
 
-    def start_motion(self, wall: str, motion: Velocity | Load) -> Iterator[str]:
+    def start_motion(self, wall: str, motion: Motion) -> Iterator[str]:
         """Start a motion of a wall."""
         travel = f"{wall}_travel"
-        if not self._is_loaded(wall):
+        if isinstance(motion, Rotation) or not self._is_loaded(wall):
             yield from self.follow(wall, motion.speed)  # type: ignore[union-attr]
             return
         yield from self.record_force(wall, motion.along, f"{wall}_force")
@@ -163,7 +173,7 @@ class LammpsSceneDeck(ScriptDeck):
             "fix", f"{wall}_motion all controller 1 1.0 1.0 0.0 0.0 v_{wall}_speed 0.0 {travel}"
         )
 
-    def stop_motion(self, wall: str, motion: Velocity | Load) -> Iterator[str]:  # noqa: ARG002
+    def stop_motion(self, wall: str, motion: Motion) -> Iterator[str]:  # noqa: ARG002
         """Stop a motion of a wall where it is."""
         if self._is_loaded(wall):
             yield command("unfix", f"{wall}_motion")
@@ -174,8 +184,7 @@ class LammpsSceneDeck(ScriptDeck):
 
     def snapshot(self, name: str) -> Iterator[str]:
         """Write the particles into a file."""
-        columns = "id type x y z radius mass"
-        yield command("write_dump", f"all custom {snapshot_file(name)} {columns} modify sort id")
+        yield command("write_dump", f"all custom {snapshot_file(name)} {COLUMNS} modify sort id")
 
     def record_force(self, wall: str, along: str, name: str) -> Iterator[str]:
         """Define a variable: the force of the particles on a wall along an axis."""
