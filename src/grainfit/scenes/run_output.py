@@ -108,15 +108,22 @@ class RunOutput:
         except (ValueError, IndexError) as error:
             raise NotMeasurableError(f"{path}: is damaged ({error}).") from error
 
-    def snapshot(self, name: str) -> Particles:
+    def snapshot(self, name: str, glued: int = 0) -> Particles:
         """Read the particles of a snapshot.
+
+        Parameters
+        ----------
+        name : str
+            As in the scene.
+        glued : int
+            Number of a glued set in the order of the scene, from 1; 0 are the loose particles.
 
         Raises
         ------
         NotMeasurableError
             See `read_dump`.
         """
-        return read_dump(self.path_of(snapshot_file(name)))
+        return read_dump(self.path_of(snapshot_file(name)), glued)
 
     def frames(self, name: str) -> Iterator[Frame]:
         """Read the snapshots that were taken at intervals during a stage.

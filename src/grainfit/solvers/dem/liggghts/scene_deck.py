@@ -13,7 +13,8 @@ from grainfit.scenes.run_output import snapshot_file
 from grainfit.scenes.scene import WALL, Load, Motion, Rotation, Stage, Wall
 from grainfit.scenes.shapes import Cylinder, Mesh
 from grainfit.scenes.triangles import triangles_of, write_stl
-from grainfit.solvers.dem.script import COLUMNS, PARTICLES, ScriptDeck, command, continued, heading
+from grainfit.solvers.dem.script import PARTICLES, ScriptDeck
+from grainfit.solvers.dem.script_words import command, continued, heading
 
 #: Concepts that LIGGGHTS does not have, with the reason and what to use instead.
 MISSING: Mapping[str, str] = {
@@ -28,6 +29,7 @@ class LiggghtsSceneDeck(ScriptDeck):
     """A scene as a deck for LIGGGHTS-PUBLIC; see `ScriptDeck`."""
 
     solver: ClassVar[str] = "liggghts"
+    no_spin: ClassVar[str] = "omegax 0.0 omegay 0.0 omegaz 0.0"
     introduction: ClassVar[tuple[str, ...]] = (
         "LIGGGHTS-PUBLIC 3.8",
         "By hand, in this folder:  liggghts -in in.liggghts",
@@ -58,7 +60,7 @@ class LiggghtsSceneDeck(ScriptDeck):
 
     def particle_types(self) -> tuple[int, list[int]]:
         """Return a type for the particles and one for each surface."""
-        return 1 + len(self._surfaces), [1] * len(self.scene.particles.size_indices)
+        return 1 + len(self._surfaces), [1] * len(self.size_indices)
 
     def contacts(self) -> Iterator[str]:
         """Iterate over the properties of particles and surfaces."""
@@ -118,7 +120,7 @@ class LiggghtsSceneDeck(ScriptDeck):
         servo = ""
         if loads:
             style, servo = "mesh/surface/stress/servo", f" {self._servo(loads[0])}"
-        yield command("fix", f"{name} all {style} file {path.name} type {number}{servo}")
+        yield command("fix", f"{name} {self.loose} {style} file {path.name} type {number}{servo}")
         if loads:
             yield command("fix_modify", f"{name} integrate stop")
         elif name in self.moving_walls():
@@ -149,7 +151,7 @@ class LiggghtsSceneDeck(ScriptDeck):
         turns = f" shear y {speed}" if speed else ""
         style = f"{axis}cylinder {wall.shape.radius} 0.0 0.0"
         shape = f"primitive type {number} {style}{turns}{stored}"
-        first = f"{name} all wall/gran model {liggghts_model(self.law)}"
+        first = f"{name} {self.loose} wall/gran model {liggghts_model(self.law)}"
         yield continued(command("fix", first), [shape])
 
     def _put_again(self, name: str, speed: float) -> Iterator[str]:
@@ -174,7 +176,7 @@ class LiggghtsSceneDeck(ScriptDeck):
         if not self._meshes:
             return
         meshes = f"mesh n_meshes {len(self._meshes)} meshes {' '.join(self._meshes)}"
-        first = f"walls all wall/gran model {liggghts_model(self.law)}"
+        first = f"walls {self.loose} wall/gran model {liggghts_model(self.law)}"
         yield continued(command("fix", first), [meshes])
 
     # --- motions -------------------------------------------------------------------------------
@@ -220,7 +222,8 @@ class LiggghtsSceneDeck(ScriptDeck):
 
     def snapshot(self, name: str) -> Iterator[str]:
         """Write the particles into a file."""
-        yield command("dump", f"{name} all custom 1 {snapshot_file(name)} {COLUMNS}")
+        dump = f"{name} all custom 1 {snapshot_file(name)} {self.snapshot_columns}"
+        yield command("dump", dump)
         yield command("dump_modify", f"{name} sort id")
         yield command("run", "0 post no")
         yield command("undump", name)
@@ -233,7 +236,8 @@ class LiggghtsSceneDeck(ScriptDeck):
             return
         sum_ = f"{wall}_{along}"
         if self.is_new_sum(wall, sum_):
-            yield command("compute", f"{sum_} all reduce sum f_force_{wall}[{number}]")
+            force = f"reduce sum f_force_{wall}[{number}]"
+            yield command("compute", f"{sum_} {self.loose} {force}")
         yield command("variable", f"{name} equal -c_{sum_}")
 
     def record_radial_force(self, wall: str, name: str) -> Iterator[str]:
@@ -258,7 +262,7 @@ class LiggghtsSceneDeck(ScriptDeck):
             # A particle on the axis must not divide by zero.
             radial = f"({force}[1]*x+{force}[2]*y)/sqrt(x*x+y*y+1e-30)"
             yield command("variable", f"{sum_}_of atom {radial}")
-            yield command("compute", f"{sum_} all reduce sum v_{sum_}_of")
+            yield command("compute", f"{sum_} {self.loose} reduce sum v_{sum_}_of")
         yield command("variable", f"{name} equal -c_{sum_}")
 
 
