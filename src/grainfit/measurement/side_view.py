@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cache
 
@@ -32,10 +32,13 @@ _BINS = 24
 _STOPS = np.array(
     [[53, 85, 143], [93, 115, 150], [139, 141, 140], [194, 171, 112], [254, 232, 56]], dtype=float
 )
+_GLUED = "#cbd2d9"
 _MARGIN = 60 * OVERSAMPLING
 
 Point = tuple[float, float]
 Rectangle = tuple[float, float, float, float]
+#: From a point, m, to one of the picture.
+Place = Callable[[Point], Point]
 
 
 @dataclass(frozen=True)
@@ -52,12 +55,18 @@ class SideView:
         Sections of walls: left, lower, right and upper limit, m.
     flanks : sequence of Flank
         Fitted lines.
+    lines : sequence of sequence of tuple of float
+        Walls that are thin: points across and height, m.
+    glued : Particles, optional
+        Particles of walls, drawn behind the others and without a colour.
     """
 
     particles: Particles
     extent: Rectangle
     walls: Sequence[Rectangle]
     flanks: Sequence[Flank] = ()
+    lines: Sequence[Sequence[Point]] = ()
+    glued: Particles | None = None
 
     def panel(self, width: int) -> Image.Image:
         """Draw the view.
@@ -80,13 +89,24 @@ class SideView:
         for x1, z1, x2, z2 in self.walls:
             (a, b), (c, d) = place((max(x1, left), z2)), place((min(x2, right), z1))
             draw.rectangle([a, b, max(c, a + 1), max(d, b + 1)], fill=QUIET_INK)
+        for line in self.lines:
+            draw.line([place(point) for point in line], fill=QUIET_INK, width=2 * OVERSAMPLING)
+        self._draw_glued(draw, place, scale)
         self._draw_particles(panel, place, scale)
         for flank in self.flanks:
             draw_flank(draw, flank, place(flank.start), place(flank.end))
         return panel
 
-    def _draw_particles(self, panel: Image.Image, place: object, scale: float) -> None:
-        assert callable(place)
+    def _draw_glued(self, draw: ImageDraw.ImageDraw, place: Place, scale: float) -> None:
+        if self.glued is None:
+            return
+        for (x, _, z), radius in zip(self.glued.positions, self.glued.radii, strict=True):
+            across, down = place((float(x), float(z)))
+            reach = float(radius) * scale
+            box = [across - reach, down - reach, across + reach, down + reach]
+            draw.ellipse(box, fill=_GLUED, outline=QUIET_INK)
+
+    def _draw_particles(self, panel: Image.Image, place: Place, scale: float) -> None:
         particles = self.particles
         if not len(particles):
             return

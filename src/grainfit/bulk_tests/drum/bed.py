@@ -67,6 +67,15 @@ class Surface:
         slope, offset = np.polyfit(self.along[fitted], self.heights[fitted], 1)
         return self.inclination + math.degrees(math.atan(slope)), float(offset)
 
+    def places(self) -> list[tuple[float, float]]:
+        """Return the points of the surface across and height, m, uphill."""
+        turn = math.radians(self.inclination)
+        found = np.isfinite(self.heights)
+        along, above = self.along[found], self.heights[found]
+        across = along * math.cos(turn) - above * math.sin(turn)
+        height = along * math.sin(turn) + above * math.cos(turn)
+        return [(float(y), float(z)) for y, z in zip(across, height, strict=True)]
+
     def half_length(self, radius: float) -> float:
         """Return half the length of the surface within a drum of this radius, m."""
         middle = float(np.nanmedian(self.heights))
@@ -126,6 +135,11 @@ class TurningBed:
     def diameter(self) -> float:
         """Median particle diameter, m."""
         return self.last.diameter
+
+    @property
+    def turns(self) -> float:
+        """Turns of the drum from the first frame to the last."""
+        return self.setup.frame_interval * (len(self.steps) - 1) / self.setup.turn_time
 
     @cached_property
     def inclinations(self) -> Array:
