@@ -1,4 +1,4 @@
-"""Averages of a series that avalanches interrupt: over whole avalanches, with a standard error.
+"""Standard error of the mean of a series that avalanches interrupt.
 
 The inclination of a bed in a slow drum rises until an avalanche takes it down again. Its values are
 correlated, first positively and then, half an avalanche apart, negatively. A standard error from an
@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,8 +19,8 @@ from grainfit.errors import NotMeasurableError
 from grainfit.evaluation import Response
 
 #: A series has passed its mean once it is this many standard deviations beyond it.
-_BAND = 0.5
-#: Fewest whole avalanches to average over.
+_BAND = 0.2
+#: Fewest whole avalanches whose means can be compared.
 _FEWEST = 3
 
 Array = NDArray[np.float64]
@@ -33,41 +34,49 @@ class Avalanches:
     ----------
     bounds : tuple of int
         Indices at which they begin, and the one after the last.
+    length : int
+        Length of the series.
     """
 
     bounds: tuple[int, ...]
+    length: int
 
     def __len__(self) -> int:
         return len(self.bounds) - 1
 
     @property
-    def all(self) -> slice:
-        """The part of the series that whole avalanches cover."""
-        return slice(self.bounds[0], self.bounds[-1])
-
-    @property
     def parts(self) -> list[slice]:
         """The part of each avalanche."""
-        return [slice(*ends) for ends in zip(self.bounds[:-1], self.bounds[1:], strict=True)]
+        return [slice(*ends) for ends in pairwise(self.bounds)]
 
-    def mean(self, series: Array) -> Response:
-        """Return the mean of a series over whole avalanches, and its standard error."""
-        means = np.array([series[part].mean() for part in self.parts])
-        return Response(float(series[self.all].mean()), self.standard_error(means))
+    def means(self, series: Array) -> Array:
+        """Return the mean of a series over each avalanche."""
+        return np.array([series[part].mean() for part in self.parts])
 
     def standard_error(self, means: Array) -> float:
-        """Return the standard error of a mean over all avalanches from the means of each."""
-        return float(np.std(means, ddof=1)) / math.sqrt(len(means))
+        """Return the standard error of the mean of the series.
+
+        Parameters
+        ----------
+        means : ndarray of shape (n,)
+            Mean over each avalanche.
+        """
+        return float(np.std(means, ddof=1)) / math.sqrt(self._count)
+
+    @property
+    def _count(self) -> float:
+        """Number of avalanches in the series, with the incomplete ones at its ends."""
+        return self.length * len(self) / (self.bounds[-1] - self.bounds[0])
 
     def drift(self, series: Array) -> Response:
-        """Return the mean of the later half of the avalanches minus that of the earlier half."""
-        means = np.array([series[part].mean() for part in self.parts])
-        half = len(means) // 2
-        change = float(means[-half:].mean() - means[:half].mean())
-        # Pooled: two halves of a few avalanches each have no standard deviations of their own.
-        residuals = np.concatenate([part - part.mean() for part in (means[:half], means[-half:])])
-        freedom = max(2 * half - 2, 1)
-        return Response(change, math.sqrt(float(residuals @ residuals) / freedom * 2 / half))
+        """Return the mean of the later half of the series minus that of the earlier half."""
+        half, means = len(series) // 2, self.means(series)
+        # Around a line, so that a drift does not hide in its own scatter.
+        times = [(part.start + part.stop) / 2 for part in self.parts]
+        residuals = means - np.polyval(np.polyfit(times, means, 1), times)
+        variance = float(residuals @ residuals) / (len(means) - 2)
+        change = float(series[-half:].mean() - series[:half].mean())
+        return Response(change, math.sqrt(variance * 4 / self._count))
 
 
 def whole_avalanches(series: Array) -> Avalanches:
@@ -96,6 +105,6 @@ def whole_avalanches(series: Array) -> Avalanches:
     if len(bounds) <= _FEWEST:
         raise NotMeasurableError(
             f"there are {max(len(bounds) - 1, 0)} whole avalanches in the averaged turns, and "
-            f"{_FEWEST} are needed; use a larger averaged_turns"
+            f"{_FEWEST} are needed for a standard error; use larger averaged_turns"
         )
-    return Avalanches(tuple(bounds))
+    return Avalanches(tuple(bounds), len(series))

@@ -44,7 +44,7 @@ class DrumAngles:
 
     @cached_property
     def avalanches(self) -> Avalanches:
-        """Whole avalanches over which everything is averaged.
+        """Whole avalanches of the inclination.
 
         Raises
         ------
@@ -54,14 +54,14 @@ class DrumAngles:
         return whole_avalanches(self.bed.inclinations)
 
     @cached_property
-    def dynamic_angle(self) -> Response:
+    def mean(self) -> float:
         """Mean inclination of the bed by its centre of mass, degrees."""
-        return self.avalanches.mean(self.bed.inclinations)
+        return float(self.bed.inclinations.mean())
 
     @cached_property
     def surface(self) -> Surface:
         """Mean free surface."""
-        return self.bed.surface(self.dynamic_angle.value, self.avalanches.all)
+        return self.bed.surface(self.mean)
 
     @cached_property
     def slip(self) -> float:
@@ -74,11 +74,12 @@ class DrumAngles:
         Raises
         ------
         NotMeasurableError
-            The surface cannot be fitted.
+            There are too few whole avalanches, or the surface cannot be fitted.
         """
-        mean, avalanches = self.dynamic_angle.value, self.avalanches
-        surfaces = [self.bed.surface(mean, part) for part in avalanches.parts]
-        found = {"dynamic_angle": self.dynamic_angle}
+        avalanches = self.avalanches
+        means = avalanches.means(self.bed.inclinations)
+        found = {"dynamic_angle": Response(self.mean, avalanches.standard_error(means))}
+        surfaces = [self.bed.surface(self.mean, part) for part in avalanches.parts]
         for name, ends in self._parts().items():
             each = np.array([surface.line(*ends)[0] for surface in surfaces])
             value = self.surface.line(*ends)[0]
@@ -111,7 +112,7 @@ class DrumAngles:
 
     def require_valid(self) -> None:
         """Raise `RunFailedError` unless the bed flows steadily and turns with its drum."""
-        above = self.bed.share_above(self.dynamic_angle.value)
+        above = self.bed.share_above(self.mean)
         if above > _LARGEST_SHARE_ABOVE:
             raise RunFailedError(
                 f"the drum carries the particles round: {100 * above:.0f} % of them are above the "

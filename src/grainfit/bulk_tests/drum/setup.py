@@ -81,7 +81,7 @@ class DrumSetup:
         """Radius within the lining, m."""
         return self.drum_radius - self.lining_diameter / 2
 
-    def lining(self) -> NDArray[np.float64]:
+    def lining_places(self) -> NDArray[np.float64]:
         """Return the centres of the particles of the lining, half sunk into the wall, m."""
         spacing = _LINING_SPACING * self.lining_diameter
         around = math.floor(2 * math.pi * self.drum_radius / spacing)

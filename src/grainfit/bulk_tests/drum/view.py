@@ -87,7 +87,8 @@ def _words(angles: DrumAngles, measured: Mapping[str, Response] | str) -> tuple[
     return (
         f"Dynamic angle of repose {mean.value:.1f}° ± {mean.standard_error:.1f}°",
         f"{', '.join(others)} (± standard error), wall slip {100 * angles.slip:.0f} %; "
-        f"averaged over {len(angles.avalanches)} whole avalanches, the last frame is shown",
+        f"{len(angles.avalanches)} whole avalanches in {angles.bed.turns:.2g} turns, the last "
+        "frame is shown",
     )
 
 
@@ -127,9 +128,7 @@ def _series_panel(angles: DrumAngles) -> Image.Image:
     with suppress(NotMeasurableError):
         for bound in angles.avalanches.bounds:
             draw.line([place(bound, low), place(bound, high)], QUIET_INK, OVERSAMPLING)
-        mean = angles.dynamic_angle.value
-        ends = [place(frame, mean) for frame in angles.avalanches.bounds[:: len(angles.avalanches)]]
-        draw.line(ends, fill=FLANK, width=4 * OVERSAMPLING)
+    draw.line([place(0, angles.mean), place(end, angles.mean)], FLANK, 4 * OVERSAMPLING)
     draw.line([place(*point) for point in enumerate(series)], fill=INK, width=2 * OVERSAMPLING)
     below = height - _MARGIN + TEXT_SIZE / 3
     turns = f"{angles.bed.turns:.2g} turns"
@@ -171,10 +170,9 @@ class DrumView(RunView):
         """Draw the mean surface with a line at the dynamic angle."""
         try:
             flank = self.angles.flanks()["dynamic_angle"]
-            count = len(self.angles.avalanches)
         except NotMeasurableError:
             return MeasuredDrawing(self.drawing(), "")
-        words = f"inclination by the centre of mass, averaged over {count} whole avalanches"
+        words = f"inclination by the centre of mass, mean of {self.angles.bed.turns:.2g} turns"
         return MeasuredDrawing(self._drawing((flank,), target), words)
 
     @property
@@ -202,20 +200,12 @@ class DrumView(RunView):
     def _path(self) -> str:
         """Return the outline of the mean bed as an SVG path: its surface, and the drum below it."""
         radius, pixel = self._setup.drum_radius, self._pixel
-        surface = [(y, z) for y, z in self._surface() if math.hypot(y, z) < radius]
+        places = self.angles.surface.places()
+        surface = [(y, z) for y, z in places if math.hypot(y, z) < radius]
         upper, lower = (math.atan2(surface[end][0], -surface[end][1]) for end in (-1, 0))
         arc = [(radius * math.sin(a), -radius * math.cos(a)) for a in np.linspace(upper, lower, 40)]
         points = (f"{y / pixel:.0f},{-(z + radius) / pixel:.0f}" for y, z in [*surface, *arc])
         return f"M{' L'.join(points)}Z"
-
-    def _surface(self) -> list[tuple[float, float]]:
-        """Return the mean surface, or that of all frames if there are no avalanches."""
-        bed = self.angles.bed
-        try:
-            surface = self.angles.surface
-        except NotMeasurableError:
-            surface = bed.surface(float(bed.inclinations.mean()))
-        return surface.places()
 
     def outlines(self) -> Sequence[Outline]:
         """Return the two ends of the simulated slice of the drum."""
