@@ -61,7 +61,6 @@ def run(solver: str, wall: str, fill_level: float, seed: int) -> Record:
         fill_level=fill_level,
         lining=wall == "lined",
         discarded_turns=0.4,
-        averaged_turns=0.8,
     )
     with tempfile.TemporaryDirectory() as folder:
         try:

@@ -79,6 +79,13 @@ def test_speed_and_froude_number_are_the_same_test() -> None:
     )
 
 
+def test_a_fast_drum_is_averaged_over_more_turns() -> None:
+    slow, fast = (Drum(diameter="10 mm", froude_number=n).setup for n in (0.01, 0.05))
+
+    assert slow.averaged_turns == 0.9
+    assert fast.averaged_turns * fast.turn_time == pytest.approx(150 * math.sqrt(0.01 / 9.81))
+
+
 @pytest.mark.parametrize(
     ("options", "said"),
     [

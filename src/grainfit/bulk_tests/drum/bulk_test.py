@@ -152,8 +152,11 @@ class Drum(BulkTest):
     discarded_turns: Amount = option(
         _TURNS, "Turns before the averaging.", example="0.6", default=0.6
     )
-    averaged_turns: Amount = option(
-        _TURNS, "Turns over which angles are averaged.", example="0.9", default=0.9
+    averaged_turns: Amount | None = option(
+        _TURNS,
+        "Turns over which angles are averaged: several whole avalanches.",
+        example="0.9",
+        words="0.9, or 150 sqrt(d/g) where that is longer",
     )
     #: Geometry and procedure, with every default resolved.
     setup: DrumSetup = field(init=False, repr=False, compare=False)

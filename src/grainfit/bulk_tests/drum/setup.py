@@ -14,12 +14,16 @@ from grainfit.bulk_tests.shared.filling import count_faults
 from grainfit.errors import Fault, InputError
 from grainfit.materials.sizes import ParticleSizes
 from grainfit.scenes.packing import mean_particle_volume
+from grainfit.scenes.scene import natural_time
 
 #: Default lengths in Sauter diameters, and the least ones in diameters of the largest particles.
 _RADIUS, _LENGTH = 8.0, 6.0
 _LEAST_RADIUS, _LEAST_LENGTH = 5.0, 4.0
 #: Default of the Froude number. Faster than 1, a drum carries its particles all the way round.
 _FROUDE_NUMBER = 0.01
+#: Default of the averaged turns; and the shortest default, over sqrt(d/g): an avalanche takes 20 to
+#: 40 of these units however fast the drum turns.
+_TURNS, _AVALANCHES = 0.9, 150.0
 #: Solid fraction of a bed, to calculate the number of particles; and the largest one at which
 #: particles find places in the whole drum.
 _SOLID_FRACTION, _LARGEST_FRACTION = 0.58, 0.45
@@ -117,13 +121,15 @@ def plan_setup(sizes: ParticleSizes, options: Mapping[str, Any]) -> DrumSetup:
     size = min(range(len(sizes.diameters)), key=lambda i: abs(sizes.diameters[i] - diameter))
     bed = fill_level * math.pi * radius**2 * length
     froude = given.get("froude_number", _FROUDE_NUMBER)
+    speed = given.get("rotational_speed", math.sqrt(froude * gravity / radius))
+    natural, turn = natural_time(sizes, gravity), 2 * math.pi / speed
     setup = DrumSetup(
         drum_radius=radius,
         drum_length=length,
         fill_level=fill_level,
-        rotational_speed=given.get("rotational_speed", math.sqrt(froude * gravity / radius)),
+        rotational_speed=speed,
         discarded_turns=given["discarded_turns"],
-        averaged_turns=given["averaged_turns"],
+        averaged_turns=given.get("averaged_turns", max(_TURNS, _AVALANCHES * natural / turn)),
         lining_diameter=sizes.diameters[size] if given["lining"] else 0.0,
         lining_size=size,
         particle_count=math.floor(_SOLID_FRACTION * bed / mean_particle_volume(sizes)),
