@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from grainfit.evaluation import Evaluation, Proposal, Response
     from grainfit.materials.sizes import ParticleSizes
     from grainfit.materials.time_step import RayleighTimeStep, rayleigh_time_step
+    from grainfit.materials.wall_friction import friction_of_angle
     from grainfit.opened import OpenedCalibration
     from grainfit.opened import open_calibration as open  # noqa: A004
     from grainfit.problem import Parameter, Problem, Target
@@ -69,6 +70,7 @@ __all__ = [
     "analyse",
     "calibrate",
     "expected_narrowing",
+    "friction_of_angle",
     "load",
     "open",
     "plots",
@@ -99,6 +101,7 @@ _HOMES = {
     "Staged": "strategies.staged.strategy",
     **dict.fromkeys(("Solver", "Workspace"), "solvers.base"),
     **dict.fromkeys(("RayleighTimeStep", "rayleigh_time_step"), "materials.time_step"),
+    "friction_of_angle": "materials.wall_friction",
     **{name: "errors" for name in __all__ if name.endswith("Error")},
 }
 

@@ -141,6 +141,13 @@ def _extent(parameter: Parameter) -> float:
     return log(high / low) if parameter.scale == "log" else 2 * (high - low) / (high + low)
 
 
+def _precision_before(parameter: Parameter) -> float:
+    """Precision of a position in an interval before the tests."""
+    if parameter.measured is None:
+        return _BEFORE
+    return parameter.off_measured_slope(parameter.to_unit(parameter.measured)) ** 2
+
+
 @dataclass(frozen=True)
 class _Estimate:
     """Information on the free parameters whose effect is known."""
@@ -151,7 +158,8 @@ class _Estimate:
     def narrowing(self, given: Sequence[str] = ()) -> dict[str, float]:
         """Expected narrowing by name of those parameters that are not given."""
         kept = [i for i, p in enumerate(self.parameters) if p.name not in given]
-        precision = self.information[np.ix_(kept, kept)] + _BEFORE * np.eye(len(kept))
+        before = np.diag([_precision_before(self.parameters[i]) for i in kept])
+        precision = self.information[np.ix_(kept, kept)] + before
         variance = np.diag(np.linalg.inv(precision))
         widths = np.sqrt(_BEFORE * variance).tolist()
         return {self.parameters[i].name: w for i, w in zip(kept, widths, strict=True)}

@@ -18,6 +18,7 @@ from grainfit.bulk_tests.draw_down import DrawDown as DrawDown
 from grainfit.bulk_tests.drum import Drum as Drum
 from grainfit.bulk_tests.heap import Heap as Heap
 from grainfit.bulk_tests.packing import Packing as Packing
+from grainfit.bulk_tests.shear import Shear as Shear
 from grainfit.errors import Fault, InputError
 from grainfit.run_definition import RunDefinition
 

@@ -29,7 +29,8 @@ class Plan:
     executes : tuple of str
         Programs, functions and shell lines that a run executes.
     notes : tuple of str
-        Free parameters that the tests will leave open, and the effect of soft particles.
+        Free parameters that the tests will leave open, the effect of soft particles, and
+        differences of solvers.
     problems : tuple of str
         Problems that keep it from running; empty when there are none.
     """
@@ -61,6 +62,11 @@ def describe_plan(setup: CalibrationSetup) -> Plan:
             problems += [f"{setup.file.path}: test {test}, {fault}" for fault in error.faults]
         except GrainfitError as error:
             problems.append(f"Test {test}: {error}")
+    if setup.file.contact_models:
+        lines.append(
+            f"Contact model instead of the usual one: {', '.join(setup.file.contact_models)}."
+        )
+    lines += setup.file.notes
     lines += _rayleigh_lines(setup.problem)
     cluster = setup.cluster or setup.file.cluster
     if cluster is not None:
@@ -115,6 +121,7 @@ def _run_lines(setup: CalibrationSetup) -> Iterator[str]:
         f"{verification * tests} or more are fresh seeds at the answer. {setup.workers} at a time. "
         f"Strategy: {search.name}."
     )
+    dimension -= len(setup.problem.measured)
     if dimension > len(setup.problem.targets):
         yield (
             f"Note: {dimension} free parameters and {len(setup.problem.targets)} targets: many "

@@ -12,7 +12,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from grainfit.contact_models.base import ContactLaw
 from grainfit.contact_models.contact import TYPICAL_LOAD, particle_mass
+from grainfit.contact_models.registry import contact_law
 from grainfit.errors import Fault, InputError
 from grainfit.materials.sizes import ParticleSizes
 from grainfit.materials.time_step import rayleigh_time_step
@@ -27,7 +29,7 @@ SCENES_REVISION = 1
 #: The surface of walls whose contacts are those of the material's section ``[particle_wall]``.
 WALL = "wall"
 #: Gravity that particle weights are counted with in a scene without gravity, m/s^2.
-_STANDARD_GRAVITY = 9.81
+STANDARD_GRAVITY = 9.81
 #: Names that decks use themselves.
 _TAKEN = {
     "walls": {
@@ -228,6 +230,8 @@ class Scene:
         without gravity.
     glued : mapping of str to Glued
         Rigid bodies of glued particles, by name (one word, and no wall's).
+    contact_models : tuple of str
+        Contact models that replace the usual ones of their kind.
     """
 
     title: str
@@ -244,6 +248,7 @@ class Scene:
     surfaces: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
     typical_load: float = TYPICAL_LOAD
     glued: Mapping[str, Glued] = field(default_factory=dict)
+    contact_models: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         """Raise `InputError` if a deck would misread a name, or what a stage names is not there."""
@@ -255,6 +260,11 @@ class Scene:
         ]
         if faults:
             raise InputError(faults)
+
+    @property
+    def law(self) -> ContactLaw:
+        """Contact models that act."""
+        return contact_law(self.material, self.contact_models)
 
     def material_on(self, surface: str) -> dict[str, float]:
         """Return the material parameters for contacts with a surface."""
@@ -277,7 +287,7 @@ class Scene:
     @property
     def weight_gravity(self) -> float:
         """Gravity that particle weights are counted with, m/s^2: Earth's where there is none."""
-        return self.gravity or _STANDARD_GRAVITY
+        return self.gravity or STANDARD_GRAVITY
 
     @property
     def mass(self) -> float:

@@ -69,7 +69,7 @@ def draw_drum(
         walls=(),
         flanks=[raised(flank, bed.setup.drum_radius) for flank in flanks],
         lines=[_circle(bed.setup)],
-        glued=None if lining is None else seen_along_axis(lining, bed.setup),
+        glued=() if lining is None else (seen_along_axis(lining, bed.setup),),
     )
     panels = [view.panel(_PANEL_WIDTH), _series_panel(angles)]
     sheet(title, subtitle, panels, _PANEL_WIDTH).save(path)

@@ -11,7 +11,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from grainfit.contact_models.base import ContactLaw
-from grainfit.contact_models.registry import contact_law
 from grainfit.scenes.conditions import AtRest, Clear, Elapsed, Loaded
 from grainfit.scenes.records import Force, KineticEnergy, MassAbove, RadialForce, Recorded, Travel
 from grainfit.scenes.run_output import (
@@ -55,7 +54,7 @@ class ScriptDeck(ABC):
     def __init__(self, scene: Scene, folder: Path) -> None:
         self.scene = scene
         self.folder = folder
-        self.law: ContactLaw = contact_law(scene.material)
+        self.law: ContactLaw = scene.law
         #: Walls that are there, by name.
         self.walls: dict[str, Wall] = {}
         #: Commands that remove the helpers of records at the end of a stage: the next stage may
