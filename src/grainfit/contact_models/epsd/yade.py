@@ -37,9 +37,18 @@ class EpsdYade(YadeWords):
             YadeArgument("krot", f"{_moment_stiffness(contact)}", "N m"),
         )
 
-    def law(self, contact: Contact) -> Sequence[YadeArgument]:
-        """Return whether there is a moment."""
-        return (YadeArgument("includeMoment", f"{_moment_stiffness(contact) > 0}"),)
+    def on_wall(self, contact: Contact) -> Sequence[YadeArgument]:
+        """Return stiffness and limit of the moment on a wall: those of EPSD, as R* is the radius."""
+        stiffness = rolling_spring_of(contact, rolling_damping=0.0).stiffness * contact.radius**2
+        limit = contact.value("rolling_friction")
+        return (
+            YadeArgument("kr", f"{stiffness}", "N m"),
+            YadeArgument("maxBendPl", f"{limit} * radius", "rolling friction times radius"),
+        )
+
+    def law(self, contact: Contact) -> Sequence[YadeArgument]:  # noqa: ARG002 (always)
+        """Return that there is a moment."""
+        return (YadeArgument("includeMoment", "True"),)
 
     def notes(self, contact: Contact) -> str:
         """Return the differences of YADE's rolling friction, in lines of text."""

@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
+from abc import abstractmethod
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import ClassVar
 
 import numpy as np
 
-from grainfit.contact_models.base import ContactLaw
-from grainfit.contact_models.registry import contact_law
 from grainfit.scenes.conditions import AtRest, Clear, Elapsed, Loaded
 from grainfit.scenes.records import Force, KineticEnergy, MassAbove, RadialForce, Recorded, Travel
-from grainfit.scenes.run_output import SNAPSHOTS, STAGES, STAGES_HEADER, series_file
+from grainfit.scenes.run_output import STAGES, STAGES_HEADER, series_file
 from grainfit.scenes.scene import Load, Scene, Stage, Velocity, Wall
+from grainfit.solvers.dem.deck import SceneDeck
 
 PARTICLES = "particles.data"
 #: Column at which the arguments of a command begin, and width of a heading.
@@ -42,7 +41,7 @@ def _recorded(column: str) -> str:
     return f"record_{column}"
 
 
-class ScriptDeck(ABC):
+class ScriptDeck(SceneDeck):
     """A scene as a script that LAMMPS or one of its relatives reads.
 
     Parameters
@@ -53,15 +52,11 @@ class ScriptDeck(ABC):
         Folder of the run; everything that the solver reads is written there.
     """
 
-    #: Name of the solver, and of its deck after ``in.``.
-    solver: ClassVar[str]
     #: Remarks in the first lines of a deck.
     introduction: ClassVar[tuple[str, ...]]
 
     def __init__(self, scene: Scene, folder: Path) -> None:
-        self.scene = scene
-        self.folder = folder
-        self.law: ContactLaw = contact_law(scene.material)
+        super().__init__(scene, folder)
         #: Walls that are there, by name.
         self.walls: dict[str, Wall] = {}
         #: Commands that remove the helpers of records at the end of a stage: the next stage may
@@ -71,13 +66,9 @@ class ScriptDeck(ABC):
         #: stage, and go with the wall.
         self._sums: dict[str, list[str]] = {}
 
-    def write(self) -> Path:
-        """Write everything that the solver reads; return the deck."""
-        (self.folder / SNAPSHOTS).mkdir(exist_ok=True)
-        self.write_particles()
-        deck = self.folder / f"in.{self.solver}"
-        deck.write_text("\n".join(self.lines()) + "\n", encoding="utf-8")
-        return deck
+    def text(self) -> str:
+        """Return the deck; write other files that it reads."""
+        return "\n".join(self.lines()) + "\n"
 
     def lines(self) -> Iterator[str]:
         """Iterate over the lines of the deck."""

@@ -25,7 +25,7 @@ MISSING: Mapping[str, str] = {
 class LammpsSceneDeck(ScriptDeck):
     """A scene as a deck for LAMMPS with its GRANULAR package; see `ScriptDeck`."""
 
-    solver: ClassVar[str] = "lammps"
+    file_name: ClassVar[str] = "in.lammps"
     introduction: ClassVar[tuple[str, ...]] = (
         "LAMMPS with its GRANULAR package",
         "By hand, in this folder:  lmp -in in.lammps",

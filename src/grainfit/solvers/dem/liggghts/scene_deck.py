@@ -26,7 +26,7 @@ MISSING: Mapping[str, str] = {
 class LiggghtsSceneDeck(ScriptDeck):
     """A scene as a deck for LIGGGHTS-PUBLIC; see `ScriptDeck`."""
 
-    solver: ClassVar[str] = "liggghts"
+    file_name: ClassVar[str] = "in.liggghts"
     introduction: ClassVar[tuple[str, ...]] = (
         "LIGGGHTS-PUBLIC 3.8",
         "By hand, in this folder:  liggghts -in in.liggghts",
