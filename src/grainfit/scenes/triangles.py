@@ -1,8 +1,4 @@
-"""Triangles of walls, for solvers that take them as STL files.
-
-Some solvers want many small triangles, others as few as possible: a particle on an edge between two
-triangles of one plane may touch both.
-"""
+"""Triangles of walls, for solvers that take them as STL files."""
 
 from __future__ import annotations
 
@@ -23,7 +19,7 @@ _DISC_FACETS = 40
 _SHARE_OF_PERIOD = 0.25
 
 
-def triangles_of(shape: Shape, box: Box, edge: float, *, few: bool = False) -> Triangles:
+def triangles_of(shape: Shape, box: Box, edge: float) -> Triangles:
     """Return the triangles of a wall.
 
     Parameters
@@ -34,16 +30,13 @@ def triangles_of(shape: Shape, box: Box, edge: float, *, few: bool = False) -> T
         The simulated space: infinite walls end with it.
     edge : float
         No facet of a tube is much wider, m.
-    few : bool
-        As few triangles as possible: tubes are not cut into rings, discs have no centre.
     """
     if isinstance(shape, Cylinder):
-        shape = Cone(shape.radius, shape.radius, shape.bottom, shape.top)
+        return _tube(shape.radius, shape.radius, shape.bottom, shape.top, edge)
     if isinstance(shape, Cone):
-        return _tube(shape, edge, 1 if few else _rings(shape, edge))
+        return _tube(shape.lower_radius, shape.upper_radius, shape.bottom, shape.top, edge)
     if isinstance(shape, Disc):
-        rim = _ring(shape.radius, shape.z, _DISC_FACETS)
-        return _polygon(rim) if few else _slivers(rim)
+        return _disc(shape.radius, shape.z)
     if isinstance(shape, Annulus):
         return _annulus(shape, edge)
     if isinstance(shape, Plane):
@@ -74,34 +67,20 @@ def _facets(radius: float, edge: float) -> int:
     return max(24, math.ceil(2 * math.pi * radius / edge))
 
 
-def _rings(shape: Cone, edge: float) -> int:
-    # Triangles longer than a few facets are worse for the neighbour search of LIGGGHTS than many.
-    return max(2, int((shape.top - shape.bottom) / (5 * edge)))
-
-
-def _tube(shape: Cone, edge: float, parts: int) -> Triangles:
-    facets = _facets(max(shape.lower_radius, shape.upper_radius), edge)
-    levels = np.linspace(shape.bottom, shape.top, parts + 1)
-    radii = np.linspace(shape.lower_radius, shape.upper_radius, len(levels))
+def _tube(lower: float, upper: float, bottom: float, top: float, edge: float) -> Triangles:
+    facets = _facets(max(lower, upper), edge)
+    # Triangles longer than a few facets are worse for the solver's neighbour search than many.
+    levels = np.linspace(bottom, top, max(2, int((top - bottom) / (5 * edge))) + 1)
+    radii = np.linspace(lower, upper, len(levels))
     rings = [_ring(radius, z, facets) for radius, z in zip(radii, levels, strict=True)]
     return np.concatenate([_between(low, high) for low, high in itertools.pairwise(rings)])
 
 
-def _slivers(rim: NDArray[np.float64]) -> Triangles:
-    """Triangles between the rim of a disc and its centre."""
-    centre = np.zeros_like(rim)
-    centre[:, 2] = rim[:, 2]
-    return np.stack((centre, rim, np.roll(rim, -1, axis=0)), axis=1)
-
-
-def _polygon(rim: NDArray[np.float64]) -> Triangles:
-    """Triangles between corners of a polygon alone, with most of their edges near its rim."""
-    if len(rim) == 3:
-        return rim[None]
-    inner = rim[::2]
-    middle = rim[1::2]
-    ears = np.stack((inner[: len(middle)], middle, np.roll(inner, -1, axis=0)[: len(middle)]), 1)
-    return np.concatenate((ears, _polygon(inner)))
+def _disc(radius: float, z: float) -> Triangles:
+    edge = _ring(radius, z, _DISC_FACETS)
+    centre = np.zeros_like(edge)
+    centre[:, 2] = z
+    return np.stack((centre, edge, np.roll(edge, -1, axis=0)), axis=1)
 
 
 def _annulus(shape: Annulus, edge: float) -> Triangles:

@@ -1,10 +1,9 @@
-"""Scenes as Python scripts for YADE: walls are Wall, Box and Facet bodies, a material for each."""
+"""Scenes as Python scripts for YADE: walls are planes, boxes and polyhedra."""
 
 from __future__ import annotations
 
-import shutil
+import math
 from collections.abc import Iterator, Mapping
-from pathlib import Path
 from typing import ClassVar
 
 import numpy as np
@@ -17,16 +16,25 @@ from grainfit.scenes.conditions import AtRest, Clear, Elapsed, Loaded
 from grainfit.scenes.records import Force, MassAbove, RadialForce, Recorded, Travel
 from grainfit.scenes.run_output import STAGES_HEADER
 from grainfit.scenes.scene import Load, Stage, Velocity, Wall
-from grainfit.scenes.shapes import Block, Cylinder, Mesh, Plane, Vector
-from grainfit.scenes.triangles import triangles_of, write_stl
+from grainfit.scenes.shapes import Block, Cone, Cylinder, Disc, Plane, Vector
 from grainfit.solvers.dem.card_parts import fill
 from grainfit.solvers.dem.deck import SceneDeck
 from grainfit.solvers.dem.script import heading
 
+_EDGES = (
+    "YADE gives a particle near an edge between two triangles of one plane two contacts, one of them "
+    'tilted; use {instead}solver = "liggghts"'
+)
 #: Concepts that YADE does not have, with the reason and what to use instead.
-MISSING: Mapping[str, str] = {}
-#: R* of a particle in YADE over its radius: on a Wall or Box, and on a Facet.
-_RADIUS_SHARES = {"flat": 1 / 2, "facet": 2 / 3}
+MISSING: Mapping[str, str] = {
+    "annulus": _EDGES.format(instead="a slot, a cone, or "),
+    "mesh": _EDGES.format(instead=""),
+}
+#: R* of a particle on a wall in YADE over its radius.
+_RADIUS_SHARE = 1 / 2
+#: Thickness of the panels of tubes, and of discs, in Sauter diameters; width of panels.
+_THICKNESS, _PANEL = 0.5, 0.95
+_FEWEST_PANELS, _DISC_CORNERS = 24, 40
 #: Cell over box, along axes that are not periodic.
 _CELL = 4.0
 #: Half the length of a block along a periodic axis, in periods: particles that circle around keep
@@ -64,18 +72,14 @@ class YadeSceneDeck(SceneDeck):
             A period is too short, or a radial force is recorded of another wall than a tube.
         """
         scene = self.scene
-        walls = scene.all_walls()
         contact = self._between_particles()
-        surfaces = dict.fromkeys(wall.surface for wall in walls.values())
         first_walls = [line for item in scene.walls.items() for line in self._put(*item)]
         stages = [line for stage in scene.stages for line in self._stage(stage)]
-        facets = any(self._body(wall) == "facet" for wall in walls.values())
         return fill(
             "yade",
             {
                 "title": scene.title,
                 "file_name": self.file_name,
-                "reads": "particles.txt and *.stl" if facets else "particles.txt",
                 "time_step": scene.time_step,
                 "gravity": scene.gravity,
                 "low": tuple(scene.box.low),
@@ -91,7 +95,7 @@ class YadeSceneDeck(SceneDeck):
                 "wall_materials": list(self._wall_materials()),
                 "physics": yade_physics(self.law, contact),
                 "law": ", ".join(f"{n}={v}" for n, v, _ in yade_law(self.law, contact)),
-                "rolling": [(name, own) for name in surfaces if (own := self._on_wall(name))],
+                "rolling": [(name, own) for name in self._surfaces() if (own := self._on_wall(name))],
                 "rolling_every": _ROLLING_EVERY,
                 "verlet_distance": self._verlet_distance(),
                 "stages_header": STAGES_HEADER,
@@ -114,13 +118,15 @@ class YadeSceneDeck(SceneDeck):
         contact = Contact.on_wall(material, radius, scene.gravity, scene.typical_load)
         return yade_on_wall(self.law, contact)
 
-    def _wall_materials(self) -> Iterator[tuple[str, str, float, float]]:
-        """Iterate over surface, kind of body, Young's modulus and Poisson's ratio."""
-        walls = self.scene.all_walls().values()
-        for surface, body in dict.fromkeys((wall.surface, self._body(wall)) for wall in walls):
+    def _wall_materials(self) -> Iterator[tuple[str, float, float]]:
+        """Iterate over surface, Young's modulus and Poisson's ratio."""
+        for surface in self._surfaces():
             material = self.scene.material_on(surface)
-            young = wall_modulus(material, _RADIUS_SHARES[body])
-            yield surface, body, young, material["particle.poissons_ratio"]
+            young = wall_modulus(material, _RADIUS_SHARE)
+            yield surface, young, material["particle.poissons_ratio"]
+
+    def _surfaces(self) -> list[str]:
+        return list(dict.fromkeys(wall.surface for wall in self.scene.all_walls().values()))
 
     # --- box -----------------------------------------------------------------------------------
 
@@ -162,10 +168,6 @@ class YadeSceneDeck(SceneDeck):
 
     # --- walls ---------------------------------------------------------------------------------
 
-    @staticmethod
-    def _body(wall: Wall) -> str:
-        return "flat" if isinstance(wall.shape, Plane | Block) else "facet"
-
     def _put(self, name: str, wall: Wall) -> Iterator[str]:
         shape = wall.shape
         if isinstance(shape, Plane) and not self.scene.box.periodic:
@@ -175,9 +177,25 @@ class YadeSceneDeck(SceneDeck):
             yield self._block(name, wall, *self._behind(shape))
         elif isinstance(shape, Block):
             yield self._block(name, wall, shape.low, shape.high)
+        elif isinstance(shape, Cylinder):
+            yield self._tube(name, wall, Cone(shape.radius, shape.radius, shape.bottom, shape.top))
+        elif isinstance(shape, Cone):
+            yield self._tube(name, wall, shape)
         else:
-            self._write_facets(self.folder / f"{name}.stl", wall)
-            yield f'mesh({name!r}, {wall.surface!r}, "{name}.stl")'
+            assert isinstance(shape, Disc), "shapes that YADE does not have are refused before"
+            sizes = f"{shape.radius!r}, {shape.z!r}, {_DISC_CORNERS}, {self._thickness}"
+            yield f"disc({name!r}, {wall.surface!r}, {sizes})"
+
+    @property
+    def _thickness(self) -> float:
+        return _THICKNESS * self.scene.sizes.sauter_diameter
+
+    def _tube(self, name: str, wall: Wall, shape: Cone) -> str:
+        width = _PANEL * self.scene.sizes.sauter_diameter
+        widest = max(shape.lower_radius, shape.upper_radius)
+        panels = max(_FEWEST_PANELS, math.ceil(2 * math.pi * widest / width))
+        ends = f"{shape.lower_radius!r}, {shape.upper_radius!r}, {shape.bottom!r}, {shape.top!r}"
+        return f"tube({name!r}, {wall.surface!r}, {ends}, {panels}, {self._thickness})"
 
     def _behind(self, plane: Plane) -> tuple[Vector, Vector]:
         """Return the corners of a block with a plane as its face: YADE's periodic cells need it."""
@@ -197,26 +215,22 @@ class YadeSceneDeck(SceneDeck):
         lower, upper = zip(*((float(a), float(b)) for a, b in ends), strict=True)
         return f"block({name!r}, {wall.surface!r}, {lower}, {upper})"
 
-    def _write_facets(self, path: Path, wall: Wall) -> None:
-        if isinstance(wall.shape, Mesh):
-            shutil.copyfile(wall.shape.path, path)
-        else:
-            edge = 0.95 * self.scene.sizes.sauter_diameter
-            write_stl(path, triangles_of(wall.shape, self.scene.box, edge, few=True))
-
     # --- stages --------------------------------------------------------------------------------
 
     def _stage(self, stage: Stage) -> Iterator[str]:
         """Iterate over the lines of a stage."""
         yield heading(f"{stage.name}: {stage.remark}" if stage.remark else stage.name)
         yield ""
+        changes = stage.take_away or stage.put or stage.strike_off is not None
+        if changes:
+            yield "velocities = velocities_now()"
         if stage.strike_off is not None:
             yield f"strike_off({stage.strike_off!r})"
         yield from (f"take_away({name!r})" for name in stage.take_away)
         for item in stage.put.items():
             yield from self._put(*item)
-        if stage.take_away or stage.put:
-            yield "compute_forces()"
+        if changes:
+            yield "go_on_with(velocities)"
         yield f"stage = Stage({stage.name!r}, is_closed={stage.is_closed})"
         for wall, motion in stage.motions.items():
             yield self._motion(wall, motion)
