@@ -34,7 +34,7 @@ MISSING: Mapping[str, str] = {
 _RADIUS_SHARE = 1 / 2
 #: Thickness of the panels of tubes, and of discs, in Sauter diameters; width of panels.
 _THICKNESS, _PANEL = 0.5, 0.95
-_FEWEST_PANELS, _DISC_CORNERS = 24, 40
+_FEWEST_PANELS, _DISC_CORNERS = 24, 24
 #: Cell over box, along axes that are not periodic.
 _CELL = 4.0
 #: Half the length of a block along a periodic axis, in periods: particles that circle around keep
