@@ -1,7 +1,7 @@
 """Contact laws for YADE: ``Ip2_FrictMat_FrictMat_MindlinPhys`` and ``Law2_ScGeom_MindlinPhys_...``.
 
 The keywords are Python code, for a module that has a function ``_of_pairs(key, convert=float)``: it
-returns a ``MatchMaker`` with the converted values of a contact parameter for every pair of materials.
+returns a ``MatchMaker`` with the converted values of a contact parameter for all pairs of materials.
 """
 
 from __future__ import annotations
@@ -30,6 +30,7 @@ class YadeWords(SolverWords, ABC):
     """
 
     solver: ClassVar[str] = "yade"
+
     @abstractmethod
     def physics(self, contact: Contact) -> Sequence[YadeArgument]:
         """Return arguments of the ``Ip2`` functor, given the contact of two equal particles."""

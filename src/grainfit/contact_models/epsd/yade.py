@@ -38,7 +38,7 @@ class EpsdYade(YadeWords):
         )
 
     def on_wall(self, contact: Contact) -> Sequence[YadeArgument]:
-        """Return stiffness and limit of the moment on a wall: those of EPSD, as R* is the radius."""
+        """Return stiffness and limit of the moment on a wall: EPSD with the radius as R*."""
         stiffness = rolling_spring_of(contact, rolling_damping=0.0).stiffness * contact.radius**2
         limit = contact.value("rolling_friction")
         return (

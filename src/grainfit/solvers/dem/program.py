@@ -300,8 +300,6 @@ def program_help(program: str, install: str, option: str = "-h") -> str:
     return done.stdout
 
 
-
-
 def _in_si(material: Mapping[str, float | str]) -> dict[str, float]:
     """Read quantities such as ``"0.36 MPa"`` among the values of a material."""
     values: dict[str, float] = {}

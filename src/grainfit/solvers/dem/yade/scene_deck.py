@@ -22,8 +22,8 @@ from grainfit.solvers.dem.deck import SceneDeck
 from grainfit.solvers.dem.script import heading
 
 _EDGES = (
-    "YADE gives a particle near an edge between two triangles of one plane two contacts, one of them "
-    'tilted; use {instead}solver = "liggghts"'
+    "YADE gives a particle near an edge between two triangles of one plane two contacts, one of "
+    'them tilted; use {instead}solver = "liggghts"'
 )
 #: Concepts that YADE does not have, with the reason and what to use instead.
 MISSING: Mapping[str, str] = {
@@ -95,7 +95,7 @@ class YadeSceneDeck(SceneDeck):
                 "wall_materials": list(self._wall_materials()),
                 "physics": yade_physics(self.law, contact),
                 "law": ", ".join(f"{n}={v}" for n, v, _ in yade_law(self.law, contact)),
-                "rolling": [(name, own) for name in self._surfaces() if (own := self._on_wall(name))],
+                "rolling": list(self._rolling()),
                 "rolling_every": _ROLLING_EVERY,
                 "verlet_distance": self._verlet_distance(),
                 "stages_header": STAGES_HEADER,
@@ -112,11 +112,15 @@ class YadeSceneDeck(SceneDeck):
         material = scene.material_on("wall")
         return Contact.between(material, radius, radius, scene.gravity, scene.typical_load)
 
-    def _on_wall(self, surface: str) -> list[YadeArgument]:
+    def _rolling(self) -> Iterator[tuple[str, list[YadeArgument]]]:
+        """Iterate over surfaces and what contacts with them get that no functor gives them."""
         scene, radius = self.scene, self.scene.sizes.sauter_diameter / 2
-        material = scene.material_on(surface)
-        contact = Contact.on_wall(material, radius, scene.gravity, scene.typical_load)
-        return yade_on_wall(self.law, contact)
+        for surface in self._surfaces():
+            material = scene.material_on(surface)
+            contact = Contact.on_wall(material, radius, scene.gravity, scene.typical_load)
+            attributes = yade_on_wall(self.law, contact)
+            if attributes:
+                yield surface, attributes
 
     def _wall_materials(self) -> Iterator[tuple[str, float, float]]:
         """Iterate over surface, Young's modulus and Poisson's ratio."""
