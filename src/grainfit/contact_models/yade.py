@@ -1,7 +1,7 @@
 """Contact laws for YADE: ``Ip2_FrictMat_FrictMat_MindlinPhys`` and ``Law2_ScGeom_MindlinPhys_...``.
 
-The keywords are Python code, for a module that has a function ``_of_pairs(key, convert=float)``: it
-returns a ``MatchMaker`` with the converted values of a contact parameter for all pairs of materials.
+The keywords are Python code, for a module that has a function ``_of_pairs(key, convert=float)``,
+which returns a ``MatchMaker``: the converted values of a contact parameter for all pairs.
 """
 
 from __future__ import annotations
