@@ -1,4 +1,4 @@
-"""YADE keeps the contract of all solvers, with small heaps; what it refuses and why."""
+"""YADE keeps the contract of all solvers, with small beds; what it refuses and why."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ import pytest
 
 from grainfit.bulk_tests.discharge import Discharge
 from grainfit.bulk_tests.heap import Heap
+from grainfit.bulk_tests.packing import Packing
 from grainfit.contact_models.hertz_mindlin.model import effective_moduli, particle_moduli
 from grainfit.contact_models.hertz_mindlin.yade import wall_modulus
 from grainfit.errors import InputError, RunFailedError, SolverNotFoundError
@@ -31,14 +32,8 @@ MATERIAL = {**GLASS_BEADS, **dict.fromkeys(DAMPING, 0.0)}
 FREE = ("particle.density", "particle_particle.rolling_friction")
 FIXED = {name: value for name, value in MATERIAL.items() if name not in FREE}
 BEADS = ParticleSizes((0.010,))
-SMALL = Heap(
-    BEADS,
-    cylinder_radius=0.03,
-    strike_off_height=0.06,
-    bulk_density_top=0.05,
-    plate_radius=0.07,
-    rim_height=0.0,
-)
+#: A run starts, fills, and ends within a second or two.
+SMALL = Packing(BEADS, cylinder_radius=0.03, fill_height=0.05)
 
 
 @needs_yade
