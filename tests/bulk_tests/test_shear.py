@@ -13,6 +13,8 @@ import pytest
 from scipy import ndimage
 from scipy.spatial import cKDTree
 
+import grainfit as gf
+from grainfit.analysis.stiffness_notes import stiffness_notes
 from grainfit.bulk_tests.natural_units import natural_run
 from grainfit.bulk_tests.shear import Shear, fit_yield_locus
 from grainfit.bulk_tests.shear.flow import Frame, block_mean, velocity_profile
@@ -365,3 +367,14 @@ def test_particles_that_are_far_too_soft_fail_the_run(tmp_path):
     out = Lammps(test, {}).simulate(test.scene(soft, 1), Workspace(tmp_path, 300.0))
     with pytest.raises(RunFailedError, match=r"overlap grossly|leaked|inertial number"):
         test.measure(out)
+
+
+def test_check_tells_how_much_soft_particles_raise_the_density_in_shear():
+    test = Shear(BEADS)
+    assert test.stiffness_number(ROUGH_SPHERES) == pytest.approx(720)
+    assert test.overlap_law.excess(720) == pytest.approx(0.091, abs=0.001)
+    targets = [gf.Target("shear_density", 1230), gf.Target("internal_friction_angle", 23.5)]
+    problem = gf.Problem([gf.Parameter("particle.density", 2000, 2200)], targets)
+    (note,) = stiffness_notes(problem, {"shear": test}, ROUGH_SPHERES)
+    assert "E/normal stress = 720: shear_density is about 9.1 % above that of stiff" in note
+    assert "internal_friction_angle" not in note

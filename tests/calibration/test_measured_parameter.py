@@ -28,19 +28,35 @@ def calibrated(
     return result, gf.open(folder).analyse()
 
 
-@pytest.mark.parametrize("strategy", ["sequential", "staged"])
-def test_the_answer_keeps_the_measured_value_that_nothing_contradicts(
-    tmp_path: Path, strategy
-) -> None:
-    result, _ = calibrated(tmp_path / "w", 0.0, 5.0, 0.05, strategy)
+def off(result: Result) -> float:
+    """Deviation of the answer from the measurement, in standard uncertainties."""
+    return (result.parameters[WALL] - MEASURED.measured) / MEASURED.uncertainty
 
-    off = (result.parameters[WALL] - MEASURED.measured) / MEASURED.uncertainty
+
+@pytest.fixture(scope="module")
+def uncontradicted(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Work folder of a calibration whose response does not depend on the measured parameter."""
+    folder = tmp_path_factory.mktemp("measured") / "w"
+    calibrated(folder, 0.0, 5.0, 0.05)
+    return folder
+
+
+def test_the_answer_keeps_the_measured_value_that_nothing_contradicts(uncontradicted: Path) -> None:
+    result = gf.open(uncontradicted).result
+
     assert result.status == "calibrated"
-    assert abs(off) < 0.05
+    assert abs(off(result)) < 0.05
 
 
-def test_the_stated_interval_is_that_of_the_measurement(tmp_path: Path) -> None:
-    _, analysis = calibrated(tmp_path / "w", 0.0, 5.0, 0.05)
+def test_so_does_that_of_the_staged_strategy(tmp_path: Path) -> None:
+    result, _ = calibrated(tmp_path / "w", 0.0, 5.0, 0.05, "staged")
+
+    assert result.status == "calibrated"
+    assert abs(off(result)) < 0.05
+
+
+def test_the_stated_interval_is_that_of_the_measurement(uncontradicted: Path) -> None:
+    analysis = gf.open(uncontradicted).analyse()
     found = analysis.intervals[WALL]
 
     assert found.low == pytest.approx(0.4 - 1.96 * MEASURED.uncertainty, abs=0.002)
@@ -49,6 +65,16 @@ def test_the_stated_interval_is_that_of_the_measurement(tmp_path: Path) -> None:
     words = " ".join(analysis.identifiability.verdicts)
     assert f"{WALL} is known from its own measurement: 0.38" in words
     assert WALL not in " ".join(analysis.identifiability.further_tests)
+
+
+def test_card_and_report_say_that_it_was_measured(uncontradicted: Path, tmp_path: Path) -> None:
+    saved = gf.open(uncontradicted)
+    (parameter,) = (p for p in saved.card().parameters if p.name == WALL)
+    page = saved.report(tmp_path / "report.html").read_text(encoding="utf-8")
+
+    assert parameter.origin == "measured"
+    assert parameter.interval == pytest.approx((0.38, 0.42), abs=0.002)
+    assert "measured 0.4 ± 0.0101" in page
 
 
 def test_its_uncertainty_is_part_of_the_interval_of_another_parameter(tmp_path: Path) -> None:

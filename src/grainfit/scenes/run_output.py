@@ -181,6 +181,20 @@ class RunOutput:
         table = table[np.append(True, np.diff(table[:, 0]) > 0)[: len(table)]]
         return dict(zip(names, table.T, strict=True))
 
+    def require_good(self, container: str = "walls") -> tuple[StageEnd, ...]:
+        """Raise `RunFailedError` if a stage that was reached went wrong; return the stages.
+
+        Parameters
+        ----------
+        container : str
+            Container that particles may break out of.
+        """
+        for stage in self.stages:
+            reason = _what_went_wrong(stage, container)
+            if reason:
+                raise RunFailedError(f"{reason}: {_REMEDY}", self.log_tail())
+        return self.stages
+
     def require_complete(self, names: Sequence[str], container: str) -> tuple[StageEnd, ...]:
         """Raise `RunFailedError` unless every stage went well; return the stages.
 
@@ -191,11 +205,7 @@ class RunOutput:
         container : str
             Container that particles may break out of.
         """
-        for stage in self.stages:
-            reason = _what_went_wrong(stage, container)
-            if reason:
-                raise RunFailedError(f"{reason}: {_REMEDY}", self.log_tail())
-        done = [stage.name for stage in self.stages]
+        done = [stage.name for stage in self.require_good(container)]
         if done != list(names):
             words = ", ".join(done) or "none"
             raise RunFailedError(

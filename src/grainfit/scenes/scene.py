@@ -30,6 +30,8 @@ SCENES_REVISION = 1
 WALL = "wall"
 #: Gravity that particle weights are counted with in a scene without gravity, m/s^2.
 STANDARD_GRAVITY = 9.81
+#: Largest length of a triangle in a periodic box, over the period.
+_SHARE_OF_PERIOD = 0.25
 #: Names that decks use themselves.
 _TAKEN = {
     "walls": {
@@ -56,6 +58,16 @@ class Box:
     low: Vector
     high: Vector
     periodic: str = ""
+
+    @property
+    def longest_element(self) -> float:
+        """Largest length of a triangle of a wall, m; infinite without a period.
+
+        An element that is longer than a period makes LIGGGHTS abort.
+        """
+        axes = (axis for axis, name in enumerate("xyz") if name in self.periodic)
+        lengths = (self.high[axis] - self.low[axis] for axis in axes)
+        return _SHARE_OF_PERIOD * min(lengths, default=math.inf)
 
 
 @dataclass(frozen=True)

@@ -27,7 +27,7 @@ from grainfit.bulk_tests.shear.picture import draw_shear
 from grainfit.bulk_tests.shear.setup import ShearSetup, plan_setup
 from grainfit.bulk_tests.shear.validity import require_sheared
 from grainfit.bulk_tests.shear.view import ShearView
-from grainfit.bulk_tests.stiffness import UNDER_A_STRESS, OverlapLaw
+from grainfit.bulk_tests.stiffness import IN_SHEAR, OverlapLaw
 from grainfit.bulk_tests.view import Shown
 from grainfit.contact_models.contact import particle_mass
 from grainfit.errors import Fault, NotMeasurableError
@@ -91,7 +91,7 @@ class Shear(BulkTest):
 
     type: ClassVar[str] = "shear"
     title: ClassVar[str] = "plane shear under a normal stress"
-    overlap_law: ClassVar[OverlapLaw] = UNDER_A_STRESS
+    overlap_law: ClassVar[OverlapLaw] = IN_SHEAR
     shown: ClassVar[Shown | None] = Shown(
         "bed", "internal_friction_angle", snapshot_file(_LAST), _PICTURE
     )

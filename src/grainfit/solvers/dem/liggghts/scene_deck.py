@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import shutil
 from collections.abc import Iterable, Iterator, Mapping
 from typing import ClassVar
 
@@ -11,7 +10,7 @@ from grainfit.contact_models.liggghts import liggghts_model, liggghts_properties
 from grainfit.errors import Fault, InputError
 from grainfit.scenes.run_output import snapshot_file
 from grainfit.scenes.scene import WALL, Load, Motion, Rotation, Stage, Wall
-from grainfit.scenes.shapes import Cylinder, Mesh
+from grainfit.scenes.shapes import Cylinder
 from grainfit.scenes.triangles import triangles_of, write_stl
 from grainfit.solvers.dem.script import PARTICLES, ScriptDeck
 from grainfit.solvers.dem.script_words import command, continued, heading
@@ -109,11 +108,8 @@ class LiggghtsSceneDeck(ScriptDeck):
                 yield command("variable", f"{name}_travel equal 0.0")
             return
         path = self.folder / f"{name}.stl"
-        if isinstance(wall.shape, Mesh):
-            shutil.copyfile(wall.shape.path, path)
-        else:
-            edge = 0.95 * self.scene.sizes.sauter_diameter
-            write_stl(path, triangles_of(wall.shape, self.scene.box, edge))
+        edge = 0.95 * self.scene.sizes.sauter_diameter
+        write_stl(path, triangles_of(wall.shape, self.scene.box, edge))
         number = 2 + self._surfaces.index(wall.surface)
         loads = [m for m in self.scene.motions_of(name) if isinstance(m, Load)]
         style = "mesh/surface/stress" if name in self.measured_walls() else "mesh/surface"
