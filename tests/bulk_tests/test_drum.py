@@ -54,7 +54,8 @@ def bed_below(surface, turned: float = 0.0, frames: int = 12) -> TurningBed:
             across[0] * np.cos(azimuth)[:, None] - heights[0] * np.sin(azimuth)[:, None],
             across[0] * np.sin(azimuth)[:, None] + heights[0] * np.cos(azimuth)[:, None],
         )
-    return TurningBed(SETUP, last, 100 * np.arange(frames), across, heights)
+    times = SETUP.frame_interval * np.arange(frames)
+    return TurningBed(SETUP, last, times, across, heights)
 
 
 def test_defaults_follow_the_diameter() -> None:
@@ -167,9 +168,9 @@ def test_a_bed_that_lost_particles_or_was_recorded_too_rarely_is_refused() -> No
         return Frame(step, Particles(np.zeros((count, 3)), np.ones(count), np.ones(count)))
 
     with pytest.raises(RunFailedError, match=r"particles were lost .*: 5 at first, 4 at the end"):
-        TurningBed.of([*(frame(n, 5) for n in range(9)), frame(9, 4)], SETUP)
+        TurningBed.of([*(frame(n, 5) for n in range(9)), frame(9, 4)], SETUP, 1e-3)
     with pytest.raises(NotMeasurableError, match="recorded 3 times"):
-        TurningBed.of([frame(n, 5) for n in range(3)], SETUP)
+        TurningBed.of([frame(n, 5) for n in range(3)], SETUP, 1e-3)
 
 
 def short(**options: object) -> Drum:

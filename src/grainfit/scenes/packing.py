@@ -24,8 +24,8 @@ _SOLID_FRACTION = 0.26
 _CLEARANCE = 0.001
 _ROUNDS_BEFORE_GROWING = 50
 _GROWTH = 1.05
-#: Particles in a tube are pushed apart at most so often.
-_MOST_PUSHES = 5000
+#: Particles in a tube are pushed apart at most so often; above this solid fraction they jam.
+_MOST_PUSHES, _JAMMED = 2000, 0.6
 
 
 class Footprint(Protocol):
@@ -284,6 +284,15 @@ def random_in_tube(
         The seed is negative, or the particles find no room.
     """
     random = np.random.default_rng(_valid(seed))
+    no_room = InputError(
+        Fault(
+            "particle_count",
+            f"{count} particles find no room in a tube of {radius:g} m radius.",
+            "Use fewer, or a larger tube.",
+        )
+    )
+    if count * mean_particle_volume(sizes) > _JAMMED * math.pi * radius**2 * length:
+        raise no_room
     numbers = particle_numbers(sizes, count)
     indices = random.permutation(np.repeat(np.arange(len(numbers)), numbers))
     radii = (1 + 2 * _CLEARANCE) / 2 * np.array(sizes.diameters)[indices]
@@ -297,13 +306,7 @@ def random_in_tube(
             return Column(places, indices, radius)
         outside = np.maximum(np.hypot(places[:, 1], places[:, 2]) / reach, 1.0)
         places[:, 1:] /= outside[:, None]
-    raise InputError(
-        Fault(
-            "particle_count",
-            f"{count} particles find no room in a tube of {radius:g} m radius.",
-            "Use fewer, or a larger tube.",
-        )
-    )
+    raise no_room
 
 
 def _push_apart(places: NDArray[np.float64], radii: NDArray[np.float64], period: float) -> bool:

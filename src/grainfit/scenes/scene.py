@@ -31,7 +31,7 @@ WALL = "wall"
 #: Gravity that particle weights are counted with in a scene without gravity, m/s^2.
 STANDARD_GRAVITY = 9.81
 #: Largest length of a triangle in a periodic box, over the period.
-SHARE_OF_PERIOD = 0.25
+_SHARE_OF_PERIOD = 0.25
 #: Names that decks use themselves.
 _TAKEN = {
     "walls": {
@@ -67,7 +67,7 @@ class Box:
         """
         axes = (axis for axis, name in enumerate("xyz") if name in self.periodic)
         lengths = (self.high[axis] - self.low[axis] for axis in axes)
-        return SHARE_OF_PERIOD * min(lengths, default=math.inf)
+        return _SHARE_OF_PERIOD * min(lengths, default=math.inf)
 
 
 @dataclass(frozen=True)

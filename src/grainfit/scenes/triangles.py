@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from grainfit.scenes.scene import SHARE_OF_PERIOD, Box
+from grainfit.scenes.scene import Box
 from grainfit.scenes.shapes import (
     Annulus,
     Block,
@@ -102,7 +102,8 @@ def _cylinder(shape: Cylinder, box: Box, edge: float) -> Triangles:
     axis = "xyz".index(shape.axis)
     ends, parts = (shape.bottom, shape.top), 2
     if shape.axis in box.periodic:
-        ends, parts = (box.low[axis], box.high[axis]), math.ceil(1 / SHARE_OF_PERIOD)
+        ends = (box.low[axis], box.high[axis])
+        parts = max(parts, math.ceil((ends[1] - ends[0]) / box.longest_element))
     upright = _tube(shape.radius, shape.radius, *ends, edge, parts)
     # Cyclic: z becomes the axis, and normals keep their sense.
     return np.roll(upright, axis - 2, axis=2)

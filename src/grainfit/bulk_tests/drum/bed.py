@@ -92,21 +92,30 @@ class TurningBed:
         Geometry and speed.
     last : Particles
         The bed at the end.
-    steps : ndarray of shape (t,)
-        Time step of every frame.
+    times : ndarray of shape (t,)
+        Simulated time of every frame, s.
     across, heights : ndarray of shape (t, n)
         Places of the particles, m.
     """
 
     setup: DrumSetup
     last: Particles
-    steps: NDArray[np.int64]
+    times: Array
     across: Array
     heights: Array
 
     @classmethod
-    def of(cls, frames: Iterable[Frame], setup: DrumSetup) -> Self:
+    def of(cls, frames: Iterable[Frame], setup: DrumSetup, time_step: float) -> Self:
         """Read the bed from the frames of a run.
+
+        Parameters
+        ----------
+        frames : iterable of Frame
+            In order.
+        setup : DrumSetup
+            Geometry and speed.
+        time_step : float
+            s.
 
         Raises
         ------
@@ -128,8 +137,8 @@ class TurningBed:
                 f"{min(counts)} at the end"
             )
         places = np.array([frame.particles.positions for frame in read])
-        steps = np.array([frame.step for frame in read])
-        return cls(setup, read[-1].particles, steps, places[:, :, 1], places[:, :, 2])
+        times = time_step * np.array([frame.step for frame in read])
+        return cls(setup, read[-1].particles, times, places[:, :, 1], places[:, :, 2])
 
     @property
     def diameter(self) -> float:
@@ -139,7 +148,7 @@ class TurningBed:
     @property
     def turns(self) -> float:
         """Turns of the drum from the first frame to the last."""
-        return self.setup.frame_interval * (len(self.steps) - 1) / self.setup.turn_time
+        return float(self.times[-1] - self.times[0]) / self.setup.turn_time
 
     @cached_property
     def inclinations(self) -> Array:
@@ -197,8 +206,7 @@ class TurningBed:
         outer = deep & (distance > self.setup.drum_radius - _OUTER * self.diameter)
         turned = np.diff(self._azimuths, axis=0)
         turned = (turned + math.pi) % (2 * math.pi) - math.pi
-        whole = np.diff(self.steps)[:, None] * self._turn_per_step
-        passed = turned / whole
+        passed = turned / (self.setup.rotational_speed * np.diff(self.times)[:, None])
         counted = outer[:-1] & outer[1:]
         if not counted.any():
             raise NotMeasurableError(
@@ -206,12 +214,6 @@ class TurningBed:
                 "a larger drum or fill_level"
             )
         return 1 - float(passed[counted].mean())
-
-    @cached_property
-    def _turn_per_step(self) -> float:
-        """Angle that the drum turns from one time step to the next, rad."""
-        interval = self.setup.frame_interval * (len(self.steps) - 1)
-        return self.setup.rotational_speed * interval / float(self.steps[-1] - self.steps[0])
 
     def share_above(self, inclination: float) -> float:
         """Return the mean share of the particles that are above the ends of the bed."""

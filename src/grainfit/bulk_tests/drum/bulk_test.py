@@ -231,7 +231,7 @@ class Drum(BulkTest):
             A response has no value, with the reason.
         """
         run.require_complete([stage.name for stage in self._stages()], "drum")
-        bed = TurningBed.of(run.frames(_FRAMES), self.setup)
+        bed = self._bed(run)
         require_separate(bed.last)
         angles, lining = DrumAngles(bed), self._lining_at_end(run)
         write_vtk(run.folder / _VTK, bed.last)
@@ -243,6 +243,13 @@ class Drum(BulkTest):
             raise
         draw_drum(run.folder / _PICTURE, angles, lining, responses)
         return responses
+
+    def _bed(self, run: RunOutput) -> TurningBed:
+        """Read the frames of a run, at the times that solvers reach in whole time steps."""
+        if not run.stages:
+            raise NotMeasurableError(f"{run.folder} has no stage that ended")
+        end = run.stages[-1]
+        return TurningBed.of(run.frames(_FRAMES), self.setup, end.time / max(end.step, 1))
 
     def _lining_at_end(self, run: RunOutput) -> Particles | None:
         return run.snapshot(_FRAMES, glued=1) if self.setup.lining_diameter else None
@@ -258,4 +265,4 @@ class Drum(BulkTest):
 
     def view(self, run: RunOutput) -> DrumView:
         """Read the bed of a run, to be drawn."""
-        return DrumView(DrumAngles(TurningBed.of(run.frames(_FRAMES), self.setup)))
+        return DrumView(DrumAngles(self._bed(run)))
