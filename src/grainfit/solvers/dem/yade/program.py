@@ -89,6 +89,6 @@ def _damping_faults(values: Iterable[tuple[str, float]]) -> Iterator[Fault]:
         if value > 0:
             yield Fault(
                 name,
-                f"is up to {value:g}, and YADE has no rolling damping.",
+                f"{value:g} is above 0, and YADE has no rolling damping.",
                 'Set it to 0 for solver = "yade", or use LAMMPS or LIGGGHTS.',
             )
