@@ -43,19 +43,23 @@ class Block:
 
 @dataclass(frozen=True)
 class Cylinder:
-    """An upright tube about the z axis with open ends, met from inside.
+    """A tube about an axis through the origin with open ends, met from inside.
 
     Parameters
     ----------
     radius : float
         Inner radius.
     bottom, top : float
-        Heights of its ends.
+        Coordinates of its ends on the axis. Along a periodic axis the tube is infinite, and they
+        have no effect.
+    axis : {"x", "y", "z"}
+        Its axis; upright by default.
     """
 
     radius: float
     bottom: float
     top: float
+    axis: str = "z"
 
 
 @dataclass(frozen=True)
@@ -111,15 +115,18 @@ class Annulus:
 
 @dataclass(frozen=True)
 class Mesh:
-    """Triangles of an STL file, met from both sides.
+    """Triangles of an STL file, text or binary, met from both sides.
 
     Parameters
     ----------
     path : Path
-        The file, in m.
+        The file.
+    scale : float
+        Metres in a unit of the file: 0.001 for one in mm.
     """
 
     path: Path
+    scale: float = 1.0
 
 
 Shape = Plane | Block | Cylinder | Cone | Disc | Annulus | Mesh
