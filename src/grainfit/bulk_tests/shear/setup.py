@@ -17,7 +17,7 @@ from grainfit.scenes.scene import Load, Velocity
 _REFERENCE_STRESS = 500.0
 _REFERENCE_DIAMETER = 0.010
 _REFERENCE_GRAVITY = 9.81
-#: Young's modulus over stress, below which overlaps change the angle by more than a degree.
+#: Young's modulus over stress, below which overlaps change the angle by more than two degrees.
 SMALLEST_STIFFNESS = 700.0
 #: Smallest gap, in diameters of the largest particles, and smallest periods.
 _SMALLEST_GAP = 7.0

@@ -43,7 +43,8 @@ def require_sheared(
     if not abs(stress / setup.normal_stress - 1) <= _HELD:
         raise RunFailedError(
             f"the normal stress was not held: {stress:.4g} Pa instead of "
-            f"{setup.normal_stress:g} Pa on average"
+            f"{setup.normal_stress:g} Pa on average, because the bed still dilates or settles; "
+            "use a larger transient_strain or averaged_strain"
         )
     _require_inertial_number(setup, frames[0], records, profile.gap)
     _require_even_shear(profile)
