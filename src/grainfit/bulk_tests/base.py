@@ -44,7 +44,7 @@ TIME_STEP_FRACTION = 0.12
 _PATIENCE = 100.0
 _PATIENCE_SECONDS = 600.0
 #: Particles times time steps per second on one core of a current processor.
-_SPEED = {"lammps": 2.2e6, "liggghts": 2.5e6}
+_SPEED = {"lammps": 2.2e6, "liggghts": 2.5e6, "yade": 0.3e6}
 #: Two ranks are about 15 % faster than one: a bulk test is too small to share.
 _RANKS_EXPONENT = 0.2
 #: A material to build a scene with when only its concepts matter: they follow from the options.

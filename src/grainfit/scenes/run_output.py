@@ -27,7 +27,7 @@ from grainfit.measurement.particles import Frame, Particles, read_dump, read_fra
 SNAPSHOTS = "snapshots"
 STAGES = "stages.csv"
 STAGES_HEADER = "stage,end,step,time,particles,kinetic_energy"
-_LOGS = ("log.lammps", "log.liggghts")
+_LOGS = ("log.lammps", "log.liggghts", "solver.log")
 _REMEDY = "a smaller time_step_fraction or more dissipative contacts may help"
 
 

@@ -364,6 +364,8 @@ class Scene:
             found.add("velocity and load")
         if any(isinstance(w.shape, Cylinder) and w.shape.axis != "z" for w in walls):
             found.add("lying cylinder")
+        if any(stage.frames for stage in self.stages):
+            found.add("frames")
         if self.box.periodic:
             found.add("periodic " + self.box.periodic)
         return found

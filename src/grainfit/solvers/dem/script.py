@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
+from abc import abstractmethod
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import ClassVar
@@ -10,17 +10,11 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from grainfit.contact_models.base import ContactLaw
 from grainfit.scenes.conditions import AtRest, Clear, Elapsed, Loaded
 from grainfit.scenes.records import Force, KineticEnergy, MassAbove, RadialForce, Recorded, Travel
-from grainfit.scenes.run_output import (
-    SNAPSHOTS,
-    STAGES,
-    STAGES_HEADER,
-    series_file,
-    snapshot_file,
-)
+from grainfit.scenes.run_output import STAGES, STAGES_HEADER, series_file, snapshot_file
 from grainfit.scenes.scene import Load, Motion, Scene, Stage, Wall, load_on
+from grainfit.solvers.dem.deck import SceneDeck
 from grainfit.solvers.dem.script_glued import COLUMN, LOOSE, GluedSets
 from grainfit.solvers.dem.script_words import command, continued, heading
 
@@ -33,7 +27,7 @@ def _recorded(column: str) -> str:
     return f"record_{column}"
 
 
-class ScriptDeck(ABC):
+class ScriptDeck(SceneDeck):
     """A scene as a script that LAMMPS or one of its relatives reads.
 
     Parameters
@@ -44,17 +38,13 @@ class ScriptDeck(ABC):
         Folder of the run; everything that the solver reads is written there.
     """
 
-    #: Name of the solver, and of its deck after ``in.``.
-    solver: ClassVar[str]
     #: Arguments of ``set`` that take the angular velocity from particles.
     no_spin: ClassVar[str]
     #: Remarks in the first lines of a deck.
     introduction: ClassVar[tuple[str, ...]]
 
     def __init__(self, scene: Scene, folder: Path) -> None:
-        self.scene = scene
-        self.folder = folder
-        self.law: ContactLaw = scene.law
+        super().__init__(scene, folder)
         #: Walls that are there, by name.
         self.walls: dict[str, Wall] = {}
         #: Commands that remove the helpers of records at the end of a stage: the next stage may
@@ -67,13 +57,9 @@ class ScriptDeck(ABC):
         #: Group of the particles that move, are counted, and touch walls.
         self.loose = LOOSE if scene.glued else "all"
 
-    def write(self) -> Path:
-        """Write everything that the solver reads; return the deck."""
-        (self.folder / SNAPSHOTS).mkdir(exist_ok=True)
-        self.write_particles()
-        deck = self.folder / f"in.{self.solver}"
-        deck.write_text("\n".join(self.lines()) + "\n", encoding="utf-8")
-        return deck
+    def text(self) -> str:
+        """Return the deck; write other files that it reads."""
+        return "\n".join(self.lines()) + "\n"
 
     def lines(self) -> Iterator[str]:
         """Iterate over the lines of the deck."""

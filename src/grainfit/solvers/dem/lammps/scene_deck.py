@@ -26,7 +26,7 @@ MISSING: Mapping[str, str] = {
 class LammpsSceneDeck(ScriptDeck):
     """A scene as a deck for LAMMPS with its GRANULAR package; see `ScriptDeck`."""
 
-    solver: ClassVar[str] = "lammps"
+    file_name: ClassVar[str] = "in.lammps"
     no_spin: ClassVar[str] = "omega 0.0 0.0 0.0"
     introduction: ClassVar[tuple[str, ...]] = (
         "LAMMPS with its GRANULAR package",

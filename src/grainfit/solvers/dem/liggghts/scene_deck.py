@@ -27,7 +27,7 @@ MISSING: Mapping[str, str] = {
 class LiggghtsSceneDeck(ScriptDeck):
     """A scene as a deck for LIGGGHTS-PUBLIC; see `ScriptDeck`."""
 
-    solver: ClassVar[str] = "liggghts"
+    file_name: ClassVar[str] = "in.liggghts"
     no_spin: ClassVar[str] = "omegax 0.0 omegay 0.0 omegaz 0.0"
     introduction: ClassVar[tuple[str, ...]] = (
         "LIGGGHTS-PUBLIC 3.8",
