@@ -339,7 +339,7 @@ def test_every_fault_is_listed_in_the_order_of_the_file(faults_of: FaultsOf) -> 
         (DIAMETER, 'diameter = "10 kg"'),
         (DENSITY, 'density = { min = "1 GPa", max = "2800 kg/m^3", scal = "log" }'),
         ("restitution = 0.82", ""),
-        (SOLVER, 'solver = "yade"\nranks = -1'),
+        (SOLVER, 'solver = "edem"\nranks = -1'),
         (TARGET, "targets.bulk_density = { value = -1, uncertainty = -1 }"),
         (ANGLE, "targets.angle = { value = 22 }"),
     )

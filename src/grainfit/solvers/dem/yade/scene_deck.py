@@ -15,7 +15,7 @@ from grainfit.errors import Fault, InputError
 from grainfit.scenes.conditions import AtRest, Clear, Elapsed, Loaded
 from grainfit.scenes.records import Force, MassAbove, RadialForce, Recorded, Travel
 from grainfit.scenes.run_output import STAGES_HEADER
-from grainfit.scenes.scene import Load, Motion, Rotation, Stage, Velocity, Wall, load_on
+from grainfit.scenes.scene import Motion, Rotation, Stage, Velocity, Wall, load_on
 from grainfit.scenes.shapes import Block, Cone, Cylinder, Disc, Plane, Vector
 from grainfit.solvers.dem.card_parts import fill
 from grainfit.solvers.dem.deck import SceneDeck
