@@ -8,8 +8,10 @@ if TYPE_CHECKING:
     from grainfit import solvers as solvers
     from grainfit import tests as tests
     from grainfit.analysis import Analysis, analyse
+    from grainfit.analysis.advice import Advice
     from grainfit.analysis.expected import ExpectedNarrowing, expected_narrowing
     from grainfit.analysis.modulus_study import ModulusStudy
+    from grainfit.analysis.test_plan import TestPlan
     from grainfit.calibration.calibrate import calibrate
     from grainfit.calibration.progress import Progress
     from grainfit.calibration_file.build import CalibrationSetup
@@ -36,9 +38,11 @@ if TYPE_CHECKING:
     from grainfit.strategies.base import Search, Strategy
     from grainfit.strategies.sequential.strategy import Sequential
     from grainfit.strategies.staged.strategy import Staged
+    from grainfit.work_folder.design import design
     from grainfit.work_folder.stiffness_study import stiffness_study
 
 __all__ = [
+    "Advice",
     "Analysis",
     "Answer",
     "CalibrationSetup",
@@ -66,9 +70,11 @@ __all__ = [
     "StoreError",
     "Strategy",
     "Target",
+    "TestPlan",
     "Workspace",
     "analyse",
     "calibrate",
+    "design",
     "expected_narrowing",
     "friction_of_angle",
     "load",
@@ -91,6 +97,9 @@ _HOMES = {
     "Result": "result",
     "open": "opened",
     "ModulusStudy": "analysis.modulus_study",
+    "Advice": "analysis.advice",
+    "TestPlan": "analysis.test_plan",
+    "design": "work_folder.design",
     "stiffness_study": "work_folder.stiffness_study",
     "write_report": "report.page",
     **dict.fromkeys(("Parameter", "Problem", "Target"), "problem"),
@@ -107,7 +116,7 @@ _HOMES = {
 
 
 #: Rooms that are used by their name.
-_ROOMS = ("plots", "solvers", "tests")
+_ROOMS = ("plots", "scenes", "solvers", "tests")
 #: Functions that have a longer name at home.
 _OTHER_NAMES = {"load": "load_calibration", "open": "open_calibration"}
 

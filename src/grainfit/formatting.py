@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from math import floor, inf, isfinite, log10
 
 _SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
@@ -205,6 +205,21 @@ def in_a_row(names: Iterable[str], last: str = "and") -> str:
     """
     *first, end = names
     return f"{', '.join(first)} {last} {end}" if first else end
+
+
+def short_names(names: Sequence[str]) -> list[str]:
+    """Return dotted names as headings: without sections where they stay different, in words.
+
+    Examples
+    --------
+    >>> short_names(["particle_particle.sliding_friction", "wall.density", "particle.density"])
+    ['sliding friction', 'wall.density', 'particle.density']
+    """
+    last = [name.rpartition(".")[2] for name in names]
+    return [
+        (own if last.count(own) == 1 else name).replace("_", " ")
+        for own, name in zip(last, names, strict=True)
+    ]
 
 
 def variable_name(name: str) -> str:

@@ -1,23 +1,40 @@
-"""A saved calibration with its analysis, material card and report."""
+"""A saved calibration with its analysis, advice, material card and report."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, fields
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from grainfit.work_folder.saved_calibration import SavedCalibration
 
 if TYPE_CHECKING:
+    from grainfit.analysis.advice import Advice
     from grainfit.cards import WritableCard
 
 
 @dataclass(frozen=True)
 class OpenedCalibration(SavedCalibration):
-    """A saved calibration that also creates its material card and its report.
+    """A saved calibration that also gives advice and creates its material card and its report.
 
     A subclass, because the packages of cards and reports depend on that of work folders.
     """
+
+    def advise(self, **options: Any) -> Advice:
+        """Compute which further test would settle the parameters that the runs leave open.
+
+        Parameters
+        ----------
+        **options : object
+            See `grainfit.work_folder.advice.advise`.
+
+        Examples
+        --------
+        >>> print(saved.advise(max_seconds=600))  # doctest: +SKIP
+        """
+        from grainfit.work_folder.advice import advise
+
+        return advise(self, **options)
 
     def card(self) -> WritableCard:
         """Return the material card.

@@ -7,6 +7,7 @@ import re
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from functools import cache
+from pathlib import Path
 from typing import Any
 
 import contexts
@@ -14,6 +15,7 @@ import numpy as np
 import pytest
 
 from grainfit.analysis import Analysis, ParetoFront
+from grainfit.campaign.store.records import RunRecord
 from grainfit.errors import InputError
 from grainfit.metamodels.metamodels import Metamodels
 from grainfit.plots.sensitivity_figures import sensitivity as sensitivity_plot
@@ -26,6 +28,7 @@ from grainfit.report.sections.sensitivity.section import sensitivity
 from grainfit.report.sections.surfaces.section import surfaces
 from grainfit.report.sections.tradeoff.section import tradeoff
 from grainfit.report.sections.undetermined.section import undetermined
+from grainfit.run_definition import RunDefinition
 
 SECTIONS: tuple[Callable[[ReportContext], Section], ...] = (
     surfaces,
@@ -370,6 +373,16 @@ def test_what_is_not_determined_is_said_before_it_is_drawn() -> None:
     assert posterior.convergence in html
     learnt = section.figures["undetermined-learnt"].data[0]
     assert learnt["x"] == [1.0 - found.narrowing[name] for name in reversed(posterior.names)]
+
+
+def test_a_calibration_with_bulk_tests_names_the_command_that_compares_others() -> None:
+    made = usual()
+    assert "grainfit advise" not in undetermined(made).html
+    definition = RunDefinition({"solver": "lammps", "test": {"type": "heap"}}, {}, 1)
+    record = RunRecord(definition.identity, "heap", "finished", definition)
+    reading = replace(made.reading, folder=Path("my beads"), records={record.identity: record})
+    html = undetermined(replace(made, reading=reading)).html.unescape()
+    assert "grainfit advise 'my beads'" in html
 
 
 def test_each_pair_of_parameters_is_correlated_once() -> None:

@@ -1,18 +1,14 @@
 """Parameters that the chosen tests can settle, estimated before any run.
 
-Linear: the sensitivities of the responses in the middle of the intervals and the uncertainties of
-the measurements give the Fisher information, and with even spreads over the intervals the expected
-widths of what remains.
+Linear: the recorded sensitivities of the responses in the middle of the intervals, the
+uncertainties of the measurements and the scatter of the runs, with even spreads over the intervals,
+give the expected widths of what remains.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from math import log
-
-import numpy as np
-from numpy.typing import NDArray
 
 from grainfit.analysis.further_tests import (
     BETTER_FIXED,
@@ -21,22 +17,25 @@ from grainfit.analysis.further_tests import (
     how_to_determine,
     how_to_tell_apart,
 )
+from grainfit.analysis.information import (
+    Knowledge,
+    Observation,
+    even_deviation,
+    recorded_measurable,
+)
 from grainfit.analysis.posterior import standard_uncertainty
-from grainfit.bulk_tests.sensitivities import VARIED, Sensitivities
+from grainfit.bulk_tests.accuracy import Accuracy
+from grainfit.bulk_tests.sensitivities import VARIED
 from grainfit.evaluation import response_name
 from grainfit.formatting import in_a_row
-from grainfit.problem import Parameter, Problem
+from grainfit.problem import Problem
 from grainfit.solvers.base import Solver
-
-Array = NDArray[np.float64]
 
 #: Share of an interval above which a parameter counts as open: the sensitivities are those of two
 #: materials, so only wide intervals are worth a note.
 _OPEN = 0.75
 #: A parameter is tied to another one if its interval is narrower by this factor once that is known.
 _TIED = 0.75
-#: Precision of an even spread over an interval of the length 1.
-_BEFORE = 12.0
 
 
 @dataclass(frozen=True)
@@ -84,19 +83,21 @@ def expected_narrowing(problem: Problem, solvers: Mapping[str, Solver]) -> Expec
     >>> round(gf.expected_narrowing(problem, {"heap": heap}).narrowing[friction], 1)
     0.1
     """
-    material = _middle(problem, solvers)
-    known = _sensitivities(problem, solvers)
-    if known is None:
+    material = middle_material(problem, solvers)
+    seen = _observations(problem, solvers, material)
+    if seen is None:
         return ExpectedNarrowing()
     free = [p for p in problem.parameters if p.name in VARIED]
-    estimate = _Estimate(free, _information(problem, free, known, material))
+    spreads = {p.name: even_deviation(p) for p in free}
+    estimate = _Estimate(Knowledge.of_intervals(free), spreads, seen)
     tests = in_a_row(dict.fromkeys(s.bulk_test.type for s in solvers.values() if s.bulk_test))
     without_effect = [p.name for p in problem.parameters if p.name in BETTER_FIXED]
     notes = (*_notes(estimate, tests), *map(better_fixed, without_effect))
     return ExpectedNarrowing(estimate.narrowing(), notes)
 
 
-def _middle(problem: Problem, solvers: Mapping[str, Solver]) -> dict[str, float]:
+def middle_material(problem: Problem, solvers: Mapping[str, Solver]) -> dict[str, float]:
+    """Return the material in the middle of the intervals, fixed parameters included."""
     values = problem.from_unit([0.5] * problem.dimension)
     for solver in solvers.values():
         if solver.bulk_test is not None:
@@ -104,69 +105,42 @@ def _middle(problem: Problem, solvers: Mapping[str, Solver]) -> dict[str, float]
     return values
 
 
-def _sensitivities(
-    problem: Problem, solvers: Mapping[str, Solver]
-) -> dict[str, Sensitivities] | None:
-    """Return those of all targets by name; None if one is not known."""
-    found = {}
-    for test, solver in solvers.items():
-        responses = solver.bulk_test.responses if solver.bulk_test else {}
-        for name, info in responses.items():
-            if info.sensitivities is not None:
-                found[response_name(test, name, len(solvers))] = info.sensitivities
-    complete = all(target.name in found for target in problem.targets)
-    return found if complete else None
-
-
-def _information(
-    problem: Problem,
-    free: Sequence[Parameter],
-    known: Mapping[str, Sensitivities],
-    material: Mapping[str, float],
-) -> Array:
-    """Return the Fisher information of positions in the intervals, shape (d, d)."""
-    rows = []
+def _observations(
+    problem: Problem, solvers: Mapping[str, Solver], material: Mapping[str, float]
+) -> list[Observation] | None:
+    """Return what the targets tell; None if the sensitivities of one are not known."""
+    infos = {
+        response_name(test, name, len(solvers)): info
+        for test, solver in solvers.items()
+        for name, info in (solver.bulk_test.responses if solver.bulk_test else {}).items()
+    }
+    found = []
     for target in problem.targets:
-        slopes = known[target.name].at(material)
-        precision = target.value / standard_uncertainty(target)
-        rows.append([slopes.get(p.name, 0.0) * _extent(p) * precision for p in free])
-    jacobian: Array = np.array(rows, dtype=float).reshape(len(rows), len(free))
-    information: Array = jacobian.T @ jacobian
-    return information
-
-
-def _extent(parameter: Parameter) -> float:
-    """Length of an interval in units of ln p, in its middle."""
-    low, high = parameter.minimum, parameter.maximum
-    return log(high / low) if parameter.scale == "log" else 2 * (high - low) / (high + low)
-
-
-def _precision_before(parameter: Parameter) -> float:
-    """Precision of a position in an interval before the tests."""
-    if parameter.measured is None:
-        return _BEFORE
-    return parameter.off_measured_slope(parameter.to_unit(parameter.measured)) ** 2
+        accuracy = Accuracy(standard_uncertainty(target))
+        info = infos.get(target.name)
+        seen = info and recorded_measurable(target.name, info, material, target.value, accuracy)
+        if not seen:
+            return None
+        found.append(seen.observation())
+    return found
 
 
 @dataclass(frozen=True)
 class _Estimate:
-    """Information on the free parameters whose effect is known."""
+    """Free parameters whose effect is known, and the responses that tell about them."""
 
-    parameters: Sequence[Parameter]
-    information: Array
+    before: Knowledge
+    spreads: Mapping[str, float]
+    observations: Sequence[Observation]
 
     def narrowing(self, given: Sequence[str] = ()) -> dict[str, float]:
         """Expected narrowing by name of those parameters that are not given."""
-        kept = [i for i, p in enumerate(self.parameters) if p.name not in given]
-        before = np.diag([_precision_before(self.parameters[i]) for i in kept])
-        precision = self.information[np.ix_(kept, kept)] + before
-        variance = np.diag(np.linalg.inv(precision))
-        widths = np.sqrt(_BEFORE * variance).tolist()
-        return {self.parameters[i].name: w for i, w in zip(kept, widths, strict=True)}
+        after = self.before.without(given).after(self.observations)
+        return {name: after.deviation(name) / self.spreads[name] for name in after.names}
 
     def narrowing_alone(self, name: str) -> float:
         """Expected narrowing of a parameter if all others were known."""
-        return self.narrowing([p.name for p in self.parameters if p.name != name])[name]
+        return self.narrowing([other for other in self.before.names if other != name])[name]
 
 
 def _notes(estimate: _Estimate, tests: str) -> Iterator[str]:
@@ -187,13 +161,12 @@ def _groups(estimate: _Estimate, names: Sequence[str]) -> list[tuple[str, ...]]:
         joined = [other for other in groups if other & group]
         groups = [other for other in groups if not other & group]
         groups.append(group.union(*joined))
-    order = [p.name for p in estimate.parameters]
-    return [tuple(sorted(group, key=order.index)) for group in groups]
+    return [tuple(sorted(group, key=estimate.before.names.index)) for group in groups]
 
 
 def _tied(estimate: _Estimate, name: str) -> list[str]:
     width = estimate.narrowing()[name]
-    others = [p.name for p in estimate.parameters if p.name != name]
+    others = [other for other in estimate.before.names if other != name]
     return [o for o in others if estimate.narrowing([o])[name] < _TIED * width]
 
 

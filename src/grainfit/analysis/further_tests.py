@@ -95,6 +95,8 @@ BETTER_FIXED: Mapping[str, str] = {
 #: Types of test that are named.
 _TYPES = ("compression", "draw_down", "heap", "packing")
 _FRICTIONS = frozenset({SLIDING, ROLLING})
+#: Parameters that nothing but bulk tests determines.
+_FROM_BULK_TESTS = _FRICTIONS | {MODULUS}
 
 
 def to_settle(name: str) -> str:
@@ -102,6 +104,13 @@ def to_settle(name: str) -> str:
     if name in BETTER_FIXED:
         return better_fixed(name)
     return f"To determine {name}: {how_to_determine(name)}"
+
+
+def without_the_bench(name: str) -> str:
+    """Return sentences on an open parameter that no bulk test settles; "" if nothing is known."""
+    return (
+        "" if name in _FROM_BULK_TESTS or name not in {*TESTS, *BETTER_FIXED} else to_settle(name)
+    )
 
 
 def to_tell_apart(names: tuple[str, ...]) -> str:

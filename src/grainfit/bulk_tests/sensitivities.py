@@ -39,6 +39,8 @@ class Sensitivities:
         `VARIED` that are not named have no effect beyond three standard errors.
     slopes_at_high_rolling : mapping of str to float
         Those that are others at a sliding friction of 0.2 and a rolling friction of 0.5.
+    scatter : float
+        Relative standard deviation of the response from run to run.
 
     Examples
     --------
@@ -49,6 +51,7 @@ class Sensitivities:
 
     slopes: Mapping[str, float]
     slopes_at_high_rolling: Mapping[str, float] = field(default_factory=dict)
+    scatter: float = 0.0
 
     def at(self, material: Mapping[str, float]) -> dict[str, float]:
         """Return the slopes of a material, interpolated in ln(rolling / sliding friction).

@@ -312,6 +312,18 @@ def build_calibration(file: CalibrationFile) -> CalibrationSetup:
     InputError
         A test cannot be simulated; lists all faults of all tests.
     """
+    solvers = build_solvers(file)
+    return CalibrationSetup(file, _problem(file), solvers)
+
+
+def build_solvers(file: CalibrationFile) -> dict[str, Solver]:
+    """Build one solver for each test, by name of the test; nothing is executed.
+
+    Raises
+    ------
+    InputError
+        A test cannot be simulated; lists all faults of all tests.
+    """
     solvers: dict[str, Solver] = {}
     faults: list[Fault] = []
     for index, test in enumerate(file.tests):
@@ -321,7 +333,7 @@ def build_calibration(file: CalibrationFile) -> CalibrationSetup:
             faults += _faults_of_test(index, error)
     if faults:
         raise InputError(faults, str(file.path))
-    return CalibrationSetup(file, _problem(file), solvers)
+    return solvers
 
 
 def _problem(file: CalibrationFile) -> Problem:

@@ -7,12 +7,29 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, ClassVar
 
+from grainfit.bulk_tests.accuracy import Accuracy
 from grainfit.calibration.options import CalibrationOptions
 from grainfit.campaign.cluster.options import ClusterOptions
 from grainfit.materials.sizes import ParticleSizes
 from grainfit.problem import Parameter, Target
 from grainfit.strategies.base import Strategy
 from grainfit.strategies.sequential.strategy import Sequential
+
+
+@dataclass(frozen=True)
+class PlannedTarget:
+    """A measurement that could be made.
+
+    Parameters
+    ----------
+    value : float, optional
+        Expected value, in the unit of the response.
+    accuracy : Accuracy, optional
+        Accuracy of the measurement; None for the usual one.
+    """
+
+    value: float | None = None
+    accuracy: Accuracy | None = None
 
 
 @dataclass(frozen=True)
@@ -29,6 +46,9 @@ class TestSpecification:
         Other options of the test, by key; only those given.
     targets : tuple of Target
         Named by response.
+    planned : mapping of str to PlannedTarget
+        Instead of targets, responses that could be measured, in a file that is read before the
+        laboratory; none means all of the test.
     """
 
     # Keeps pytest from taking it for a class of tests.
@@ -38,6 +58,7 @@ class TestSpecification:
     type: str
     options: Mapping[str, Any]
     targets: tuple[Target, ...]
+    planned: Mapping[str, PlannedTarget] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from grainfit.bulk_tests.base import BulkTest
-from grainfit.bulk_tests.registry import BUILT_IN, bulk_tests
+from grainfit.bulk_tests.registry import BUILT_IN
 from grainfit.calibration_file.cluster import CLUSTER, cluster_options
 from grainfit.calibration_file.parameters import FixedOrFree, OwnParameter
 from grainfit.calibration_file.strategy_section import StrategySection, strategy_keys
@@ -26,6 +26,7 @@ from grainfit.options.kinds import Choice, Text
 from grainfit.options.places import Findings, Place
 from grainfit.options.tables import Key, Named, Table, Values
 from grainfit.problem import Parameter
+from grainfit.solvers.registry import types_of_test
 
 MATERIAL_SECTIONS = {
     "particle": "The particles.",
@@ -134,7 +135,16 @@ LAYOUT = Table(
 )
 
 
-def read_document(document: dict[str, Any], place: Place) -> Values:
+#: Layout of a file from before the laboratory.
+PLANNED_LAYOUT = replace(
+    LAYOUT,
+    keys=tuple(
+        replace(key, kind=Tests(planned=True)) if key.name == "test" else key for key in LAYOUT.keys
+    ),
+)
+
+
+def read_document(document: dict[str, Any], place: Place, *, planned: bool = False) -> Values:
     """Read a whole file and note every fault.
 
     Parameters
@@ -143,8 +153,10 @@ def read_document(document: dict[str, Any], place: Place) -> Values:
         As returned by `tomllib`.
     place : Place
         The top of the file.
+    planned : bool
+        Whether measured values may be missing.
     """
-    values: Values = LAYOUT.read(document, place)
+    values: Values = (PLANNED_LAYOUT if planned else LAYOUT).read(document, place)
     if "test" not in document:
         place.at("test").fault("is missing.", "Add a section [[test]] with type and targets.")
     simulated = _simulated(document)
@@ -191,11 +203,13 @@ def _simulated(document: dict[str, Any]) -> list[_Simulated]:
     tests = document.get("test")
     if not isinstance(tests, list):
         return []
-    known = bulk_tests()
+    known = {name: kind.bulk_test for name, kind in types_of_test().items()}
     return [
-        _Simulated(index, known[table["type"]], table)
+        _Simulated(index, test, table)
         for index, table in enumerate(tests)
-        if isinstance(table, dict) and isinstance(table.get("type"), str) and table["type"] in known
+        if isinstance(table, dict)
+        and isinstance(table.get("type"), str)
+        and (test := known.get(table["type"])) is not None
     ]
 
 
@@ -257,6 +271,8 @@ def _note_impossible_tests(simulated: list[_Simulated], values: Values, place: P
     for one in simulated:
         keys = one.test.option_keys()
         given = {key.name: one.table[key.name] for key in keys if key.name in one.table}
+        if any(key.required and key.name not in given for key in keys):
+            continue
         # Faults of the single options are noted already.
         options = Table(keys).read(given, Place(Findings(place.findings.folder)))
         if None in options.values():

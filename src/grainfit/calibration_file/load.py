@@ -24,13 +24,17 @@ _DEEP_KEY = re.compile(
 _NOT_TOML = "It must be a TOML file; docs/calibration_file.md shows one."
 
 
-def load_calibration_file(path: str | os.PathLike[str]) -> CalibrationFile:
+def load_calibration_file(
+    path: str | os.PathLike[str], *, planned: bool = False
+) -> CalibrationFile:
     """Read a calibration file.
 
     Parameters
     ----------
     path : path-like
         The TOML file.
+    planned : bool
+        Read a file from before the laboratory, in which measured values may be missing.
 
     Returns
     -------
@@ -46,7 +50,7 @@ def load_calibration_file(path: str | os.PathLike[str]) -> CalibrationFile:
     text = _read_text(path)
     document = _parse(text, path)
     findings = Findings(path.parent.absolute(), key_lines(text))
-    values = read_document(document, Place(findings))
+    values = read_document(document, Place(findings), planned=planned)
     if findings.faults:
         findings.faults.sort(key=lambda fault: fault.line or 0)
         raise InputError(findings.faults, str(path))

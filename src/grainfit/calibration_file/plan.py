@@ -44,8 +44,17 @@ class Plan:
     problems: tuple[str, ...]
 
 
-def describe_plan(setup: CalibrationSetup) -> Plan:
-    """Describe what a calibration will do; starts no simulation and none of the user's code."""
+def describe_plan(setup: CalibrationSetup, *, call_scenes: bool = True) -> Plan:
+    """Describe what a calibration will do; starts no simulation.
+
+    Parameters
+    ----------
+    setup : CalibrationSetup
+        The calibration.
+    call_scenes : bool
+        Call the functions that describe scenes of the user, to find their faults and their cost.
+        No other code of the user is executed, and none at all without this.
+    """
     problems: list[str] = []
     lines: list[str] = []
     executes: list[str] = []
@@ -57,7 +66,8 @@ def describe_plan(setup: CalibrationSetup) -> Plan:
             problems += [f"Test {test}: {fault}" for fault in faults]
             solver.check()
             lines.append(f"Test {test}: {solver.readiness()}")
-            lines += _cost_lines(solver, setup.problem)
+            if call_scenes or not _has_code(solver):
+                lines += _cost_lines(solver, setup.problem)
         except InputError as error:
             problems += [f"{setup.file.path}: test {test}, {fault}" for fault in error.faults]
         except GrainfitError as error:
@@ -92,6 +102,10 @@ def _rayleigh_lines(problem: Problem) -> Iterator[str]:
     if problem.rayleigh is not None:
         smallest, largest = problem.rayleigh.limits(problem.intervals)
         yield f"Rayleigh time step within the intervals: {smallest:.4g} to {largest:.4g} s."
+
+
+def _has_code(solver: Solver) -> bool:
+    return solver.bulk_test is not None and bool(solver.bulk_test.executes())
 
 
 def _cost_lines(solver: Solver, problem: Problem) -> Iterator[str]:

@@ -8,6 +8,8 @@ import statistics
 from dataclasses import dataclass
 from typing import Any, get_args
 
+from grainfit.bulk_tests.accuracy import Accuracy
+from grainfit.calibration_file.content import PlannedTarget
 from grainfit.calibration_file.parameters import own_quantity
 from grainfit.formatting import plain
 from grainfit.options.kinds import Choice, Kind, ListOf, Quantity, Schema, Text, note_wrong_kind
@@ -98,6 +100,17 @@ class TargetTable(Kind):
         schema = self._table({}).schema()
         schema["oneOf"] = [{"required": ["value"]}, {"required": ["measurements"]}]
         return schema
+
+
+@dataclass(frozen=True)
+class PlannedTargetTable(TargetTable):
+    """A target before the laboratory: its value may be missing."""
+
+    def _target(self, values: Values, place: Place) -> PlannedTarget | None:  # type: ignore[override]  # noqa: ARG002
+        if None in values.values():
+            return None
+        given = values.get("uncertainty") or values.get("tolerance")
+        return PlannedTarget(values.get("value"), Accuracy(*given) if given else None)
 
 
 _OWN_UNIT = Key("unit", Text(), "Unit of the response as your model yields it, for people.")

@@ -9,20 +9,19 @@ from typing import Any
 
 from grainfit.bulk_tests.base import BulkTest
 from grainfit.calibration_file.content import TestSpecification
-from grainfit.calibration_file.targets import TargetTable
+from grainfit.calibration_file.targets import PlannedTargetTable, TargetTable
 from grainfit.options.kinds import Choice, Kind, Name, Schema, note_wrong_kind
 from grainfit.options.places import Place, show
 from grainfit.options.tables import Key, Named, Table, Values
 from grainfit.solvers.registry import types_of_test
 from grainfit.solvers.type_of_test import TypeOfTest
 
-_OWN_TARGETS = Named(TargetTable(), shortest=1)
 _OWN_EXAMPLE = '{ angle = { value = 36.0, uncertainty = 0.5, unit = "deg" } }'
 
 
-def layout_of_test(kind: TypeOfTest) -> Table:
-    """Return the layout of a ``[[test]]`` of one type."""
-    targets, example = _targets(kind.bulk_test)
+def layout_of_test(kind: TypeOfTest, *, planned: bool = False) -> Table:
+    """Return the layout of a ``[[test]]`` of one type; planned tests need no measured values."""
+    targets, example = _targets(kind.bulk_test, PlannedTargetTable if planned else TargetTable)
     return Table(
         (
             Key("type", Choice((kind.name,)), "Type of the test.", required=True),
@@ -32,20 +31,20 @@ def layout_of_test(kind: TypeOfTest) -> Table:
                 "targets",
                 targets,
                 "What was measured: one entry for each response.",
-                required=True,
+                required=not planned,
                 example=example,
             ),
         ),
-        partial(_specification, kind),
+        partial(_planned if planned else _specification, kind),
     )
 
 
-def _targets(test: type[BulkTest] | None) -> tuple[Kind, str]:
+def _targets(test: type[BulkTest] | None, table: type[TargetTable]) -> tuple[Kind, str]:
     """Return the layout of a test's targets, and an example."""
-    if test is None:
-        return _OWN_TARGETS, _OWN_EXAMPLE
+    if test is None or not test.responses:
+        return Named(table(), shortest=1), _OWN_EXAMPLE
     keys = tuple(
-        Key(name, TargetTable(info.unit), f"{info.words}.", example=info.example)
+        Key(name, table(info.unit), f"{info.words}.", example=info.example)
         for name, info in test.responses.items()
     )
     return Table(keys), f"{{ {keys[-1].name} = {keys[-1].example} }}"
@@ -63,9 +62,27 @@ def _specification(kind: TypeOfTest, values: Values, place: Place) -> TestSpecif
     return TestSpecification(name, values.pop("type"), values, tuple(targets.values()))
 
 
+def _planned(kind: TypeOfTest, values: Values, place: Place) -> TestSpecification | None:
+    if kind.check is not None:
+        kind.check(values, place)
+    targets = values.pop("targets", {})
+    if targets is None or None in values.values() or None in targets.values():
+        return None
+    name = values.pop("name", values["type"])
+    return TestSpecification(name, values.pop("type"), values, (), targets)
+
+
 @dataclass(frozen=True)
 class Tests(Kind):
-    """All tests of the file."""
+    """All tests of the file.
+
+    Parameters
+    ----------
+    planned : bool
+        Read a file from before the laboratory: targets and their values may be missing.
+    """
+
+    planned: bool = False
 
     def read(self, value: Any, place: Place) -> tuple[TestSpecification | None, ...] | None:
         """Read every test; those that are faulty are None."""
@@ -88,7 +105,8 @@ class Tests(Kind):
         chosen = Choice(tuple(kinds)).read(value["type"], place.at("type"))
         if chosen is None:
             return None
-        specification: TestSpecification | None = layout_of_test(kinds[chosen]).read(value, place)
+        layout = layout_of_test(kinds[chosen], planned=self.planned)
+        specification: TestSpecification | None = layout.read(value, place)
         return specification
 
     def schema(self) -> Schema:

@@ -8,18 +8,14 @@ from pathlib import Path
 from typing import Any
 
 from grainfit.analysis.modulus_study import ModulusStudy, modulus_study
-from grainfit.bulk_tests.registry import recreate_test
 from grainfit.bulk_tests.sensitivities import MODULUS
 from grainfit.calibration_file.build import CalibrationSetup, load_calibration
-from grainfit.campaign.moduli import ExpectedWork, ModulusPlan, simulate_moduli
-from grainfit.campaign.store.records import RunRecord
+from grainfit.campaign.batch import ExpectedWork
+from grainfit.campaign.moduli import ModulusPlan, simulate_moduli
 from grainfit.campaign.work_folder import default_workdir
-from grainfit.contact_models.registry import MATERIAL_PARAMETERS
 from grainfit.errors import Fault, InputError
-from grainfit.solvers.base import Solver
-from grainfit.solvers.parameters_for import ParametersFor
-from grainfit.solvers.registry import DEM_PROGRAMS
 from grainfit.work_folder.saved_calibration import SavedCalibration, read_answer
+from grainfit.work_folder.solvers_of_runs import solvers_of
 
 FACTORS = (1.0, 4.0, 16.0)
 
@@ -114,37 +110,13 @@ def _of_answer(folder: Path, settings: Sequence[str]) -> dict[str, Any]:
         raise InputError(Fault("set", "does not go with the answer of a calibration.", remedy))
     saved = SavedCalibration.open(folder)
     answer = read_answer(saved).parameters
-    first: dict[str, RunRecord] = {}
-    for record in saved.records.values():
-        first.setdefault(record.test, record)
     modulus = _modulus({**saved.fixed, **answer}, str(folder))
     return {
-        "solvers": {test: _solver(record, saved) for test, record in first.items()},
+        "solvers": solvers_of(saved),
         "problem": saved.problem,
         "parameters": {**answer, MODULUS: modulus},
         "workers": saved.workers,
     }
-
-
-def _solver(record: RunRecord, saved: SavedCalibration) -> Solver:
-    """Rebuild the solver of a run from the definition of the run."""
-    definition = record.definition
-    test = recreate_test(definition)
-    program = DEM_PROGRAMS.get(str(definition.model.get("solver")))
-    if test is None or program is None:
-        raise InputError(
-            Fault(
-                f"test {record.test}",
-                "was simulated by a model of your own, which its runs do not hold.",
-                "Give the calibration file, with --set NAME=VALUE for the answer.",
-            )
-        )
-    free = {parameter.name for parameter in saved.problem.parameters}
-    fixed = {name: value for name, value in definition.parameters.items() if name not in free}
-    solver = program(test, fixed, int(definition.model.get("ranks", 1)))
-    if free <= MATERIAL_PARAMETERS.keys():
-        return solver
-    return ParametersFor(solver, takes=MATERIAL_PARAMETERS.__contains__)
 
 
 def _modulus(values: Mapping[str, float], source: str) -> float:

@@ -43,6 +43,9 @@ from grainfit.scenes.shapes import Cylinder, Plane
 _FILLED, _LOADED, _PICTURE = "filled", "loaded", "compression.png"
 #: Accepted deviation of the stress at the end of a stage.
 _HELD = 0.01
+#: The same at the end of seating, where strain is zero: the bed still creeps under so small a
+#: stress, and 5 % of it are 0.25 % of the stress at which moduli are measured.
+_SEATED = 0.05
 #: The same for the end of unloading, at which nothing is measured.
 _UNLOADED = 0.1
 #: The piston may press the bed to this share of its height; below, it has left the pot's bed.
@@ -106,14 +109,14 @@ class Compression(BulkTest):
             "M_l",
             "modulus of loading: slope of stress over strain from 50 to 98 % of the stress",
             '{ value = "280 kPa", uncertainty = "5 %" }',
-            Sensitivities({MODULUS: 0.48, RESTITUTION: 0.21}),
+            Sensitivities({MODULUS: 0.48, RESTITUTION: 0.21}, scatter=0.053),
         ),
         "unloading_modulus": ResponseInfo(
             "Pa",
             "M_u",
             "modulus of unloading: slope of stress over strain from 98 to 50 % of the stress",
             '{ value = "600 kPa", uncertainty = "5 %" }',
-            Sensitivities({MODULUS: 0.51, SLIDING: -0.26}),
+            Sensitivities({MODULUS: 0.51, SLIDING: -0.26}, scatter=0.07),
         ),
         "bulk_density": ResponseInfo(
             "kg/m^3",
@@ -128,7 +131,8 @@ class Compression(BulkTest):
                     ROLLING: -0.022,
                     RESTITUTION: 0.046,
                     WALL_SLIDING: -0.019,
-                }
+                },
+                scatter=0.007,
             ),
         ),
         "lateral_stress_ratio": ResponseInfo(
@@ -136,7 +140,7 @@ class Compression(BulkTest):
             "K",
             "lateral stress ratio: stress on the pot's wall over the mean of floor and piston",
             '{ value = 0.4, uncertainty = "0.02" }',
-            Sensitivities({SLIDING: -0.19, ROLLING: -0.17}),
+            Sensitivities({SLIDING: -0.19, ROLLING: -0.17}, scatter=0.04),
         ),
     }
 
@@ -311,12 +315,12 @@ class Compression(BulkTest):
         It is at rest: otherwise the stage would not have ended, see `Loaded`.
         """
         setup = self.setup
-        require_held(
-            seat.last(setup.check_interval / 2).stresses.mean(), setup.seating_stress, _HELD, "seat"
-        )
-        require_held(
-            load.last(setup.check_interval / 2).stresses.mean(), setup.stress, _HELD, "load"
-        )
+        for name, curve, stress, within in (
+            ("seat", seat, setup.seating_stress, _SEATED),
+            ("load", load, setup.stress, _HELD),
+        ):
+            held = curve.last(setup.check_interval / 2).stresses.mean()
+            require_held(held, stress, within, name)
         lowest = _LOWEST_PISTON * setup.strike_off_height
         for curve in (seat, load):
             height = float(curve.heights[-1])

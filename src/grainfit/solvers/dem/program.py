@@ -97,9 +97,9 @@ class DeckSolver(Solver):
 
     @property
     @override
-    def response_names(self) -> tuple[str, ...]:
+    def response_names(self) -> tuple[str, ...] | None:
         """Names of the test's responses."""
-        return tuple(self.test.responses)
+        return self.test.response_names
 
     @property
     @override
@@ -242,7 +242,7 @@ class DeckSolver(Solver):
     @override
     def executes(self) -> tuple[str, ...]:
         """Return the command that runs the decks; raise if its program is not found."""
-        return (shlex.join(self._command(Path(f"in.{self.name}"))),)
+        return (shlex.join(self._command(Path(f"in.{self.name}"))), *self.test.executes())
 
     @override
     def readiness(self) -> str:
@@ -253,8 +253,29 @@ class DeckSolver(Solver):
 
     @override
     def estimate_cost(self, parameters: Mapping[str, float]) -> RunCost:
-        """Estimate the cost of a run."""
-        return self.test.estimate_cost(self.name, self.run_parameters(parameters), self.ranks)
+        """Estimate the cost of a run.
+
+        Raises
+        ------
+        InputError
+            The material is impossible, or the program lacks a concept of its scene.
+        """
+        material = self.run_parameters(parameters)
+        if self.missing:
+            self._require_concepts(self.test.concepts(material))
+        return self.test.estimate_cost(self.name, material, self.ranks)
+
+    def scene(self, parameters: Mapping[str, float], seed: int) -> Scene:
+        """Return the scene of a run.
+
+        Raises
+        ------
+        InputError
+            The material is impossible, or the program lacks a concept of its scene.
+        """
+        scene = self.test.scene(self.run_parameters(parameters), seed)
+        self._require_concepts(scene.concepts())
+        return scene
 
     @override
     def default_timeout(self, parameters: Mapping[str, float]) -> float:

@@ -67,7 +67,7 @@ def _solver(test: type[BulkTest], programs: Programs, entry: FileEntry) -> Solve
         options.setdefault("time_step_fraction", safe)
     assert entry.sizes is not None, "a file with a simulated test has been checked to have sizes"
     solver = programs[entry.options["solver"]](
-        test(entry.sizes, **options),
+        test(entry.sizes, **options).with_targets(entry.responses),
         {name: value for name, value in entry.fixed.items() if name in MATERIAL_PARAMETERS},
         entry.options.get("ranks", 1),
         entry.options.get("executable"),

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import shlex
+
+from grainfit.bulk_tests.registry import class_of_test
 from grainfit.formatting import plain
 from grainfit.plots.posterior_figures import interval_in_words, posterior_figures
 from grainfit.report.rendering import render
@@ -24,6 +27,7 @@ def undetermined(context: ReportContext) -> Section:
         f"{_KEY}/page",
         verdicts=[plain(verdict) for verdict in found.verdicts],
         further_tests=[plain(test) for test in found.further_tests],
+        advise=_advise_command(context),
         missing=without_metamodel(context),
         figures=list(figures),
         marginals=[
@@ -39,3 +43,11 @@ def undetermined(context: ReportContext) -> Section:
         has_answer=bool(context.answer),
     )
     return Section(_KEY, _TITLE, html, figures | histograms)
+
+
+def _advise_command(context: ReportContext) -> str:
+    """Return the command that computes which test to do next; "" for models of the user."""
+    definitions = (record.definition for record in context.reading.records.values())
+    if not any(class_of_test(definition) for definition in definitions):
+        return ""
+    return plain(f"grainfit advise {shlex.quote(context.reading.folder.name)}")

@@ -1,0 +1,108 @@
+"""The bench: every bulk test that can be simulated for a material on a solver."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass
+
+from grainfit.bulk_tests.base import BulkTest
+from grainfit.bulk_tests.registry import bulk_tests
+from grainfit.contact_models.registry import MATERIAL_PARAMETERS
+from grainfit.errors import Fault, InputError
+from grainfit.options.kinds import suggest
+from grainfit.problem import Parameter
+from grainfit.solvers.base import Solver
+from grainfit.solvers.parameters_for import ParametersFor
+from grainfit.solvers.registry import DEM_PROGRAMS
+
+
+@dataclass(frozen=True)
+class Bench:
+    """Tests that can be simulated, and reasons why others cannot.
+
+    Parameters
+    ----------
+    solvers : mapping of str to Solver
+        By name of the test.
+    refused : mapping of str to str
+        Reasons by type of the test.
+    """
+
+    solvers: Mapping[str, Solver]
+    refused: Mapping[str, str]
+
+
+def other_tests(
+    parameters: Sequence[Parameter],
+    solvers: Mapping[str, Solver],
+    material: Mapping[str, float],
+    wanted: Collection[str] = (),
+) -> Bench:
+    """Return the tests that a calibration does not have, with their usual options.
+
+    Parameters
+    ----------
+    parameters : sequence of Parameter
+        Free parameters.
+    solvers : mapping of str to Solver
+        Tests that there are; the first bulk test gives program, particles and gravity.
+    material : mapping of str to float
+        A material within the intervals, with all material parameters.
+    wanted : collection of str
+        Types of test to consider; all by default.
+
+    Returns
+    -------
+    Bench
+
+    Raises
+    ------
+    InputError
+        No test is simulated by a DEM program, or a wanted test is not known.
+    """
+    known = bulk_tests()
+    for name in wanted:
+        if name not in known:
+            remedy = suggest(name, list(known), "Tests are")
+            raise InputError(Fault("test", f"{name!r} is not a bulk test.", remedy))
+    like = next((s for s in solvers.values() if s.bulk_test and s.name in DEM_PROGRAMS), None)
+    if like is None or like.bulk_test is None:
+        remedy = "Only bulk tests on a DEM program can be compared with others."
+        raise InputError(Fault("test", "all tests are simulated by models of your own.", remedy))
+    present = {s.bulk_test.type for s in solvers.values() if s.bulk_test}
+    free = {p.name for p in parameters}
+    fixed = {name: value for name, value in material.items() if name not in free}
+    found: dict[str, Solver] = {}
+    refused: dict[str, str] = {}
+    for name, kind in known.items():
+        if name in present or (wanted and name not in wanted):
+            continue
+        try:
+            found[name] = _solver(kind, like.name, like.bulk_test, fixed, material, free)
+        except InputError as error:
+            refused[name] = " ".join(str(fault) for fault in error.faults)
+    return Bench(found, refused)
+
+
+def _solver(
+    kind: type[BulkTest],
+    program: str,
+    like: BulkTest,
+    fixed: Mapping[str, float],
+    material: Mapping[str, float],
+    free: Collection[str],
+) -> Solver:
+    conditions = like.conditions
+    test = kind(
+        conditions.sizes,
+        gravity=conditions.gravity,
+        time_step_fraction=conditions.time_step_fraction,
+    )
+    faults = [*test.material_faults(material)]
+    if faults:
+        raise InputError(faults)
+    solver: Solver = DEM_PROGRAMS[program](test, fixed)
+    solver.check()
+    if set(free) <= MATERIAL_PARAMETERS.keys():
+        return solver
+    return ParametersFor(solver, takes=MATERIAL_PARAMETERS.__contains__)

@@ -1,0 +1,203 @@
+"""Slopes of responses over a cloud of parameter sets, from a few runs spread in it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import hadamard
+
+from grainfit.analysis.information import Knowledge, Measurable, in_relative_units
+from grainfit.bulk_tests.accuracy import Accuracy
+from grainfit.problem import Parameter
+
+Array = NDArray[np.float64]
+
+#: Share of a cloud at an end of a direction.
+_END = 0.05
+#: Standard errors below which a slope counts as none.
+_BY_CHANCE = 2.0
+#: Smallest variance along a direction, over the largest: below it, the cloud is flat.
+_FLAT = 1e-9
+
+
+@dataclass(frozen=True)
+class Run:
+    """One run of a test: the parameter set, by its number, the seed, and the response."""
+
+    point: int
+    seed: int
+    value: float
+
+
+@dataclass(frozen=True)
+class Cloud:
+    """Parameter sets that agree with the measurements, in relative units.
+
+    Parameters
+    ----------
+    parameters : tuple of Parameter
+        Free parameters.
+    points : ndarray, shape (n, d)
+        ln p, or p over the middle of its interval where that reaches zero.
+    """
+
+    parameters: tuple[Parameter, ...]
+    points: Array
+
+    @classmethod
+    def of(cls, parameters: Sequence[Parameter], values: Array) -> Cloud:
+        """Return the cloud of parameter sets in SI units, shape (n, d)."""
+        return cls(tuple(parameters), _relative(parameters, values))
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the parameters."""
+        return tuple(p.name for p in self.parameters)
+
+    def relative(self, points: Sequence[Mapping[str, float]]) -> Array:
+        """Return parameter sets in relative units, shape (m, d)."""
+        values = np.array([[point[name] for name in self.names] for point in points])
+        return _relative(self.parameters, values)
+
+    @property
+    def knowledge(self) -> Knowledge:
+        """Covariance of the cloud."""
+        return Knowledge(self.names, np.atleast_2d(np.cov(self.points, rowvar=False)))
+
+    def spread(self) -> list[int]:
+        """Return members in the middle and at both ends of every principal direction.
+
+        Directions are those of the cloud in units of its standard deviations. Of each slice of the
+        cloud the member nearest to the medians is taken: it lies within a bent cloud.
+        """
+        scale = self.points.std(axis=0)
+        scaled = (self.points - self.points.mean(axis=0)) / np.where(scale > 0, scale, 1.0)
+        _, vectors = np.linalg.eigh(np.atleast_2d(np.cov(scaled, rowvar=False)))
+        size = max(int(_END * len(scaled)), 1)
+        chosen = [_nearest_to_median(scaled, np.arange(len(scaled)))]
+        # The widest direction first: it is the most open one.
+        for vector in vectors.T[::-1]:
+            order = np.argsort(scaled @ vector, kind="stable")
+            chosen += [_nearest_to_median(scaled, order[:size])]
+            chosen += [_nearest_to_median(scaled, order[-size:])]
+        return list(dict.fromkeys(chosen))
+
+
+def corners(dimension: int) -> Array:
+    """Return corners of the cube from -1 to 1 at which no two parameters vary together.
+
+    Rows of a Hadamard matrix: the fewest that tell all slopes, each from all runs (Plackett and
+    Burman 1946, *Biometrika* 33, 305-325).
+    """
+    size = 2 ** math.ceil(math.log2(dimension + 1))
+    return np.asarray(hadamard(size)[:, 1 : dimension + 1], dtype=float)
+
+
+def _relative(parameters: Sequence[Parameter], values: Array) -> Array:
+    columns = [in_relative_units(p, values[:, i]) for i, p in enumerate(parameters)]
+    return np.stack(columns, axis=1)
+
+
+def _nearest_to_median(cloud: Array, members: NDArray[np.intp]) -> int:
+    part = cloud[members]
+    return int(members[((part - np.median(part, axis=0)) ** 2).sum(axis=1).argmin()])
+
+
+def simulated_measurable(
+    name: str, accuracy: Accuracy, cloud: Cloud, points: Array, runs: Sequence[Run]
+) -> Measurable | None:
+    """Fit the dependence of a response on the parameters, by least squares.
+
+    All responses are fitted as logarithms where they are above zero, with a constant for each
+    seed: the same seed at all points shares its packing. In units of the cloud's standard
+    deviations, a slope of which chance explains a part is shortened by that, and its uncertainty
+    counts as an error of the measurement. So noise is not taken for information.
+
+    Parameters
+    ----------
+    name : str
+        Name of the response, with that of its test.
+    accuracy : Accuracy
+        Of its measurement.
+    cloud : Cloud
+        Parameter sets among which the measurement is to decide.
+    points : ndarray, shape (m, d)
+        Simulated parameter sets, in relative units.
+    runs : sequence of Run
+        Their responses.
+
+    Returns
+    -------
+    Measurable or None
+        None if there are too few runs to know their scatter, or the mean is zero.
+    """
+    values = np.array([run.value for run in runs], dtype=float)
+    mean = float(values.mean()) if len(values) else 0.0
+    if not mean:
+        return None
+    relative = np.log(values) if (values > 0).all() else values / abs(mean)
+    whiten = _whitening(cloud)
+    fit = _fit(points[[run.point for run in runs]] @ whiten.T, relative, runs)
+    if fit is None:
+        return None
+    kept = _beyond_chance(fit.slopes, fit.errors)
+    repeated = _scatter(relative, runs)
+    return Measurable(
+        name,
+        mean,
+        accuracy,
+        dict(zip(cloud.names, (whiten.T @ kept).tolist(), strict=True)),
+        math.sqrt(fit.noise) if repeated is None else repeated,
+        float(fit.errors.sum()),
+    )
+
+
+@dataclass(frozen=True)
+class _Fit:
+    """Slopes along the directions of a cloud, with their squared standard errors."""
+
+    slopes: Array
+    errors: Array
+    noise: float
+
+
+def _fit(where: Array, values: Array, runs: Sequence[Run]) -> _Fit | None:
+    """Fit slopes and a constant for each seed; None if nothing is left to know the noise from."""
+    seeds = sorted({run.seed for run in runs})
+    blocks = np.array([[run.seed == seed for seed in seeds] for run in runs], dtype=float)
+    matrix = np.hstack([blocks, where])
+    freedom = len(runs) - matrix.shape[1]
+    if freedom < 1 or np.linalg.matrix_rank(matrix) < matrix.shape[1]:
+        return None
+    fitted, *_ = np.linalg.lstsq(matrix, values, rcond=None)
+    residuals = values - matrix @ fitted
+    noise = float(residuals @ residuals) / freedom
+    errors = noise * np.diag(np.linalg.inv(matrix.T @ matrix))
+    return _Fit(fitted[len(seeds) :], errors[len(seeds) :], noise)
+
+
+def _whitening(cloud: Cloud) -> Array:
+    """Return the matrix that turns the cloud into one of unit variances along its directions."""
+    values, vectors = np.linalg.eigh(cloud.knowledge.covariance)
+    wide = values > _FLAT * values.max()
+    return np.asarray((vectors[:, wide] / np.sqrt(values[wide])).T)
+
+
+def _beyond_chance(slopes: Array, errors: Array) -> Array:
+    """Return slopes with the part left out that chance explains."""
+    squares = np.maximum(slopes**2, 1e-300)
+    return np.asarray(slopes * np.maximum(1.0 - _BY_CHANCE**2 * errors / squares, 0.0))
+
+
+def _scatter(values: Array, runs: Sequence[Run]) -> float | None:
+    """Return the standard deviation between seeds of one point; None without repetitions."""
+    squares, freedom = 0.0, 0
+    for point in {run.point for run in runs}:
+        own = values[[run.point == point for run in runs]]
+        squares += float(((own - own.mean()) ** 2).sum())
+        freedom += len(own) - 1
+    return math.sqrt(squares / freedom) if freedom else None

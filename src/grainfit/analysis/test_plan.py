@@ -1,0 +1,246 @@
+"""Plan of a laboratory: combinations of tests that settle the free parameters."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from itertools import chain, combinations
+
+from grainfit.analysis.advice import CandidateTest
+from grainfit.analysis.further_tests import without_the_bench
+from grainfit.analysis.information import Knowledge
+from grainfit.bulk_tests.registry import response_info
+from grainfit.formatting import in_a_row, number, short_names
+from grainfit.tables import TextTable, as_html, as_text
+
+#: Most tests of a combination.
+MOST_TESTS = 3
+#: Factors on all accuracies that are tried.
+_FINEST, _COARSEST = 0.05, 20.0
+_HALVINGS = 20
+_SHOWN = 8
+
+
+@dataclass(frozen=True)
+class Combination:
+    """Tests that are measured together, and what they leave.
+
+    Parameters
+    ----------
+    tests : tuple of CandidateTest
+        One to three tests.
+    half_widths : mapping of str to float
+        Half the width of the 95 % interval of each free parameter, a share of its value.
+    coarser : float
+        Largest factor on the accuracies with which the wanted interval is still reached; 0 if none
+        is fine enough.
+    """
+
+    tests: tuple[CandidateTest, ...]
+    half_widths: Mapping[str, float]
+    coarser: float
+
+    @property
+    def name(self) -> str:
+        """Names of the tests."""
+        return " + ".join(test.name for test in self.tests)
+
+    @property
+    def seconds(self) -> float:
+        """Estimated wall time of one parameter set in all its tests, s."""
+        return sum(test.seconds for test in self.tests)
+
+
+@dataclass(frozen=True)
+class TestPlan:
+    """Combinations of tests, ranked by whether they settle the parameters, and by cost.
+
+    Parameters
+    ----------
+    wanted : float
+        Wanted half-width of 95 % intervals, a share of the value.
+    before : Knowledge
+        The parameters before any test.
+    combinations : tuple of Combination
+        Those that reach the wanted interval first, fewest tests and cheapest first, without those
+        that only add a test to one of them; then the others, nearest to it first.
+    refused : mapping of str to str
+        Tests that were not compared, with the reason.
+    source : str
+        Origin of the slopes, for readers.
+    """
+
+    # Keeps pytest from taking it for a class of tests.
+    __test__ = False
+
+    wanted: float
+    before: Knowledge
+    combinations: tuple[Combination, ...]
+    refused: Mapping[str, str] = field(default_factory=dict)
+    source: str = ""
+
+    @property
+    def best(self) -> Combination | None:
+        """The cheapest combination that reaches the wanted interval; None if none does."""
+        first = next(iter(self.combinations), None)
+        return first if first is not None and first.coarser >= 1 else None
+
+    def out_of_reach(self) -> tuple[str, ...]:
+        """Return the parameters that no combination settles."""
+        return tuple(
+            name
+            for name in self.before.names
+            if all(c.half_widths[name] > self.wanted for c in self.combinations)
+        )
+
+    def summary(self) -> tuple[str | TextTable, ...]:
+        """Return the table and the sentences that `print` and a notebook show."""
+        table = (self._table(),) if self.combinations else ()
+        refused = (f"Not compared: {name}. {why}" for name, why in self.refused.items())
+        return (*table, *self._words(), *refused)
+
+    def __str__(self) -> str:
+        return as_text(self.summary())
+
+    def _repr_html_(self) -> str:
+        return as_html(self.summary())
+
+    def _table(self) -> TextTable:
+        names = self.before.names
+        rows = [
+            (
+                c.name,
+                *(_percent(c.half_widths[name]) for name in names),
+                _factor(c.coarser),
+                f"{c.seconds:.0f} s",
+            )
+            for c in self.combinations[:_SHOWN]
+        ]
+        now = (_percent(self.before.half_width(name)) for name in names)
+        return TextTable(
+            ("tests", *short_names(names), "accuracy factor", "a run"),
+            (("none", *now, "", ""), *rows),
+            "± half of the 95 % interval that is left. Accuracy factor: how many times coarser "
+            f"than assumed measurements may be for ± {_share(self.wanted)}; below 1, they must be "
+            f"finer. {self.source}",
+        )
+
+    def _words(self) -> list[str]:
+        return [
+            self._recommendation(),
+            *(
+                f"None of these tests settles {name} to ± {_share(self.wanted)}. "
+                f"{without_the_bench(name)}".rstrip()
+                for name in self.out_of_reach()
+            ),
+        ]
+
+    def _recommendation(self) -> str:
+        wanted = f"± {_share(self.wanted)}"
+        if self.best is not None:
+            tests = in_a_row([_with_accuracies(test) for test in self.best.tests])
+            return f"Measure {tests}: that settles every free parameter to {wanted}."
+        finer = [c for c in self.combinations if c.coarser > 0]
+        if finer:
+            first = max(finer, key=lambda c: c.coarser)
+            tests = in_a_row([_with_accuracies(test, first.coarser) for test in first.tests])
+            return (
+                f"At these accuracies no combination settles every free parameter to {wanted}. "
+                f"{tests} would."
+            )
+        return f"No combination of these tests settles every free parameter to {wanted}."
+
+
+def plan_tests(
+    candidates: Sequence[CandidateTest],
+    before: Knowledge,
+    wanted: float,
+    refused: Mapping[str, str],
+    source: str,
+) -> TestPlan:
+    """Rank combinations of one to three tests by what they leave and what they cost.
+
+    Parameters
+    ----------
+    candidates : sequence of CandidateTest
+        Tests that could be measured.
+    before : Knowledge
+        The parameters before any test.
+    wanted : float
+        Wanted half-width of 95 % intervals, a share of the value.
+    refused : mapping of str to str
+        Tests that were not compared, with the reason.
+    source : str
+        Origin of the slopes, for readers.
+
+    Returns
+    -------
+    TestPlan
+    """
+    sizes = range(1, min(MOST_TESTS, len(candidates)) + 1)
+    chosen = chain.from_iterable(combinations(candidates, size) for size in sizes)
+    found = [_combination(tests, before, wanted) for tests in chosen]
+    enough = [{t.name for t in c.tests} for c in found if c.coarser >= 1]
+    found = [c for c in found if not any(tests < {t.name for t in c.tests} for tests in enough)]
+    found.sort(key=lambda c: _order(c, wanted))
+    return TestPlan(wanted, before, tuple(found), dict(refused), source)
+
+
+def _combination(tests: tuple[CandidateTest, ...], before: Knowledge, wanted: float) -> Combination:
+    return Combination(tests, _half_widths(tests, before, 1.0), _coarsest(tests, before, wanted))
+
+
+def _half_widths(
+    tests: Sequence[CandidateTest], before: Knowledge, coarser: float
+) -> dict[str, float]:
+    then = before.after([r.observation(coarser) for test in tests for r in test.responses])
+    return {name: then.half_width(name) for name in before.names}
+
+
+def _coarsest(tests: Sequence[CandidateTest], before: Knowledge, wanted: float) -> float:
+    """Return the largest factor on the accuracies at which every interval is as wanted."""
+
+    def is_reached(factor: float) -> bool:
+        return max(_half_widths(tests, before, factor).values()) <= wanted
+
+    if not is_reached(_FINEST):
+        return 0.0
+    low, high = _FINEST, _COARSEST
+    if is_reached(high):
+        return high
+    for _ in range(_HALVINGS):
+        middle = math.sqrt(low * high)
+        low, high = (middle, high) if is_reached(middle) else (low, middle)
+    return low
+
+
+def _order(combination: Combination, wanted: float) -> tuple[float, ...]:
+    if combination.coarser >= 1:
+        return (0.0, len(combination.tests), combination.seconds)
+    missing = sum(max(math.log(w / wanted), 0.0) for w in combination.half_widths.values() if w > 0)
+    return (1.0, missing, combination.seconds)
+
+
+def _share(share: float) -> str:
+    return f"{number(100 * share, 2)} %"
+
+
+def _percent(half_width: float) -> str:
+    return f"± {_share(half_width)}" if half_width < 1 else "open"
+
+
+def _factor(coarser: float) -> str:
+    if not coarser:
+        return "none"
+    return f"> {_COARSEST:.0f}" if coarser >= _COARSEST else number(coarser, 2)
+
+
+def _with_accuracies(test: CandidateTest, factor: float = 1.0) -> str:
+    words = []
+    for response in test.responses:
+        short = response.name.rpartition(".")[2]
+        info = response_info(short)
+        accuracy = response.accuracy.times(factor).in_words(info.unit if info else "")
+        words.append(f"{short} to {accuracy}")
+    return f"{test.name} ({', '.join(words)})"

@@ -1,0 +1,212 @@
+"""The commands that say which test to do next, and which tests to do at all."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+from rich.console import Console
+
+from grainfit.cli import console as show
+from grainfit.errors import Fault, InputError
+
+if TYPE_CHECKING:
+    from grainfit.campaign.batch import ExpectedWork
+
+_INTERRUPTED = 130
+_STOPPED = "Interrupted. Finished runs are kept; start again to continue."
+_out = Console()
+_err = Console(stderr=True)
+
+Tests = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--test",
+        metavar="NAME",
+        help="Test to compare. Repeat as needed. [default: all of the bench]",
+        show_default=False,
+    ),
+]
+Accuracies = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--accuracy",
+        metavar="RESPONSE=VALUE",
+        help="How well you measure a response, instead of the usual accuracy: "
+        "angle_of_repose='0.5 deg' or draw_down.mass_flow=3%. Repeat as needed.",
+    ),
+]
+MaxTime = Annotated[
+    str | None,
+    typer.Option(
+        "--max-time", metavar="TIME", help="Stop simulating after this time, such as 10min."
+    ),
+]
+Seeds = Annotated[
+    int | None,
+    typer.Option(metavar="N", min=1, help="Runs of each parameter set. [default: 2]"),
+]
+Workers = Annotated[int | None, typer.Option(metavar="N", min=1, help="Runs at a time.")]
+Yes = Annotated[bool, typer.Option("--yes", "-y", help="Do not ask before simulating.")]
+
+
+def advise(
+    folder: Annotated[
+        Path,
+        typer.Argument(metavar="DIR", help="Work folder of a calibration.", show_default=False),
+    ],
+    tests: Tests = None,
+    accuracies: Accuracies = None,
+    seeds: Seeds = None,
+    max_time: MaxTime = None,
+    workers: Workers = None,
+    yes: Yes = False,
+) -> None:
+    """Say which test to do next: what it would leave of the open parameters.
+
+    Simulates every bulk test that the calibration does not have at a few parameter sets that agree
+    with the measurements, and compares how much its responses differ between them with how much
+    they scatter and how well a laboratory measures them. The runs and the time are said first.
+
+    Finished runs are kept: stop it with Ctrl-C, and the same command continues.
+
+    [bold]Example:[/bold]  grainfit advise beads.grainfit --max-time 10min
+    """
+    from grainfit.calibration_file.accuracies import read_settings
+    from grainfit.opened import open_calibration
+
+    with _Simulating(ask=not yes and max_time is None) as simulating:
+        found = open_calibration(folder).advise(
+            tests=tests or (),
+            accuracies=read_settings(accuracies or []),
+            seeds=seeds,
+            max_seconds=_seconds(max_time),
+            workers=workers,
+            on_start=simulating.begin,
+            on_progress=simulating.show,
+        )
+    show.print_parts(_out, found.summary())
+
+
+def design(
+    file: Annotated[
+        Path,
+        typer.Argument(
+            metavar="FILE",
+            help="Calibration file (TOML); measured values may be missing.",
+            show_default=False,
+        ),
+    ],
+    wanted: Annotated[
+        str,
+        typer.Option(
+            metavar="SHARE", help="Wanted half of the 95 % interval of every free parameter."
+        ),
+    ] = "20%",
+    tests: Tests = None,
+    accuracies: Accuracies = None,
+    simulate: Annotated[
+        bool,
+        typer.Option(
+            "--simulate", help="Simulate the tests at a few points of the intervals first."
+        ),
+    ] = False,
+    seeds: Seeds = None,
+    max_time: MaxTime = None,
+    workers: Workers = None,
+    workdir: Annotated[
+        Path | None,
+        typer.Option(
+            "--workdir",
+            metavar="DIR",
+            help="Where runs are kept. Default: the file's name with .grainfit, here.",
+        ),
+    ] = None,
+    yes: Yes = False,
+) -> None:
+    """Say which tests to measure, before the laboratory: which would settle the free parameters.
+
+    Ranks combinations of one to three bulk tests by what they leave and what they cost, from
+    recorded sensitivities, so at once; or, with --simulate, from runs at a few points of the
+    intervals. Tests of the file are taken with the accuracies that it gives, such as
+    targets.angle_of_repose = { uncertainty = "0.5 deg" }, all others with the usual ones.
+
+    [bold]Example:[/bold]  grainfit design plan.toml --wanted 30%
+    """
+    from grainfit.calibration_file.accuracies import read_settings
+    from grainfit.work_folder.design import design as plan
+
+    with _Simulating(ask=not yes and max_time is None) as simulating:
+        found = plan(
+            file,
+            wanted=_share(wanted),
+            tests=tests or (),
+            accuracies=read_settings(accuracies or []),
+            simulate=simulate,
+            seeds=seeds,
+            max_seconds=_seconds(max_time),
+            workers=workers,
+            workdir=workdir,
+            on_start=simulating.begin,
+            on_progress=simulating.show,
+        )
+    show.print_parts(_out, found.summary())
+
+
+class _Simulating:
+    """Progress of simulations that are confirmed first; Ctrl-C ends them with a word."""
+
+    def __init__(self, *, ask: bool) -> None:
+        self._asks = ask and sys.stdin.isatty()
+        self._status = _err.status("reading the runs")
+
+    def __enter__(self) -> _Simulating:
+        self._status.start()
+        return self
+
+    def begin(self, work: ExpectedWork) -> None:
+        """Say the work, and ask whether to go on."""
+        self._status.stop()
+        _err.print(f"{work}.", highlight=False)
+        if self._asks and work.runs:
+            typer.confirm("Simulate?", default=True, abort=True, err=True)
+        self._status.update("simulating")
+        self._status.start()
+
+    def show(self, done: int, count: int) -> None:
+        """Show the number of parameter sets that have ended."""
+        self._status.update(f"simulating: {done} of {count} parameter sets")
+
+    def __exit__(self, kind: type[BaseException] | None, *_: object) -> None:
+        self._status.stop()
+        if kind is not None and issubclass(kind, KeyboardInterrupt):
+            # Typer would end it without a word.
+            _err.print(_STOPPED)
+            raise typer.Exit(_INTERRUPTED) from None
+
+
+def _seconds(text: str | None) -> float | None:
+    """Read a time such as ``10min``; a bare number is in seconds."""
+    from grainfit.units import UnitError, to_unit
+
+    if text is None:
+        return None
+    try:
+        seconds = to_unit(text, "s")
+    except UnitError as error:
+        raise InputError(Fault("max-time", error.message, error.remedy)) from None
+    if not seconds > 0:
+        raise InputError(Fault("max-time", f"is {text!r}.", "Give a time above 0, as 10min."))
+    return seconds
+
+
+def _share(text: str) -> float:
+    """Read a share such as ``20%``."""
+    from grainfit.units import percentage
+
+    share = percentage(text)
+    if share is None or not share > 0:
+        raise InputError(Fault("wanted", f"is {text!r}.", "Give a percentage above 0, as 20%."))
+    return share

@@ -1,0 +1,141 @@
+"""Advice for a calibration: simulate further tests along the directions that are open."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from grainfit.analysis.advice import Advice, OpenParameters, advice
+from grainfit.analysis.bench import other_tests
+from grainfit.analysis.information import Knowledge
+from grainfit.analysis.slopes import Cloud
+from grainfit.calibration_file.accuracies import accuracy_of, read_accuracies
+from grainfit.campaign.batch import ExpectedWork
+from grainfit.errors import Fault, InputError
+from grainfit.solvers.base import Solver
+from grainfit.work_folder.candidates import Simulation, candidate_tests, seconds_of
+from grainfit.work_folder.saved_calibration import SavedCalibration
+from grainfit.work_folder.solvers_of_runs import solvers_of
+
+
+def advise(
+    saved: SavedCalibration,
+    *,
+    tests: Sequence[str] = (),
+    accuracies: Mapping[str, str | float] | None = None,
+    seeds: int | None = None,
+    max_seconds: float | None = None,
+    workers: int | None = None,
+    workdir: str | Path | None = None,
+    on_start: Callable[[ExpectedWork], None] | None = None,
+    on_progress: Callable[[int, int], None] | None = None,
+) -> Advice:
+    """Compute which further test would settle the parameters that the runs leave open.
+
+    Every bulk test that the calibration does not have is simulated at a few parameter sets that
+    agree with the measurements, spread along the principal directions of the posterior
+    distribution. A test helps as far as its responses differ between them by more than they scatter
+    and by more than a laboratory measures.
+
+    Parameters
+    ----------
+    saved : SavedCalibration
+        A calibration, finished or not.
+    tests : sequence of str
+        Types of test to compare; by default all of the bench.
+    accuracies : mapping of str to str or float, optional
+        Accuracies of measurements that replace the usual ones, by name of the response.
+    seeds : int, optional
+        Seeds of each parameter set; by default 2, or as many as ``max_seconds`` allows.
+    max_seconds : float, optional
+        Wall time after which no more is simulated, s.
+    workers : int, optional
+        Runs at a time; by default those of the calibration.
+    workdir : path, optional
+        Where runs are kept; by default the work folder. After Ctrl-C, another call continues.
+    on_start : callable, optional
+        Called with the expected work before the first run; it may raise to stop.
+    on_progress : callable, optional
+        Called with the numbers of finished and of all parameter sets.
+
+    Returns
+    -------
+    Advice
+        `print` shows it as a table and in words.
+
+    Raises
+    ------
+    InputError
+        The calibration has no posterior yet, its tests are models of the user, or an option is
+        impossible.
+    SolverNotFoundError
+        A program is not found.
+    StoreError
+        The folder cannot be used, for example because the calibration is running.
+
+    Examples
+    --------
+    >>> import grainfit as gf
+    >>> print(gf.open("beads.grainfit").advise())  # doctest: +SKIP
+    """
+    given = read_accuracies(accuracies or {})
+    folder = Path(workdir or saved.folder)
+    number = saved.workers if workers is None else workers
+    simulation = Simulation(folder, number, seeds, max_seconds, on_start, on_progress)
+    values = _posterior_values(saved)
+    cloud = Cloud.of(saved.problem.parameters, values)
+    solvers = solvers_of(saved)
+    medians = dict(zip(cloud.names, np.median(values, axis=0).tolist(), strict=True))
+    today = _today(saved, cloud.knowledge, medians, solvers)
+    if not today.parameters:
+        return Advice(today)
+    material = _material(solvers, medians)
+    bench = other_tests(saved.problem.parameters, solvers, material, tests)
+    if not bench.solvers:
+        return Advice(today, refused=bench.refused)
+    points = [dict(zip(cloud.names, values[i].tolist(), strict=True)) for i in cloud.spread()]
+    evaluations = simulation.run(bench.solvers, points)
+    candidates, failed = candidate_tests(
+        bench.solvers,
+        cloud,
+        points,
+        evaluations,
+        lambda test, name, info: accuracy_of(test, name, info.unit, given),
+    )
+    count = simulation.seeds_for(bench.solvers, points)
+    return advice(today, candidates, {**bench.refused, **failed}, len(points), count)
+
+
+def _posterior_values(saved: SavedCalibration) -> NDArray[np.float64]:
+    """Return a sample of the parameter sets that agree with the measurements."""
+    folder = str(saved.folder)
+    if saved.why_nothing_agrees:
+        raise InputError(
+            Fault("", saved.why_nothing_agrees, "Widen an interval first: see the report."), folder
+        )
+    analysis = saved.analyse()
+    if analysis.posterior is None:
+        why = " ".join(analysis.notes) or "There are too few runs."
+        raise InputError(Fault("", why, "Let the calibration make more runs first."), folder)
+    return analysis.posterior.values
+
+
+def _material(solvers: Mapping[str, Solver], values: Mapping[str, float]) -> dict[str, float]:
+    """Return all material parameters, from the first solver of a bulk test."""
+    found = (solver.run_parameters(values) for solver in solvers.values() if solver.bulk_test)
+    return next(found, dict(values))
+
+
+def _today(
+    saved: SavedCalibration,
+    knowledge: Knowledge,
+    medians: Mapping[str, float],
+    solvers: Mapping[str, Solver],
+) -> OpenParameters:
+    intervals = saved.intervals
+    free = [p for p in saved.problem.parameters if intervals[p.name].determination != "determined"]
+    seconds = sum(seconds_of(solver, medians) for solver in solvers.values())
+    return OpenParameters(tuple(free), intervals, medians, knowledge, seconds)

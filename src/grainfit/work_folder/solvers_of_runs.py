@@ -1,0 +1,47 @@
+"""Rebuild the solvers of a saved calibration from the definitions of its runs."""
+
+from __future__ import annotations
+
+from grainfit.bulk_tests.registry import recreate_test
+from grainfit.campaign.store.records import RunRecord
+from grainfit.contact_models.registry import MATERIAL_PARAMETERS
+from grainfit.errors import Fault, InputError
+from grainfit.solvers.base import Solver
+from grainfit.solvers.parameters_for import ParametersFor
+from grainfit.solvers.registry import DEM_PROGRAMS
+from grainfit.work_folder.saved_calibration import SavedCalibration
+
+
+def solvers_of(saved: SavedCalibration) -> dict[str, Solver]:
+    """Return the solvers of the tests of a calibration, by name of the test.
+
+    Raises
+    ------
+    InputError
+        A test was simulated by a model of the user, which its runs do not hold.
+    """
+    first: dict[str, RunRecord] = {}
+    for record in saved.records.values():
+        first.setdefault(record.test, record)
+    return {test: _solver(record, saved) for test, record in first.items()}
+
+
+def _solver(record: RunRecord, saved: SavedCalibration) -> Solver:
+    """Rebuild the solver of a run from the definition of the run."""
+    definition = record.definition
+    test = recreate_test(definition)
+    program = DEM_PROGRAMS.get(str(definition.model.get("solver")))
+    if test is None or program is None:
+        raise InputError(
+            Fault(
+                f"test {record.test}",
+                "was simulated by a model of your own, which its runs do not hold.",
+                "Give the calibration file, with --set NAME=VALUE for the answer.",
+            )
+        )
+    free = {parameter.name for parameter in saved.problem.parameters}
+    fixed = {name: value for name, value in definition.parameters.items() if name not in free}
+    solver = program(test, fixed, int(definition.model.get("ranks", 1)))
+    if free <= MATERIAL_PARAMETERS.keys():
+        return solver
+    return ParametersFor(solver, takes=MATERIAL_PARAMETERS.__contains__)

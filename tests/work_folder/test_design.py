@@ -1,0 +1,161 @@
+"""`grainfit design` and `gf.design`: a file from before the laboratory."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from typing import Any
+
+import pytest
+from typer.testing import CliRunner
+
+import grainfit as gf
+from grainfit.bulk_tests.accuracy import Accuracy
+from grainfit.calibration_file.planned import load_planned_file
+from grainfit.cli.app import app
+
+SLIDING, ROLLING = "particle_particle.sliding_friction", "particle_particle.rolling_friction"
+FILE = """\
+name = "my sand"
+[particle]
+diameter = "10 mm"
+youngs_modulus = "10 MPa"
+poissons_ratio = 0.22
+density = { min = "1400 kg/m^3", max = "2800 kg/m^3" }
+[wall]
+youngs_modulus = "211 GPa"
+poissons_ratio = 0.30
+density = "7700 kg/m^3"
+[particle_particle]
+sliding_friction = { min = 0.1, max = 0.9 }
+rolling_friction = { min = 0.05, max = 0.6 }
+restitution = 0.6
+rolling_damping = 0.25
+[particle_wall]
+sliding_friction = 0.4
+rolling_friction = 0.1
+restitution = 0.6
+rolling_damping = 0.25
+[[test]]
+type = "heap"
+solver = "lammps"
+"""
+MEASURED = (
+    FILE
+    + """\
+targets.bulk_density = { value = "1300 kg/m^3", uncertainty = "1 %" }
+targets.angle_of_repose = { value = "22 deg", uncertainty = "0.5 deg" }
+"""
+)
+
+
+@pytest.fixture
+def plan(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    return tmp_path / "plan.toml"
+
+
+def command(*arguments: str) -> Any:
+    return CliRunner().invoke(app, ["design", *arguments])
+
+
+def accuracies(path: Path, given: dict[str, Accuracy] | None = None) -> dict[str, Accuracy | None]:
+    planned = load_planned_file(path)
+    test = planned.solvers["heap"].bulk_test
+    assert test is not None
+    return {n: planned.accuracy(given or {}, "heap", n, i) for n, i in test.responses.items()}
+
+
+def test_a_test_without_targets_is_measured_in_all_its_responses(plan: Path) -> None:
+    plan.write_text(FILE)
+    found = accuracies(plan)
+    assert found["bulk_density"] == Accuracy(0.01, is_share=True)
+    assert found["angle_of_repose"] == Accuracy(1.0)
+    assert None not in found.values()
+
+
+def test_targets_without_values_say_what_can_be_measured_and_how_well(plan: Path) -> None:
+    plan.write_text(FILE + 'targets.angle_of_repose = { uncertainty = "0.5 deg" }\n')
+    found = accuracies(plan)
+    assert found == {**dict.fromkeys(found, None), "angle_of_repose": Accuracy(0.5)}
+    better = {"angle_of_repose": Accuracy(0.1)}
+    assert accuracies(plan, better)["angle_of_repose"] == Accuracy(0.1)
+    plan.write_text(FILE + "targets.angle_of_repose = {}\n")
+    assert accuracies(plan)["angle_of_repose"] == Accuracy(1.0)
+
+
+def test_a_file_with_measurements_is_a_plan_too(plan: Path) -> None:
+    plan.write_text(MEASURED)
+    assert accuracies(plan)["angle_of_repose"] == Accuracy(0.5)
+    planned = load_planned_file(plan)
+    test = planned.solvers["heap"].bulk_test
+    assert test is not None
+    assert planned.value("heap", "bulk_density", test.responses["bulk_density"]) == 1300
+    assert planned.value("heap", "heap_height", test.responses["heap_height"]) == 0.053
+
+
+def test_a_heap_and_a_draw_down_settle_both_frictions(plan: Path) -> None:
+    plan.write_text(MEASURED)
+    found = gf.design(plan, wanted=0.3)
+    assert found.best is not None
+    assert found.best.name == "heap + draw_down"
+    assert max(found.best.half_widths.values()) <= 0.3
+    alone = next(c for c in found.combinations if c.name == "heap")
+    assert alone.half_widths[SLIDING] > 0.6
+    compared = {test.name for c in found.combinations for test in c.tests}
+    assert compared >= {"heap", "draw_down", "compression", "discharge", "packing"}
+
+
+def test_tests_that_the_material_does_not_allow_are_named(plan: Path) -> None:
+    plan.write_text(MEASURED.replace("10 MPa", "0.36 MPa"))
+    found = gf.design(plan, wanted=0.3)
+    assert "compression" in found.refused
+    assert "Not compared: compression." in str(found)
+
+
+def test_the_command_prints_combinations_and_a_recommendation(plan: Path) -> None:
+    plan.write_text(FILE)
+    done = command(str(plan), "--wanted", "30%", "--accuracy", "angle_of_repose=0.5 deg")
+    assert done.exit_code == 0
+    assert "heap + draw_down" in done.stdout
+    assert "that settles every free parameter to ± 30 %." in " ".join(done.stdout.split())
+    only = command(str(plan), "--test", "packing")
+    assert "packing" in only.stdout
+    assert "draw_down" not in only.stdout.partition("No combination")[0]
+
+
+@pytest.mark.parametrize(
+    ("text", "arguments", "message"),
+    [
+        (FILE, ["--wanted", "0%"], r"wanted: is '0%'.*as 20%"),
+        (FILE, ["--wanted", "much"], r"wanted: is 'much'"),
+        (FILE, ["--accuracy", "mass_flow=3 deg"], r"accuracy\.mass_flow.*kg/s"),
+        (FILE, ["--accuracy", "mass_flow"], r"'mass_flow' has no value"),
+        (FILE, ["--accuracy", "angel_of_repose=1 deg"], r'Did you mean "angle_of_repose"'),
+        (FILE, ["--test", "heep"], r"'heep' is not a bulk test.*heap"),
+        (FILE, ["--max-time", "10"], r"max-time.*no unit"),
+        (FILE, ["--max-time", "0 s"], r"max-time.*above 0"),
+        (FILE + "targets.angle_of_repose = 1\n", [], r"line \d+, test\[0\]\.targets.*a table"),
+        (FILE + 'targets.bulk_density = { uncertainty = "0 %" }\n', [], r"above 0 %"),
+        (FILE + 'targets.angle = { uncertainty = "1 deg" }\n', [], r"angle_of_repose"),
+        (FILE.partition("[[test]]")[0], [], r"test: is missing"),
+        (FILE.replace('solver = "lammps"', ""), [], r"solver.*missing"),
+        (
+            FILE.partition("[[test]]")[0] + '[[test]]\ntype = "python"\nfunction = "m.py:f"\n',
+            [],
+            r"models of your own",
+        ),
+    ],
+)
+def test_bad_input_is_named(plan: Path, text: str, arguments: list[str], message: str) -> None:
+    plan.write_text(text)
+    (plan.parent / "m.py").write_text("def f(parameters, seed): return {'y': 1.0}\n")
+    error = command(str(plan), *arguments).exception
+    assert isinstance(error, gf.GrainfitError)
+    assert re.search(message, str(error), re.DOTALL)
+
+
+def test_a_plan_is_no_calibration(plan: Path) -> None:
+    plan.write_text(FILE + 'targets.angle_of_repose = { uncertainty = "0.5 deg" }\n')
+    with pytest.raises(gf.InputError, match="measured value"):
+        gf.load(plan)
