@@ -1,14 +1,18 @@
-"""Run every bulk test on LAMMPS and on LIGGGHTS, and compare their responses.
+"""Run every bulk test on several solvers, and compare their responses with those of LAMMPS.
 
 Finished runs are kept in the file ``--kept`` and not repeated, so that the command can be stopped
 and started again.
 
     python benchmarks/solver_agreement.py --kept agreement.jsonl [--seeds 20] [--tests heap ...]
         [--material rough|beads] [--set particle.youngs_modulus=1e7] [--processes 2] [--table]
+        [--solvers lammps liggghts yade]
 
 Prints, for each response, mean and standard deviation over the seeds on each solver, the difference
-of the means (LIGGGHTS minus LAMMPS) with its 95 % confidence interval (Welch), the ratio of the
-stated standard error to the scatter over seeds, and the processor time of a run.
+of the means from LAMMPS with its 95 % confidence interval (Welch), the ratio of the stated standard
+error to the scatter over seeds, and the processor time of a run. YADE needs rolling damping 0:
+
+    --solvers lammps yade --set particle_particle.rolling_damping=0
+                          --set particle_wall.rolling_damping=0
 """
 
 from __future__ import annotations
@@ -37,6 +41,7 @@ from grainfit.solvers.base import Workspace
 from grainfit.solvers.registry import DEM_PROGRAMS
 from grainfit.testing.materials import GLASS_BEADS, ROUGH_SPHERES
 
+#: The first one is the reference.
 SOLVERS = ("lammps", "liggghts")
 DIAMETER = 0.010
 MATERIALS: Mapping[str, Mapping[str, float]] = {"rough": ROUGH_SPHERES, "beads": GLASS_BEADS}
@@ -79,11 +84,12 @@ def measure(
     changes: Mapping[str, float],
     processes: int,
     kept: Path,
+    solvers: Sequence[str] = SOLVERS,
 ) -> list[Record]:
     """Return the records of all runs; add new ones to the file as they end."""
     records = _of(_read(kept), material, changes)
     known = {(r["test"], r["solver"], r["seed"]) for r in records}
-    wanted = [(t, s, n) for n in range(1, seeds + 1) for t in tests for s in SOLVERS]
+    wanted = [(t, s, n) for n in range(1, seeds + 1) for t in tests for s in solvers]
     jobs = [job for job in wanted if job not in known]
     start = time.monotonic()
     with ProcessPoolExecutor(processes, max_tasks_per_child=1) as pool, kept.open("a") as file:
@@ -99,7 +105,8 @@ def measure(
         except BaseException:
             pool.shutdown(wait=False, cancel_futures=True)
             raise
-    return [r for r in records if r["test"] in tests and r["seed"] <= seeds]
+    wanted_now = set(wanted)
+    return [r for r in records if (r["test"], r["solver"], r["seed"]) in wanted_now]
 
 
 def _read(kept: Path) -> list[Record]:
@@ -110,28 +117,28 @@ def _of(records: Iterable[Record], material: str, changes: Mapping[str, float]) 
     return [r for r in records if r["material"] == material and r["changes"] == changes]
 
 
-def table(records: Iterable[Record]) -> str:
+def table(records: Iterable[Record], solvers: Sequence[str] = SOLVERS) -> str:
     """Return the comparison as a table in Markdown."""
-    lines = [
-        "| test | response | unit | LAMMPS | LIGGGHTS | LIGGGHTS - LAMMPS "
-        "| stated error / scatter | CPU s a run |",
-        "|---|---|---|---|---|---|---|---|",
-    ]
+    reference, *others = (name.upper() for name in solvers)
+    differences = [f"{name} - {reference}" for name in others]
+    titles = ["test", "response", "unit", reference, *others, *differences]
+    titles += ["stated error / scatter", "CPU s a run"]
+    lines = [f"| {' | '.join(titles)} |", "|---" * len(titles) + "|"]
     records = list(records)
     for name, test in bulk_tests().items():
         own = [r for r in records if r["test"] == name]
         for index, (response, info) in enumerate(test.responses.items() if own else ()):
-            values = {s: _values(own, s, response) for s in SOLVERS}
-            if min(len(v) for v in values.values()) < 2:
+            values = {s: _values(own, s, response) for s in solvers}
+            if len(values[solvers[0]]) < 2:
                 continue
             cells = [
                 name if index == 0 else "",
                 response,
                 info.unit or "1",
-                *(_mean(values[s]) for s in SOLVERS),
-                _difference(values["lammps"][:, 0], values["liggghts"][:, 0]),
-                ", ".join(_ratio(values[s]) for s in SOLVERS),
-                ", ".join(_seconds(own, s) for s in SOLVERS) if index == 0 else "",
+                *(_mean(values[s]) for s in solvers),
+                *(_difference(values[solvers[0]], values[s]) for s in solvers[1:]),
+                ", ".join(_ratio(values[s]) for s in solvers),
+                ", ".join(_seconds(own, s) for s in solvers) if index == 0 else "",
             ]
             lines.append("| " + " | ".join(cells) + " |")
     failed = [
@@ -151,16 +158,23 @@ def _values(records: Iterable[Record], solver: str, response: str) -> np.ndarray
 
 
 def _mean(values: np.ndarray) -> str:
+    if len(values) < 2:
+        return ""
     return f"{number(values[:, 0].mean(), 4)} ± {number(values[:, 0].std(ddof=1), 2)}"
 
 
 def _difference(one: np.ndarray, other: np.ndarray) -> str:
+    if len(other) < 2:
+        return ""
+    one, other = one[:, 0], other[:, 0]
     interval = stats.ttest_ind(other, one, equal_var=False).confidence_interval(0.95)
     mean = other.mean() - one.mean()
     return f"{number(mean, 2)} ({number(interval.low, 2)} to {number(interval.high, 2)})"
 
 
 def _ratio(values: np.ndarray) -> str:
+    if len(values) < 2:
+        return ""
     scatter = values[:, 0].std(ddof=1)
     return number(float(np.sqrt((values[:, 1] ** 2).mean()) / scatter), 2) if scatter else ""
 
@@ -176,6 +190,7 @@ def main() -> None:
     parser.add_argument("--kept", type=Path, required=True)
     parser.add_argument("--seeds", type=int, default=20, help="runs of each test and solver")
     parser.add_argument("--tests", nargs="+", choices=bulk_tests(), default=list(bulk_tests()))
+    parser.add_argument("--solvers", nargs="+", choices=DEM_PROGRAMS, default=list(SOLVERS))
     parser.add_argument("--processes", type=int, default=2)
     parser.add_argument("--material", choices=MATERIALS, default="rough")
     parser.add_argument(
@@ -185,7 +200,8 @@ def main() -> None:
     options = parser.parse_args()
     changes = {name: float(value) for name, value in (item.split("=") for item in options.set)}
     if options.table:
-        print(table(_of(_read(options.kept), options.material, changes)))
+        known = _of(_read(options.kept), options.material, changes)
+        print(table([r for r in known if r["solver"] in options.solvers], options.solvers))
         return
     print(
         table(
@@ -196,7 +212,9 @@ def main() -> None:
                 changes,
                 options.processes,
                 options.kept,
-            )
+                options.solvers,
+            ),
+            options.solvers,
         )
     )
 

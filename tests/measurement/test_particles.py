@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from grainfit.errors import NotMeasurableError
-from grainfit.measurement.particles import Particles, read_dump, write_vtk
+from grainfit.measurement.particles import Particles, read_dump, read_frames, write_vtk
 
 COLUMNS = "id type x y z radius mass"
 ROWS = ("2 1 0.5 0.25 0.125 0.005 0.001", "1 1 -1e-2 2e-2 3e-2 0.004 0.0005")
@@ -47,6 +47,34 @@ def test_columns_may_stand_in_any_order_among_others(dump: Path) -> None:
 def test_last_frame_counts(dump: Path) -> None:
     dump.write_text(frame() + frame(("1 1 9 9 9 0.1 0.2",), step=10))
     np.testing.assert_array_equal(read_dump(dump).positions, [[9, 9, 9]])
+
+
+def test_all_frames_are_read_in_order(dump: Path) -> None:
+    dump.write_text(frame() + frame(("1 1 9 9 9 0.1 0.2",), step=10))
+    first, last = read_frames(dump)
+
+    assert (first.step, last.step) == (0, 10)
+    np.testing.assert_array_equal(first.particles.positions, read_dump_of(frame(), dump).positions)
+    np.testing.assert_array_equal(last.particles.positions, [[9, 9, 9]])
+
+
+def read_dump_of(content: str, path: Path) -> Particles:
+    path.write_text(content)
+    return read_dump(path)
+
+
+@pytest.mark.parametrize(
+    ("content", "reason"),
+    [
+        ("", "is not a text dump"),
+        (frame() + frame(step=10)[:-40], "frame at line 12: is truncated"),
+        (frame().replace("STEP\n0", "STEP\nten"), "frame at line 1: .*ten"),
+    ],
+)
+def test_a_bad_frame_is_named_with_its_line(dump: Path, content: str, reason: str) -> None:
+    dump.write_text(content)
+    with pytest.raises(NotMeasurableError, match=f"heap.dump: {reason}"):
+        list(read_frames(dump))
 
 
 def test_dump_without_particles_is_read(dump: Path) -> None:

@@ -29,8 +29,11 @@ DEFAULT_DECKS: dict[tuple[str, str], tuple[int, int, str]] = {
     ("discharge", "slot"): (1, 1, "3e20fd7fb0dad1c4"),
     ("discharge", "round"): (1, 1, "d8f0e27866375d0a"),
     ("draw_down", ""): (1, 1, "d7bcacd59223199c"),
+    ("drum", ""): (1, 1, "f8c26efa526d5f0c"),
     ("shear", ""): (1, 1, "c4332ec0561127e1"),
 }
+#: Revision, and decks of YADE: a mixture in every test with its defaults.
+YADE_DECKS = (1, "fa37a334f4c913bb")
 #: Revision, height of the column and place of the first particle, m.
 COLUMN = (1, 0.0684905716, (-0.0441319384, -0.0035668218, 0.0367854215))
 CHANGED = "have changed: raise SCENES_REVISION in scenes/scene.py, and pin the new values here"
@@ -58,13 +61,23 @@ def test_default_decks_are_those_of_their_revision(tmp_path: Path, name: str, or
     kind = bulk_tests()[name]
     for sizes in (BEADS, MIXTURE):
         test = kind(sizes, **({"orifice": orifice} if orifice else {}))
-        for solver, program in DEM_PROGRAMS.items():
-            if not test.concepts() & set(program.missing):
+        for solver in ("lammps", "liggghts"):
+            if not test.concepts() & set(DEM_PROGRAMS[solver].missing):
                 deck = write_deck(test, tmp_path / solver, solver, GLASS_BEADS, seed=1)
                 digest.update(deck.read_bytes())
     found = (kind.revision, SCENES_REVISION, digest.hexdigest()[:16])
 
     assert found == DEFAULT_DECKS[name, orifice], f"decks {CHANGED_TEST}"
+
+
+def test_yade_decks_are_those_of_their_revision(tmp_path: Path) -> None:
+    digest = hashlib.sha256()
+    for kind in BUILT_IN.values():
+        test = kind(MIXTURE)
+        digest.update(write_deck(test, tmp_path, "yade", GLASS_BEADS, seed=1).read_bytes())
+        digest.update((tmp_path / "particles.txt").read_bytes())
+
+    assert (SCENES_REVISION, digest.hexdigest()[:16]) == YADE_DECKS, f"decks {CHANGED}"
 
 
 def test_decks_of_every_built_in_test_are_pinned() -> None:

@@ -14,6 +14,7 @@ from grainfit.scenes.packing import (
     column_height,
     particle_numbers,
     random_column,
+    random_in_tube,
 )
 
 MONOSIZE = ParticleSizes((0.010,))
@@ -110,3 +111,36 @@ def test_a_column_between_two_walls_is_periodic_in_depth():
     assert surface[np.triu_indices(len(diameters), 1)].min() > 0
     # Some touch the images of others only: without periods they would overlap them.
     assert (y < diameters / 2).any()
+
+
+@pytest.mark.parametrize(("sizes", "count"), [(MONOSIZE, 534), (MONOSIZE, 800), (WIDE, 300)])
+def test_particles_in_a_tube_are_inside_and_touch_nothing(sizes, count):
+    radius, length = 0.075, 0.06
+    column = random_in_tube(sizes, count, radius, length, seed=2)
+    diameters = np.array(sizes.diameters)[column.size_indices]
+
+    assert np.bincount(column.size_indices).tolist() == particle_numbers(sizes, count)
+    assert column.height == radius
+    x, y, z = column.positions.T
+    assert ((x >= 0) & (x < length)).all()
+    assert (np.hypot(y, z) + diameters / 2 < radius).all()
+    for shift in (0, length):
+        other = column.positions + np.array([shift, 0.0, 0.0])
+        distance = np.linalg.norm(column.positions[:, None] - other, axis=2)
+        distance[distance < 1e-12] = np.inf
+        assert (distance > (diameters[:, None] + diameters) / 2).all()
+
+
+def test_particles_in_a_tube_follow_from_their_seed():
+    first, again, other = (
+        random_in_tube(MONOSIZE, 100, 0.05, 0.06, seed).positions for seed in (1, 1, 2)
+    )
+    assert (first == again).all()
+    assert not np.allclose(first, other)
+
+
+def test_particles_that_a_tube_cannot_hold_are_refused():
+    with pytest.raises(InputError, match=r"900 particles find no room in a tube of 0.05 m"):
+        random_in_tube(MONOSIZE, 900, 0.05, 0.06, seed=1)
+    with pytest.raises(InputError, match="-1 is negative"):
+        random_in_tube(MONOSIZE, 9, 0.05, 0.06, seed=-1)

@@ -44,7 +44,7 @@ TIME_STEP_FRACTION = 0.12
 _PATIENCE = 100.0
 _PATIENCE_SECONDS = 600.0
 #: Particles times time steps per second on one core of a current processor.
-_SPEED = {"lammps": 2.2e6, "liggghts": 2.5e6}
+_SPEED = {"lammps": 2.2e6, "liggghts": 2.5e6, "yade": 0.3e6}
 #: Two ranks are about 15 % faster than one: a bulk test is too small to share.
 _RANKS_EXPONENT = 0.2
 #: A material to build a scene with when only its concepts matter: they follow from the options.
@@ -265,13 +265,22 @@ class BulkTest(ABC):
         seed : int
             Insertion seed.
         """
-        column = random_column(self.sizes, self.number_of_particles, self.footprint, seed)
-        return self.scene_of(column, material)
+        return self.scene_of(self.column(seed), material)
+
+    def column(self, seed: int) -> Column:
+        """Return the particles at the beginning: by default a column that falls.
+
+        Parameters
+        ----------
+        seed : int
+            Insertion seed.
+        """
+        return random_column(self.sizes, self.number_of_particles, self.footprint, seed)
 
     @property
-    @abstractmethod
     def footprint(self) -> Footprint:
-        """Cross-section of the container that is filled."""
+        """Cross-section of the container that a column fills."""
+        raise NotImplementedError(f"{self.type} places its particles itself")
 
     @abstractmethod
     def scene_of(self, column: Column, material: Mapping[str, float]) -> Scene:

@@ -120,7 +120,7 @@ def _test(test: type[BulkTest], name: str) -> Iterator[str]:
     yield _with_remark(f'type = "{test.type}"', test.title)
     if name:
         yield _with_remark(f'name = "{name}"', "this test's own name")
-    yield _with_remark('solver = "lammps"', 'or "liggghts"')
+    yield _with_remark('solver = "lammps"', 'or "liggghts", "yade"')
     yield "# Geometry and procedure, as in your laboratory. These defaults follow the diameter d."
     for key in test.option_keys():
         yield from _option(key)

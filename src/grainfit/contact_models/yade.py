@@ -1,7 +1,7 @@
 """Contact laws for YADE: ``Ip2_FrictMat_FrictMat_MindlinPhys`` and ``Law2_ScGeom_MindlinPhys_...``.
 
-The keywords are Python code, for a module that has a dictionary ``PARAMETERS`` of the material
-parameters and a function ``_of_pairs(between_particles, on_wall)``, which returns a ``MatchMaker``.
+The keywords are Python code, for a module that has a function ``_of_pairs(key, convert=float)``,
+which returns a ``MatchMaker``: the converted values of a contact parameter for all pairs.
 """
 
 from __future__ import annotations
@@ -26,12 +26,10 @@ class YadeWords(SolverWords, ABC):
     """Keywords of a contact model for YADE.
 
     Without a ``MatchMaker``, a functor has one number for all contacts: that of two equal
-    particles of mean size.
+    particles of mean size. Decks write those of walls into the contacts themselves.
     """
 
     solver: ClassVar[str] = "yade"
-    #: Lines that define the names that arguments use.
-    definitions: tuple[str, ...] = ()
 
     @abstractmethod
     def physics(self, contact: Contact) -> Sequence[YadeArgument]:
@@ -39,6 +37,16 @@ class YadeWords(SolverWords, ABC):
 
     def law(self, contact: Contact) -> Sequence[YadeArgument]:  # noqa: ARG002 (a door)
         """Return arguments of the ``Law2`` functor, given the contact of two equal particles."""
+        return ()
+
+    def on_wall(self, contact: Contact) -> Sequence[YadeArgument]:  # noqa: ARG002 (a door)
+        """Return attributes of a contact with a wall that its ``Ip2`` functor cannot give it.
+
+        Parameters
+        ----------
+        contact : Contact
+            Of a particle with the wall.
+        """
         return ()
 
     def notes(self, contact: Contact) -> str:  # noqa: ARG002 (a door)
@@ -59,3 +67,8 @@ def yade_physics(law: ContactLaw, contact: Contact) -> list[YadeArgument]:
 def yade_law(law: ContactLaw, contact: Contact) -> list[YadeArgument]:
     """Return all arguments of the ``Law2`` functor."""
     return [argument for words in yade_words(law) for argument in words.law(contact)]
+
+
+def yade_on_wall(law: ContactLaw, contact: Contact) -> list[YadeArgument]:
+    """Return all attributes of a contact with a wall that no functor can give it."""
+    return [argument for words in yade_words(law) for argument in words.on_wall(contact)]

@@ -10,6 +10,7 @@ if TYPE_CHECKING:
     from grainfit.solvers.base import Solver, Workspace
     from grainfit.solvers.dem.lammps.program import Lammps
     from grainfit.solvers.dem.liggghts.program import Liggghts
+    from grainfit.solvers.dem.yade.program import Yade
     from grainfit.solvers.own_model.command import Command
     from grainfit.solvers.own_model.python_callable import PythonCallable
     from grainfit.solvers.own_model.recorded_table import RecordedTable
@@ -22,11 +23,13 @@ __all__ = [
     "RecordedTable",
     "Solver",
     "Workspace",
+    "Yade",
 ]
 
 _HOMES = {
     "Lammps": "dem.lammps.program",
     "Liggghts": "dem.liggghts.program",
+    "Yade": "dem.yade.program",
     "Command": "own_model.command",
     "PythonCallable": "own_model.python_callable",
     "RecordedTable": "own_model.recorded_table",

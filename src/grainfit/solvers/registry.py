@@ -10,12 +10,13 @@ from grainfit.solvers.dem.lammps.program import Lammps
 from grainfit.solvers.dem.liggghts.program import Liggghts
 from grainfit.solvers.dem.program import DeckSolver
 from grainfit.solvers.dem.types_of_test import simulated
+from grainfit.solvers.dem.yade.program import Yade
 from grainfit.solvers.own_model.types_of_test import COMMAND, PYTHON, TABLE
 from grainfit.solvers.type_of_test import TypeOfTest
 
 #: Programs that run the decks of bulk tests, by name.
 DEM_PROGRAMS: Mapping[str, type[DeckSolver]] = {
-    program.name: program for program in (Lammps, Liggghts)
+    program.name: program for program in (Lammps, Liggghts, Yade)
 }
 #: Types of test that run a custom model.
 OWN_MODELS: tuple[TypeOfTest, ...] = (COMMAND, PYTHON, TABLE)

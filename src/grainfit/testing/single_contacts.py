@@ -16,7 +16,7 @@ from grainfit.contact_models.base import ContactLaw
 from grainfit.contact_models.contact import Contact
 from grainfit.contact_models.lammps import lammps_clauses
 from grainfit.contact_models.liggghts import liggghts_model, liggghts_properties
-from grainfit.contact_models.yade import yade_law, yade_physics, yade_words
+from grainfit.contact_models.yade import yade_law, yade_physics
 from grainfit.materials.time_step import rayleigh_time_step
 from grainfit.solvers.base import Workspace
 from grainfit.solvers.process.process import run_process
@@ -278,13 +278,11 @@ class YadeContacts(SingleContacts):
         """Write a script."""
         radius = sum(scene.radii) / len(scene.radii)
         contact = Contact.between(scene.material, radius, radius, scene.typical_gravity)
-        definitions = [line for words in yade_words(scene.law) for line in words.definitions]
         arguments = (f"{name}={value}" for name, value, _ in yade_physics(scene.law, contact))
         law = ", ".join(f"{name}={value}" for name, value, _ in yade_law(scene.law, contact))
         every = scene.steps // scene.frames
         text = _YADE.format(
             parameters=dict(scene.material),
-            definitions="\n".join(definitions),
             physics=", ".join(arguments),
             law=law,
             spheres=[(s.position, s.velocity, s.spin, s.radius) for s in scene.particles],
@@ -311,8 +309,6 @@ from math import atan
 from yade import *
 
 PARAMETERS = {parameters!r}
-{definitions}
-
 
 def material(label, body, friction):
     mat = FrictMat(label=label, young=PARAMETERS[body + ".youngs_modulus"],
@@ -325,7 +321,9 @@ particle = material("particle", "particle", 0.0)
 wall = material("wall", "wall", 0.0)
 
 
-def _of_pairs(between_particles, on_wall):
+def _of_pairs(key, convert=float):
+    on_wall = convert(PARAMETERS["particle_wall." + key])
+    between_particles = convert(PARAMETERS["particle_particle." + key])
     return MatchMaker(matches=((particle, particle, between_particles),
                                (particle, wall, on_wall), (wall, wall, on_wall)))
 

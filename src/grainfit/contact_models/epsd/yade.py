@@ -37,6 +37,9 @@ class EpsdYade(YadeWords):
         return rolling_spring_of(contact, rolling_damping=0.0).stiffness
 
     def _moment_stiffness(self, contact: Contact) -> float:
+        # YADE takes a limit of zero for none.
+        if not _eta(contact):
+            return 0.0
         # The spring of LAMMPS is a force with the lever R* = r / 2, that of YADE a moment.
         return self.stiffness(contact) * (contact.radius / 2) ** 2
 
@@ -47,10 +50,18 @@ class EpsdYade(YadeWords):
             YadeArgument("krot", f"{self._moment_stiffness(contact)}", "N m"),
         )
 
-    def law(self, contact: Contact) -> Sequence[YadeArgument]:
-        """Return whether there is a moment."""
-        # YADE takes a limit of zero for none.
-        return (YadeArgument("includeMoment", f"{_eta(contact) > 0}"),)
+    def on_wall(self, contact: Contact) -> Sequence[YadeArgument]:
+        """Return stiffness and limit of the moment on a wall: the radius is R*."""
+        limit = contact.value("rolling_friction")
+        stiffness = self.stiffness(contact) * contact.radius**2 if limit else 0.0
+        return (
+            YadeArgument("kr", f"{stiffness}", "N m"),
+            YadeArgument("maxBendPl", f"{limit} * radius", "rolling friction times radius"),
+        )
+
+    def law(self, contact: Contact) -> Sequence[YadeArgument]:  # noqa: ARG002 (always)
+        """Return that there is a moment."""
+        return (YadeArgument("includeMoment", "True"),)
 
     def notes(self, contact: Contact) -> str:
         """Return the differences of YADE's rolling friction, in lines of text."""

@@ -2,27 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from grainfit.contact_models.contact import Contact
+from grainfit.contact_models.hertz_mindlin.model import particle_moduli
 from grainfit.contact_models.yade import YadeArgument, YadeWords
+
+#: 1/Pa: a body that hardly deforms, in place of one that does not at all.
+_LEAST_COMPLIANCE = 1e-30
 
 
 class HertzMindlinYade(YadeWords):
     """``en`` and ``frictAngle`` of ``Ip2_FrictMat_FrictMat_MindlinPhys``."""
 
-    definitions = (
-        '_friction = atan(PARAMETERS["particle_particle.sliding_friction"])',
-        '_wall_friction = atan(PARAMETERS["particle_wall.sliding_friction"])',
-        '_restitution = PARAMETERS["particle_particle.restitution"]',
-        '_wall_restitution = PARAMETERS["particle_wall.restitution"]',
-    )
-
     def physics(self, contact: Contact) -> Sequence[YadeArgument]:  # noqa: ARG002 (names only)
         """Return restitution and friction angle of all pairs."""
         return (
-            YadeArgument("en", "_of_pairs(_restitution, _wall_restitution)"),
-            YadeArgument("frictAngle", "_of_pairs(_friction, _wall_friction)"),
+            YadeArgument("en", '_of_pairs("restitution")'),
+            YadeArgument("frictAngle", '_of_pairs("sliding_friction", atan)'),
         )
 
     def notes(self, contact: Contact) -> str:  # noqa: ARG002 (for all contacts)
@@ -31,3 +28,24 @@ class HertzMindlinYade(YadeWords):
             "Young's modulus, Poisson's ratio, density, sliding friction and restitution mean the "
             "same in YADE."
         )
+
+
+def wall_modulus(material: Mapping[str, float], radius_share: float) -> float:
+    """Return the Young's modulus that gives contacts with a wall their stiffness in YADE, Pa.
+
+    YADE takes R* of a particle on a wall as a share of its radius, so that contacts would be
+    sqrt(share) times as stiff. A wall with this modulus and the Poisson's ratio of the particles
+    has E* sqrt(R*) of the particle on the real wall. It is negative for a wall that does not
+    deform: then E* must be above that of a rigid wall.
+
+    Parameters
+    ----------
+    material : mapping of str to float
+        All material parameters by dotted name.
+    radius_share : float
+        R* of YADE over the radius.
+    """
+    wanted = particle_moduli(material, "wall").young / radius_share**0.5
+    flatness = 1 - material["particle.poissons_ratio"] ** 2
+    compliance = 1 / wanted - flatness / material["particle.youngs_modulus"]
+    return flatness / (compliance or _LEAST_COMPLIANCE)

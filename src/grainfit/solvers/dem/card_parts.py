@@ -147,8 +147,8 @@ def comments(notes: Iterable[str]) -> str:
     return "\n".join(f"# {line}" for text in notes for line in text.splitlines())
 
 
-def fill(solver: str, values: Mapping[str, Any]) -> str:
-    """Fill in the card template of a solver; numbers keep all digits."""
+def fill(solver: str, values: Mapping[str, Any], template: str = "card.j2") -> str:
+    """Fill in a template in the folder of a solver; numbers keep all digits."""
     environment = Environment(
         loader=PackageLoader("grainfit.solvers.dem", solver),
         undefined=StrictUndefined,
@@ -157,4 +157,4 @@ def fill(solver: str, values: Mapping[str, Any]) -> str:
         lstrip_blocks=True,
         autoescape=False,
     )
-    return environment.get_template("card.j2").render(values)
+    return environment.get_template(template).render(values)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 import shlex
 import subprocess
 import tempfile
@@ -36,7 +37,7 @@ from grainfit.files import log_tail
 from grainfit.scenes.run_output import RunOutput
 from grainfit.scenes.scene import Scene
 from grainfit.solvers.base import Solver, Workspace
-from grainfit.solvers.dem.script import ScriptDeck
+from grainfit.solvers.dem.deck import SceneDeck
 from grainfit.solvers.process.process import LOG_NAME, recorded_faults, run_process
 from grainfit.units import UnitError, to_unit
 
@@ -69,9 +70,11 @@ class DeckSolver(Solver):
     """
 
     #: Log that the program itself writes into the run folder.
-    _own_log: ClassVar[str]
+    _own_log: ClassVar[str] = LOG_NAME
+    #: Beginning of a line with an error message of the program.
+    _error: ClassVar[re.Pattern[str]] = re.compile("ERROR")
     #: Translator of scenes into its decks.
-    deck: ClassVar[type[ScriptDeck]]
+    deck: ClassVar[type[SceneDeck]]
     #: Concepts of scenes that it does not have, with the reason and what to use instead.
     missing: ClassVar[Mapping[str, str]] = {}
 
@@ -217,13 +220,21 @@ class DeckSolver(Solver):
         try:
             run_process(self._command(deck), workspace)
         except RunFailedError as error:
-            message = _error_line(workspace.folder / LOG_NAME) or _error_line(own_log)
+            message = self._error_line(workspace.folder / LOG_NAME) or self._error_line(own_log)
             reason = f"{self.name}: {message}"
             if error.kind != "simulation" or not message:
                 reason = error.reason
             # The log may be empty when a program is killed before it has written its output.
             tail = error.log_tail or log_tail(own_log)
             raise RunFailedError(reason, tail, error.kind) from error
+
+    def _error_line(self, log: Path) -> str:
+        """Return the error message of the program, or an empty text."""
+        try:
+            lines = log.read_text(encoding="utf-8", errors="replace").splitlines()
+        except OSError:
+            return ""
+        return next((line.strip() for line in lines if self._error.match(line)), "")
 
     @override
     def check(self) -> None:
@@ -242,7 +253,7 @@ class DeckSolver(Solver):
     @override
     def executes(self) -> tuple[str, ...]:
         """Return the command that runs the decks; raise if its program is not found."""
-        return (shlex.join(self._command(Path(f"in.{self.name}"))), *self.test.executes())
+        return (shlex.join(self._command(Path(self.deck.file_name))), *self.test.executes())
 
     @override
     def readiness(self) -> str:
@@ -299,8 +310,8 @@ class DeckSolver(Solver):
 
 
 @lru_cache(maxsize=8)
-def program_help(program: str, install: str) -> str:
-    """Return the output of a DEM program with ``-h``.
+def program_help(program: str, install: str, option: str = "-h") -> str:
+    """Return the output of a DEM program with an option that makes it tell its version.
 
     Raises
     ------
@@ -311,7 +322,7 @@ def program_help(program: str, install: str) -> str:
         # LIGGGHTS writes a log into the current folder, even to show its help.
         with tempfile.TemporaryDirectory() as folder:
             done = subprocess.run(
-                [program, "-h"],
+                [program, option],
                 cwd=folder,
                 stdin=subprocess.DEVNULL,
                 capture_output=True,
@@ -322,15 +333,6 @@ def program_help(program: str, install: str) -> str:
     except (OSError, subprocess.TimeoutExpired) as error:
         raise SolverNotFoundError(f"{program} does not run: {error}. {install}") from error
     return done.stdout
-
-
-def _error_line(log: Path) -> str:
-    """Return the error message of the program, or an empty text."""
-    try:
-        lines = log.read_text(encoding="utf-8", errors="replace").splitlines()
-    except OSError:
-        return ""
-    return next((line.strip() for line in lines if line.startswith("ERROR")), "")
 
 
 def _in_si(material: Mapping[str, float | str]) -> dict[str, float]:

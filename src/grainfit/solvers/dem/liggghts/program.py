@@ -12,9 +12,9 @@ from typing import ClassVar
 from typing_extensions import override
 
 from grainfit.errors import Fault, InputError, SolverNotFoundError
+from grainfit.solvers.dem.deck import SceneDeck
 from grainfit.solvers.dem.liggghts.scene_deck import MISSING, LiggghtsSceneDeck
 from grainfit.solvers.dem.program import DeckSolver, program_help
-from grainfit.solvers.dem.script import ScriptDeck
 
 _INSTALL = "Install it with: apt-get install liggghts"
 _REFUSED_RESTITUTION = 0.05
@@ -25,7 +25,7 @@ class Liggghts(DeckSolver):
 
     name = "liggghts"
     _own_log: ClassVar[str] = "log.liggghts"
-    deck: ClassVar[type[ScriptDeck]] = LiggghtsSceneDeck
+    deck: ClassVar[type[SceneDeck]] = LiggghtsSceneDeck
     missing: ClassVar[Mapping[str, str]] = MISSING
 
     @override

@@ -36,7 +36,6 @@ def render_yade(card: MaterialCard) -> str:
             "about": about,
             "quoted": repr,
             "notes": comments(found.notes(contact) for found in words),
-            "definitions": [line for found in words for line in found.definitions],
             "physics": yade_physics(law, contact),
             "law": ", ".join(f"{name}={value}" for name, value, _ in yade_law(law, contact)),
             "has_wall_density": "wall.density" in material,

@@ -1,0 +1,310 @@
+"""Scenes as Python scripts for YADE: walls are planes, boxes and polyhedra."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from typing import ClassVar
+
+import numpy as np
+
+from grainfit.contact_models.contact import Contact
+from grainfit.contact_models.hertz_mindlin.yade import wall_modulus
+from grainfit.contact_models.yade import YadeArgument, yade_law, yade_on_wall, yade_physics
+from grainfit.errors import Fault, InputError
+from grainfit.scenes.conditions import AtRest, Clear, Elapsed, Loaded
+from grainfit.scenes.records import Force, MassAbove, RadialForce, Recorded, Travel
+from grainfit.scenes.run_output import STAGES_HEADER
+from grainfit.scenes.scene import Load, Motion, Rotation, Stage, Velocity, Wall, load_on
+from grainfit.scenes.shapes import Block, Cone, Cylinder, Disc, Plane, Vector
+from grainfit.solvers.dem.card_parts import fill
+from grainfit.solvers.dem.deck import SceneDeck
+from grainfit.solvers.dem.script_words import heading
+
+_EDGES = (
+    "YADE gives a particle near an edge between two triangles of one plane two contacts, one of "
+    'them tilted; use {instead}solver = "liggghts"'
+)
+_SCRIPTED = (
+    "scenes with {what} are not translated into YADE's scripts; "
+    'use solver = "lammps" or solver = "liggghts"'
+)
+#: Concepts that YADE does not have, with the reason and what to use instead.
+MISSING: Mapping[str, str] = {
+    "annulus": _EDGES.format(instead="a slot, a cone, or "),
+    "mesh": _EDGES.format(instead=""),
+    "glued": _SCRIPTED.format(what="glued particles"),
+    "rotation": _SCRIPTED.format(what="turning walls"),
+    "lying cylinder": _SCRIPTED.format(what="tubes that lie"),
+    "frames": _SCRIPTED.format(what="frames of a stage"),
+}
+#: R* of a particle on a wall in YADE over its radius.
+_RADIUS_SHARE = 1 / 2
+#: Thickness of the panels of tubes, and of discs, in Sauter diameters; width of panels.
+_THICKNESS, _PANEL = 0.5, 0.95
+_FEWEST_PANELS, _DISC_CORNERS = 24, 24
+#: Cell over box, along axes that are not periodic.
+_CELL = 4.0
+#: Half the length of a block along a periodic axis, in periods: particles that circle around keep
+#: their unwrapped places.
+_PERIODS = 1000.0
+#: Time steps between two looks for new contacts with walls.
+_ROLLING_EVERY = 5
+#: Distance that particles move between two searches for neighbours, over the smallest radius.
+_VERLET = 0.3
+#: Largest share of a period that the bounds of a particle may take.
+_SHARE_OF_PERIOD = 0.49
+
+
+class YadeSceneDeck(SceneDeck):
+    """A scene as a script for YADE; see `SceneDeck`."""
+
+    file_name: ClassVar[str] = "in.yade.py"
+
+    def write_particles(self) -> None:
+        """Write places, radii and velocities of the particles."""
+        particles = self.scene.particles
+        radii = np.array(self.scene.sizes.diameters)[particles.size_indices] / 2
+        velocities = particles.velocities
+        if velocities is None:
+            velocities = np.zeros_like(particles.positions)
+        table = np.column_stack((particles.positions, radii, velocities))
+        np.savetxt(self.folder / "particles.txt", table, "%.12g", header="x y z radius vx vy vz")
+
+    def text(self) -> str:
+        """Return the script; write the STL files that it reads.
+
+        Raises
+        ------
+        InputError
+            A period is too short, or a radial force is recorded of another wall than a tube.
+        """
+        scene = self.scene
+        contact = self._between_particles()
+        first_walls = [line for item in scene.walls.items() for line in self._put(*item)]
+        stages = [line for stage in scene.stages for line in self._stage(stage)]
+        return fill(
+            "yade",
+            {
+                "title": scene.title,
+                "file_name": self.file_name,
+                "time_step": scene.time_step,
+                "gravity": scene.gravity,
+                "low": tuple(scene.box.low),
+                "high": tuple(scene.box.high),
+                "periodic": [axis for axis, name in enumerate("xyz") if self._repeats(name)],
+                "periods": self._periods(),
+                "energy_at_rest": scene.energy_at_rest,
+                "energy_limit": scene.energy_limit,
+                "look_every": scene.steps(scene.check_interval),
+                "parameters": sorted(scene.material_on("wall").items()),
+                "surfaces": [(name, dict(own)) for name, own in sorted(scene.surfaces.items())],
+                "quoted": repr,
+                "wall_materials": list(self._wall_materials()),
+                "physics": yade_physics(self.law, contact),
+                "law": ", ".join(f"{n}={v}" for n, v, _ in yade_law(self.law, contact)),
+                "rolling": list(self._rolling()),
+                "rolling_every": _ROLLING_EVERY,
+                "verlet_distance": self._verlet_distance(),
+                "stages_header": STAGES_HEADER,
+                "first_walls": first_walls,
+                "stages": stages,
+            },
+            "scene.j2",
+        )
+
+    # --- contacts ------------------------------------------------------------------------------
+
+    def _between_particles(self) -> Contact:
+        scene, radius = self.scene, self.scene.sizes.sauter_diameter / 2
+        material = scene.material_on("wall")
+        return Contact.between(material, radius, radius, scene.gravity, scene.typical_load)
+
+    def _rolling(self) -> Iterator[tuple[str, list[YadeArgument]]]:
+        """Iterate over surfaces and what contacts with them get that no functor gives them."""
+        scene, radius = self.scene, self.scene.sizes.sauter_diameter / 2
+        for surface in self._surfaces():
+            material = scene.material_on(surface)
+            contact = Contact.on_wall(material, radius, scene.gravity, scene.typical_load)
+            attributes = yade_on_wall(self.law, contact)
+            if attributes:
+                yield surface, attributes
+
+    def _wall_materials(self) -> Iterator[tuple[str, float, float]]:
+        """Iterate over surface, Young's modulus and Poisson's ratio."""
+        for surface in self._surfaces():
+            material = self.scene.material_on(surface)
+            young = wall_modulus(material, _RADIUS_SHARE)
+            yield surface, young, material["particle.poissons_ratio"]
+
+    def _surfaces(self) -> list[str]:
+        return list(dict.fromkeys(wall.surface for wall in self.scene.all_walls().values()))
+
+    # --- box -----------------------------------------------------------------------------------
+
+    def _repeats(self, axis: str) -> bool:
+        return axis in self.scene.box.periodic
+
+    def _lengths(self) -> list[float]:
+        box = self.scene.box
+        return [high - low for low, high in zip(box.low, box.high, strict=True)]
+
+    def _periods(self) -> tuple[float, ...]:
+        """Lengths of YADE's cell, m."""
+        lengths = self._lengths()
+        return tuple(
+            length if self._repeats(axis) else _CELL * length
+            for axis, length in zip("xyz", lengths, strict=True)
+        )
+
+    def _verlet_distance(self) -> float:
+        """Return how far particles may move between two searches for neighbours, m.
+
+        Raises
+        ------
+        InputError
+            A period is so short that YADE would overlook contacts across it.
+        """
+        diameters = self.scene.sizes.diameters
+        distance = _VERLET * min(diameters) / 2
+        if not self.scene.box.periodic:
+            return distance
+        lengths = zip("xyz", self._lengths(), strict=True)
+        shortest = min(length for axis, length in lengths if self._repeats(axis))
+        room = (_SHARE_OF_PERIOD * shortest - max(diameters)) / 2
+        if room < _SHARE_OF_PERIOD * distance / _VERLET / 10:
+            message = f"is {shortest:g} m along a periodic axis, which is too short for YADE."
+            remedy = f"Use at least {2.5 * max(diameters):g} m."
+            raise InputError(Fault("box", message, remedy))
+        return min(distance, room)
+
+    # --- walls ---------------------------------------------------------------------------------
+
+    def _put(self, name: str, wall: Wall) -> Iterator[str]:
+        shape = wall.shape
+        if isinstance(shape, Plane) and not self.scene.box.periodic:
+            axis = "xyz".index(shape.axis)
+            yield f"plane({name!r}, {wall.surface!r}, {axis}, {shape.at!r}, {shape.upwards})"
+        elif isinstance(shape, Plane):
+            yield self._block(name, wall, *self._behind(shape))
+        elif isinstance(shape, Block):
+            yield self._block(name, wall, shape.low, shape.high)
+        elif isinstance(shape, Cylinder):
+            yield self._tube(name, wall, Cone(shape.radius, shape.radius, shape.bottom, shape.top))
+        elif isinstance(shape, Cone):
+            yield self._tube(name, wall, shape)
+        else:
+            assert isinstance(shape, Disc), "shapes that YADE does not have are refused before"
+            sizes = f"{shape.radius!r}, {shape.z!r}, {_DISC_CORNERS}, {self._thickness}"
+            yield f"disc({name!r}, {wall.surface!r}, {sizes})"
+
+    @property
+    def _thickness(self) -> float:
+        return _THICKNESS * self.scene.sizes.sauter_diameter
+
+    def _tube(self, name: str, wall: Wall, shape: Cone) -> str:
+        width = _PANEL * self.scene.sizes.sauter_diameter
+        widest = max(shape.lower_radius, shape.upper_radius)
+        panels = max(_FEWEST_PANELS, math.ceil(2 * math.pi * widest / width))
+        ends = f"{shape.lower_radius!r}, {shape.upper_radius!r}, {shape.bottom!r}, {shape.top!r}"
+        return f"tube({name!r}, {wall.surface!r}, {ends}, {panels}, {self._thickness})"
+
+    def _behind(self, plane: Plane) -> tuple[Vector, Vector]:
+        """Return the corners of a block with a plane as its face: YADE's periodic cells need it."""
+        axis, box = "xyz".index(plane.axis), self.scene.box
+        low, high = list(box.low), list(box.high)
+        depth = self._lengths()[axis]
+        start = plane.at - depth if plane.upwards else plane.at
+        low[axis], high[axis] = start, start + depth
+        return (low[0], low[1], low[2]), (high[0], high[1], high[2])
+
+    def _block(self, name: str, wall: Wall, low: Vector, high: Vector) -> str:
+        """Return the line that puts a block, infinite along periodic axes."""
+        ends = list(zip(low, high, strict=True))
+        for number, (axis, length) in enumerate(zip("xyz", self._lengths(), strict=True)):
+            if self._repeats(axis):
+                ends[number] = (-_PERIODS * length, _PERIODS * length)
+        lower, upper = zip(*((float(a), float(b)) for a, b in ends), strict=True)
+        return f"block({name!r}, {wall.surface!r}, {lower}, {upper})"
+
+    # --- stages --------------------------------------------------------------------------------
+
+    def _stage(self, stage: Stage) -> Iterator[str]:
+        """Iterate over the lines of a stage."""
+        yield heading(f"{stage.name}: {stage.remark}" if stage.remark else stage.name)
+        yield ""
+        changes = stage.take_away or stage.put or stage.strike_off is not None
+        if changes:
+            yield "velocities = velocities_now()"
+        if stage.strike_off is not None:
+            yield f"strike_off({stage.strike_off!r})"
+        yield from (f"take_away({name!r})" for name in stage.take_away)
+        for item in stage.put.items():
+            yield from self._put(*item)
+        if changes:
+            yield "go_on_with(velocities)"
+        yield f"stage = Stage({stage.name!r}, is_closed={stage.is_closed})"
+        for wall in stage.motions:
+            for motion in stage.motions_of(wall):
+                yield self._motion(wall, motion)
+        if stage.series is not None:
+            yield f"stage.record({self.scene.steps(stage.series.every)}, {{"
+            for name, quantity in stage.series.columns.items():
+                yield f"    {name!r}: {self._quantity(quantity)},"
+            yield "})"
+        yield self._until(stage)
+        if stage.snapshot:
+            yield f"snapshot({stage.snapshot!r})"
+
+    @staticmethod
+    def _motion(wall: str, motion: Motion) -> str:
+        assert not isinstance(motion, Rotation)
+        axis = "xyz".index(motion.along)
+        if isinstance(motion, Velocity):
+            return f"walls[{wall!r}].move({axis}, {motion.speed!r})"
+        limits = f"largest_speed={motion.largest_speed!r}, gain={motion.gain!r}"
+        return f"stage.load({wall!r}, {axis}, {motion.force!r}, {limits})"
+
+    def _quantity(self, quantity: Recorded) -> str:
+        """Return a function that returns a recorded quantity."""
+        if isinstance(quantity, MassAbove):
+            return f"lambda: mass_above({quantity.height!r})"
+        if isinstance(quantity, Force):
+            axis = "xyz".index(quantity.along)
+            return f"lambda: walls[{quantity.wall!r}].force({axis})"
+        if isinstance(quantity, Travel):
+            motions = list(self.scene.motions_of(quantity.wall))
+            axis = "xyz".index(motions[0].along) if motions else 2
+            return f"lambda: walls[{quantity.wall!r}].travel({axis})"
+        if isinstance(quantity, RadialForce):
+            self._require_tube(quantity.wall)
+            return f"walls[{quantity.wall!r}].radial_force"
+        return "kinetic_energy"
+
+    def _require_tube(self, wall: str) -> None:
+        if not isinstance(self.scene.all_walls()[wall].shape, Cylinder):
+            message = "is no tube: YADE has the force of a wall away from the z axis of tubes only."
+            raise InputError(Fault(wall, message, "Use a Cylinder."))
+
+    def _until(self, stage: Stage) -> str:
+        """Return the line that runs a stage to its end."""
+        scene, until = self.scene, stage.until
+        if isinstance(until, Elapsed):
+            return f"stage.until_elapsed({scene.steps(until.time)})"
+        limit = scene.steps(until.limit)
+        if isinstance(until, AtRest):
+            # Particles that have not begun to fall are not at rest.
+            shortest = scene.check_interval if stage is scene.stages[0] else 0.0
+            first = max(until.at_least, shortest)
+            steps = scene.steps(first) if first > 0 else 0
+            return f"stage.until_at_rest(first={steps}, limit={limit})"
+        if isinstance(until, Clear):
+            bottom = scene.all_walls()[until.wall].shape.bottom  # type: ignore[union-attr]
+            radius = max(scene.sizes.diameters) / 2
+            return f"stage.until_clear({until.wall!r}, {bottom!r}, {radius!r}, limit={limit})"
+        assert isinstance(until, Loaded)
+        load = load_on(stage, until.wall)
+        assert load is not None
+        axis = "xyz".index(load.along)
+        wanted = f"{axis}, {load.force!r}, within={until.within!r}, limit={limit}"
+        return f"stage.until_loaded({until.wall!r}, {wanted})"

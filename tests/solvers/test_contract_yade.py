@@ -1,0 +1,132 @@
+"""YADE keeps the contract of all solvers, with small beds; what it refuses and why."""
+
+from __future__ import annotations
+
+import math
+import shutil
+
+import numpy as np
+import pytest
+
+from grainfit.bulk_tests.discharge import Discharge
+from grainfit.bulk_tests.heap import Heap
+from grainfit.bulk_tests.packing import Packing
+from grainfit.contact_models.hertz_mindlin.model import effective_moduli, particle_moduli
+from grainfit.contact_models.hertz_mindlin.yade import wall_modulus
+from grainfit.errors import InputError, RunFailedError, SolverNotFoundError
+from grainfit.materials.sizes import ParticleSizes
+from grainfit.scenes.conditions import Elapsed
+from grainfit.scenes.packing import Column
+from grainfit.scenes.scene import Box, Scene, Stage, Wall
+from grainfit.scenes.shapes import Plane
+from grainfit.solvers.base import Workspace
+from grainfit.solvers.dem.yade.program import Yade
+from grainfit.testing.materials import GLASS_BEADS
+from grainfit.testing.solver_contract import ProcessSolverContract
+
+needs_yade = pytest.mark.skipif(
+    shutil.which("yade") is None, reason="YADE is not installed: apt-get install yade"
+)
+DAMPING = ("particle_particle.rolling_damping", "particle_wall.rolling_damping")
+MATERIAL = {**GLASS_BEADS, **dict.fromkeys(DAMPING, 0.0)}
+FREE = ("particle.density", "particle_particle.rolling_friction")
+FIXED = {name: value for name, value in MATERIAL.items() if name not in FREE}
+BEADS = ParticleSizes((0.010,))
+#: A run starts, fills, and ends within a second or two.
+SMALL = Packing(BEADS, cylinder_radius=0.03, fill_height=0.05)
+
+
+@needs_yade
+@pytest.mark.slow
+class TestYade(ProcessSolverContract):
+    @pytest.fixture
+    def solver(self):
+        return Yade(SMALL, FIXED)
+
+    @pytest.fixture
+    def parameters(self):
+        return {"particle.density": 2100.0, "particle_particle.rolling_friction": 0.67}
+
+    @pytest.fixture
+    def endless(self):
+        return Yade(Heap(BEADS, particle_count=6000, cylinder_radius=0.1), FIXED)
+
+
+def test_rolling_damping_is_refused_and_what_to_do_is_said():
+    with pytest.raises(InputError) as caught:
+        Yade(SMALL, GLASS_BEADS)
+
+    assert [fault.key for fault in caught.value.faults] == list(DAMPING)
+    for fault in caught.value.faults:
+        assert "0.25" in fault.message
+        assert "Set it to 0" in fault.remedy
+
+
+def test_an_interval_of_rolling_damping_is_refused_before_a_run():
+    fixed = {name: value for name, value in MATERIAL.items() if name != DAMPING[0]}
+    (fault,) = Yade(SMALL, fixed).interval_faults({DAMPING[0]: (0.0, 0.5)})
+
+    assert fault.key == DAMPING[0]
+    assert "0.5" in fault.message
+
+
+def test_ranks_are_refused_with_the_reason():
+    with pytest.raises(InputError, match="ranks: YADE runs on one core here"):
+        Yade(SMALL, MATERIAL, ranks=2)
+
+
+def test_a_program_that_is_not_there_or_no_yade_says_how_to_install_it(tmp_path):
+    with pytest.raises(SolverNotFoundError, match="apt-get install yade"):
+        Yade(SMALL, MATERIAL, executable=str(tmp_path / "yade")).check()
+    with pytest.raises(SolverNotFoundError, match="does not run as YADE does"):
+        Yade(SMALL, MATERIAL, executable="true").version()
+
+
+def test_a_round_orifice_is_refused_with_what_to_use_instead():
+    with pytest.raises(InputError, match='solver = "liggghts"'):
+        Yade(Discharge(BEADS, orifice="round"), MATERIAL).check()
+
+
+@pytest.mark.parametrize("wall_young", [2e5, 5e6, 2.11e11])
+def test_walls_are_as_stiff_as_if_r_star_was_the_radius(wall_young):
+    material = {**GLASS_BEADS, "wall.youngs_modulus": wall_young}
+    young, poisson = material["particle.youngs_modulus"], material["particle.poissons_ratio"]
+    of_yade = effective_moduli(young, poisson, wall_modulus(material, 0.5), poisson)
+
+    assert of_yade.young * math.sqrt(0.5) == pytest.approx(particle_moduli(material, "wall").young)
+
+
+def one_particle(box: Box) -> Scene:
+    return Scene(
+        title="One particle",
+        material=MATERIAL,
+        sizes=BEADS,
+        particles=Column(np.array([[0.0, 0.01, 0.02]]), np.zeros(1, int), 0.03),
+        box=box,
+        walls={"floor": Wall(Plane("z", 0.0))},
+        stages=(Stage("fall", Elapsed(0.001)),),
+        gravity=9.81,
+        time_step=1e-4,
+        quiet_speed=1e-3,
+        check_interval=0.01,
+    )
+
+
+def test_a_period_that_yade_would_overlook_contacts_across_is_refused(tmp_path):
+    box = Box((-0.1, 0.0, -0.1), (0.1, 0.02, 0.1), periodic="y")
+    with pytest.raises(InputError, match=r"0\.02 m along a periodic axis"):
+        Yade(SMALL, MATERIAL).simulate(one_particle(box), Workspace(tmp_path))
+
+
+@needs_yade
+@pytest.mark.slow
+def test_an_error_of_the_script_is_the_reason_of_the_failure(tmp_path):
+    solver = Yade(SMALL, MATERIAL)
+    box = Box((-0.1, -0.1, -0.1), (0.1, 0.1, 0.1))
+    deck = solver.deck(one_particle(box), tmp_path).write()
+    (tmp_path / "particles.txt").unlink()
+    with pytest.raises(RunFailedError) as caught:
+        solver._simulate(deck, Workspace(tmp_path, 60.0))
+
+    assert caught.value.reason.startswith("yade: FileNotFoundError: particles.txt")
+    assert "Traceback" in caught.value.log_tail
