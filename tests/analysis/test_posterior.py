@@ -49,6 +49,21 @@ def test_a_linear_problem_has_the_normal_posterior_of_least_squares() -> None:
     assert abs(posterior.correlations[0, 1] - posterior.correlations[1, 0]) < 1e-12
 
 
+def test_a_measurement_of_a_parameter_counts_like_one_of_a_response() -> None:
+    """The uncertainty of a measured parameter is part of the interval of the other one."""
+    measured = Parameter("x1", 0.0, 1.0, measured=0.55, uncertainty=0.08)
+    slope, uncertainty = np.array([20.0, 14.0]), 0.5
+    target = Target("y", 20.0 + slope @ [0.5, 0.55], uncertainty=uncertainty)
+    problem = Problem([Parameter("x0", 0.0, 1.0), measured], [target])
+    metamodels = Metamodels(problem, [Given(lambda x: 20.0 + x @ slope)])
+    precision = np.outer(slope, slope) / uncertainty**2 + np.diag([0.0, 1 / 0.08**2])
+
+    posterior = sample_posterior(metamodels)
+
+    assert posterior.converged, posterior.convergence
+    assert_normal(posterior, np.array([0.5, 0.55]), np.linalg.inv(precision))
+
+
 def test_a_point_of_which_little_is_known_does_not_look_good_for_that() -> None:
     """The response meets its target everywhere; its variance is 3 more in one half.
 

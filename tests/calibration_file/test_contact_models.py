@@ -35,22 +35,20 @@ def identity(setup: CalibrationSetup) -> str:
     return setup.solvers["heap"].definition(values, 1).identity
 
 
-def test_without_a_dashpot_no_damping_is_asked_for_and_time_steps_are_longer(
-    tmp_path: Path,
-) -> None:
+def test_without_a_dashpot_no_damping_is_asked_for(tmp_path: Path) -> None:
     setup = setup_of(tmp_path, choosing("epsd2"))
     run = setup.solvers["heap"].definition(setup.problem.from_unit([0.5, 0.5]), 1)
 
     assert run.model["contact_models"] == ["epsd2"]
     assert not any("rolling_damping" in name for name in run.parameters)
-    assert run.model["test"]["time_step_fraction"] == 0.2
+    assert run.model["test"]["time_step_fraction"] == 0.12
 
 
 def test_low_restitution_shortens_the_time_step_that_is_the_default(tmp_path: Path) -> None:
-    text = choosing("epsd2").replace("restitution = 0.79", "restitution = 0.4")
+    text = choosing("epsd2").replace("restitution = 0.79", "restitution = 0.1")
     heap = setup_of(tmp_path, text).bulk_tests["heap"]
 
-    assert heap.conditions.time_step_fraction == 0.16
+    assert heap.conditions.time_step_fraction == 0.1
 
 
 def test_a_given_time_step_is_kept(tmp_path: Path) -> None:

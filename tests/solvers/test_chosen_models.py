@@ -2,8 +2,11 @@
 
 import pytest
 
+from grainfit.analysis.bench import other_tests
+from grainfit.bulk_tests.heap import Heap
 from grainfit.bulk_tests.packing import Packing
 from grainfit.errors import InputError
+from grainfit.problem import Parameter
 from grainfit.scenes.run_output import RunOutput
 from grainfit.solvers.base import Workspace
 from grainfit.solvers.dem.lammps.program import Lammps
@@ -58,3 +61,12 @@ def test_a_run_of_the_usual_model_keeps_its_definition() -> None:
 
     assert by_name.identity == usual.identity
     assert set(usual.model) == {"solver", "version", "ranks", "test"}
+
+
+def test_candidates_for_further_tests_have_the_chosen_model() -> None:
+    heap = Lammps(Heap(diameter="10 mm"), UNDAMPED, contact_models=["epsd2"])
+    free = Parameter("particle_particle.rolling_friction", 0.1, 1.0)
+    found = other_tests([free], {"heap": heap}, UNDAMPED, wanted=["packing"])
+
+    run = found.solvers["packing"].definition({free.name: 0.5}, 1)
+    assert run.model["contact_models"] == ["epsd2"]

@@ -6,9 +6,11 @@ import numpy as np
 import pytest
 
 from grainfit.errors import InputError, RunFailedError
-from grainfit.evaluation import Evaluation, Response
+from grainfit.evaluation import Evaluation, Proposal, Response
+from grainfit.metamodels.metamodels import Metamodels
 from grainfit.problem import Parameter, Problem, Target
 from grainfit.strategies.base import Search
+from grainfit.strategies.staged.least_squares import fit_on_metamodels
 from grainfit.strategies.staged.strategy import Staged
 
 Function = Callable[[Mapping[str, float], np.random.Generator], Mapping[str, float]]
@@ -193,3 +195,19 @@ def test_a_rayleigh_weight_trades_accuracy_for_a_larger_time_step() -> None:
         converse(search, renamed)
         steps.append(rayleigh(search.answer().parameters))
     assert steps[1] > steps[0] * 1.01
+
+
+def test_a_measured_parameter_stays_where_it_was_measured() -> None:
+    """Its residual and the slope of that lead the fit, where the response does not depend on it."""
+    measured = Parameter("wall", 0.1, 0.5, measured=0.4, uncertainty=0.01)
+    known = Problem([Parameter("x", 0.0, 10.0), measured], [Target("y", 5.0, tolerance=0.05)])
+    points = np.random.default_rng(1).random((12, 2))
+    runs = [Proposal(known.from_unit(point), seed, "design") for seed, point in enumerate(points)]
+    metamodels = Metamodels.fit(
+        known, [Evaluation(run, {"y": Response(run.parameters["x"])}) for run in runs]
+    )
+
+    found = known.from_unit(fit_on_metamodels(metamodels, seed=1))
+
+    assert found["wall"] == pytest.approx(0.4, abs=1e-3)
+    assert found["x"] == pytest.approx(5.0, abs=0.01)

@@ -45,7 +45,8 @@ def other_tests(
     parameters : sequence of Parameter
         Free parameters.
     solvers : mapping of str to Solver
-        Tests that there are; the first bulk test gives program, particles and gravity.
+        Tests that there are; the first bulk test gives program, contact models, particles and
+        gravity.
     material : mapping of str to float
         A material within the intervals, with all material parameters.
     wanted : collection of str
@@ -78,7 +79,7 @@ def other_tests(
         if name in present or (wanted and name not in wanted):
             continue
         try:
-            found[name] = _solver(kind, like.name, like.bulk_test, fixed, material, free)
+            found[name] = _solver(kind, like, like.bulk_test, fixed, material, free)
         except InputError as error:
             refused[name] = " ".join(str(fault) for fault in error.faults)
     return Bench(found, refused)
@@ -86,7 +87,7 @@ def other_tests(
 
 def _solver(
     kind: type[BulkTest],
-    program: str,
+    program: Solver,
     like: BulkTest,
     fixed: Mapping[str, float],
     material: Mapping[str, float],
@@ -101,7 +102,8 @@ def _solver(
     faults = [*test.material_faults(material)]
     if faults:
         raise InputError(faults)
-    solver: Solver = DEM_PROGRAMS[program](test, fixed)
+    models = program.model().get("contact_models", ())
+    solver: Solver = DEM_PROGRAMS[program.name](test, fixed, contact_models=models)
     solver.check()
     if set(free) <= MATERIAL_PARAMETERS.keys():
         return solver

@@ -143,9 +143,9 @@ class BulkTest(ABC):
     )
     time_step_fraction: Amount = option(
         Quantity("", highest=1.0, above_zero=True),
-        "Time step over the Rayleigh time step; with the rolling model epsd2 by default the "
-        "largest safe one, 0.2 from a restitution of 0.6 on. With larger ones, beds may never "
-        "come to rest, or are too dense.",
+        "Time step over the Rayleigh time step. With larger ones, beds may never come to rest, or "
+        "are too dense, and so they do at this one below a restitution of 0.16: epsd2 then has a "
+        "smaller default.",
         example="0.12",
         default=TIME_STEP_FRACTION,
     )

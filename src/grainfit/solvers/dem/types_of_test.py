@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 from functools import partial
 
-from grainfit.bulk_tests.base import BulkTest
+from grainfit.bulk_tests.base import TIME_STEP_FRACTION, BulkTest
 from grainfit.contact_models.registry import MATERIAL_PARAMETERS, contact_law
 from grainfit.options.kinds import Choice, Whole
 from grainfit.options.paths import Program
@@ -64,7 +64,7 @@ def _solver(test: type[BulkTest], programs: Programs, entry: FileEntry) -> Solve
         law = contact_law(entry.fixed, entry.contact_models)
         # Rounded down: the share becomes part of a run's identity.
         safe = math.floor(100 * law.time_step_fraction(entry.fixed)) / 100
-        options.setdefault("time_step_fraction", safe)
+        options.setdefault("time_step_fraction", min(TIME_STEP_FRACTION, safe))
     assert entry.sizes is not None, "a file with a simulated test has been checked to have sizes"
     solver = programs[entry.options["solver"]](
         test(entry.sizes, **options).with_targets(entry.responses),
