@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from itertools import combinations
 
 import numpy as np
@@ -162,8 +162,8 @@ class Advice:
         One for each test that was simulated, best first.
     best_pair : Prospect, optional
         Two tests that settle more than the best one alone.
-    refused : mapping of str to str
-        Tests that were not simulated, with the reason.
+    remarks : tuple of str
+        Sentences about tests that were not compared, or with other options than the usual ones.
     points, seeds : int
         Parameter sets that were simulated, and seeds of each.
     """
@@ -171,7 +171,7 @@ class Advice:
     today: OpenParameters
     prospects: tuple[Prospect, ...] = ()
     best_pair: Prospect | None = None
-    refused: Mapping[str, str] = field(default_factory=dict)
+    remarks: tuple[str, ...] = ()
     points: int = 0
     seeds: int = 0
 
@@ -193,8 +193,7 @@ class Advice:
         if not self.today.parameters:
             return ("Every parameter is determined: no further test is needed.",)
         table = (self._table(),) if self.prospects else ()
-        refused = (f"Not compared: {name}. {why}" for name, why in self.refused.items())
-        return (*table, *self._words(), *refused)
+        return (*table, *self._words(), *self.remarks)
 
     def __str__(self) -> str:
         return as_text(self.summary())
@@ -250,7 +249,7 @@ class Advice:
 def advice(
     today: OpenParameters,
     candidates: Sequence[CandidateTest],
-    refused: Mapping[str, str],
+    remarks: Sequence[str],
     points: int,
     seeds: int,
 ) -> Advice:
@@ -262,8 +261,8 @@ def advice(
         The parameters that the runs leave open.
     candidates : sequence of CandidateTest
         Tests that were simulated.
-    refused : mapping of str to str
-        Tests that were not, with the reason.
+    remarks : sequence of str
+        Sentences about tests that were not, or with other options than the usual ones.
     points, seeds : int
         Parameter sets that were simulated, and seeds of each.
 
@@ -274,7 +273,7 @@ def advice(
     single = ranked([today.after([test]) for test in candidates])
     pairs = ranked([today.after(pair) for pair in combinations(candidates, 2)])
     pair = pairs[0] if pairs and len(pairs[0].settled) > len(single[0].settled) else None
-    return Advice(today, single, pair, dict(refused), points, seeds)
+    return Advice(today, single, pair, tuple(remarks), points, seeds)
 
 
 def ranked(prospects: Sequence[Prospect]) -> tuple[Prospect, ...]:
