@@ -25,7 +25,7 @@ FLOORS: tuple[tuple[str, ...], ...] = (
     ("materials",),
     ("contact_models",),
     ("evaluation", "problem", "run_definition"),
-    ("result",),
+    ("exchange", "result"),
     ("measurement",),
     ("scenes",),
     ("bulk_tests", "metamodels"),
@@ -37,7 +37,7 @@ FLOORS: tuple[tuple[str, ...], ...] = (
     ("work_folder",),
     ("cards", "plots"),
     ("report",),
-    ("opened",),
+    ("opened", "preview"),
     ("cli",),
 )
 #: Rooms that nothing imports, and that may import everything.

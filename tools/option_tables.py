@@ -13,7 +13,7 @@ import re
 from collections.abc import Iterable
 from pathlib import Path
 
-from grainfit.bulk_tests.registry import BUILT_IN
+from grainfit.bulk_tests.registry import BUILT_IN, OWN_SCENE
 from grainfit.calibration_file.strategy_section import CALIBRATION_KEYS
 from grainfit.formatting import unit_for_people
 from grainfit.options.fields import option_keys
@@ -24,6 +24,7 @@ from grainfit.solvers.type_of_test import TypeOfTest
 from grainfit.strategies.registry import DEFAULT_STRATEGY, strategies
 
 PAGE = Path(__file__).parents[1] / "docs" / "calibration_file.md"
+TESTS = {**BUILT_IN, OWN_SCENE.type: OWN_SCENE}
 _NONE = "–"
 _END = "<!-- end of the bulk tests -->"
 _STRATEGY = "[strategy]"
@@ -31,7 +32,7 @@ _STRATEGY = "[strategy]"
 
 def updated(page: str) -> str:
     """Return the page with all tables as the options are declared now."""
-    for name in BUILT_IN:
+    for name in TESTS:
         begin, end = _marks(name)
         if begin not in page:
             page = page.replace(_END, f"{_heading(name)}\n\n{begin}\n{end}\n\n{_END}")
@@ -50,7 +51,7 @@ def _with_tables(page: str, name: str, tables: str) -> str:
 
 
 def _heading(name: str) -> str:
-    return f'### `type = "{name}"`: {BUILT_IN[name].title}'
+    return f'### `type = "{name}"`: {TESTS[name].title}'
 
 
 def _test_tables(kind: TypeOfTest) -> str:
@@ -68,13 +69,11 @@ def _test_tables(kind: TypeOfTest) -> str:
         )
         for key in kind.keys
     )
-    return "\n\n".join(
-        [
-            _table(("response", "unit", "meaning"), responses),
-            "Give a target for one of them, or for several.",
-            _table(("key", "possible", "default", "meaning"), options),
-        ]
-    )
+    table = _table(("key", "possible", "default", "meaning"), options)
+    if not kind.bulk_test.responses:
+        return f"Responses are those that your own function returns.\n\n{table}"
+    words = "Give a target for one of them, or for several."
+    return "\n\n".join([_table(("response", "unit", "meaning"), responses), words, table])
 
 
 def _possible(key: Key) -> str:

@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from grainfit.evaluation import Evaluation, Proposal, Response
     from grainfit.materials.sizes import ParticleSizes
     from grainfit.materials.time_step import RayleighTimeStep, rayleigh_time_step
+    from grainfit.materials.wall_friction import friction_of_angle
     from grainfit.opened import OpenedCalibration
     from grainfit.opened import open_calibration as open  # noqa: A004
     from grainfit.problem import Parameter, Problem, Target
@@ -75,6 +76,7 @@ __all__ = [
     "calibrate",
     "design",
     "expected_narrowing",
+    "friction_of_angle",
     "load",
     "open",
     "plots",
@@ -108,12 +110,13 @@ _HOMES = {
     "Staged": "strategies.staged.strategy",
     **dict.fromkeys(("Solver", "Workspace"), "solvers.base"),
     **dict.fromkeys(("RayleighTimeStep", "rayleigh_time_step"), "materials.time_step"),
+    "friction_of_angle": "materials.wall_friction",
     **{name: "errors" for name in __all__ if name.endswith("Error")},
 }
 
 
 #: Rooms that are used by their name.
-_ROOMS = ("plots", "solvers", "tests")
+_ROOMS = ("plots", "scenes", "solvers", "tests")
 #: Functions that have a longer name at home.
 _OTHER_NAMES = {"load": "load_calibration", "open": "open_calibration"}
 

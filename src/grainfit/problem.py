@@ -15,6 +15,7 @@ from grainfit.checks import as_number
 from grainfit.contact_models.registry import MATERIAL_PARAMETERS
 from grainfit.errors import Fault, InputError
 from grainfit.materials.time_step import RayleighTimeStep
+from grainfit.materials.wall_friction import MEASURED_BY_ANGLE, friction_about
 from grainfit.units import UnitError, percentage, to_si, to_unit
 
 #: Relative tolerance of a target for which neither an uncertainty nor a tolerance is given.
@@ -22,6 +23,7 @@ DEFAULT_RELATIVE_TOLERANCE = 0.02
 
 Scale = Literal["linear", "log"]
 Statistic = Literal["mean", "median"]
+_MEASUREMENT = ("measured", "uncertainty")
 _TARGET_WIDTHS = ("uncertainty", "tolerance")
 
 
@@ -81,12 +83,22 @@ class Parameter:
         ``"log"`` for parameters that span orders of magnitude, such as Young's modulus.
     unit : str
         SI unit, for display; by default that of the quantities, or of the material parameter.
+    measured, uncertainty : float or str, optional
+        Value that a measurement of its own gave, with its standard uncertainty (``"1 %"`` is a
+        share of the value). The calibration
+        keeps the value as far as the tests agree with it, and the uncertainty is part of all
+        intervals.
 
     Raises
     ------
     InputError
-        A quantity cannot be read, or the bounds are not finite, swapped, equal, or not positive on
-        a log scale.
+        A quantity cannot be read, the bounds are not finite, swapped, equal, or not positive on
+        a log scale, or the measured value is outside of them or has no uncertainty.
+
+    Examples
+    --------
+    >>> Parameter("particle.density", "2400 kg/m^3", "2600 kg/m^3").maximum
+    2600.0
     """
 
     name: str
@@ -94,14 +106,72 @@ class Parameter:
     maximum: float
     scale: Scale = "linear"
     unit: str = ""
+    measured: float | None = None
+    uncertainty: float | None = None
+
+    @classmethod
+    def from_angle(cls, name: str, angle: float | str, uncertainty: float | str) -> Parameter:
+        """Return wall friction that was measured as an angle of an inclined plane.
+
+        Its interval has three standard uncertainties on either side. Without an uncertainty, fix
+        the parameter at `friction_of_angle`: that takes no run.
+
+        Parameters
+        ----------
+        name : str
+            ``"particle_wall.sliding_friction"`` or ``"particle_wall.rolling_friction"``.
+        angle, uncertainty : float or str
+            Angle at which sliding or rolling begins, and its standard uncertainty, degrees, or
+            quantities.
+
+        Raises
+        ------
+        InputError
+            The parameter is no tangent of an angle, or an angle is out of range.
+
+        Examples
+        --------
+        >>> found = Parameter.from_angle("particle_wall.sliding_friction", "21.8 deg", "0.5 deg")
+        >>> round(found.measured, 4), round(found.uncertainty, 4)
+        (0.4, 0.0101)
+        """
+        if name not in MEASURED_BY_ANGLE:
+            remedy = f"Angles measure {' and '.join(MEASURED_BY_ANGLE)}."
+            raise InputError(Fault(name, "is no tangent of an angle.", remedy))
+        value, spread, low, high = friction_about(angle, uncertainty)
+        return cls(name, low, high, measured=value, uncertainty=spread)
 
     def __post_init__(self) -> None:
         known = MATERIAL_PARAMETERS.get(self.name)
-        _read_quantities(self, {"minimum": "min", "maximum": "max"}, known.unit if known else "")
-        faults = list(_interval_faults(self))
+        unit = known.unit if known else ""
+        keys = {"minimum": "min", "maximum": "max", "measured": "measured"}
+        _read_quantities(self, keys, unit)
+        object.__setattr__(self, "uncertainty", _share(self.uncertainty, self.measured))
+        _read_quantities(self, {"uncertainty": "uncertainty"}, unit)
+        faults = list(_interval_faults(self)) or list(_measurement_faults(self))
         if faults:
             raise InputError(faults)
-        _make_plain(self, "minimum", "maximum")
+        _make_plain(self, "minimum", "maximum", *_MEASUREMENT)
+
+    def to_json(self) -> dict[str, Any]:
+        """Return plain data of the parameter, without a measurement that there is not."""
+        data = asdict(self)
+        return {k: v for k, v in data.items() if k not in _MEASUREMENT or v is not None}
+
+    def off_measured(self, position: float) -> float:
+        """Return the deviation of a position from the measured value, in uncertainties."""
+        assert self.measured is not None
+        assert self.uncertainty is not None
+        return (self.from_unit(position) - self.measured) / self.uncertainty
+
+    def off_measured_slope(self, position: float) -> float:
+        """Return the slope of `off_measured`, per unit interval."""
+        assert self.uncertainty is not None
+        if self.scale == "log":
+            rise = self.from_unit(position) * math.log(self.maximum / self.minimum)
+        else:
+            rise = self.maximum - self.minimum
+        return rise / self.uncertainty
 
     def contains(self, value: float) -> bool:
         """Return True if a value is within the interval."""
@@ -125,6 +195,24 @@ class Parameter:
         if self.scale == "log":
             return self.minimum * math.exp(position * math.log(self.maximum / self.minimum))
         return self.minimum + position * (self.maximum - self.minimum)
+
+
+def _measurement_faults(parameter: Parameter) -> Sequence[Fault]:
+    name, given = parameter.name, {key: getattr(parameter, key) for key in _MEASUREMENT}
+    missing = [key for key, value in given.items() if value is None]
+    if len(missing) == len(given):
+        return []
+    if missing:
+        return [Fault(f"{name}.{missing[0]}", "is missing.", "Give both, or neither.")]
+    value, spread = (as_number(number) for number in given.values())
+    if not parameter.minimum <= value <= parameter.maximum:
+        ends = f"{parameter.minimum:g} to {parameter.maximum:g}"
+        shown = _shown(given["measured"])
+        return [Fault(f"{name}.measured", f"is {shown}.", f"It must be in its interval, {ends}.")]
+    if not 0 < spread < math.inf:
+        shown = _shown(given["uncertainty"])
+        return [Fault(f"{name}.uncertainty", f"is {shown}.", "It must be a number above 0.")]
+    return []
 
 
 def _interval_faults(parameter: Parameter) -> Sequence[Fault]:
@@ -355,6 +443,41 @@ class Problem:
             p.name: float(p.from_unit(float(position)))
             for p, position in zip(self.parameters, positions, strict=True)
         }
+
+    @cached_property
+    def measured(self) -> tuple[Parameter, ...]:
+        """Free parameters that have a measurement of their own."""
+        return tuple(p for p in self.parameters if p.measured is not None)
+
+    def off_measured(self, points: ArrayLike) -> NDArray[np.float64]:
+        """Return deviations of parameters from their own measurements, in standard uncertainties.
+
+        Parameters
+        ----------
+        points : array_like, shape (m, d)
+            Points of the unit cube.
+
+        Returns
+        -------
+        ndarray, shape (m, number of measured parameters)
+        """
+        at = np.atleast_2d(np.asarray(points, dtype=float))
+        off = np.empty((len(at), len(self.measured)))
+        for column, (axis, parameter) in zip(off.T, self._measured_axes, strict=True):
+            column[:] = [parameter.off_measured(float(u)) for u in at[:, axis]]
+        return off
+
+    def off_measured_slopes(self, points: ArrayLike) -> NDArray[np.float64]:
+        """Return the slopes of `off_measured`, shape (m, measured parameters, d)."""
+        at = np.atleast_2d(np.asarray(points, dtype=float))
+        slopes = np.zeros((len(at), len(self.measured), self.dimension))
+        for row, (axis, parameter) in enumerate(self._measured_axes):
+            slopes[:, row, axis] = [parameter.off_measured_slope(float(u)) for u in at[:, axis]]
+        return slopes
+
+    @property
+    def _measured_axes(self) -> list[tuple[int, Parameter]]:
+        return [(axis, p) for axis, p in enumerate(self.parameters) if p.measured is not None]
 
     def rayleigh_time_step(self, values: Mapping[str, float]) -> float | None:
         """Return the Rayleigh time step at these parameter values, s; None if it is not known."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from grainfit.bulk_tests.own_scene import OwnScene as OwnScene
 from grainfit.bulk_tests.registry import *  # noqa: F403
 from grainfit.bulk_tests.registry import bulk_tests
 

@@ -293,6 +293,13 @@ class TestRun:
         ):
             small().measure(RunOutput(copied))
 
+    def test_a_bed_that_creeps_under_the_seating_stress_is_measured(self, copied: Path) -> None:
+        edit_series(copied, "seat", "piston_force", lambda force: 0.98 * force)
+        assert "loading_modulus" in small().measure(RunOutput(copied))
+        edit_series(copied, "seat", "piston_force", lambda force: 0.96 * force)
+        with pytest.raises(RunFailedError, match="not held in the seat stage"):
+            small().measure(RunOutput(copied))
+
     def test_a_stress_that_is_not_reached_fails(self, copied: Path) -> None:
         stages = copied / "stages.csv"
         stages.write_text(stages.read_text().replace("load,done", "load,unloaded"))

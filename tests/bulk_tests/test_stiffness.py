@@ -11,7 +11,7 @@ from rich.console import Console
 
 import grainfit as gf
 from grainfit.analysis.stiffness_notes import stiffness_notes
-from grainfit.bulk_tests.stiffness import UNDER_A_STRESS, UNDER_OWN_WEIGHT
+from grainfit.bulk_tests.stiffness import IN_SHEAR, UNDER_A_STRESS, UNDER_OWN_WEIGHT
 from grainfit.calibration_file.plan import describe_plan
 from grainfit.calibration_file.starter import STARTER_FILE
 from grainfit.cli.console import print_plan
@@ -65,8 +65,14 @@ def test_the_excess_under_a_stress_is_that_of_measured_compressions(
     assert max(stiff) / min(stiff) < 1.008
 
 
+def test_the_excess_in_shear_is_that_of_measured_beds() -> None:
+    measured = {720: 1237.4, 2880: 1171.4, 11_520: 1149.4, 46_080: 1144.6}
+    stiff = [density / (1 + IN_SHEAR.excess(number)) for number, density in measured.items()]
+    assert max(stiff) / min(stiff) < 1.008
+
+
 def test_softer_particles_never_have_less_excess() -> None:
-    for law in (UNDER_OWN_WEIGHT, UNDER_A_STRESS):
+    for law in (UNDER_OWN_WEIGHT, UNDER_A_STRESS, IN_SHEAR):
         many = [law.excess(number) for number in (100, 525, 1000, 1750, 9000, 52_500, 1e7)]
         assert many == sorted(many, reverse=True)
         assert many[-1] == 0.0

@@ -4,9 +4,13 @@ import pytest
 from programs import contacts
 
 from grainfit.contact_models.registry import CONTACT_MODELS
-from grainfit.testing.contact_model_contract import EpsdContract, HertzMindlinContract
+from grainfit.testing.contact_model_contract import (
+    Epsd2Contract,
+    EpsdContract,
+    HertzMindlinContract,
+)
 
-CONTRACTS = (HertzMindlinContract, EpsdContract)
+CONTRACTS = (HertzMindlinContract, EpsdContract, Epsd2Contract)
 
 
 def programs(model):
@@ -23,6 +27,12 @@ class TestHertzMindlin(HertzMindlinContract):
 
 class TestEpsd(EpsdContract):
     @pytest.fixture(params=programs(EpsdContract.model))
+    def program(self, request):
+        return contacts(request.param)
+
+
+class TestEpsd2(Epsd2Contract):
+    @pytest.fixture(params=programs(Epsd2Contract.model))
     def program(self, request):
         return contacts(request.param)
 

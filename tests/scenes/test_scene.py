@@ -7,8 +7,9 @@ import pytest
 
 from grainfit.errors import InputError
 from grainfit.scenes.conditions import Clear, Elapsed, Loaded
-from grainfit.scenes.records import Force, KineticEnergy, Series
-from grainfit.scenes.scene import Box, Stage, Velocity, Wall
+from grainfit.scenes.glued import Glued
+from grainfit.scenes.records import Force, KineticEnergy, RadialForce, Series, Travel
+from grainfit.scenes.scene import Box, Load, Stage, Velocity, Wall
 from grainfit.scenes.shapes import Block, Plane
 from grainfit.scenes.triangles import triangles_of
 from grainfit.testing.scene_contract import MASS, RADIUS, WEIGHT, frames, scene_of, spheres
@@ -16,6 +17,7 @@ from grainfit.testing.scene_contract import MASS, RADIUS, WEIGHT, frames, scene_
 FLOOR = Wall(Plane("z", 0.0))
 LIFT = Velocity("z", 1.0)
 ONE = spheres([(0, 0, 0.1)])
+PLATE = Glued(np.array([(0.0, 0.0, 0.2)]), np.array([0]))
 
 
 @pytest.mark.parametrize(
@@ -46,6 +48,7 @@ def test_a_name_that_a_deck_would_misread_is_refused(walls, stage, key, message)
     ("key", "name"),
     [
         *(("walls", name) for name in ("gravity", "motion", "series", "walls", "above")),
+        *(("walls", name) for name in ("all", "loose", "glued")),
         ("walls", "youngs_modulus"),
         *(("stages", name) for name in ("end", "restless", "broken", "unstable", "unloaded")),
         ("columns", "time"),
@@ -92,6 +95,66 @@ def test_a_stage_without_the_wall_that_it_needs_is_refused(stage, message):
     assert fault.key == "stage open"
     assert message in fault.message
     assert fault.remedy
+
+
+PRESS, PUSH = Load("z", -1.0, 0.1, 0.1), Load("x", 1.0, 0.1, 0.1)
+
+
+@pytest.mark.parametrize(
+    ("stage", "message"),
+    [
+        (Stage("go", Elapsed(1.0), motions={"floor": (LIFT, PUSH)}), "by 2 motions"),
+        (Stage("go", Elapsed(1.0), motions={"plate": (LIFT, PRESS)}), "twice along one axis"),
+        (
+            Stage("go", Elapsed(1.0), motions={"plate": (PRESS, PUSH)}),
+            "two loads on 'plate'",
+        ),
+        (Stage("go", Elapsed(1.0), motions={"lid": LIFT}), "'lid', which is not there"),
+        (Stage("go", Elapsed(1.0), take_away=("plate",)), "takes away the wall 'plate'"),
+        (
+            Stage("go", Elapsed(1.0), series=Series({"way": Travel("plate")}, 0.1)),
+            "along no axis",
+        ),
+        (
+            Stage("go", Elapsed(1.0), series=Series({"out": RadialForce("plate")}, 0.1)),
+            "records the wall 'plate'",
+        ),
+        (
+            Stage("go", Loaded("plate", 0.1, 1.0), motions={"plate": LIFT}),
+            "puts no load on it",
+        ),
+    ],
+)
+def test_a_motion_or_record_that_a_glued_set_or_wall_cannot_have_is_refused(stage, message):
+    with pytest.raises(InputError) as caught:
+        scene_of(ONE, {"floor": FLOOR}, [stage], glued={"plate": PLATE})
+    (fault,) = caught.value.faults
+    assert fault.key == "stage go"
+    assert message in fault.message
+    assert fault.remedy
+
+
+def test_a_glued_set_and_a_wall_of_one_name_are_refused():
+    with pytest.raises(InputError, match="'floor' is there twice"):
+        scene_of(ONE, {"floor": FLOOR}, frames(0.1), glued={"floor": PLATE})
+
+
+def test_glued_particles_need_a_size_each():
+    with pytest.raises(ValueError, match="1 sizes and positions of shape"):
+        Glued(np.zeros((2, 3)), np.array([0]))
+    with pytest.raises(ValueError, match="0 sizes"):
+        Glued(np.zeros((0, 3)), np.array([], dtype=int))
+
+
+def test_glued_sets_add_their_work_and_no_mass():
+    still = scene_of(ONE, {}, frames(0.1), gravity=0.0)
+    stage = Stage("go", Elapsed(1.0), motions={"plate": (replace(LIFT, along="x"), PRESS)})
+    moved = scene_of(ONE, {}, [stage], gravity=0.0, glued={"plate": PLATE})
+    assert still.energy_limit == 0.0
+    assert moved.mass == still.mass
+    # A load of 1 N across 0.3 m, and the particle at three times 1 m/s.
+    assert moved.energy_limit == pytest.approx(0.3 + 9 * MASS / 2)
+    assert moved.concepts() == {"velocity", "load", "glued"}
 
 
 def test_two_stages_of_one_name_are_refused():

@@ -9,11 +9,12 @@ import pytest
 from grainfit.bulk_tests.heap import Heap
 from grainfit.solvers.dem.lammps.program import Lammps
 from grainfit.solvers.dem.liggghts.program import Liggghts
+from grainfit.testing.glued_contract import GluedContract
 from grainfit.testing.impact_contract import ImpactContract
 from grainfit.testing.scene_contract import SceneContract
 
 
-class TestLammps(SceneContract, ImpactContract):
+class TestLammps(SceneContract, GluedContract, ImpactContract):
     @pytest.fixture
     def solver(self):
         return Lammps(Heap(diameter="10 mm"), {})
@@ -22,7 +23,7 @@ class TestLammps(SceneContract, ImpactContract):
 @pytest.mark.skipif(
     shutil.which("liggghts") is None, reason="LIGGGHTS is not installed: apt-get install liggghts"
 )
-class TestLiggghts(SceneContract, ImpactContract):
+class TestLiggghts(SceneContract, GluedContract, ImpactContract):
     @pytest.fixture
     def solver(self):
         return Liggghts(Heap(diameter="10 mm"), {})

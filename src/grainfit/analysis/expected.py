@@ -17,7 +17,12 @@ from grainfit.analysis.further_tests import (
     how_to_determine,
     how_to_tell_apart,
 )
-from grainfit.analysis.information import Knowledge, Observation, recorded_measurable
+from grainfit.analysis.information import (
+    Knowledge,
+    Observation,
+    even_deviation,
+    recorded_measurable,
+)
 from grainfit.analysis.posterior import standard_uncertainty
 from grainfit.bulk_tests.accuracy import Accuracy
 from grainfit.bulk_tests.sensitivities import VARIED
@@ -83,7 +88,8 @@ def expected_narrowing(problem: Problem, solvers: Mapping[str, Solver]) -> Expec
     if seen is None:
         return ExpectedNarrowing()
     free = [p for p in problem.parameters if p.name in VARIED]
-    estimate = _Estimate(Knowledge.of_intervals(free), seen)
+    spreads = {p.name: even_deviation(p) for p in free}
+    estimate = _Estimate(Knowledge.of_intervals(free), spreads, seen)
     tests = in_a_row(dict.fromkeys(s.bulk_test.type for s in solvers.values() if s.bulk_test))
     without_effect = [p.name for p in problem.parameters if p.name in BETTER_FIXED]
     notes = (*_notes(estimate, tests), *map(better_fixed, without_effect))
@@ -124,13 +130,13 @@ class _Estimate:
     """Free parameters whose effect is known, and the responses that tell about them."""
 
     before: Knowledge
+    spreads: Mapping[str, float]
     observations: Sequence[Observation]
 
     def narrowing(self, given: Sequence[str] = ()) -> dict[str, float]:
         """Expected narrowing by name of those parameters that are not given."""
-        before = self.before.without(given)
-        after = before.after(self.observations)
-        return {name: after.deviation(name) / before.deviation(name) for name in before.names}
+        after = self.before.without(given).after(self.observations)
+        return {name: after.deviation(name) / self.spreads[name] for name in after.names}
 
     def narrowing_alone(self, name: str) -> float:
         """Expected narrowing of a parameter if all others were known."""

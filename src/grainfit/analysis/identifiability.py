@@ -98,11 +98,12 @@ def assess_identifiability(
     directions = _directions(posterior, posterior.names)
     intervals = parameter_intervals(posterior, problem, answer)
     narrowing = {p.name: _narrowing(p, intervals[p.name]) for p in problem.parameters}
-    groups = _inseparable(posterior, narrowing)
+    own = {p.name for p in problem.measured}
+    groups = _inseparable(posterior, {n: w for n, w in narrowing.items() if n not in own})
     grouped = {name for group in groups for name in group}
     parameters = {parameter.name: parameter for parameter in problem.parameters}
     alone = sorted((n for n in narrowing if n not in grouped), key=lambda n: -narrowing[n])
-    is_open = [name for name in alone if narrowing[name] > DETERMINED]
+    is_open = [name for name in alone if narrowing[name] > DETERMINED and name not in own]
     verdicts = [_verdict_of_group(posterior, parameters, group) for group in groups]
     verdicts += [
         _verdict(posterior, parameters[name], intervals[name], (answer or {}).get(name))
@@ -148,7 +149,7 @@ def _narrowing(parameter: Parameter, found: ParameterInterval) -> float:
 
 def _inseparable(posterior: Posterior, narrowing: dict[str, float]) -> list[tuple[str, ...]]:
     """Groups of parameters that are open individually but determined together."""
-    is_open = [name for name in posterior.names if narrowing[name] > DETERMINED]
+    is_open = [name for name in posterior.names if narrowing.get(name, 0.0) > DETERMINED]
     groups: list[set[str]] = []
     for pair in combinations(is_open, 2):
         if _dependence(posterior, *pair) >= _STRONG:
@@ -241,6 +242,8 @@ def _verdict(
 ) -> str:
     name = parameter.name
     between = _with_unit(ends(found.low, found.high), parameter)
+    if parameter.measured is not None:
+        return f"{name} is known from its own measurement: {between} with 95 % probability."
     if found.determination == "not determined":
         return f"{name} is not determined: {_what_fits(posterior, parameter)} fits."
     if found.determination == "narrowed":

@@ -65,8 +65,11 @@ class Knowledge:
 
     @classmethod
     def of_intervals(cls, parameters: Sequence[Parameter]) -> Knowledge:
-        """Return what intervals say before any measurement: an even spread over each."""
-        variances = [_EVEN * extent(parameter) ** 2 for parameter in parameters]
+        """Return what is known before any test: an even spread over each interval.
+
+        A parameter that was measured on its own has the uncertainty of that measurement.
+        """
+        variances = [_deviation_before(parameter) ** 2 for parameter in parameters]
         return cls(tuple(p.name for p in parameters), np.diag(np.array(variances, dtype=float)))
 
     def after(self, observations: Sequence[Observation]) -> Knowledge:
@@ -100,6 +103,19 @@ class Knowledge:
     def half_width(self, name: str) -> float:
         """Return half the width of the 95 % interval of a parameter, a share of its value."""
         return NORMAL_QUANTILE * self.deviation(name)
+
+
+def even_deviation(parameter: Parameter) -> float:
+    """Return the standard deviation of an even spread over an interval, in relative units."""
+    return math.sqrt(_EVEN) * extent(parameter)
+
+
+def _deviation_before(parameter: Parameter) -> float:
+    """Standard deviation of a parameter before any test, in relative units."""
+    spread = even_deviation(parameter)
+    if parameter.measured is None or parameter.uncertainty is None:
+        return spread
+    return min(spread, parameter.uncertainty / middle(parameter))
 
 
 def extent(parameter: Parameter) -> float:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from grainfit.analysis.posterior import Posterior
+from grainfit.analysis.posterior import NORMAL_QUANTILE, Posterior
 from grainfit.materials.card import Determination
 from grainfit.problem import Parameter, Problem
 from grainfit.result import ParameterInterval
@@ -56,7 +56,12 @@ def _interval(
 
 
 def interval_of(parameter: Parameter, low: float, high: float) -> ParameterInterval:
-    """Return a 95 % interval with the word for its width."""
+    """Return a 95 % interval with the word for its width.
+
+    A parameter with a measurement of its own is determined by it.
+    """
+    if parameter.measured is not None:
+        return ParameterInterval(low, high, "determined")
     return ParameterInterval(low, high, determination(narrowing(parameter, low, high)))
 
 
@@ -65,6 +70,8 @@ def narrowing(parameter: Parameter, low: float, high: float) -> float:
 
     The width of logarithms for a parameter with ``scale="log"``.
     """
+    if parameter.uncertainty is not None:
+        return min(max(high - low, 0.0) / (2 * NORMAL_QUANTILE * parameter.uncertainty), 1.0)
     width = parameter.to_unit(high) - parameter.to_unit(low)
     return min(max(width, 0.0) / _LEVEL, 1.0)
 

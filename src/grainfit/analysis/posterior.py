@@ -20,7 +20,7 @@ from grainfit.problem import Problem, Target
 Array = NDArray[np.float64]
 
 #: Half the width of a 95 % interval in standard deviations.
-_NORMAL_QUANTILE = 1.96
+NORMAL_QUANTILE = 1.96
 
 
 @dataclass(frozen=True)
@@ -146,7 +146,7 @@ def standard_uncertainty(target: Target) -> float:
     """
     if target.uncertainty is not None:
         return target.uncertainty
-    return target.tolerance / _NORMAL_QUANTILE
+    return target.tolerance / NORMAL_QUANTILE
 
 
 def sample_posterior(
@@ -155,7 +155,8 @@ def sample_posterior(
     """Sample the posterior distribution of the parameters.
 
     Before the measurements, all points of the unit cube are equally likely (so all magnitudes of
-    a parameter with ``scale="log"``). The measured values are normally distributed about the
+    a parameter with ``scale="log"``); a parameter with a measurement of its own is normally
+    distributed about it. The measured values are normally distributed about the
     expected responses. Their variance is that of the measurement plus that of the metamodel's mean,
     which includes the scatter from run to run.
 
@@ -222,6 +223,8 @@ def _log_likelihood(metamodels: Metamodels) -> Callable[[Array], Array]:
         means, errors = metamodels.predict(points)
         total = variances + errors
         # A point must not look good only because it is uncertain.
-        return np.asarray(-0.5 * ((means - measured) ** 2 / total + np.log(total)).sum(axis=1))
+        misfit = ((means - measured) ** 2 / total + np.log(total)).sum(axis=1)
+        own = (metamodels.problem.off_measured(points) ** 2).sum(axis=1)
+        return np.asarray(-0.5 * (misfit + own))
 
     return log_likelihood

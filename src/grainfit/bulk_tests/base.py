@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import InitVar, dataclass, fields
 from functools import cache
 from typing import Any, ClassVar, Self
@@ -131,6 +131,8 @@ class BulkTest(ABC):
     #: Parameters of which one end of an interval is the worse one for `material_faults`, by name:
     #: 0 for the lower end, 1 for the upper.
     worse_ends: ClassVar[Mapping[str, int]] = {}
+    #: Whether particles of another size and density make the same run, in natural units.
+    is_scalable: ClassVar[bool] = True
     #: Raised whenever the procedure or its evaluation change the outcome of a run.
     revision: ClassVar[int] = 1
 
@@ -141,14 +143,15 @@ class BulkTest(ABC):
     )
     time_step_fraction: Amount = option(
         Quantity("", highest=1.0, above_zero=True),
-        "Time step over the Rayleigh time step. With larger ones, beds of high rolling friction "
-        "may never come to rest.",
+        "Time step over the Rayleigh time step; with the rolling model epsd2 by default the "
+        "largest safe one, 0.2 from a restitution of 0.6 on. With larger ones, beds may never "
+        "come to rest, or are too dense.",
         example="0.12",
         default=TIME_STEP_FRACTION,
     )
 
     def __post_init__(self, diameter: Amount | list[dict[str, Amount]] | None) -> None:
-        object.__setattr__(self, "sizes", _sizes(self.sizes, diameter))
+        object.__setattr__(self, "sizes", read_sizes(self.sizes, diameter))
         for name, value in read_options(self.option_keys(), self.given_options()).items():
             object.__setattr__(self, name, value)
         self.prepare()
@@ -199,6 +202,24 @@ class BulkTest(ABC):
         """
         sizes = ParticleSizes(tuple(definition["diameters"]), tuple(definition["mass_fractions"]))
         return cls(sizes, **{key.name: definition[key.name] for key in cls.option_keys()})
+
+    @property
+    def response_names(self) -> tuple[str, ...] | None:
+        """Names of the responses; None if they are known only after a run."""
+        return tuple(self.responses)
+
+    def with_targets(self, names: Sequence[str]) -> Self:  # noqa: ARG002
+        """Return the test for a calibration with targets for these responses."""
+        return self
+
+    @classmethod
+    def shown_of(cls, responses: Collection[str]) -> Shown | None:  # noqa: ARG003
+        """Return the files and the response of a run with these responses to show in a report."""
+        return cls.shown
+
+    def executes(self) -> tuple[str, ...]:
+        """Describe the user's code that a run executes, in one line for each function."""
+        return ()
 
     @property
     def conditions(self) -> Conditions:
@@ -275,8 +296,14 @@ class BulkTest(ABC):
             Material parameters by dotted name; those with a default may be missing.
         """
 
-    def concepts(self) -> set[str]:
-        """Return the concepts of the scene that a solver must have, see `Scene.concepts`."""
+    def concepts(self, material: Mapping[str, float] | None = None) -> set[str]:  # noqa: ARG002
+        """Return the concepts of the scene that a solver must have, see `Scene.concepts`.
+
+        Parameters
+        ----------
+        material : mapping of str to float, optional
+            All material parameters, for tests whose concepts follow from them.
+        """
         # They do not follow from the particles, which take long to place when they are many.
         empty = Column(np.empty((0, 3)), np.empty(0, dtype=np.int64), self.sizes.sauter_diameter)
         return self.scene_of(empty, _ANY_MATERIAL).concepts()
@@ -314,12 +341,23 @@ class BulkTest(ABC):
         ranks : int
             MPI ranks of the run.
         """
+        duration = self.simulated_time(material)
+        return self._cost(solver, material, ranks, duration, self.number_of_particles)
+
+    def _cost(
+        self,
+        solver: str,
+        material: Mapping[str, float],
+        ranks: int,
+        duration: float,
+        particles: int,
+    ) -> RunCost:
         step = self.time_step(material)
-        steps = math.ceil(self.simulated_time(material) / step)
+        steps = math.ceil(duration / step)
         speed = _SPEED.get(solver, min(_SPEED.values())) * ranks**_RANKS_EXPONENT
-        seconds = steps * self.number_of_particles / speed
+        seconds = steps * particles / speed
         fraction = self.conditions.time_step_fraction
-        return RunCost(step, steps, seconds, self.number_of_particles, fraction)
+        return RunCost(step, steps, seconds, particles, fraction)
 
     def default_timeout(self, cost: RunCost) -> float:
         """Return the wall time after which a run of this cost hangs, s."""
@@ -343,7 +381,14 @@ def _option_keys(test: type[BulkTest]) -> tuple[Key, ...]:
     return tuple(sorted(option_keys(test), key=lambda key: key.name in shared))
 
 
-def _sizes(sizes: ParticleSizes | None, diameter: Any) -> ParticleSizes:
+def read_sizes(sizes: ParticleSizes | None, diameter: Any) -> ParticleSizes:
+    """Return the particle sizes of a test, given as such or as a diameter.
+
+    Raises
+    ------
+    InputError
+        Neither is given, or both are, or one is impossible.
+    """
     if (sizes is None) == (diameter is None):
         raise InputError(
             Fault(

@@ -114,7 +114,7 @@ def natural_run(definition: RunDefinition) -> NaturalRun | None:
     """Return a run in natural units; None for a model of the user, or a damaged definition."""
     try:
         test = recreate_test(definition)
-        if test is None:
+        if test is None or not test.is_scalable:
             return None
         material = with_defaults(definition.parameters)
         scale = Scale(test.sizes.sauter_diameter, material[DENSITY], float(test.gravity))

@@ -11,12 +11,14 @@ from functools import cache
 from importlib.metadata import entry_points
 from typing import Any
 
+from grainfit.bulk_tests import own_scene
 from grainfit.bulk_tests.base import BulkTest, ResponseInfo
 from grainfit.bulk_tests.compression import Compression as Compression
 from grainfit.bulk_tests.discharge import Discharge as Discharge
 from grainfit.bulk_tests.draw_down import DrawDown as DrawDown
 from grainfit.bulk_tests.heap import Heap as Heap
 from grainfit.bulk_tests.packing import Packing as Packing
+from grainfit.bulk_tests.shear import Shear as Shear
 from grainfit.errors import Fault, InputError
 from grainfit.run_definition import RunDefinition
 
@@ -33,6 +35,8 @@ def _classes(names: Mapping[str, Any]) -> tuple[type[BulkTest], ...]:
 
 #: The built-in tests, by name: every test that is imported above.
 BUILT_IN: Mapping[str, type[BulkTest]] = {test.type: test for test in _classes(globals())}
+#: The test whose scene and responses the user's own functions give: no laboratory test by itself.
+OWN_SCENE: type[BulkTest] = own_scene.OwnScene
 
 
 @cache
@@ -72,6 +76,8 @@ def class_of_test(definition: RunDefinition) -> type[BulkTest] | None:
     """Return the class of the test in the definition of a run; None for a model of the user."""
     known = definition.model.get("test")
     name = known.get("type") if isinstance(known, Mapping) else None
+    if name == OWN_SCENE.type:
+        return OWN_SCENE
     return bulk_tests().get(name) if isinstance(name, str) else None
 
 

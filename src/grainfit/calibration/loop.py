@@ -99,7 +99,7 @@ class CalibrationLoop:
         sample = Proposal(problem.from_unit([0.5] * problem.dimension), 1, "design")
         return {
             "tests": self._campaign.identities(sample),
-            "parameters": [asdict(parameter) for parameter in self._problem.parameters],
+            "parameters": [parameter.to_json() for parameter in self._problem.parameters],
             "targets": [target.to_json() for target in self._problem.targets],
             "strategy": self._strategy.name,
             "seed": self._strategy.seed,

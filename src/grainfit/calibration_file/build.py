@@ -15,6 +15,7 @@ from grainfit.calibration.options import CalibrationOptions
 from grainfit.calibration.progress import Progress
 from grainfit.calibration.provenance import Provenance
 from grainfit.calibration.timeouts import default_timeouts
+from grainfit.calibration_file.contact_notes import contact_notes
 from grainfit.calibration_file.content import CalibrationFile, SearchOptions, TestSpecification
 from grainfit.calibration_file.load import load_calibration_file
 from grainfit.campaign.cluster.executor import cluster_executor, is_available
@@ -124,8 +125,9 @@ class CalibrationSetup:
     def notes(self) -> tuple[str, ...]:
         """Return notes on the choice of tests, free parameters and stiffness, before any run.
 
-        They say which free parameters the tests will leave open, with tests to add, and by how
-        much soft particles raise the responses. ``grainfit check`` shows them.
+        They say which free parameters the tests will leave open, with tests to add, by how much
+        soft particles raise the responses, and whether the contact law is the same for all solvers
+        and safe at the time step. ``grainfit check`` shows them.
 
         Examples
         --------
@@ -140,6 +142,7 @@ class CalibrationSetup:
         return (
             *expected_narrowing(self.problem, self.solvers).notes,
             *stiffness_notes(self.problem, self.bulk_tests, self.file.fixed),
+            *contact_notes(self.file, self.bulk_tests),
         )
 
     def calibrate(
@@ -362,6 +365,7 @@ def _entry(file: CalibrationFile, test: TestSpecification) -> FileEntry:
         tuple(parameter.name for parameter in file.parameters),
         file.fixed,
         file.sizes,
+        file.contact_models,
     )
 
 

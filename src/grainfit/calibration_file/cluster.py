@@ -15,8 +15,8 @@ from grainfit.errors import InputError
 from grainfit.options.kinds import Choice, Kind, ListOf, Quantity, Schema, Text, Whole
 from grainfit.options.paths import note_not_there
 from grainfit.options.places import Place, show
+from grainfit.options.python_file import PythonFile
 from grainfit.options.tables import Key, Values
-from grainfit.solvers.own_model.python_file import PythonFile
 
 
 @dataclass(frozen=True)

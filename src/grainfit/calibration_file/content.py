@@ -102,6 +102,10 @@ class CalibrationFile:
         Options of the search.
     cluster : ClusterOptions or None
         Cluster jobs for the runs, if the file has them.
+    contact_models : tuple of str
+        Contact models that replace the usual ones of their kind.
+    notes : tuple of str
+        Parameters that have been measured, for people.
     """
 
     name: str
@@ -112,3 +116,5 @@ class CalibrationFile:
     tests: tuple[TestSpecification, ...]
     strategy: SearchOptions
     cluster: ClusterOptions | None = None
+    contact_models: tuple[str, ...] = ()
+    notes: tuple[str, ...] = ()

@@ -6,25 +6,38 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from grainfit.bulk_tests.base import BulkTest
-from grainfit.bulk_tests.registry import BUILT_IN, bulk_tests
+from grainfit.bulk_tests.registry import BUILT_IN
 from grainfit.calibration_file.cluster import CLUSTER, cluster_options
 from grainfit.calibration_file.parameters import FixedOrFree, OwnParameter
 from grainfit.calibration_file.strategy_section import StrategySection, strategy_keys
 from grainfit.calibration_file.tests_section import Tests
-from grainfit.contact_models.registry import MATERIAL_PARAMETERS
+from grainfit.contact_models.base import Kind
+from grainfit.contact_models.registry import (
+    MATERIAL_PARAMETERS,
+    no_effect,
+    parameters_without_effect,
+    selectable_models,
+    unusual_models,
+)
 from grainfit.errors import InputError
 from grainfit.materials.diameters import Diameters
 from grainfit.materials.parameters import MaterialParameter
-from grainfit.options.kinds import Text
+from grainfit.options.kinds import Choice, Text
 from grainfit.options.places import Findings, Place
 from grainfit.options.tables import Key, Named, Table, Values
 from grainfit.problem import Parameter
+from grainfit.solvers.registry import types_of_test
 
 MATERIAL_SECTIONS = {
     "particle": "The particles.",
     "wall": "The walls, all of one material.",
     "particle_particle": "Contacts between particles.",
     "particle_wall": "Contacts between particles and walls.",
+}
+_KINDS: dict[Kind, str] = {
+    "contact": "normal and tangential force",
+    "cohesion": "cohesion",
+    "rolling": "resistance to rolling",
 }
 #: Names that custom parameters cannot have: templates and decks of custom models already use them.
 _RESERVED = (
@@ -76,6 +89,19 @@ def _material_table(section: str) -> Table:
     return Table(tuple(keys), homes=_homes())
 
 
+def _contact_model_keys() -> tuple[Key, ...]:
+    return tuple(
+        Key(
+            kind,
+            Choice(names),
+            f"Model of {_KINDS[kind]}.",
+            default=f'"{names[0]}"',
+            example=f'"{names[1]}"',
+        )
+        for kind, names in selectable_models().items()
+    )
+
+
 LAYOUT = Table(
     (
         Key("name", Text(), "Name of the calibration, for people.", True, '"glass beads"'),
@@ -87,6 +113,11 @@ LAYOUT = Table(
             "parameters",
             Named(OwnParameter(), reserved=_RESERVED),
             "Further parameters, of your own model.",
+        ),
+        Key(
+            "contact_models",
+            Table(_contact_model_keys(), homes=_homes()),
+            "Contact models that replace the usual ones; all optional.",
         ),
         Key("test", Tests(), "The bulk tests that were measured."),
         Key(
@@ -131,6 +162,7 @@ def read_document(document: dict[str, Any], place: Place, *, planned: bool = Fal
     simulated = _simulated(document)
     if simulated:
         _note_missing_material(simulated, values, place)
+        _note_parameters_without_effect(values, place)
         _note_impossible_tests(simulated, values, place)
         if len(simulated) == len(document["test"]):
             _note_useless_parameters(simulated, values, place)
@@ -141,6 +173,12 @@ def read_document(document: dict[str, Any], place: Place, *, planned: bool = Fal
             'particle.density = { min = "1400 kg/m^3", max = "2800 kg/m^3" }.',
         )
     return values
+
+
+def chosen_models(values: Values) -> tuple[str, ...]:
+    """Return the contact models that a file chooses, without those that act anyway."""
+    table = values.get("contact_models") or {}
+    return unusual_models(name for name in table.values() if name is not None)
 
 
 def _parameters(values: Values) -> list[Any]:
@@ -165,11 +203,13 @@ def _simulated(document: dict[str, Any]) -> list[_Simulated]:
     tests = document.get("test")
     if not isinstance(tests, list):
         return []
-    known = bulk_tests()
+    known = {name: kind.bulk_test for name, kind in types_of_test().items()}
     return [
-        _Simulated(index, known[table["type"]], table)
+        _Simulated(index, test, table)
         for index, table in enumerate(tests)
-        if isinstance(table, dict) and isinstance(table.get("type"), str) and table["type"] in known
+        if isinstance(table, dict)
+        and isinstance(table.get("type"), str)
+        and (test := known.get(table["type"])) is not None
     ]
 
 
@@ -184,7 +224,7 @@ def _note_missing_material(simulated: list[_Simulated], values: Values, place: P
         for one in simulated
         for name in one.test.material_parameters
         if MATERIAL_PARAMETERS[name].default is None
-    }
+    } - parameters_without_effect(chosen_models(values))
     for section in MATERIAL_SECTIONS:
         keys = [
             key
@@ -202,6 +242,15 @@ def _note_missing_material(simulated: list[_Simulated], values: Values, place: P
             for key in keys:
                 if key.name not in values[section]:
                     key.note_missing(place.at(section))
+
+
+def _note_parameters_without_effect(values: Values, place: Place) -> None:
+    chosen = chosen_models(values)
+    for name in sorted(parameters_without_effect(chosen)):
+        section, _, key = name.partition(".")
+        if key in (values.get(section) or {}):
+            fault = no_effect(name, chosen)
+            place.at(section, key).fault(fault.message, fault.remedy)
 
 
 def _note_useless_parameters(simulated: list[_Simulated], values: Values, place: Place) -> None:
@@ -222,6 +271,8 @@ def _note_impossible_tests(simulated: list[_Simulated], values: Values, place: P
     for one in simulated:
         keys = one.test.option_keys()
         given = {key.name: one.table[key.name] for key in keys if key.name in one.table}
+        if any(key.required and key.name not in given for key in keys):
+            continue
         # Faults of the single options are noted already.
         options = Table(keys).read(given, Place(Findings(place.findings.folder)))
         if None in options.values():

@@ -9,8 +9,9 @@ from pathlib import Path
 from typing import Any
 
 from grainfit.calibration_file.content import CalibrationFile, SearchOptions
-from grainfit.calibration_file.layout import MATERIAL_SECTIONS, read_document
+from grainfit.calibration_file.layout import MATERIAL_SECTIONS, chosen_models, read_document
 from grainfit.calibration_file.line_numbers import key_lines
+from grainfit.calibration_file.parameters import MeasuredAngle
 from grainfit.errors import InputError
 from grainfit.options.places import FileFault, Findings, Place
 from grainfit.problem import Parameter
@@ -105,6 +106,8 @@ def _calibration_file(values: dict[str, Any], path: Path) -> CalibrationFile:
         for key, value in values.get(section, {}).items()
     }
     sizes = material.pop("particle.diameter", None)
+    angles = tuple(v for v in material.values() if isinstance(v, MeasuredAngle))
+    material |= {angle.name: angle.value for angle in angles}
     everything = material | values.get("parameters", {})
     return CalibrationFile(
         name=values["name"],
@@ -115,4 +118,6 @@ def _calibration_file(values: dict[str, Any], path: Path) -> CalibrationFile:
         tests=values["test"],
         strategy=values.get("strategy", SearchOptions()),
         cluster=values.get("cluster"),
+        contact_models=chosen_models(values),
+        notes=tuple(str(angle) for angle in angles),
     )

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from grainfit.materials.parameters import MaterialParameter
+from grainfit.materials.wall_friction import MEASURED_BY_ANGLE, STEEPEST, friction_of_angle
 from grainfit.options.kinds import (
     Choice,
     Kind,
@@ -51,10 +52,77 @@ def _note_bad_bounds(values: Values, place: Place) -> bool:
 
 
 @dataclass(frozen=True)
+class MeasuredAngle:
+    """Friction on a wall that was measured as an angle of an inclined plane.
+
+    Parameters
+    ----------
+    name : str
+        Of the parameter.
+    angle : float
+        At which sliding or rolling begins, degrees.
+    uncertainty : float, optional
+        Its standard uncertainty, degrees; without it, the parameter is fixed.
+    """
+
+    name: str
+    angle: float
+    uncertainty: float | None = None
+
+    @property
+    def value(self) -> float | Parameter:
+        """Tangent of the angle; with an uncertainty, a free parameter about it."""
+        if self.uncertainty is None:
+            return friction_of_angle(self.angle)
+        return Parameter.from_angle(self.name, self.angle, self.uncertainty)
+
+    def __str__(self) -> str:
+        friction = f"{friction_of_angle(self.angle):.4g}"
+        words = f"{self.name} is {friction}, the tangent of the measured angle of {self.angle:g}°"
+        if self.uncertainty is None:
+            return f"{words}."
+        free = Parameter.from_angle(self.name, self.angle, self.uncertainty)
+        return (
+            f"{words}, with a standard uncertainty of {free.uncertainty:.2g} ({self.uncertainty:g}°"
+            ") that is part of all intervals."
+        )
+
+
+_ANGLE = Table(
+    (
+        Key(
+            "measured_angle",
+            Quantity("deg", highest=STEEPEST, above_zero=True),
+            "Angle of an inclined plane of the wall's material at which sliding (of particles, or "
+            "of the bulk solid) or rolling (of a single particle) begins: the parameter is its "
+            "tangent.",
+            required=True,
+            example='"21.8 deg"',
+        ),
+        Key(
+            "uncertainty",
+            Quantity("deg", highest=STEEPEST, above_zero=True),
+            "Standard uncertainty of the angle. With it, the parameter is free about its value, "
+            "and all intervals contain the uncertainty.",
+            example='"0.5 deg"',
+            default="none: the parameter is fixed, which takes no run",
+        ),
+    )
+)
+
+
+@dataclass(frozen=True)
 class FixedOrFree(Kind):
-    """A material parameter: a quantity when fixed, an interval when free."""
+    """A material parameter: a quantity when fixed, an interval when free.
+
+    Friction on walls may be an angle that was measured, too.
+    """
 
     parameter: MaterialParameter
+
+    @property
+    def _is_angle(self) -> bool:
+        return self.parameter.name in MEASURED_BY_ANGLE
 
     @property
     def _quantity(self) -> Quantity:
@@ -75,8 +143,22 @@ class FixedOrFree(Kind):
             self.parameter.unit,
         )
 
-    def read(self, value: Any, place: Place) -> float | Parameter | None:
-        """Read a fixed value, in SI, or the interval of a free parameter."""
+    def _measured(self, value: dict[str, Any], place: Place) -> MeasuredAngle | None:
+        read = _ANGLE.read(value, place)
+        if read.get("measured_angle") is None or None in read.values():
+            return None
+        return MeasuredAngle(self.parameter.name, read["measured_angle"], read.get("uncertainty"))
+
+    def read(self, value: Any, place: Place) -> float | Parameter | MeasuredAngle | None:
+        """Read a fixed value, in SI, the interval of a free parameter, or a measured angle."""
+        if isinstance(value, dict) and "measured_angle" in value:
+            if self._is_angle:
+                return self._measured(value, place)
+            names = " and ".join(MEASURED_BY_ANGLE)
+            place.at("measured_angle").fault(
+                "is not the tangent of an angle.", f"Angles measure {names}."
+            )
+            return None
         if isinstance(value, dict):
             free: Parameter | None = self._interval.read(value, place)
             return free
@@ -87,7 +169,8 @@ class FixedOrFree(Kind):
 
     def schema(self) -> Schema:
         """Return the JSON Schema of both forms."""
-        return {"anyOf": [*self._quantity.schema()["anyOf"], self._interval.schema()]}
+        angle = [_ANGLE.schema()] if self._is_angle else []
+        return {"anyOf": [*self._quantity.schema()["anyOf"], self._interval.schema(), *angle]}
 
 
 @dataclass(frozen=True)

@@ -29,7 +29,8 @@ class Plan:
     executes : tuple of str
         Programs, functions and shell lines that a run executes.
     notes : tuple of str
-        Free parameters that the tests will leave open, and the effect of soft particles.
+        Free parameters that the tests will leave open, the effect of soft particles, and
+        differences of solvers.
     problems : tuple of str
         Problems that keep it from running; empty when there are none.
     """
@@ -43,8 +44,17 @@ class Plan:
     problems: tuple[str, ...]
 
 
-def describe_plan(setup: CalibrationSetup) -> Plan:
-    """Describe what a calibration will do; starts no simulation and none of the user's code."""
+def describe_plan(setup: CalibrationSetup, *, call_scenes: bool = True) -> Plan:
+    """Describe what a calibration will do; starts no simulation.
+
+    Parameters
+    ----------
+    setup : CalibrationSetup
+        The calibration.
+    call_scenes : bool
+        Call the functions that describe scenes of the user, to find their faults and their cost.
+        No other code of the user is executed, and none at all without this.
+    """
     problems: list[str] = []
     lines: list[str] = []
     executes: list[str] = []
@@ -56,11 +66,17 @@ def describe_plan(setup: CalibrationSetup) -> Plan:
             problems += [f"Test {test}: {fault}" for fault in faults]
             solver.check()
             lines.append(f"Test {test}: {solver.readiness()}")
-            lines += _cost_lines(solver, setup.problem)
+            if call_scenes or not _has_code(solver):
+                lines += _cost_lines(solver, setup.problem)
         except InputError as error:
             problems += [f"{setup.file.path}: test {test}, {fault}" for fault in error.faults]
         except GrainfitError as error:
             problems.append(f"Test {test}: {error}")
+    if setup.file.contact_models:
+        lines.append(
+            f"Contact model instead of the usual one: {', '.join(setup.file.contact_models)}."
+        )
+    lines += setup.file.notes
     lines += _rayleigh_lines(setup.problem)
     cluster = setup.cluster or setup.file.cluster
     if cluster is not None:
@@ -86,6 +102,10 @@ def _rayleigh_lines(problem: Problem) -> Iterator[str]:
     if problem.rayleigh is not None:
         smallest, largest = problem.rayleigh.limits(problem.intervals)
         yield f"Rayleigh time step within the intervals: {smallest:.4g} to {largest:.4g} s."
+
+
+def _has_code(solver: Solver) -> bool:
+    return solver.bulk_test is not None and bool(solver.bulk_test.executes())
 
 
 def _cost_lines(solver: Solver, problem: Problem) -> Iterator[str]:
@@ -115,6 +135,7 @@ def _run_lines(setup: CalibrationSetup) -> Iterator[str]:
         f"{verification * tests} or more are fresh seeds at the answer. {setup.workers} at a time. "
         f"Strategy: {search.name}."
     )
+    dimension -= len(setup.problem.measured)
     if dimension > len(setup.problem.targets):
         yield (
             f"Note: {dimension} free parameters and {len(setup.problem.targets)} targets: many "

@@ -41,7 +41,7 @@ def layout_of_test(kind: TypeOfTest, *, planned: bool = False) -> Table:
 
 def _targets(test: type[BulkTest] | None, table: type[TargetTable]) -> tuple[Kind, str]:
     """Return the layout of a test's targets, and an example."""
-    if test is None:
+    if test is None or not test.responses:
         return Named(table(), shortest=1), _OWN_EXAMPLE
     keys = tuple(
         Key(name, table(info.unit), f"{info.words}.", example=info.example)

@@ -62,6 +62,7 @@ def make_card(
         identity=reading.identity,
         version=reading.version,
         notices=answer.notices,
+        contact_models=_contact_models(reading),
     )
 
 
@@ -74,6 +75,7 @@ def _parameters(
     rayleigh = reading.problem.rayleigh
     given = {**(rayleigh.fixed if rayleigh else {}), **reading.fixed}
     values = {**given, **found}
+    own = {parameter.name for parameter in reading.problem.measured}
     first = [name for name in MATERIAL_PARAMETERS if name in values]
     for name in dict.fromkeys([*first, *values]):
         known = MATERIAL_PARAMETERS.get(name)
@@ -84,7 +86,7 @@ def _parameters(
             known.unit if known else reading.units.get(name, ""),
             known.description if known else "",
             float(values[name]),
-            origin if name in found else "given",
+            "measured" if name in own else origin if name in found else "given",
             None if interval is None else (interval.low, interval.high),
             None if interval is None else interval.determination,
         )
@@ -131,6 +133,12 @@ def _programs(reading: SavedCalibration) -> list[Program]:
     models = [record.definition.model for record in reading.records.values()]
     found = [Program(str(d.get("solver", "")), str(d.get("version", ""))) for d in models]
     return list(dict.fromkeys(found))
+
+
+def _contact_models(reading: SavedCalibration) -> tuple[str, ...]:
+    """Contact models that replaced the usual ones: the same in all tests of a file."""
+    models = (record.definition.model for record in reading.records.values())
+    return tuple(dict.fromkeys(name for m in models for name in m.get("contact_models", ())))
 
 
 def _date(reading: SavedCalibration) -> str:

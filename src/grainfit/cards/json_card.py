@@ -28,6 +28,7 @@ def render_json(card: MaterialCard) -> str:
             "recommended": card.recommended_time_step,
             "fraction": card.time_step_fraction,
         },
+        "contact_models": card.contact_models,
         "particle_sizes": None
         if sizes is None
         else {"diameters": sizes.diameters, "mass_fractions": sizes.mass_fractions},

@@ -152,15 +152,74 @@ def run(
 
 
 @app.command()
-def check(file: CalibrationPath) -> None:
-    """Validate a calibration file and show the plan. Nothing is simulated."""
+def check(
+    file: CalibrationPath,
+    no_code: Annotated[
+        bool,
+        typer.Option("--no-code", help="Call no function of a scene; its cost stays unknown."),
+    ] = False,
+) -> None:
+    """Validate a calibration file and show the plan. Nothing is simulated.
+
+    The function that describes a scene of your own is called once. Nothing else is executed.
+    """
     from grainfit.calibration_file.plan import describe_plan
 
     setup = _build(file)
-    plan = describe_plan(setup)
+    plan = describe_plan(setup, call_scenes=not no_code)
     show.print_plan(_out, plan)
     if plan.problems:
         raise typer.Exit(_BAD_INPUT)
+
+
+@app.command()
+def preview(
+    file: CalibrationPath,
+    settings: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--set",
+            metavar="NAME=VALUE",
+            help="A parameter's value, units allowed. Repeat as needed. "
+            "[default: the middle of its interval]",
+            show_default=False,
+        ),
+    ] = None,
+    seed: Annotated[
+        int, typer.Option(metavar="N", min=1, max=900_000_000, help="Insertion seed.")
+    ] = 1,
+    output: Annotated[
+        Path | None,
+        typer.Option(
+            "--output",
+            "-o",
+            metavar="FILE.html",
+            help="The page; the picture is beside it. Default: the file's name with "
+            ".preview.html, here.",
+        ),
+    ] = None,
+    open_it: Annotated[
+        bool, typer.Option("--open", help="Show the page in the web browser afterwards.")
+    ] = False,
+) -> None:
+    """Draw every test before it runs: geometry, first packing, stages, and the cost of a run.
+
+    Writes a page in three dimensions, and a picture (PNG). No solver is needed or started; the
+    function of a scene of your own is called.
+    """
+    from grainfit.preview.preview import preview_tests, write_preview
+
+    setup = _build(file)
+    values = setup.values(settings or [])
+    tests = preview_tests(setup, values, seed)
+    page, picture = write_preview(
+        output or Path(f"{file.stem}.preview.html"), setup.name, tests, values
+    )
+    show.print_preview(_out, tests, page, picture)
+    if open_it:
+        import webbrowser
+
+        webbrowser.open(page.absolute().as_uri())
 
 
 @app.command()

@@ -18,6 +18,7 @@ from grainfit.formatting import duration, plain, probability
 if TYPE_CHECKING:
     from grainfit.calibration_file.plan import Plan
     from grainfit.evaluation import Evaluation, Response
+    from grainfit.preview.previewed_test import PreviewedTest
     from grainfit.result import Result
     from grainfit.tables import TextTable
     from grainfit.work_folder.status import WorkdirStatus
@@ -214,6 +215,19 @@ def read_numbers(key: str, text: str) -> list[float]:
             fault = Fault(key, f"{part.strip()!r} is not a number.", "Write them as 1,4,16.")
             raise InputError(fault) from None
     return found
+
+
+def print_preview(
+    console: Console, tests: Sequence[PreviewedTest], page: Path, picture: Path
+) -> None:
+    """Print the cost of every test, and where its drawings are."""
+    for test in tests:
+        words = f"Test {test.name}, {test.solver}: {test.cost_words}."
+        console.print(plain(words), highlight=False, markup=False)
+        if test.problem:
+            print_warning(console, plain(test.problem))
+    for name, path in (("Page", page), ("Picture", picture)):
+        console.print(f"{name}: {path}", highlight=False, markup=False, soft_wrap=True)
 
 
 def print_measurement(console: Console, responses: Mapping[str, Response]) -> None:

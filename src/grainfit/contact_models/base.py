@@ -19,11 +19,15 @@ A new contact model is a folder of `grainfit.contact_models` and a line of
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import ClassVar, Literal
 
 from grainfit.materials.parameters import MaterialParameter
+
+#: Largest share of the Rayleigh time step at which beds with a dashpot against rolling come to rest
+#: with the responses that smaller steps give.
+SAFE_WITH_ROLLING_DASHPOT = 0.12
 
 Kind = Literal["contact", "cohesion", "rolling"]
 #: In the order in which solvers need the keywords.
@@ -53,12 +57,22 @@ class ContactModel:
         Models of one kind may share a parameter.
     words : tuple of SolverWords
         One for each solver that has the model.
+    dashpots : tuple of str
+        Names of parameters of rolling dashpots, which limit the time step, and which solvers
+        implement in different ways.
+    solver_difference : str
+        Sentences on how far solvers differ while one of the dashpots acts.
+    safe_time_step : callable, optional
+        Largest safe share of the Rayleigh time step for a material, apart from rolling dashpots.
     """
 
     name: str
     kind: Kind
     parameters: tuple[MaterialParameter, ...]
     words: tuple[SolverWords, ...]
+    dashpots: tuple[str, ...] = ()
+    solver_difference: str = ""
+    safe_time_step: Callable[[Mapping[str, float]], float] | None = None
 
     @property
     def solvers(self) -> tuple[str, ...]:
@@ -69,6 +83,10 @@ class ContactModel:
     def is_optional(self) -> bool:
         """Whether every parameter has a default, at which the model does nothing."""
         return all(parameter.default is not None for parameter in self.parameters)
+
+    def is_damped(self, material: Mapping[str, float]) -> bool:
+        """Return whether a dashpot acts; one whose parameter is not known counts."""
+        return any(material.get(name, 1.0) > 0 for name in self.dashpots)
 
     def set_parameters(self, material: Mapping[str, float]) -> list[str]:
         """Return the names of parameters that a material gives another value than the default."""
@@ -99,6 +117,24 @@ class ContactLaw:
     def without(self, solver: str) -> list[ContactModel]:
         """Return the models that a solver does not have."""
         return [model for model in self.models if solver not in model.solvers]
+
+    def time_step_fraction(self, material: Mapping[str, float]) -> float:
+        """Return the largest safe share of the Rayleigh time step.
+
+        Parameters
+        ----------
+        material : mapping of str to float
+            Values by dotted name; where one is missing, the share is safe for all usual values.
+        """
+        shares = [m.safe_time_step(material) for m in self.models if m.safe_time_step is not None]
+        if any(model.is_damped(material) for model in self.models):
+            shares.append(SAFE_WITH_ROLLING_DASHPOT)
+        return min(shares)
+
+    def solver_difference(self, material: Mapping[str, float]) -> str:
+        """Return sentences on how far LAMMPS and LIGGGHTS differ; empty if they agree."""
+        damped = [model for model in self.models if model.is_damped(material)]
+        return " ".join(model.solver_difference for model in damped)
 
     def needs(self, solver: str) -> set[str]:
         """Return the names of the parameters that a solver computes these contacts with."""

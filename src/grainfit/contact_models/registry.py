@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 
-from grainfit.contact_models.base import KINDS, ContactLaw, ContactModel
+from grainfit.contact_models.base import KINDS, ContactLaw, ContactModel, Kind
 from grainfit.contact_models.epsd.contact_model import EPSD
+from grainfit.contact_models.epsd2.contact_model import EPSD2
 from grainfit.contact_models.hertz_mindlin.contact_model import HERTZ_MINDLIN
 from grainfit.errors import Fault, InputError
 from grainfit.materials.parameters import BODY_PARAMETERS, SECTIONS, MaterialParameter
@@ -15,6 +16,7 @@ from grainfit.materials.parameters import BODY_PARAMETERS, SECTIONS, MaterialPar
 CONTACT_MODELS: tuple[ContactModel, ...] = (
     HERTZ_MINDLIN,
     EPSD,
+    EPSD2,
 )
 
 #: The order of parameters is part of a calibration's identity, so that the first keys keep their
@@ -104,7 +106,56 @@ def _contradiction(
     )
 
 
-def contact_law_faults(material: Mapping[str, float], solver: str) -> list[Fault]:
+def selectable_models() -> dict[Kind, tuple[str, ...]]:
+    """Return the names of the models that must be chosen by name, by kind, the usual one first.
+
+    Of a kind with one model, and of models that act through a parameter of their own, nothing need
+    be chosen.
+    """
+    needed = {
+        kind: tuple(m.name for m in CONTACT_MODELS if m.kind == kind and not m.is_optional)
+        for kind in KINDS
+    }
+    return {kind: names for kind, names in needed.items() if len(names) > 1}
+
+
+def unusual_models(chosen: Iterable[str]) -> tuple[str, ...]:
+    """Return the chosen models without those that act anyway: part of a run's identity.
+
+    Raises
+    ------
+    InputError
+        There is no such model, or two of one kind are chosen.
+    """
+    chosen = tuple(chosen)
+    selectable = selectable_models()
+    faults = [
+        Fault(
+            "contact_models",
+            f"{name!r} is no model to choose.",
+            f"Use {', '.join(n for names in selectable.values() for n in names)}.",
+        )
+        for name in chosen
+        if not any(name in names for names in selectable.values())
+    ]
+    if faults:
+        raise InputError(faults)
+    contact_law({}, chosen)
+    usual = {names[0] for names in selectable.values()}
+    return tuple(name for name in dict.fromkeys(chosen) if name not in usual)
+
+
+def parameters_without_effect(chosen: Iterable[str]) -> frozenset[str]:
+    """Return the names of parameters that belong only to models replaced by the chosen ones."""
+    law = contact_law({}, chosen)
+    acting = {parameter.name for model in law.models for parameter in model.parameters}
+    replaced = [m for m in CONTACT_MODELS if not m.is_optional and m not in law.models]
+    return frozenset(p.name for model in replaced for p in model.parameters) - acting
+
+
+def contact_law_faults(
+    material: Mapping[str, float], solver: str, chosen: Iterable[str] = ()
+) -> list[Fault]:
     """Return why a solver cannot compute the contacts of a material; empty if it can.
 
     Parameters
@@ -113,12 +164,25 @@ def contact_law_faults(material: Mapping[str, float], solver: str) -> list[Fault
         Values by dotted name; parameters with a default may be missing.
     solver : str
         Name of the solver.
+    chosen : iterable of str
+        Names of models.
     """
+    chosen = tuple(chosen)
     try:
-        law = contact_law(material)
+        law = contact_law(material, chosen)
     except InputError as error:
         return list(error.faults)
-    return [_not_in(solver, model, material) for model in law.without(solver)]
+    idle = sorted(parameters_without_effect(chosen) & material.keys())
+    return [
+        *(_not_in(solver, model, material) for model in law.without(solver)),
+        *(no_effect(name, chosen) for name in idle),
+    ]
+
+
+def no_effect(name: str, chosen: Iterable[str]) -> Fault:
+    """Return the fault of a parameter that the chosen contact models do not have."""
+    models = " and ".join(chosen)
+    return Fault(name, f"is no parameter of the contact model {models}.", "Leave it out.")
 
 
 def _not_in(solver: str, model: ContactModel, material: Mapping[str, float]) -> Fault:

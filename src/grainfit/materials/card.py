@@ -7,7 +7,7 @@ from typing import Literal
 
 from grainfit.materials.sizes import ParticleSizes
 
-Origin = Literal["calibrated", "not calibrated", "given"]
+Origin = Literal["calibrated", "not calibrated", "measured", "given"]
 Determination = Literal["determined", "narrowed", "not determined"]
 _STATUS_WORDS = {
     "calibrated": "calibrated: every target is met within its tolerance",
@@ -29,8 +29,9 @@ class CardParameter:
         As in the calibration file; symbol and description are empty for one of the user's own.
     value : float
         SI.
-    origin : {"calibrated", "not calibrated", "given"}
-        Given, or free; if free, whether the calibration met its targets.
+    origin : {"calibrated", "not calibrated", "measured", "given"}
+        Given, or free; if free, whether the calibration met its targets, or whether the parameter
+        was free about a measurement of its own.
     interval : pair of float, optional
         95 % credible interval, which holds the value.
     determination : {"determined", "narrowed", "not determined"}, optional
@@ -122,6 +123,8 @@ class MaterialCard:
         calibration, and version of grainfit.
     notices : tuple of str
         What the user should know.
+    contact_models : tuple of str
+        Contact models that replaced the usual ones of their kind in the runs.
     """
 
     name: str
@@ -141,6 +144,7 @@ class MaterialCard:
     identity: str
     version: str
     notices: tuple[str, ...]
+    contact_models: tuple[str, ...] = ()
 
     @property
     def calibrated(self) -> bool:

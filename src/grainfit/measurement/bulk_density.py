@@ -140,7 +140,7 @@ def _density(bed: _Bed, bottom: float, top: float) -> Response:
     thickness = 2 * float(np.average(inside.radii, weights=inside.masses))
     layers = max(_FEWEST_LAYERS, round((top - bottom) / thickness))
     planes = np.linspace(bottom, top, layers + 1)
-    masses = _masses_between(inside, planes)
+    masses = masses_between(inside, planes)
     _require_full(bed, masses, planes)
     volume = bed.area * (top - bottom)
     error = _error_of_mean(masses) * layers / volume
@@ -156,7 +156,7 @@ def _error_of_mean(values: NDArray[np.float64]) -> float:
     return math.sqrt(float(curvature @ curvature) / len(curvature) / 6 / len(values))
 
 
-def _masses_between(particles: Particles, planes: NDArray[np.float64]) -> NDArray[np.float64]:
+def masses_between(particles: Particles, planes: NDArray[np.float64]) -> NDArray[np.float64]:
     """Mass between neighbouring horizontal planes, shape (planes - 1,), kg."""
     heights = (planes - particles.positions[:, 2, None]) / particles.radii[:, None]
     cut = np.clip(heights, -1, 1)
@@ -174,7 +174,7 @@ def _require_full(bed: _Bed, masses: NDArray[np.float64], planes: NDArray[np.flo
     sectors = int(np.clip(across / _PARTICLES_IN_SECTOR, 1, _SECTORS))
     sector = np.minimum(bed.place * sectors, sectors - 1).astype(int)
     for number in range(sectors):
-        own = _masses_between(particles.select(sector == number), planes)
+        own = masses_between(particles.select(sector == number), planes)
         full &= own[-1] > _FULL_SECTOR * own.max()
         full &= own.sum() > _FULL_SECTOR * masses.sum() / sectors
     if not full:

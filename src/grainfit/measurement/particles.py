@@ -13,6 +13,8 @@ from grainfit.errors import NotMeasurableError
 
 _NEEDED = ("x", "y", "z", "radius", "mass")
 _FRAME = b"ITEM: TIMESTEP"
+#: Column with the number of the glued set, 0 for loose particles; missing where all are loose.
+_GLUED = "v_glued"
 
 
 @dataclass(frozen=True)
@@ -70,17 +72,19 @@ class Particles:
         return Particles(self.positions[which], self.radii[which], self.masses[which])
 
 
-def read_dump(path: Path) -> Particles:
+def read_dump(path: Path, glued: int = 0) -> Particles:
     """Read the last frame of a text dump of LAMMPS or LIGGGHTS (``dump custom``).
 
     The frame needs the columns ``x y z radius mass``, in any order and among any others. Particles
     are returned in the order of their ``id`` where there is one, so that the order in which several
-    MPI ranks wrote them does not matter.
+    MPI ranks wrote them does not matter. Glued particles are left out unless they are wanted.
 
     Parameters
     ----------
     path : Path
         The dump file.
+    glued : int
+        Number of the glued set to read, from 1; 0 are the loose particles.
 
     Returns
     -------
@@ -99,12 +103,12 @@ def read_dump(path: Path) -> Particles:
     except OSError as error:
         raise NotMeasurableError(f"{path}: cannot be read ({error.strerror or error}).") from error
     try:
-        return _parse_frame(content)
+        return _parse_frame(content, glued)
     except NotMeasurableError as error:
         raise NotMeasurableError(f"{path}: {error}") from None
 
 
-def _parse_frame(content: bytes) -> Particles:
+def _parse_frame(content: bytes, glued: int) -> Particles:
     start = content.rfind(_FRAME)
     if start < 0:
         raise NotMeasurableError(
@@ -132,6 +136,7 @@ def _parse_frame(content: bytes) -> Particles:
     if not content.endswith(b"\n"):
         raise NotMeasurableError("is truncated: its last line has no end.")
     table = _parse_rows(rows, columns, first_line + header + 1)
+    table = table[table[:, -1] == glued]
     return Particles(table[:, :3].copy(), table[:, 3].copy(), table[:, 4].copy())
 
 
@@ -148,25 +153,25 @@ def _particle_count(lines: list[str]) -> int:
 
 
 def _parse_rows(rows: list[str], columns: list[str], first_line: int) -> NDArray[np.float64]:
-    """Parse the needed columns, shape (n, 5), sorted by id where there is one."""
+    """Parse the needed columns and the glued set, shape (n, 6), sorted by id where there is one."""
     if not rows:
-        return np.empty((0, len(_NEEDED)))
+        return np.empty((0, len(_NEEDED) + 1))
     for number, row in enumerate(rows):
         if len(row.split()) != len(columns):
             raise NotMeasurableError(
                 f"line {first_line + number} has {len(row.split())} values for "
                 f"{len(columns)} columns."
             )
-    wanted = [columns.index(name) for name in _NEEDED]
-    if "id" in columns:
-        wanted.append(columns.index("id"))
+    named = [*_NEEDED, *(name for name in (_GLUED, "id") if name in columns)]
+    wanted = [columns.index(name) for name in named]
     try:
         table = np.loadtxt(rows, usecols=wanted, ndmin=2, comments=None)
     except ValueError as error:
         raise NotMeasurableError(f"holds something that is not a number: {error}.") from None
     if "id" in columns:
         table = table[np.argsort(table[:, -1], kind="stable")]
-    return table[:, : len(_NEEDED)]
+    sets = table[:, named.index(_GLUED)] if _GLUED in columns else np.zeros(len(table))
+    return np.column_stack((table[:, : len(_NEEDED)], sets))
 
 
 def write_vtk(path: Path, particles: Particles) -> None:

@@ -28,6 +28,8 @@ from grainfit.measurement.sheet import (
 #: Largest height of a view, pixels.
 _HIGHEST = 640 * OVERSAMPLING
 _BINS = 24
+#: Instead of a bin: glued particles.
+_GREY = -1
 #: From low to high, lighter and lighter (after cividis, Nuñez, Anderton & Renslow 2018).
 _STOPS = np.array(
     [[53, 85, 143], [93, 115, 150], [139, 141, 140], [194, 171, 112], [254, 232, 56]], dtype=float
@@ -52,12 +54,18 @@ class SideView:
         Sections of walls: left, lower, right and upper limit, m.
     flanks : sequence of Flank
         Fitted lines.
+    glued : sequence of Particles
+        Particles of plates and linings: grey.
+    curves : sequence of sequence of tuple of float
+        Lines across the view through these points, m.
     """
 
     particles: Particles
     extent: Rectangle
     walls: Sequence[Rectangle]
     flanks: Sequence[Flank] = ()
+    glued: Sequence[Particles] = ()
+    curves: Sequence[Sequence[Point]] = ()
 
     def panel(self, width: int) -> Image.Image:
         """Draw the view.
@@ -83,6 +91,9 @@ class SideView:
         self._draw_particles(panel, place, scale)
         for flank in self.flanks:
             draw_flank(draw, flank, place(flank.start), place(flank.end))
+        for curve in self.curves:
+            points = [place(point) for point in curve]
+            draw.line(points, fill=FLANK, width=3 * OVERSAMPLING, joint="curve")
         return panel
 
     def _draw_particles(self, panel: Image.Image, place: object, scale: float) -> None:
@@ -94,9 +105,12 @@ class SideView:
         low, high = float(heights.min()), float(heights.max())
         share = (heights - low) / (high - low if high > low else 1.0)
         bins = np.clip(share * _BINS, 0, _BINS - 1).astype(int)
-        for i in np.argsort(-particles.positions[:, 1], kind="stable"):
-            size = max(2, round(2 * float(particles.radii[i]) * scale))
-            x, _, z = particles.positions[i].tolist()
+        bins = np.append(bins, [_GREY] * sum(map(len, self.glued))).astype(int)
+        positions = np.vstack([particles.positions, *(body.positions for body in self.glued)])
+        radii = np.concatenate([particles.radii, *(body.radii for body in self.glued)])
+        for i in np.argsort(-positions[:, 1], kind="stable"):
+            size = max(2, round(2 * float(radii[i]) * scale))
+            x, _, z = positions[i].tolist()
             across, down = place((x, z))
             disc, mask = _disc(int(bins[i]), size)
             panel.paste(disc, (round(across - size / 2), round(down - size / 2)), mask)
@@ -104,10 +118,12 @@ class SideView:
 
 @cache
 def _disc(number: int, size: int) -> tuple[Image.Image, Image.Image]:
-    """A shaded disc in the colour of a bin, and its mask."""
-    place = number / (_BINS - 1) * (len(_STOPS) - 1)
+    """A shaded disc in the colour of a bin, or grey, and its mask."""
+    place = max(number, 0) / (_BINS - 1) * (len(_STOPS) - 1)
     low = min(int(place), len(_STOPS) - 2)
     colour = _STOPS[low] + (place - low) * (_STOPS[low + 1] - _STOPS[low])
+    if number == _GREY:
+        colour = np.full(3, 190.0)
     middle = (size - 1) / 2
     y, x = np.mgrid[:size, :size]
     radius = np.hypot(x - middle, y - middle) / (size / 2)

@@ -150,10 +150,21 @@ class Metamodels:
     def misfit(self, points: ArrayLike) -> Array:
         """Expected sum of squared deviations at points, shape (m,).
 
-        Of two points with equal means, the less uncertain one has the smaller misfit.
+        Of two points with equal means, the less uncertain one has the smaller misfit. Parameters
+        with a measurement of their own add the squares of their deviations from it.
         """
         means, variances = self.deviations(points)
-        return np.asarray((means**2 + variances).sum(axis=1))
+        own = (self.problem.off_measured(points) ** 2).sum(axis=1)
+        return np.asarray((means**2 + variances).sum(axis=1) + own)
+
+    def residuals(self, points: ArrayLike) -> Array:
+        """Expected deviations of responses and of measured parameters, shape (m, k)."""
+        return np.hstack([self.deviations(points)[0], self.problem.off_measured(points)])
+
+    def residual_slopes(self, points: ArrayLike) -> Array:
+        """Slopes of the residuals, shape (m, k, d)."""
+        own = self.problem.off_measured_slopes(points)
+        return np.concatenate([self.slopes(points), own], axis=1)
 
     def shortfall(self, points: ArrayLike, standard_errors: float) -> Array:
         """Squared deviations beyond the tolerances and some standard errors, summed, shape (m,).

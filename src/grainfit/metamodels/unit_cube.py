@@ -87,24 +87,24 @@ def shrinking_search(
 
 
 def gauss_newton(metamodels: Metamodels, starts: Array) -> Array:
-    """Minimise the sum of squared expected deviations from all starts at once, shape (m, d).
+    """Minimise the sum of squared expected residuals from all starts at once, shape (m, d).
 
     Levenberg-Marquardt steps, each cut at the bounds of the cube; a start that finds no better
     point stays in place.
     """
     points = starts.copy()
-    deviations = metamodels.deviations(points)[0]
+    deviations = metamodels.residuals(points)
     squares = (deviations**2).sum(axis=1)
     damping = np.full(len(points), 1e-3)
     identity = np.eye(points.shape[1])
     for _ in range(_GAUSS_NEWTON_STEPS):
-        slopes = metamodels.slopes(points)
+        slopes = metamodels.residual_slopes(points)
         normal = np.einsum("mki,mkj->mij", slopes, slopes)
         scale = 1e-12 + np.trace(normal, axis1=1, axis2=2)
         normal += (damping * scale)[:, None, None] * identity
         pull = np.einsum("mki,mk->mi", slopes, deviations)
         trials = np.clip(points - np.linalg.solve(normal, pull[..., None])[..., 0], 0.0, 1.0)
-        trial_deviations = metamodels.deviations(trials)[0]
+        trial_deviations = metamodels.residuals(trials)
         trial_squares = (trial_deviations**2).sum(axis=1)
         better = trial_squares < squares
         points[better], deviations[better] = trials[better], trial_deviations[better]

@@ -80,8 +80,8 @@ def render_page(context: ReportContext) -> str:
         written=datetime.now().astimezone().strftime("%d %B %Y, %H:%M"),
         version=version("grainfit"),
         sections=sections,
-        styles=[_element_text(text) for text in _parts("styles/report.css", "style.css")],
-        scripts=[_element_text(text) for text in _parts("scripts/page.js", "script.js")],
+        styles=[element_text(text) for text in _parts("styles/report.css", "style.css")],
+        scripts=[element_text(text) for text in _parts("scripts/page.js", "script.js")],
         figure_index=script_json(
             {key: {"height": f.height, "description": f.description} for key, f in figures.items()}
         ),
@@ -90,7 +90,7 @@ def render_page(context: ReportContext) -> str:
             for key, figure in figures.items()
         },
         data=_data(sections),
-        plotly=_element_text(_plotly()) if figures else None,
+        plotly=element_text(_plotly()) if figures else None,
     )
     # Names of files may contain bytes that are not text; a page may not.
     return page.encode("utf-8", errors="replace").decode("utf-8")
@@ -113,7 +113,12 @@ def _plotly() -> str:
     return (files("plotly") / "package_data" / "plotly.min.js").read_text(encoding="utf-8")
 
 
-def _element_text(text: str) -> Markup:
+def page_part(file: str) -> str:
+    """Return a style or script of the report, such as ``"scripts/page.js"``."""
+    return (files("grainfit.report") / file).read_text(encoding="utf-8")
+
+
+def element_text(text: str) -> Markup:
     """Return a script or style so that nothing in it ends its element, or opens a comment."""
     safe = re.sub(r"</(?=script|style)", r"<\\/", text, flags=re.IGNORECASE)
     return Markup(safe.replace("<!--", r"<\!--"))

@@ -113,6 +113,43 @@ class Rectangle:
 
 
 @dataclass(frozen=True)
+class PeriodicRectangle:
+    """A rectangle without walls, periodic in x from 0 to length and in y from 0 to depth.
+
+    Parameters
+    ----------
+    length, depth : float
+        m.
+    """
+
+    length: float
+    depth: float
+
+    @property
+    def period(self) -> tuple[float, float, float]:
+        """Periods along the axes, 0 where there is none."""
+        return (self.length, self.depth, 0.0)
+
+    @property
+    def area(self) -> float:
+        """Area of a period, m^2."""
+        return self.length * self.depth
+
+    def area_of_centres(self, radius: float) -> float:  # noqa: ARG002
+        """Return the area that centres of particles can take, m^2: all of it."""
+        return self.area
+
+    def places(
+        self,
+        random: np.random.Generator,
+        count: int,
+        wall: float,  # noqa: ARG002
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Draw x and y of places, uniform in the area."""
+        return self.length * random.random(count), self.depth * random.random(count)
+
+
+@dataclass(frozen=True)
 class Column:
     """Particles at the beginning.
 

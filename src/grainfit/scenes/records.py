@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Force:
-    """Force of all particles on a wall along an axis, N."""
+    """Force of all loose particles on a wall or a glued set along an axis, N."""
 
     wall: str
     along: str
@@ -23,21 +23,30 @@ class RadialForce:
 
 @dataclass(frozen=True)
 class Travel:
-    """Distance that a wall has moved since it was put, along the axis of its motions, m."""
+    """Distance that a wall or a glued set has moved since it was put, m.
+
+    Parameters
+    ----------
+    wall : str
+        Its name.
+    along : str
+        Axis; a wall moves along the axis of its motions only, and needs none.
+    """
 
     wall: str
+    along: str = ""
 
 
 @dataclass(frozen=True)
 class MassAbove:
-    """Mass of the particles whose centre is above a height, kg."""
+    """Mass of the loose particles whose centre is above a height, kg."""
 
     height: float
 
 
 @dataclass(frozen=True)
 class KineticEnergy:
-    """Kinetic energy of all particles, J."""
+    """Kinetic energy of all loose particles, J."""
 
 
 Recorded = Force | RadialForce | Travel | MassAbove | KineticEnergy

@@ -107,15 +107,22 @@ class RunOutput:
         except (ValueError, IndexError) as error:
             raise NotMeasurableError(f"{path}: is damaged ({error}).") from error
 
-    def snapshot(self, name: str) -> Particles:
+    def snapshot(self, name: str, glued: int = 0) -> Particles:
         """Read the particles of a snapshot.
+
+        Parameters
+        ----------
+        name : str
+            As in the scene.
+        glued : int
+            Number of a glued set in the order of the scene, from 1; 0 are the loose particles.
 
         Raises
         ------
         NotMeasurableError
             See `read_dump`.
         """
-        return read_dump(self.path_of(snapshot_file(name)))
+        return read_dump(self.path_of(snapshot_file(name)), glued)
 
     def path_of(self, file: str) -> Path:
         """Return the path of a file such as ``"snapshots/heap.dump"``, whether it exists or not.
@@ -163,6 +170,20 @@ class RunOutput:
         table = table[np.append(True, np.diff(table[:, 0]) > 0)[: len(table)]]
         return dict(zip(names, table.T, strict=True))
 
+    def require_good(self, container: str = "walls") -> tuple[StageEnd, ...]:
+        """Raise `RunFailedError` if a stage that was reached went wrong; return the stages.
+
+        Parameters
+        ----------
+        container : str
+            Container that particles may break out of.
+        """
+        for stage in self.stages:
+            reason = _what_went_wrong(stage, container)
+            if reason:
+                raise RunFailedError(f"{reason}: {_REMEDY}", self.log_tail())
+        return self.stages
+
     def require_complete(self, names: Sequence[str], container: str) -> tuple[StageEnd, ...]:
         """Raise `RunFailedError` unless every stage went well; return the stages.
 
@@ -173,11 +194,7 @@ class RunOutput:
         container : str
             Container that particles may break out of.
         """
-        for stage in self.stages:
-            reason = _what_went_wrong(stage, container)
-            if reason:
-                raise RunFailedError(f"{reason}: {_REMEDY}", self.log_tail())
-        done = [stage.name for stage in self.stages]
+        done = [stage.name for stage in self.require_good(container)]
         if done != list(names):
             words = ", ".join(done) or "none"
             raise RunFailedError(

@@ -12,11 +12,14 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from grainfit.contact_models.base import ContactLaw
 from grainfit.contact_models.contact import TYPICAL_LOAD, particle_mass
+from grainfit.contact_models.registry import contact_law
 from grainfit.errors import Fault, InputError
 from grainfit.materials.sizes import ParticleSizes
 from grainfit.materials.time_step import rayleigh_time_step
 from grainfit.scenes.conditions import Clear, Condition, Loaded
+from grainfit.scenes.glued import Glued
 from grainfit.scenes.packing import Column
 from grainfit.scenes.records import Force, RadialForce, Series, Travel
 from grainfit.scenes.shapes import Cylinder, Shape, Vector
@@ -25,10 +28,14 @@ from grainfit.scenes.shapes import Cylinder, Shape, Vector
 SCENES_REVISION = 1
 #: The surface of walls whose contacts are those of the material's section ``[particle_wall]``.
 WALL = "wall"
+#: Gravity that particle weights are counted with in a scene without gravity, m/s^2.
+STANDARD_GRAVITY = 9.81
+#: Largest length of a triangle in a periodic box, over the period.
+_SHARE_OF_PERIOD = 0.25
 #: Names that decks use themselves.
 _TAKEN = {
     "walls": {
-        *("gravity", "motion", "series", "walls", "above"),
+        *("gravity", "motion", "series", "walls", "above", "all", "loose", "glued"),
         *("youngs_modulus", "poissons_ratio"),
     },
     "stages": {"end", "restless", "broken", "unstable", "unloaded"},
@@ -52,6 +59,16 @@ class Box:
     high: Vector
     periodic: str = ""
 
+    @property
+    def longest_element(self) -> float:
+        """Largest length of a triangle of a wall, m; infinite without a period.
+
+        An element that is longer than a period makes LIGGGHTS abort.
+        """
+        axes = (axis for axis, name in enumerate("xyz") if name in self.periodic)
+        lengths = (self.high[axis] - self.low[axis] for axis in axes)
+        return _SHARE_OF_PERIOD * min(lengths, default=math.inf)
+
 
 @dataclass(frozen=True)
 class Wall:
@@ -71,7 +88,7 @@ class Wall:
 
 @dataclass(frozen=True)
 class Velocity:
-    """Motion of a wall at constant velocity.
+    """Motion of a wall or a glued set at constant velocity.
 
     Parameters
     ----------
@@ -87,14 +104,14 @@ class Velocity:
 
 @dataclass(frozen=True)
 class Load:
-    """Motion of a wall that presses on the particles with a force, no faster than a speed.
+    """Motion of a wall or a glued set that presses on the particles, no faster than a speed.
 
     Parameters
     ----------
     along : {"x", "y", "z"}
         Axis of the motion.
     force : float
-        Force of the wall on the particles, N; negative when it presses in the negative direction.
+        Force on the particles, N; negative when it presses in the negative direction.
     largest_speed : float
         m/s.
     gain : float
@@ -128,8 +145,9 @@ class Stage:
         Walls that are added at its beginning.
     strike_off : float, optional
         Particles whose centre is above this height are removed at its beginning, m.
-    motions : mapping of str to Motion
-        Walls that move in this stage, and only in it.
+    motions : mapping of str to Motion or tuple of Motion
+        Walls and glued sets that move in this stage, and only in it. Several motions of a glued
+        set, along different axes, act together; a wall has one.
     series : Series, optional
         Quantities recorded in it.
     snapshot : str
@@ -144,10 +162,20 @@ class Stage:
     take_away: tuple[str, ...] = ()
     put: Mapping[str, Wall] = field(default_factory=dict)
     strike_off: float | None = None
-    motions: Mapping[str, Motion] = field(default_factory=dict)
+    motions: Mapping[str, Motion | tuple[Motion, ...]] = field(default_factory=dict)
     series: Series | None = None
     snapshot: str = ""
     is_closed: bool = False
+
+    def motions_of(self, name: str) -> tuple[Motion, ...]:
+        """Return the motions of a wall or a glued set in this stage; none when it stands still."""
+        found = self.motions.get(name, ())
+        return found if isinstance(found, tuple) else (found,)
+
+    def all_motions(self) -> Iterator[tuple[str, Motion]]:
+        """Iterate over every motion of the stage, with the name of what moves."""
+        for name in self.motions:
+            yield from ((name, motion) for motion in self.motions_of(name))
 
 
 @dataclass(frozen=True)
@@ -163,7 +191,7 @@ class Scene:
     sizes : ParticleSizes
         Particle size distribution.
     particles : Column
-        Particles at the beginning.
+        Loose particles at the beginning.
     box : Box
         The simulated space.
     walls : mapping of str to Wall
@@ -171,7 +199,7 @@ class Scene:
     stages : tuple of Stage
         In order.
     gravity : float
-        m/s^2, downwards.
+        m/s^2, downwards; 0 is none.
     time_step : float
         s.
     quiet_speed : float
@@ -183,7 +211,12 @@ class Scene:
         surface and of the parameter.
     typical_load : float
         Typical normal force of a contact in particle weights: LAMMPS and YADE keep rolling
-        stiffness and damping constant at its value there.
+        stiffness and damping constant at its value there. Weights are those on Earth in a scene
+        without gravity.
+    glued : mapping of str to Glued
+        Rigid bodies of glued particles, by name (one word, and no wall's).
+    contact_models : tuple of str
+        Contact models that replace the usual ones of their kind.
     """
 
     title: str
@@ -199,12 +232,19 @@ class Scene:
     check_interval: float
     surfaces: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
     typical_load: float = TYPICAL_LOAD
+    glued: Mapping[str, Glued] = field(default_factory=dict)
+    contact_models: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
-        """Raise `InputError` if a deck would misread a name, or a wall is not there."""
-        faults = [*_name_faults(self), *_wall_faults(self)]
+        """Raise `InputError` if a deck would misread a name, or what a stage names is not there."""
+        faults = [*_name_faults(self), *_wall_faults(self), *_motion_faults(self)]
         if faults:
             raise InputError(faults)
+
+    @property
+    def law(self) -> ContactLaw:
+        """Contact models that act."""
+        return contact_law(self.material, self.contact_models)
 
     def material_on(self, surface: str) -> dict[str, float]:
         """Return the material parameters for contacts with a surface."""
@@ -215,26 +255,30 @@ class Scene:
         later = [wall for stage in self.stages for wall in stage.put.items()]
         return {**self.walls, **dict(later)}
 
-    def motions_of(self, wall: str) -> Iterator[Motion]:
-        """Iterate over the motions of a wall."""
+    def motions_of(self, name: str) -> Iterator[Motion]:
+        """Iterate over the motions of a wall or a glued set in all stages."""
         for stage in self.stages:
-            if wall in stage.motions:
-                yield stage.motions[wall]
+            yield from stage.motions_of(name)
 
     def steps(self, time: float) -> int:
         """Return the number of time steps of a simulated time; at least one."""
         return max(1, round(time / self.time_step))
 
     @property
+    def weight_gravity(self) -> float:
+        """Gravity that particle weights are counted with, m/s^2: Earth's where there is none."""
+        return self.gravity or STANDARD_GRAVITY
+
+    @property
     def mass(self) -> float:
-        """Mass of all particles at the beginning, kg."""
+        """Mass of all loose particles at the beginning, kg."""
         shares = zip(self.sizes.number_fractions, self.sizes.diameters, strict=True)
         mean = sum(share * particle_mass(self.material, d / 2) for share, d in shares)
         return len(self.particles.positions) * mean
 
     @property
     def initial_energy(self) -> float:
-        """Kinetic energy of the particles at the beginning, J."""
+        """Kinetic energy of the loose particles at the beginning, J."""
         velocities = self.particles.velocities
         if velocities is None:
             return 0.0
@@ -244,23 +288,31 @@ class Scene:
 
     @property
     def energy_at_rest(self) -> float:
-        """Kinetic energy below which the particles are at rest, J."""
+        """Kinetic energy below which the loose particles are at rest, J."""
         return self.mass * self.quiet_speed**2 / 2
 
     @property
     def energy_limit(self) -> float:
         """Kinetic energy that is out of reach, J.
 
-        It is that of all particles falling from top to bottom, the energy that they have at the
-        beginning, and the work of the largest load on each wall across the box.
+        It is that of all loose particles falling from top to bottom, the energy that they have at
+        the beginning, the work of the largest load on each wall and glued set across the box, and
+        that of all particles thrown by a glued set, at three times its speed.
         """
         fall = self.mass * self.gravity * (self.particles.height - self.box.low[2])
-        work = sum(self._largest_work(wall) for wall in self.all_walls())
-        return fall + self.initial_energy + work
+        work = sum(self._largest_work(name) for name in (*self.all_walls(), *self.glued))
+        return fall + self.initial_energy + work + self._largest_throw
 
-    def _largest_work(self, wall: str) -> float:
-        """Work of the largest load on a wall across the box, J; zero without a load."""
-        loads = [motion for motion in self.motions_of(wall) if isinstance(motion, Load)]
+    @property
+    def _largest_throw(self) -> float:
+        """Kinetic energy of all particles at three times the largest speed of a glued set, J."""
+        motions = [motion for name in self.glued for motion in self.motions_of(name)]
+        speeds = [abs(motion.speed) for motion in motions if isinstance(motion, Velocity)]
+        return 4.5 * self.mass * max(speeds, default=0.0) ** 2
+
+    def _largest_work(self, name: str) -> float:
+        """Work of the largest load on a wall or glued set across the box, J; zero without one."""
+        loads = [motion for motion in self.motions_of(name) if isinstance(motion, Load)]
         lengths = ("xyz".index(load.along) for load in loads)
         reaches = (self.box.high[axis] - self.box.low[axis] for axis in lengths)
         works = (abs(load.force) * reach for load, reach in zip(loads, reaches, strict=True))
@@ -270,7 +322,9 @@ class Scene:
         """Return the names of the concepts that a solver must have to translate the scene."""
         walls = self.all_walls().values()
         found = {type(wall.shape).__name__.lower() for wall in walls}
-        found |= {type(m).__name__.lower() for s in self.stages for m in s.motions.values()}
+        found |= {type(m).__name__.lower() for s in self.stages for _, m in s.all_motions()}
+        if self.glued:
+            found.add("glued")
         if any(len({type(m) for m in self.motions_of(wall)}) > 1 for wall in self.all_walls()):
             found.add("velocity and load")
         if self.box.periodic:
@@ -282,7 +336,7 @@ def _name_faults(scene: Scene) -> Iterator[Fault]:
     """Names become variables and files of decks: one word each, and one meaning."""
     stages = scene.stages
     kinds = {
-        "walls": [*scene.walls, *(name for stage in stages for name in stage.put)],
+        "walls": [*scene.walls, *(name for stage in stages for name in stage.put), *scene.glued],
         "stages": [stage.name for stage in stages],
         "snapshots": [stage.snapshot for stage in stages if stage.snapshot],
     }
@@ -309,22 +363,57 @@ def _wall_faults(scene: Scene) -> Iterator[Fault]:
             if there.pop(name, None) is None:
                 yield _no_wall(key, "takes away", name, there)
         there |= stage.put
+        bodies = {**there, **scene.glued}
         for name in stage.motions:
-            if name not in there:
-                yield _no_wall(key, "moves", name, there)
-        for quantity in stage.series.columns.values() if stage.series else ():
-            if isinstance(quantity, Force | RadialForce | Travel) and quantity.wall not in there:
-                yield _no_wall(key, "records", quantity.wall, there)
+            if name not in bodies:
+                yield _no_wall(key, "moves", name, bodies)
+        yield from _record_faults(scene, stage, there)
         until = stage.until
         if isinstance(until, Clear) and not _is_cylinder(there.get(until.wall)):
             remedy = "Clear is for lifted tubes: name a wall that is a Cylinder."
             yield Fault(key, f"ends when {until.wall!r} is clear, which is no Cylinder.", remedy)
-        if isinstance(until, Loaded) and not isinstance(stage.motions.get(until.wall), Load):
+        if isinstance(until, Loaded) and load_on(stage, until.wall) is None:
             remedy = "Give the wall a Load among the motions of the stage."
             yield Fault(key, f"ends when {until.wall!r} is loaded, but puts no load on it.", remedy)
 
 
-def _no_wall(stage: str, does: str, name: str, there: Mapping[str, Wall]) -> Fault:
+def _record_faults(scene: Scene, stage: Stage, there: Mapping[str, Wall]) -> Iterator[Fault]:
+    """A wall or glued set that is recorded must be there, and the record must make sense of it."""
+    key, bodies = f"stage {stage.name}", {**there, **scene.glued}
+    for quantity in stage.series.columns.values() if stage.series else ():
+        if isinstance(quantity, Force | Travel) and quantity.wall not in bodies:
+            yield _no_wall(key, "records", quantity.wall, bodies)
+        if isinstance(quantity, RadialForce) and quantity.wall not in there:
+            yield _no_wall(key, "records", quantity.wall, there)
+        if isinstance(quantity, Travel) and quantity.wall in scene.glued and not quantity.along:
+            remedy = 'Name the axis: Travel("plate", "z").'
+            yield Fault(key, f"records the travel of {quantity.wall!r} along no axis.", remedy)
+
+
+def _motion_faults(scene: Scene) -> Iterator[Fault]:
+    """A wall has one motion at a time, a glued set one along each axis."""
+    for stage in scene.stages:
+        key = f"stage {stage.name}"
+        for name in stage.motions:
+            motions = stage.motions_of(name)
+            if name not in scene.glued and len(motions) != 1:
+                remedy = "Give it one motion in each stage; only a glued set has several."
+                yield Fault(key, f"moves the wall {name!r} by {len(motions)} motions.", remedy)
+            axes = [motion.along for motion in motions]
+            if len(set(axes)) < len(axes):
+                remedy = "Give it one motion along each axis."
+                yield Fault(key, f"moves {name!r} twice along one axis.", remedy)
+            if sum(isinstance(motion, Load) for motion in motions) > 1:
+                remedy = "Give it one load; a velocity of 0 holds it along another axis."
+                yield Fault(key, f"puts two loads on {name!r}.", remedy)
+
+
+def load_on(stage: Stage, name: str) -> Load | None:
+    """Return the load that moves a wall or a glued set in a stage; None without one."""
+    return next((m for m in stage.motions_of(name) if isinstance(m, Load)), None)
+
+
+def _no_wall(stage: str, does: str, name: str, there: Mapping[str, object]) -> Fault:
     remedy = f"Walls of that stage: {', '.join(there) or 'none'}."
     return Fault(stage, f"{does} the wall {name!r}, which is not there.", remedy)
 

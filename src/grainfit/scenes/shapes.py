@@ -111,15 +111,18 @@ class Annulus:
 
 @dataclass(frozen=True)
 class Mesh:
-    """Triangles of an STL file, met from both sides.
+    """Triangles of an STL file, text or binary, met from both sides.
 
     Parameters
     ----------
     path : Path
-        The file, in m.
+        The file.
+    scale : float
+        Metres in a unit of the file: 0.001 for one in mm.
     """
 
     path: Path
+    scale: float = 1.0
 
 
 Shape = Plane | Block | Cylinder | Cone | Disc | Annulus | Mesh

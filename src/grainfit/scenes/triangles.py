@@ -10,13 +10,22 @@ import numpy as np
 from numpy.typing import NDArray
 
 from grainfit.scenes.scene import Box
-from grainfit.scenes.shapes import Annulus, Block, Cone, Cylinder, Disc, Plane, Shape, Vector
+from grainfit.scenes.shapes import (
+    Annulus,
+    Block,
+    Cone,
+    Cylinder,
+    Disc,
+    Mesh,
+    Plane,
+    Shape,
+    Vector,
+)
+from grainfit.scenes.stl import mesh_triangles
 
 #: Shape (n, 3, 3): corners of n triangles, m.
 Triangles = NDArray[np.float64]
 _DISC_FACETS = 40
-#: Largest edge of a triangle in a periodic box, over the period.
-_SHARE_OF_PERIOD = 0.25
 
 
 def triangles_of(shape: Shape, box: Box, edge: float) -> Triangles:
@@ -25,12 +34,19 @@ def triangles_of(shape: Shape, box: Box, edge: float) -> Triangles:
     Parameters
     ----------
     shape : Shape
-        Not a `Mesh`.
+        The shape of the wall.
     box : Box
         The simulated space: infinite walls end with it.
     edge : float
         No facet of a tube is much wider, m.
+
+    Raises
+    ------
+    InputError
+        The file of a `Mesh` is no STL file, see `grainfit.scenes.stl.read_stl`.
     """
+    if isinstance(shape, Mesh):
+        return mesh_triangles(shape, box)
     if isinstance(shape, Cylinder):
         return _tube(shape.radius, shape.radius, shape.bottom, shape.top, edge)
     if isinstance(shape, Cone):
@@ -122,13 +138,7 @@ def _face(low: Vector, high: Vector, axis: int, box: Box) -> Triangles:
     lines = []
     for other in across:
         length = high[other] - low[other]
-        parts = 1
-        if box.periodic:
-            # Elements must be shorter than the period, or LIGGGHTS aborts.
-            period = min(
-                box.high[k] - box.low[k] for k, name in enumerate("xyz") if name in box.periodic
-            )
-            parts = max(1, math.ceil(length / (_SHARE_OF_PERIOD * period)))
+        parts = max(1, math.ceil(length / box.longest_element))
         lines.append(np.linspace(low[other], high[other], parts + 1))
     triangles = []
     for (a, b), (c, d) in itertools.product(

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from functools import cache
 
-from grainfit.bulk_tests.registry import BUILT_IN, bulk_tests
+from grainfit.bulk_tests.registry import BUILT_IN, OWN_SCENE, bulk_tests
 from grainfit.solvers.dem.lammps.program import Lammps
 from grainfit.solvers.dem.liggghts.program import Liggghts
 from grainfit.solvers.dem.program import DeckSolver
@@ -35,6 +35,6 @@ def types_of_test(*, built_in: bool = False) -> Mapping[str, TypeOfTest]:
     InputError
         A bulk test of another package cannot be loaded.
     """
-    tests = (BUILT_IN if built_in else bulk_tests()).values()
+    tests = (*(BUILT_IN if built_in else bulk_tests()).values(), OWN_SCENE)
     types = (*(simulated(test, DEM_PROGRAMS) for test in tests), *OWN_MODELS)
     return {one.name: one for one in types}

@@ -34,6 +34,8 @@ class FileEntry:
         Parameters that have a value.
     sizes : ParticleSizes, optional
         Particle sizes.
+    contact_models : tuple of str
+        Contact models that replace the usual ones of their kind.
     """
 
     options: Mapping[str, Any]
@@ -41,6 +43,7 @@ class FileEntry:
     free: tuple[str, ...]
     fixed: Mapping[str, float]
     sizes: ParticleSizes | None
+    contact_models: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)

@@ -13,8 +13,8 @@ Write a test class for a custom contact model, in a file that pytest finds::
         def program(self, request):
             return ...  # the `SingleContacts` of this solver
 
-and add the closed forms of the model. A new solver inherits `HertzMindlinContract` and
-`EpsdContract` with its own `SingleContacts`.
+and add the closed forms of the model. A new solver inherits `HertzMindlinContract`,
+`EpsdContract` and `Epsd2Contract` with its own `SingleContacts`.
 """
 
 from __future__ import annotations
@@ -32,6 +32,8 @@ from grainfit.contact_models.base import ContactModel
 from grainfit.contact_models.contact import TYPICAL_LOAD, particle_mass
 from grainfit.contact_models.epsd.contact_model import EPSD
 from grainfit.contact_models.epsd.model import rolling_spring
+from grainfit.contact_models.epsd2.contact_model import EPSD2
+from grainfit.contact_models.epsd2.model import rolling_stiffness
 from grainfit.contact_models.hertz_mindlin.contact_model import HERTZ_MINDLIN
 from grainfit.contact_models.hertz_mindlin.model import (
     EffectiveModuli,
@@ -98,7 +100,9 @@ class ContactModelContract:
             material = {**self.material, **(changes or {})}
             folder = tmp_path / str(len(list(tmp_path.iterdir())))
             folder.mkdir()
-            scene = Scene(contact_law(material), material, particles, seconds, **options)
+            scene = Scene(
+                contact_law(material, [self.model.name]), material, particles, seconds, **options
+            )
             return program.simulate(scene, folder)
 
         return simulate
@@ -116,7 +120,7 @@ class ContactModelContract:
     def test_the_model_acts_in_the_material_and_the_solver_has_it(
         self, program: SingleContacts
     ) -> None:
-        law = contact_law(self.material)
+        law = contact_law(self.material, [self.model.name])
 
         assert self.model in law.models
         assert law.without(program.solver) == []
@@ -286,7 +290,53 @@ class HertzMindlinContract(ContactModelContract):
         assert motion.spins[-1, 0, 1] == pytest.approx(5 / 2 * lost / RADIUS, rel=0.02)
 
 
-class EpsdContract(ContactModelContract):
+class RollingContract(ContactModelContract):
+    """Rolling friction with an elastic-plastic spring; subclasses define model and stiffness."""
+
+    friction: ClassVar[float] = 0.05
+
+    def rolling_stiffness(self, program: SingleContacts, load: float) -> float:
+        """Return the stiffness of a particle that rocks on the floor under a load (N), N m."""
+        raise NotImplementedError
+
+    @pytest.fixture
+    def roll(self, program: SingleContacts, simulate: Simulate) -> Callable[..., float]:
+        """Return a function that rolls a particle along the floor and returns its final speed."""
+        name, factor = program.floor_rolling_friction
+
+        def roll(speed: float, seconds: float, changes: Mapping[str, float] | None = None) -> float:
+            material = {
+                name: self.friction / factor,
+                "particle_wall.sliding_friction": 0.5,
+                **(changes or {}),
+            }
+            start = _on_floor(_resting(program), (speed, 0.0, 0.0), (0.0, speed / RADIUS, 0.0))
+            motion = simulate([start], seconds, material, gravity=GRAVITY)
+            return float(motion.velocities[-1, 0, 0])
+
+        return roll
+
+    @property
+    def undamped(self) -> Mapping[str, float]:
+        """Material values at which the model has no dashpot."""
+        return {}
+
+    def test_rolling_decelerates_with_five_sevenths_of_the_rolling_friction(
+        self, roll: Callable[..., float]
+    ) -> None:
+        lost = 0.2 - roll(0.2, 0.15, self.undamped)
+        assert lost == pytest.approx(5 / 7 * self.friction * GRAVITY * 0.15, rel=0.03)
+
+    def _rocking(self, program: SingleContacts) -> tuple[float, float]:
+        """Return frequency (1/s) and start speed of rocking, a tenth of the way to the limit."""
+        load = MASS * GRAVITY
+        weights = TYPICAL_LOAD if program.rolling_load == "typical" else 1.0
+        stiffness = self.rolling_stiffness(program, weights * load)
+        frequency = math.sqrt(stiffness / _ROLLING_INERTIA)
+        return frequency, 0.1 * frequency * self.friction * load * RADIUS**2 / stiffness
+
+
+class EpsdContract(RollingContract):
     """Closed forms of EPSD; the subclass defines the program.
 
     References
@@ -295,54 +345,72 @@ class EpsdContract(ContactModelContract):
     """
 
     model: ClassVar[ContactModel] = EPSD
-    friction: ClassVar[float] = 0.05
     damping: ClassVar[float] = 0.25
 
-    @pytest.fixture
-    def roll(self, program: SingleContacts, simulate: Simulate) -> Callable[..., float]:
-        """Return a function that rolls a particle along the floor and returns its final speed."""
-        name, factor = program.floor_rolling_friction
+    @property
+    def undamped(self) -> Mapping[str, float]:
+        """Material values at which the model has no dashpot."""
+        return _damped(0.0)
 
-        def roll(speed: float, seconds: float, damping: float) -> float:
-            changes = {
-                name: self.friction / factor,
-                "particle_wall.sliding_friction": 0.5,
-                "particle_wall.rolling_damping": damping,
-            }
-            start = _on_floor(_resting(program), (speed, 0.0, 0.0), (0.0, speed / RADIUS, 0.0))
-            motion = simulate([start], seconds, changes, gravity=GRAVITY)
-            return float(motion.velocities[-1, 0, 0])
-
-        return roll
-
-    def test_rolling_decelerates_with_five_sevenths_of_the_rolling_friction(
-        self, roll: Callable[..., float]
-    ) -> None:
-        lost = 0.3 - roll(0.3, 0.15, damping=0.0)
-        assert lost == pytest.approx(5 / 7 * self.friction * GRAVITY * 0.15, rel=0.03)
+    def rolling_stiffness(self, program: SingleContacts, load: float) -> float:  # noqa: ARG002
+        """Return the stiffness of a particle that rocks on the floor under a load (N), N m."""
+        moduli: EffectiveModuli = particle_moduli(BEADS, "wall")
+        spring = rolling_spring(moduli, RADIUS, load, _ROLLING_INERTIA, self.friction, 0.0)
+        return spring.stiffness * RADIUS**2
 
     def test_rocking_has_the_stiffness_and_the_damping_of_epsd(
         self, program: SingleContacts, roll: Callable[..., float]
     ) -> None:
         damping = 0.0 if program.rolling_dashpot == "none" else self.damping
-        frequency = math.sqrt(_rolling_stiffness(program, self.friction) / _ROLLING_INERTIA)
-        # A tenth of the way to full mobilisation.
-        speed = 0.1 * frequency * _resting(program) / (2.25 * self.friction)
+        frequency, speed = self._rocking(program)
         root = math.sqrt(1 - damping**2)
-        after = roll(speed, math.pi / (frequency * root), damping=damping)
+        after = roll(speed, math.pi / (frequency * root), _damped(damping))
         assert after == pytest.approx(-math.exp(-math.pi * damping / root) * speed, rel=0.05)
 
     def test_the_dashpot_acts_within_or_beyond_the_rolling_limit(
         self, program: SingleContacts, roll: Callable[..., float]
     ) -> None:
         # The known difference of the solvers, which docs/heap_test.md explains.
-        after = roll(0.3, 0.15, damping=self.damping)
+        after = roll(0.3, 0.15, _damped(self.damping))
         for dashpot in _DASHPOTS:
             expected = _braked_speed(0.3, 0.15, self.friction, self.damping, dashpot)
             if dashpot == program.rolling_dashpot:
                 assert after == pytest.approx(expected, rel=0.01)
             elif {dashpot, program.rolling_dashpot} != {"none", "within the limit"}:
                 assert after != pytest.approx(expected, rel=0.02)
+
+
+class Epsd2Contract(RollingContract):
+    """Closed forms of EPSD2; the subclass defines the program.
+
+    References
+    ----------
+    Iwashita & Oda (1998), J. Eng. Mech. 124:285-292.
+    """
+
+    model: ClassVar[ContactModel] = EPSD2
+    material: ClassVar[Mapping[str, float]] = {
+        name: value for name, value in BEADS.items() if "rolling_damping" not in name
+    }
+
+    def rolling_stiffness(self, program: SingleContacts, load: float) -> float:
+        """Return the stiffness of a particle that rocks on the floor under a load (N), N m."""
+        name, factor = program.floor_rolling_friction
+        # A solver with one stiffness for all contacts has that of two particles.
+        body = "particle" if name.startswith("particle_particle") else "wall"
+        radius = factor * RADIUS
+        return rolling_stiffness(particle_moduli(BEADS, body), radius, load) * radius**2
+
+    def test_rocking_has_the_tangential_stiffness_and_no_damping(
+        self, program: SingleContacts, roll: Callable[..., float]
+    ) -> None:
+        frequency, speed = self._rocking(program)
+        # A wrong stiffness shows after a quarter of a period, damping after a half.
+        for quarters in (1, 2):
+            seconds = quarters * math.pi / (2 * frequency)
+            expected = _rocking_speed(program, frequency, seconds)
+            after = roll(0.5 * speed, seconds, {"particle_wall.restitution": 1.0})
+            assert after / (0.5 * speed) == pytest.approx(expected, abs=0.03)
 
 
 _NO_ROLLING = {
@@ -366,12 +434,25 @@ def _resting(program: SingleContacts) -> float:
     return hertz_overlap(MASS * GRAVITY, moduli, program.floor_radius * RADIUS)
 
 
-def _rolling_stiffness(program: SingleContacts, friction: float) -> float:
-    """Stiffness of a particle that rocks on the floor, N m."""
-    load = MASS * GRAVITY * (TYPICAL_LOAD if program.rolling_load == "typical" else 1.0)
-    moduli: EffectiveModuli = particle_moduli(BEADS, "wall")
-    spring = rolling_spring(moduli, RADIUS, load, _ROLLING_INERTIA, friction, 0.0)
-    return spring.stiffness * RADIUS**2
+def _rocking_speed(program: SingleContacts, frequency: float, seconds: float) -> float:
+    """Speed over its start of an undamped sphere on springs for sliding and for rolling.
+
+    ``frequency`` (1/s) is that of rolling alone. The rolling spring is as stiff as the tangential
+    one, so that both give way.
+    """
+    moduli = particle_moduli(BEADS, "wall")
+    contact_radius = math.sqrt(program.floor_radius * RADIUS * _resting(program))
+    sliding = tangential_stiffness(moduli) * contact_radius
+    rolling = frequency**2 * _ROLLING_INERTIA / RADIUS**2
+    # Displacements of the centre and of the surface, with the inertia of translation and of spin.
+    stiffness = np.array([[sliding, -sliding], [-sliding, sliding + rolling]])
+    squares, modes = np.linalg.eig(np.diag([1 / MASS, 5 / (2 * MASS)]) @ stiffness)
+    shares = np.linalg.solve(modes, np.ones(2))
+    return float(modes[0] @ (shares * np.cos(np.sqrt(squares) * seconds)))
+
+
+def _damped(damping: float) -> Mapping[str, float]:
+    return {"particle_wall.rolling_damping": damping}
 
 
 def _braked_speed(

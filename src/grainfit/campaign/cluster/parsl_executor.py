@@ -34,7 +34,7 @@ from parsl.logconfigs.file import FileLogging
 from grainfit.campaign.cluster.options import ClusterOptions
 from grainfit.campaign.cluster.slurm import END_SECONDS, GiveUp, Slurm
 from grainfit.errors import ExecutorError, GrainfitError
-from grainfit.solvers.own_model.python_file import PythonFile
+from grainfit.options.python_file import PythonFile
 
 _Arguments = ParamSpec("_Arguments")
 _Result = TypeVar("_Result")

@@ -8,28 +8,40 @@ from grainfit.contact_models.epsd.liggghts import EPSD_LIGGGHTS
 from grainfit.contact_models.epsd.yade import EpsdYade
 from grainfit.materials.parameters import CONTACTS, declare
 
+#: Shared by the rolling models.
+ROLLING_FRICTION = declare(
+    CONTACTS,
+    "rolling_friction",
+    "μ_r",
+    "",
+    "rolling friction coefficient",
+    (0.0, 10.0),
+    example="{ min = 0.2, max = 1.0 }",
+)
+
+_ROLLING_DAMPING = declare(
+    CONTACTS,
+    "rolling_damping",
+    "η_r",
+    "",
+    "viscous rolling damping ratio",
+    (0.0, 1.0),
+    example="0.25",
+)
+
 EPSD = ContactModel(
     name="epsd",
     kind="rolling",
     parameters=(
-        *declare(
-            CONTACTS,
-            "rolling_friction",
-            "μ_r",
-            "",
-            "rolling friction coefficient",
-            (0.0, 10.0),
-            example="{ min = 0.2, max = 1.0 }",
-        ),
-        *declare(
-            CONTACTS,
-            "rolling_damping",
-            "η_r",
-            "",
-            "viscous rolling damping ratio",
-            (0.0, 1.0),
-            example="0.25",
-        ),
+        *ROLLING_FRICTION,
+        *_ROLLING_DAMPING,
     ),
     words=(EpsdLammps(), EPSD_LIGGGHTS, EpsdYade()),
+    dashpots=tuple(parameter.name for parameter in _ROLLING_DAMPING),
+    solver_difference=(
+        "LAMMPS limits the rolling dashpot, and LIGGGHTS does not. At a rolling damping of 0.25, "
+        "angles of repose of LIGGGHTS are 0.5° (glass beads) to 2° (sliding friction 0.5, rolling "
+        "friction 0.2) larger, bulk densities up to 1.1 % and mass flows 6 % smaller; without "
+        "rolling damping, and with the rolling model epsd2, they agree."
+    ),
 )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import ClassVar
 
 from grainfit.contact_models.contact import TYPICAL_LOAD, Contact
 from grainfit.contact_models.epsd.model import rolling_spring_of
@@ -24,27 +25,37 @@ ROLLING FRICTION DOES NOT: repeat the bulk test in YADE before you rely on the v
 class EpsdYade(YadeWords):
     """One rolling stiffness and one limit of the moment, those of two equal particles."""
 
-    unused = (
+    remarks: ClassVar[str] = _NOTES
+    unused: tuple[str, ...] = (
         "particle_particle.rolling_damping",
         "particle_wall.rolling_damping",
         "particle_wall.rolling_friction",
     )
 
+    def stiffness(self, contact: Contact) -> float:
+        """Return the stiffness of the rolling force with the lever R*, N/m."""
+        return rolling_spring_of(contact, rolling_damping=0.0).stiffness
+
+    def _moment_stiffness(self, contact: Contact) -> float:
+        # The spring of LAMMPS is a force with the lever R* = r / 2, that of YADE a moment.
+        return self.stiffness(contact) * (contact.radius / 2) ** 2
+
     def physics(self, contact: Contact) -> Sequence[YadeArgument]:
         """Return limit and stiffness of the moment."""
         return (
             YadeArgument("eta", f"{_eta(contact)}", "rolling friction / 2"),
-            YadeArgument("krot", f"{_moment_stiffness(contact)}", "N m"),
+            YadeArgument("krot", f"{self._moment_stiffness(contact)}", "N m"),
         )
 
     def law(self, contact: Contact) -> Sequence[YadeArgument]:
         """Return whether there is a moment."""
-        return (YadeArgument("includeMoment", f"{_moment_stiffness(contact) > 0}"),)
+        # YADE takes a limit of zero for none.
+        return (YadeArgument("includeMoment", f"{_eta(contact) > 0}"),)
 
     def notes(self, contact: Contact) -> str:
         """Return the differences of YADE's rolling friction, in lines of text."""
         on_wall = contact.material.get("particle_wall.rolling_friction")
-        return _NOTES.format(
+        return self.remarks.format(
             diameter=2 * contact.radius,
             load=TYPICAL_LOAD,
             eta=_eta(contact),
@@ -54,8 +65,3 @@ class EpsdYade(YadeWords):
 
 def _eta(contact: Contact) -> float:
     return contact.value("rolling_friction") / 2
-
-
-def _moment_stiffness(contact: Contact) -> float:
-    # The spring of LAMMPS is a force with the lever R* = r / 2, that of YADE a moment.
-    return rolling_spring_of(contact, rolling_damping=0.0).stiffness * (contact.radius / 2) ** 2

@@ -5,6 +5,7 @@ from __future__ import annotations
 from grainfit.contact_models.base import ContactModel
 from grainfit.contact_models.hertz_mindlin.lammps import HertzMindlinLammps
 from grainfit.contact_models.hertz_mindlin.liggghts import HERTZ_MINDLIN_LIGGGHTS
+from grainfit.contact_models.hertz_mindlin.model import safe_time_step
 from grainfit.contact_models.hertz_mindlin.yade import HertzMindlinYade
 from grainfit.materials.parameters import CONTACTS, declare
 
@@ -32,4 +33,5 @@ HERTZ_MINDLIN = ContactModel(
         ),
     ),
     words=(HertzMindlinLammps(), HERTZ_MINDLIN_LIGGGHTS, HertzMindlinYade()),
+    safe_time_step=safe_time_step,
 )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
@@ -25,27 +26,37 @@ _DECKS = {"lammps": "LAMMPS", "liggghts": "LIGGGHTS", "yade": "YADE"}
 #: Parameters of particles and walls that influence contacts.
 _BODIES = {parameter.name for parameter in BODY_PARAMETERS} - {"wall.density"}
 _LONGEST_VARIABLE = 60
+_WIDTH = 96
+
+
+#: Solvers that implement rolling friction in the same way, but for its dashpot.
+_RELATED = {"lammps", "liggghts"}
 
 
 def origin(card: MaterialCard, solver: str) -> str:
     """Return comments on the validity of the values in this solver."""
-    return "\n".join(comment(line) for line in _lines(card, solver))
+    return "\n".join(comment(line) for line in textwrap.wrap(_words(card, solver), _WIDTH))
 
 
-def _lines(card: MaterialCard, solver: str) -> list[str]:
+def _words(card: MaterialCard, solver: str) -> str:
     found = {program.name for program in card.programs}
     if found == {solver}:
-        return [f"The values were calibrated with {_DECKS[solver]} and this contact model."]
-    if found and found <= _DECKS.keys():
-        others = " and ".join(_DECKS[name] for name in sorted(found))
-        return [
-            f"CHECK: the values were calibrated with {others}. Rolling friction is not quite the",
-            f"same in {_DECKS[solver]}: repeat the bulk test before you rely on them.",
-        ]
-    return [
-        "CHECK: the values were calibrated with a custom model and hold for its contact model.",
-        "This card has the contact model of grainfit's own tests. Check that they are the same.",
-    ]
+        return f"The values were calibrated with {_DECKS[solver]} and this contact model."
+    if not found or not found <= _DECKS.keys():
+        return (
+            "CHECK: the values were calibrated with a custom model and hold for its contact model. "
+            "This card has the contact model of grainfit's own tests. Check that they are the same."
+        )
+    calibrated = f"the values were calibrated with {' and '.join(_DECKS[n] for n in sorted(found))}"
+    if not found | {solver} <= _RELATED:
+        return (
+            f"CHECK: {calibrated}. Rolling friction is not quite the same in {_DECKS[solver]}: "
+            "repeat the bulk test before you rely on them."
+        )
+    law = contact_law(card.values, card.contact_models)
+    if difference := law.solver_difference(card.values):
+        return f"CHECK: {calibrated}. {difference} Repeat the bulk test before you rely on them."
+    return f"{calibrated[0].upper()}{calibrated[1:]}, which agrees without a rolling dashpot."
 
 
 def require_material(card: MaterialCard, solver: str) -> tuple[dict[str, float], ContactLaw]:
@@ -58,10 +69,10 @@ def require_material(card: MaterialCard, solver: str) -> tuple[dict[str, float],
         not have a contact model that the card needs.
     """
     values = with_defaults(card.values)
-    faults = contact_law_faults(values, solver)
+    faults = contact_law_faults(values, solver, card.contact_models)
     if faults:
         raise InputError(faults)
-    law = contact_law(values)
+    law = contact_law(values, card.contact_models)
     needs = _BODIES | law.needs(solver)
     needed = [name for name in MATERIAL_PARAMETERS if name in needs]
     _require_nothing_missing([name for name in needed if name not in values], solver)

@@ -8,6 +8,7 @@ import subprocess
 import tempfile
 from abc import abstractmethod
 from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import replace
 from functools import cached_property, lru_cache
 from pathlib import Path
 from typing import Any, ClassVar
@@ -19,6 +20,8 @@ from grainfit.bulk_tests.run_cost import RunCost
 from grainfit.contact_models.registry import (
     MATERIAL_PARAMETERS,
     contact_law_faults,
+    parameters_without_effect,
+    unusual_models,
     with_defaults,
 )
 from grainfit.errors import (
@@ -54,6 +57,8 @@ class DeckSolver(Solver):
     executable : str, optional
         The program, if it is not found by its usual name. `check` does not start it, because it may
         be named in a calibration file from somebody else.
+    contact_models : iterable of str
+        Contact models that replace the usual ones of their kind, such as ``"epsd2"``.
 
     Raises
     ------
@@ -76,11 +81,13 @@ class DeckSolver(Solver):
         material: Mapping[str, float | str],
         ranks: int = 1,
         executable: str | None = None,
+        contact_models: Iterable[str] = (),
     ) -> None:
         if ranks < 1:
             raise InputError(Fault("ranks", f"{ranks} must be at least 1."))
         self.test = test
         self.material = _in_si(material)
+        self.contact_models = unusual_models(contact_models)
         self._require_possible(self.material)
         faults = [*test.material_faults(self.material)]
         if faults:
@@ -90,9 +97,9 @@ class DeckSolver(Solver):
 
     @property
     @override
-    def response_names(self) -> tuple[str, ...]:
+    def response_names(self) -> tuple[str, ...] | None:
         """Names of the test's responses."""
-        return tuple(self.test.responses)
+        return self.test.response_names
 
     @property
     @override
@@ -113,6 +120,8 @@ class DeckSolver(Solver):
             # Another number of ranks sums forces in another order, which gives another heap.
             "ranks": self.ranks,
             "test": self.test.definition(),
+            # Without a choice, runs keep the identity that they had before there was one.
+            **({"contact_models": list(self.contact_models)} if self.contact_models else {}),
         }
 
     @property
@@ -133,13 +142,16 @@ class DeckSolver(Solver):
         """
         values = with_defaults({**self.material, **parameters})
         self._require_possible(values)
-        missing = [name for name in MATERIAL_PARAMETERS if name not in values]
+        idle = parameters_without_effect(self.contact_models)
+        needed = [name for name in MATERIAL_PARAMETERS if name not in idle]
+        missing = [name for name in needed if name not in values]
         if missing:
             raise InputError([Fault(name, "has no value.") for name in missing])
-        return {name: float(values[name]) for name in MATERIAL_PARAMETERS}
+        return {name: float(values[name]) for name in needed}
 
     def _require_possible(self, material: Mapping[str, float]) -> None:
-        faults = [*_impossible(material), *contact_law_faults(material, self.name)]
+        law_faults = contact_law_faults(material, self.name, self.contact_models)
+        faults = [*_impossible(material), *law_faults]
         if faults:
             raise InputError(faults)
 
@@ -177,6 +189,8 @@ class DeckSolver(Solver):
             The program failed. Stages that ended badly are left to `RunOutput.require_complete`.
         """
         self._require_concepts(scene.concepts())
+        if self.contact_models:
+            scene = replace(scene, contact_models=self.contact_models)
         self._simulate(self.deck(scene, workspace.folder).write(), workspace)
         return RunOutput(workspace.folder)
 
@@ -228,7 +242,7 @@ class DeckSolver(Solver):
     @override
     def executes(self) -> tuple[str, ...]:
         """Return the command that runs the decks; raise if its program is not found."""
-        return (shlex.join(self._command(Path(f"in.{self.name}"))),)
+        return (shlex.join(self._command(Path(f"in.{self.name}"))), *self.test.executes())
 
     @override
     def readiness(self) -> str:
@@ -239,8 +253,29 @@ class DeckSolver(Solver):
 
     @override
     def estimate_cost(self, parameters: Mapping[str, float]) -> RunCost:
-        """Estimate the cost of a run."""
-        return self.test.estimate_cost(self.name, self.run_parameters(parameters), self.ranks)
+        """Estimate the cost of a run.
+
+        Raises
+        ------
+        InputError
+            The material is impossible, or the program lacks a concept of its scene.
+        """
+        material = self.run_parameters(parameters)
+        if self.missing:
+            self._require_concepts(self.test.concepts(material))
+        return self.test.estimate_cost(self.name, material, self.ranks)
+
+    def scene(self, parameters: Mapping[str, float], seed: int) -> Scene:
+        """Return the scene of a run.
+
+        Raises
+        ------
+        InputError
+            The material is impossible, or the program lacks a concept of its scene.
+        """
+        scene = self.test.scene(self.run_parameters(parameters), seed)
+        self._require_concepts(scene.concepts())
+        return scene
 
     @override
     def default_timeout(self, parameters: Mapping[str, float]) -> float:

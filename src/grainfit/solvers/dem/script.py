@@ -8,33 +8,18 @@ from pathlib import Path
 from typing import ClassVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from grainfit.contact_models.base import ContactLaw
-from grainfit.contact_models.registry import contact_law
 from grainfit.scenes.conditions import AtRest, Clear, Elapsed, Loaded
 from grainfit.scenes.records import Force, KineticEnergy, MassAbove, RadialForce, Recorded, Travel
 from grainfit.scenes.run_output import SNAPSHOTS, STAGES, STAGES_HEADER, series_file
-from grainfit.scenes.scene import Load, Scene, Stage, Velocity, Wall
+from grainfit.scenes.scene import Load, Scene, Stage, Velocity, Wall, load_on
+from grainfit.solvers.dem.script_glued import COLUMN, LOOSE, GluedSets
+from grainfit.solvers.dem.script_words import command, continued, heading
 
 PARTICLES = "particles.data"
-#: Column at which the arguments of a command begin, and width of a heading.
-_INDENT, _WIDTH = 16, 99
 _AXES = {"x": 0, "y": 1, "z": 2}
-
-
-def command(name: str, arguments: str) -> str:
-    """Return a line of a deck."""
-    return f"{name:<{_INDENT - 1}} {arguments}"
-
-
-def heading(words: str) -> str:
-    """Return a comment line that begins a part of a deck."""
-    return f"\n# --- {words} ".ljust(_WIDTH, "-")
-
-
-def continued(first: str, parts: list[str]) -> str:
-    """Return a command over several lines."""
-    return " &\n    ".join([first, *parts])
 
 
 def _recorded(column: str) -> str:
@@ -61,7 +46,7 @@ class ScriptDeck(ABC):
     def __init__(self, scene: Scene, folder: Path) -> None:
         self.scene = scene
         self.folder = folder
-        self.law: ContactLaw = contact_law(scene.material)
+        self.law: ContactLaw = scene.law
         #: Walls that are there, by name.
         self.walls: dict[str, Wall] = {}
         #: Commands that remove the helpers of records at the end of a stage: the next stage may
@@ -70,6 +55,9 @@ class ScriptDeck(ABC):
         #: Computes that sum quantities of the particles at a wall, by wall: they stay from stage to
         #: stage, and go with the wall.
         self._sums: dict[str, list[str]] = {}
+        self._glued = GluedSets(scene, self.follow, self.hold)
+        #: Group of the particles that move, are counted, and touch walls.
+        self.loose = LOOSE if scene.glued else "all"
 
     def write(self) -> Path:
         """Write everything that the solver reads; return the deck."""
@@ -86,6 +74,9 @@ class ScriptDeck(ABC):
         yield ""
         yield from self.head()
         yield from self.contacts()
+        if self.scene.glued:
+            yield heading("glued sets")
+            yield from self._glued.define()
         yield heading("walls")
         yield from self.first_walls()
         yield heading("motion, and what is looked at")
@@ -135,7 +126,7 @@ class ScriptDeck(ABC):
 
     @abstractmethod
     def particle_types(self) -> tuple[int, list[int]]:
-        """Return the number of types, and the type of every particle."""
+        """Return the number of types, and the type of every particle, loose and glued."""
 
     # --- particles -----------------------------------------------------------------------------
 
@@ -150,22 +141,31 @@ class ScriptDeck(ABC):
             f"{low[0]!r} {high[0]!r} xlo xhi\n{low[1]!r} {high[1]!r} ylo yhi\n"
             f"{low[2]!r} {high[2]!r} zlo zhi\n\nAtoms\n"
         )
-        diameters = np.array(scene.sizes.diameters)[scene.particles.size_indices].tolist()
+        diameters = np.array(scene.sizes.diameters)[self.size_indices].tolist()
+        positions = [scene.particles.positions, *(g.positions for g in scene.glued.values())]
         density = scene.material["particle.density"]
         rows = (
             f"{number} {kind} {diameter!r} {density!r} {x:.12g} {y:.12g} {z:.12g}"
             for number, (kind, diameter, (x, y, z)) in enumerate(
-                zip(kinds, diameters, scene.particles.positions.tolist(), strict=True), 1
+                zip(kinds, diameters, np.vstack(positions).tolist(), strict=True), 1
             )
         )
         text = header + "\n" + "\n".join(rows) + "\n" + self._velocities()
         (self.folder / PARTICLES).write_text(text, encoding="ascii")
+
+    @property
+    def size_indices(self) -> NDArray[np.int64]:
+        """Index of every particle's diameter, loose ones before glued ones."""
+        glued = (body.size_indices for body in self.scene.glued.values())
+        return np.concatenate([self.scene.particles.size_indices, *glued])
 
     def _velocities(self) -> str:
         """Return the section of the particles' velocities, with no spin; empty at rest."""
         velocities = self.scene.particles.velocities
         if velocities is None:
             return ""
+        glued = len(self.size_indices) - len(velocities)
+        velocities = np.vstack([velocities, np.zeros((glued, 3))])
         rows = (
             f"{number} {x!r} {y!r} {z!r} 0 0 0"
             for number, (x, y, z) in enumerate(velocities.tolist(), 1)
@@ -174,6 +174,17 @@ class ScriptDeck(ABC):
 
     # --- settings ------------------------------------------------------------------------------
 
+    @property
+    def _kinetic(self) -> str:
+        """Expression of the kinetic energy of the loose particles."""
+        return f"ke({self.loose})" if self.scene.glued else "ke"
+
+    @property
+    def snapshot_columns(self) -> str:
+        """Columns of a snapshot; where there are glued sets, the last is 0 for loose particles."""
+        columns = "id type x y z radius mass"
+        return f"{columns} {COLUMN}" if self.scene.glued else columns
+
     def boundary(self) -> str:
         """Return the arguments of ``boundary``."""
         return " ".join("p" if axis in self.scene.box.periodic else "f" for axis in "xyz")
@@ -181,14 +192,16 @@ class ScriptDeck(ABC):
     def motion(self) -> Iterator[str]:
         """Iterate over gravity, integration, and the variables that stages look at."""
         scene = self.scene
-        yield command("fix", f"gravity all gravity {scene.gravity} vector 0.0 0.0 -1.0")
-        yield command("fix", "motion all nve/sphere")
+        gravity = f"gravity {self.loose} gravity {scene.gravity} vector 0.0 0.0 -1.0"
+        yield command("fix", gravity)
+        yield command("fix", f"motion {self.loose} nve/sphere")
         yield command("timestep", f"{scene.time_step}")
         yield ""
-        yield command("variable", "kinetic equal ke")
+        yield command("variable", f"kinetic equal {self._kinetic}")
         yield command("variable", "now equal step")
         yield command("variable", "elapsed equal step*dt")
-        yield command("variable", "remaining equal atoms")
+        count = f"count({self.loose})" if scene.glued else "atoms"
+        yield command("variable", f"remaining equal {count}")
         yield command("thermo_style", "custom step atoms time ke cpu")
         yield command("thermo_modify", "lost ignore norm no")
         yield command("thermo", f"{scene.steps(scene.check_interval)}")
@@ -203,26 +216,41 @@ class ScriptDeck(ABC):
         if stage.strike_off is not None:
             yield command("region", f"above block INF INF INF INF {stage.strike_off} INF units box")
             yield command("group", "surplus region above")
+            if self.scene.glued:
+                yield command("group", "surplus subtract surplus glued")
             yield command("delete_atoms", "group surplus compress no")
             yield command("group", "surplus delete")
             yield command("region", "above delete")
         yield from self.change_walls(stage)
         yield command("variable", "start equal ${now}")
-        for wall, motion in stage.motions.items():
-            yield from self.start_motion(wall, motion)
+        yield from self._start_motions(stage)
         yield from self._record(stage)
         if stage.is_closed:
             yield command("variable", "expected equal ${remaining}")
         yield from self._until(stage)
         if stage.series is not None:
             yield command("unfix", "series")
-        for wall, motion in stage.motions.items():
-            yield from self.stop_motion(wall, motion)
+        yield from self._stop_motions(stage)
         yield from self.undo
         self.undo = []
         yield self._note_end(stage.name, self._end_of(stage))
         if stage.snapshot:
             yield from self.snapshot(stage.snapshot)
+
+    def _start_motions(self, stage: Stage) -> Iterator[str]:
+        yield from self._glued.stop_moved(stage)
+        for name in stage.motions:
+            if name in self.scene.glued:
+                yield from self._glued.start_motion(name, stage.motions_of(name))
+            else:
+                yield from self.start_motion(name, stage.motions_of(name)[0])
+
+    def _stop_motions(self, stage: Stage) -> Iterator[str]:
+        for name in stage.motions:
+            if name in self.scene.glued:
+                yield from self._glued.stop_motion(name, stage.motions_of(name))
+            else:
+                yield from self.stop_motion(name, stage.motions_of(name)[0])
 
     def _until(self, stage: Stage) -> Iterator[str]:
         scene, until, name = self.scene, stage.until, stage.name
@@ -259,7 +287,7 @@ class ScriptDeck(ABC):
                 yield command("run", f"{scene.steps(max(until.at_least, first))} post no")
             return
         if isinstance(until, Clear):
-            yield command("variable", "highest equal bound(all,zmax)")
+            yield command("variable", f"highest equal bound({self.loose},zmax)")
         else:
             yield command("variable", "near equal 0")
         yield command("run", f"{scene.steps(scene.check_interval)} post no")
@@ -292,9 +320,9 @@ class ScriptDeck(ABC):
 
     def _load_on(self, wall: str, stage: str) -> float:
         """Force of the particles on a loaded wall, N."""
-        motion = next(s for s in self.scene.stages if s.name == stage).motions[wall]
-        assert isinstance(motion, Load)
-        return -motion.force
+        load = load_on(next(s for s in self.scene.stages if s.name == stage), wall)
+        assert load is not None, "scenes refuse to wait for a load that is not there"
+        return -load.force
 
     @staticmethod
     def _jump(condition: str, label: str) -> str:
@@ -353,7 +381,13 @@ class ScriptDeck(ABC):
 
     def _quantity(self, quantity: Recorded, name: str) -> Iterator[str]:
         """Define the variable of a recorded quantity."""
-        if isinstance(quantity, Force):
+        if isinstance(quantity, Force) and quantity.wall in self.scene.glued:
+            force = self._glued.force(quantity.wall, quantity.along)
+            yield command("variable", f"{name} equal {force}")
+        elif isinstance(quantity, Travel) and quantity.wall in self.scene.glued:
+            travel = self._glued.travel(quantity.wall, quantity.along)
+            yield command("variable", f"{name} equal {travel}")
+        elif isinstance(quantity, Force):
             yield from self.record_force(quantity.wall, quantity.along, name)
         elif isinstance(quantity, RadialForce):
             yield from self.record_radial_force(quantity.wall, name)
@@ -361,10 +395,10 @@ class ScriptDeck(ABC):
             yield command("variable", f"{name} equal v_{quantity.wall}_travel")
         elif isinstance(quantity, MassAbove):
             yield command("region", f"{name} block INF INF INF INF {quantity.height} INF units box")
-            yield command("variable", f"{name} equal mass(all,{name})")
+            yield command("variable", f"{name} equal mass({self.loose},{name})")
             self.undo.append(command("region", f"{name} delete"))
         elif isinstance(quantity, KineticEnergy):
-            yield command("variable", f"{name} equal ke")
+            yield command("variable", f"{name} equal {self._kinetic}")
 
     def is_new_sum(self, wall: str, sum_: str) -> bool:
         """Note a sum of forces on a wall; return whether no earlier stage has defined it."""
@@ -383,7 +417,7 @@ class ScriptDeck(ABC):
         found = {
             wall
             for stage in self.scene.stages
-            for wall, motion in stage.motions.items()
+            for wall, motion in stage.all_motions()
             if isinstance(motion, Load)
         }
         for stage in self.scene.stages:
@@ -396,7 +430,7 @@ class ScriptDeck(ABC):
         return {
             wall: motion.along
             for stage in self.scene.stages
-            for wall, motion in stage.motions.items()
+            for wall, motion in stage.all_motions()
         }
 
     @staticmethod

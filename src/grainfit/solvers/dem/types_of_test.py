@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import replace
 from functools import partial
 
 from grainfit.bulk_tests.base import BulkTest
-from grainfit.contact_models.registry import MATERIAL_PARAMETERS
+from grainfit.contact_models.registry import MATERIAL_PARAMETERS, contact_law
 from grainfit.options.kinds import Choice, Whole
 from grainfit.options.paths import Program
 from grainfit.options.tables import Key
@@ -59,12 +60,18 @@ def _program_keys(possible: tuple[str, ...]) -> tuple[Key, ...]:
 def _solver(test: type[BulkTest], programs: Programs, entry: FileEntry) -> Solver:
     names = [key.name for key in test.option_keys()]
     options = {name: entry.options[name] for name in names if name in entry.options}
+    if entry.contact_models:
+        law = contact_law(entry.fixed, entry.contact_models)
+        # Rounded down: the share becomes part of a run's identity.
+        safe = math.floor(100 * law.time_step_fraction(entry.fixed)) / 100
+        options.setdefault("time_step_fraction", safe)
     assert entry.sizes is not None, "a file with a simulated test has been checked to have sizes"
     solver = programs[entry.options["solver"]](
-        test(entry.sizes, **options),
+        test(entry.sizes, **options).with_targets(entry.responses),
         {name: value for name, value in entry.fixed.items() if name in MATERIAL_PARAMETERS},
         entry.options.get("ranks", 1),
         entry.options.get("executable"),
+        entry.contact_models,
     )
     if all(name in MATERIAL_PARAMETERS for name in entry.free):
         return solver

@@ -20,11 +20,12 @@ from typing_extensions import override
 
 from grainfit.errors import Fault, GrainfitError, InputError, RunFailedError, SolverNotFoundError
 from grainfit.evaluation import Response
+from grainfit.exchange import finite_parameters, read_responses
 from grainfit.files import log_tail
 from grainfit.formatting import variable_name
+from grainfit.options.python_file import PythonFile
 from grainfit.solvers.base import Solver, Workspace
 from grainfit.solvers.own_model import measure_folder
-from grainfit.solvers.own_model.exchange import finite_parameters, read_responses
 from grainfit.solvers.own_model.model_folder import ModelFolder
 from grainfit.solvers.own_model.model_input import (
     INCLUDE_NAME,
@@ -34,7 +35,6 @@ from grainfit.solvers.own_model.model_input import (
     template_context,
     write_parameters,
 )
-from grainfit.solvers.own_model.python_file import PythonFile
 from grainfit.solvers.process.process import LOG_NAME, recorded_faults, run_process
 
 RESPONSES_NAME = "responses.json"

@@ -20,9 +20,9 @@ from typing_extensions import override
 
 from grainfit.errors import Fault, GrainfitError, InputError, RunFailedError
 from grainfit.evaluation import Response
+from grainfit.exchange import finite_parameters, read_responses
+from grainfit.options.python_file import PythonFile
 from grainfit.solvers.base import Solver, Workspace
-from grainfit.solvers.own_model.exchange import finite_parameters, read_responses
-from grainfit.solvers.own_model.python_file import PythonFile
 from grainfit.solvers.process.faults import machine_error
 
 Function = Callable[[dict[str, float], int], Mapping[str, Any]]

@@ -15,6 +15,7 @@ from typing_extensions import override
 
 from grainfit.errors import Fault, InputError, RunFailedError
 from grainfit.evaluation import ERROR_SUFFIX, Response
+from grainfit.exchange import finite_parameters
 from grainfit.solvers.base import Solver, Workspace
 from grainfit.solvers.own_model.csv_table import (
     OLD_ERROR_SUFFIX,
@@ -23,7 +24,6 @@ from grainfit.solvers.own_model.csv_table import (
     read_csv,
     repeated_runs,
 )
-from grainfit.solvers.own_model.exchange import finite_parameters
 
 _MOST_FAULTS = 20
 

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
+from grainfit.options.functions import Function, find_function
 from grainfit.options.kinds import Flag, ListOf, Text
 from grainfit.options.paths import Located
-from grainfit.options.places import Place
+from grainfit.options.places import Place, show
 from grainfit.options.tables import Key, Values
 from grainfit.solvers.base import Solver
 from grainfit.solvers.own_model.command import Command
-from grainfit.solvers.own_model.function_reference import Function, find_function_inside
+from grainfit.solvers.own_model.model_folder import is_inside
 from grainfit.solvers.own_model.python_callable import PythonCallable
 from grainfit.solvers.own_model.recorded_table import RecordedTable
 from grainfit.solvers.parameters_for import ParametersFor
@@ -23,7 +26,29 @@ def _check_command(values: Values, place: Place) -> None:
         )
     folder, evaluate = values.get("folder"), values.get("evaluate")
     if folder and evaluate:
-        values["evaluate"] = find_function_inside(evaluate, folder, place.at("evaluate"))
+        values["evaluate"] = _find_function_inside(evaluate, folder, place.at("evaluate"))
+
+
+def _find_function_inside(reference: str, folder: Path, place: Place) -> str | None:
+    """Find a function like `find_function`, in a file that must be inside the folder.
+
+    Parameters
+    ----------
+    reference : str
+        ``"file.py:function"``.
+    folder : Path
+        Folder of the model; a run sees only a copy of it.
+    place : Place
+        Of the reference.
+    """
+    written = Path(reference.rpartition(":")[0])
+    if ".." in written.parts or not is_inside(folder / written, folder):
+        place.fault(
+            f"is {show(reference)}, which is outside the model's folder.",
+            f"Put the file into {folder}.",
+        )
+        return None
+    return find_function(reference, folder, place)
 
 
 def _command(entry: FileEntry) -> Solver:

@@ -124,10 +124,11 @@ class Belief:
         return self._gain[1]
 
     def handicaps(self, points: Array) -> Array:
-        """Penalties added to the misfits of possible answers with a small time step."""
+        """Penalties of possible answers: a small time step, and what was measured otherwise."""
+        own = (self.problem.off_measured(points) ** 2).sum(axis=1)
         if self._options.prefer == "accuracy":
-            return np.zeros(len(points))
-        return handicaps(self.problem, points)
+            return np.asarray(own)
+        return np.asarray(handicaps(self.problem, points) + own)
 
     def runs_needed(self, confidence: float) -> int:
         """Estimated number of further runs at the answer that would decide it."""

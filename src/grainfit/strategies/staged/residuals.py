@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from grainfit.metamodels.metamodels import Metamodels
-from grainfit.problem import Problem
+from grainfit.problem import Parameter, Problem
 
 Vector = NDArray[np.float64]
 
@@ -27,9 +27,9 @@ def residuals(problem: Problem, parameters: Mapping[str, float], responses: Vect
 
     Returns
     -------
-    ndarray, shape (number of targets + 1,)
+    ndarray, shape (number of targets + 1 + number of measured parameters,)
         Weighted relative deviations (equation 1), then the weighted Rayleigh criterion
-        (equation 2).
+        (equation 2), then relative deviations of parameters from their own measurements.
 
     References
     ----------
@@ -40,7 +40,18 @@ def residuals(problem: Problem, parameters: Mapping[str, float], responses: Vect
         for target, response in zip(problem.targets, responses, strict=True)
     ]
     criterion = problem.rayleigh_weight * problem.rayleigh_criterion(parameters)
-    return np.array([*deviations, criterion])
+    own = [
+        p.off_measured(p.to_unit(parameters[p.name])) * relative_uncertainty(p)
+        for p in problem.measured
+    ]
+    return np.array([*deviations, criterion, *own])
+
+
+def relative_uncertainty(parameter: Parameter) -> float:
+    """Return the uncertainty of a measured parameter over its value; 1 if that is zero."""
+    if not parameter.measured or not parameter.uncertainty:
+        return 1.0
+    return parameter.uncertainty / abs(parameter.measured)
 
 
 def expected_misfit(

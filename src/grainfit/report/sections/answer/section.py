@@ -55,6 +55,7 @@ class ParameterRow:
     position: float | None
     credible: tuple[float, float] | None
     searched: str
+    measured: str
 
 
 @dataclass(frozen=True)
@@ -211,7 +212,15 @@ def _parameter_row(context: ReportContext, parameter: Parameter) -> ParameterRow
         if interval
         else None,
         searched=f"{number(parameter.minimum)} … {number(parameter.maximum)}",
+        measured=_measured(parameter),
     )
+
+
+def _measured(parameter: Parameter) -> str:
+    """Return the value that a measurement of its own gave; empty without one."""
+    if parameter.measured is None or parameter.uncertainty is None:
+        return ""
+    return f"measured {number(parameter.measured)} ± {number(parameter.uncertainty, 3)}"
 
 
 def _shown(value: float | None, half_width: float | None) -> str:

@@ -1,4 +1,5 @@
-// Particles that can be turned: shaded spheres, drawn from back to front.
+// Particles that can be turned: shaded spheres, drawn from back to front, between the walls behind
+// them and the walls in front of them.
 (() => {
   "use strict";
 
@@ -42,6 +43,27 @@
     return Float32Array.from({ length: bytes.length / 2 }, (_, i) => view.getInt16(2 * i, true));
   };
 
+  const drawArrow = (pen, [x1, y1], [x2, y2], ink, width) => {
+    const length = Math.hypot(x2 - x1, y2 - y1);
+    if (length < 1) {
+      return;
+    }
+    const [u, v] = [(x2 - x1) / length, (y2 - y1) / length];
+    const head = Math.min(0.4 * length, 5 * width);
+    const [nx, ny] = [x2 - head * u, y2 - head * v];
+    pen.lineWidth = width;
+    pen.strokeStyle = pen.fillStyle = ink;
+    pen.beginPath();
+    pen.moveTo(x1, y1);
+    pen.lineTo(nx, ny);
+    pen.stroke();
+    pen.beginPath();
+    pen.moveTo(x2, y2);
+    pen.lineTo(nx - 0.5 * head * v, ny + 0.5 * head * u);
+    pen.lineTo(nx + 0.5 * head * v, ny - 0.5 * head * u);
+    pen.fill();
+  };
+
   const show = (canvas, scene) => {
     const table = unpack(scene.particles);
     const count = table.length / 4;
@@ -54,7 +76,20 @@
       top = Math.max(top, z + r);
       reach = Math.max(reach, Math.hypot(x, y) + r);
     }
-    const roof = Math.max(top, ...scene.outlines.flat().map(([, , z]) => z));
+    // Walls are one colour each, so that layers of them can be composed without seams.
+    const walls = (scene.walls ?? []).map((wall) => ({ ...wall, corners: unpack(wall.triangles) }));
+    for (const { corners } of walls) {
+      for (let i = 0; i < corners.length; i += 3) {
+        reach = Math.max(reach, Math.hypot(corners[i], corners[i + 1]));
+      }
+    }
+    const heights = walls.map(({ corners }) => corners.filter((_, i) => i % 3 === 2));
+    const highest = (values) => values.reduce((most, value) => Math.max(most, value), 0);
+    const roof = Math.max(
+      top,
+      ...scene.outlines.flat().map(([, , z]) => z),
+      ...heights.map((values) => highest(values)),
+    );
     const usual = { azimuth: 0.5, elevation: 0.35, zoom: 1 };
     let camera = { ...usual };
     let waiting = false;
@@ -92,6 +127,43 @@
         }
         pen.stroke();
       }
+      const depth = (x, y, z) => (y * ca - x * sa) * ce - z * se;
+      const middle = depth(0, 0, top / 2);
+      const layer = (isFront, alpha) => {
+        if (walls.length === 0) {
+          return;
+        }
+        const paper = document.createElement("canvas");
+        paper.width = width;
+        paper.height = height;
+        const brush = paper.getContext("2d");
+        const faces = walls.flatMap(({ corners, colour: rgb }) =>
+          Array.from({ length: corners.length / 9 }, (_, i) => {
+            const [a, b, c] = [0, 3, 6].map((at) => corners.subarray(9 * i + at, 9 * i + at + 3));
+            const away = (depth(...a) + depth(...b) + depth(...c)) / 3;
+            const [u, v] = [b, c].map((end) => end.map((value, axis) => value - a[axis]));
+            const normal = [
+              u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0],
+            ];
+            const lit = Math.abs(-0.35 * normal[0] - 0.55 * normal[1] + 0.76 * normal[2]);
+            return { away, corners: [a, b, c], rgb, lit: lit / (Math.hypot(...normal) || 1) };
+          }),
+        );
+        const shown = faces.filter(({ away }) => away < middle === isFront);
+        shown.sort((one, other) => other.away - one.away);
+        for (const { corners, rgb, lit } of shown) {
+          brush.fillStyle = brush.strokeStyle = shade(rgb, 0.75 + 0.45 * lit);
+          brush.beginPath();
+          corners.forEach((corner) => brush.lineTo(...place(...corner)));
+          brush.closePath();
+          brush.fill();
+          brush.stroke();
+        }
+        pen.globalAlpha = alpha;
+        pen.drawImage(paper, 0, 0);
+        pen.globalAlpha = 1;
+      };
+      layer(false, 0.28);
       for (let i = 0; i < count; i += 1) {
         const deep = table[4 * i + 1] * ca - table[4 * i] * sa;
         away[i] = deep * ce - table[4 * i + 2] * se;
@@ -103,6 +175,10 @@
         const [across, down] = place(x, y, z);
         const bin = Math.min(BINS - 1, Math.max(0, Math.floor((z / top) * BINS)));
         pen.drawImage(sprites[bin], across - size, down - size, 2 * size, 2 * size);
+      }
+      layer(true, 0.28);
+      for (const [start, end, rgb] of scene.arrows ?? []) {
+        drawArrow(pen, place(...start), place(...end), `rgb(${rgb.join(",")})`, 3 * scale);
       }
     };
     const redraw = () => {

@@ -101,7 +101,7 @@ def _view(
         noun=runs[0].shown.noun if runs else "particles",
         response=_response(runs),
         words=words,
-        target="" if target is None else _with_unit(runs, target.value, 6),
+        target="" if target is None else _with_unit(runs, target, target.value, 6),
         value="",
         measured="",
         drawing=None,
@@ -117,7 +117,7 @@ def _view(
         images = (picture(run) for run in candidates[:5])
         return replace(seen, picture=next((image for image in images if image), None)), None
     run, view = found
-    value = _with_unit([run], run.value, 3)
+    value = _with_unit([run], target, run.value, 3)
     return replace(_with_particles(seen, run, view, target), value=value), _scene(view)
 
 
@@ -141,10 +141,11 @@ def _response(runs: list[ShownRun]) -> str:
     return plain(runs[0].shown.response.replace("_", " ")) if runs else ""
 
 
-def _with_unit(runs: list[ShownRun], value: float, digits: int) -> str:
-    """The value of the response shown, with its unit."""
+def _with_unit(runs: list[ShownRun], target: Target | None, value: float, digits: int) -> str:
+    """The value of the response shown, with its unit: that of the test, else of the target."""
     test = class_of_test(runs[0].record.definition) if runs else None
-    unit = "" if test is None else test.responses[runs[0].shown.response].unit
+    info = test.responses.get(runs[0].shown.response) if test else None
+    unit = info.unit if info else target.unit if target else ""
     return with_unit(number(value, digits), unit_for_people(unit))
 
 
@@ -190,7 +191,7 @@ def _strip(context: ReportContext, runs: list[ShownRun], target: Target | None) 
     return [
         StripRun(
             number=run.number,
-            value=_with_unit([run], run.value, 3),
+            value=_with_unit([run], target, run.value, 3),
             met=target is not None and abs(run.value - target.value) <= target.tolerance,
             drawing=view.drawing(),
             values=[_named_value(context, run, name) for name in names],

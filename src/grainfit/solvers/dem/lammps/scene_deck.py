@@ -10,7 +10,8 @@ from grainfit.contact_models.lammps import lammps_clauses, lammps_words
 from grainfit.scenes.run_output import snapshot_file
 from grainfit.scenes.scene import Load, Stage, Velocity, Wall
 from grainfit.scenes.shapes import Block, Cone, Cylinder, Disc, Plane, Shape
-from grainfit.solvers.dem.script import PARTICLES, ScriptDeck, command, continued, heading
+from grainfit.solvers.dem.script import PARTICLES, ScriptDeck
+from grainfit.solvers.dem.script_words import command, continued, heading
 
 #: Concepts that LAMMPS does not have, with the reason and what to use instead.
 MISSING: Mapping[str, str] = {
@@ -49,7 +50,7 @@ class LammpsSceneDeck(ScriptDeck):
 
     def particle_types(self) -> tuple[int, list[int]]:
         """Return one type for each diameter."""
-        kinds = (self.scene.particles.size_indices + 1).tolist()
+        kinds = (self.size_indices + 1).tolist()
         return len(self.scene.sizes.diameters), kinds
 
     @property
@@ -66,7 +67,7 @@ class LammpsSceneDeck(ScriptDeck):
         for i, radius in enumerate(radii, 1):
             for j, other in enumerate(radii[i - 1 :], i):
                 contact = Contact.between(
-                    material, radius, other, scene.gravity, scene.typical_load
+                    material, radius, other, scene.weight_gravity, scene.typical_load
                 )
                 yield continued(
                     command("pair_coeff", f"{i} {j}"), lammps_clauses(self.law, contact)
@@ -80,6 +81,9 @@ class LammpsSceneDeck(ScriptDeck):
         """Iterate over the walls of the beginning."""
         yield "# LAMMPS gives a wall the stiffness of the particle; the modulus below is the one at"
         yield "# which that makes the contact as stiff as that of a particle with the real wall."
+        if self.scene.glued:
+            for number in self._numbers():
+                yield command("group", f"size{number} subtract size{number} glued")
         for name, wall in self.scene.walls.items():
             yield from self._put(name, wall)
 
@@ -107,7 +111,9 @@ class LammpsSceneDeck(ScriptDeck):
         material = self.scene.material_on(wall.surface)
         measured = " contacts" if name in self.measured_walls() else ""
         for number, radius in enumerate(self._radii, 1):
-            contact = Contact.on_wall(material, radius, self.scene.gravity, self.scene.typical_load)
+            contact = Contact.on_wall(
+                material, radius, self.scene.weight_gravity, self.scene.typical_load
+            )
             clauses = lammps_clauses(self.law, contact)
             clauses[-1] += f" region {name}{measured}"
             yield continued(
@@ -174,8 +180,8 @@ class LammpsSceneDeck(ScriptDeck):
 
     def snapshot(self, name: str) -> Iterator[str]:
         """Write the particles into a file."""
-        columns = "id type x y z radius mass"
-        yield command("write_dump", f"all custom {snapshot_file(name)} {columns} modify sort id")
+        dump = f"all custom {snapshot_file(name)} {self.snapshot_columns} modify sort id"
+        yield command("write_dump", dump)
 
     def record_force(self, wall: str, along: str, name: str) -> Iterator[str]:
         """Define a variable: the force of the particles on a wall along an axis."""

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shutil
 from collections.abc import Iterator, Mapping
 from typing import ClassVar
 
@@ -10,9 +9,10 @@ from grainfit.contact_models.liggghts import liggghts_model, liggghts_properties
 from grainfit.errors import Fault, InputError
 from grainfit.scenes.run_output import snapshot_file
 from grainfit.scenes.scene import WALL, Load, Stage, Velocity, Wall
-from grainfit.scenes.shapes import Cylinder, Mesh
+from grainfit.scenes.shapes import Cylinder
 from grainfit.scenes.triangles import triangles_of, write_stl
-from grainfit.solvers.dem.script import PARTICLES, ScriptDeck, command, continued, heading
+from grainfit.solvers.dem.script import PARTICLES, ScriptDeck
+from grainfit.solvers.dem.script_words import command, continued, heading
 
 #: Concepts that LIGGGHTS does not have, with the reason and what to use instead.
 MISSING: Mapping[str, str] = {
@@ -57,7 +57,7 @@ class LiggghtsSceneDeck(ScriptDeck):
 
     def particle_types(self) -> tuple[int, list[int]]:
         """Return a type for the particles and one for each surface."""
-        return 1 + len(self._surfaces), [1] * len(self.scene.particles.size_indices)
+        return 1 + len(self._surfaces), [1] * len(self.size_indices)
 
     def contacts(self) -> Iterator[str]:
         """Iterate over the properties of particles and surfaces."""
@@ -104,18 +104,15 @@ class LiggghtsSceneDeck(ScriptDeck):
             yield from self._put_tube(name, wall)
             return
         path = self.folder / f"{name}.stl"
-        if isinstance(wall.shape, Mesh):
-            shutil.copyfile(wall.shape.path, path)
-        else:
-            edge = 0.95 * self.scene.sizes.sauter_diameter
-            write_stl(path, triangles_of(wall.shape, self.scene.box, edge))
+        edge = 0.95 * self.scene.sizes.sauter_diameter
+        write_stl(path, triangles_of(wall.shape, self.scene.box, edge))
         number = 2 + self._surfaces.index(wall.surface)
         loads = [m for m in self.scene.motions_of(name) if isinstance(m, Load)]
         style = "mesh/surface/stress" if name in self.measured_walls() else "mesh/surface"
         servo = ""
         if loads:
             style, servo = "mesh/surface/stress/servo", f" {self._servo(loads[0])}"
-        yield command("fix", f"{name} all {style} file {path.name} type {number}{servo}")
+        yield command("fix", f"{name} {self.loose} {style} file {path.name} type {number}{servo}")
         if loads:
             yield command("fix_modify", f"{name} integrate stop")
         elif name in self.moving_walls():
@@ -134,7 +131,7 @@ class LiggghtsSceneDeck(ScriptDeck):
         number = 2 + self._surfaces.index(wall.surface)
         stored = " store_force yes" if name in self.measured_walls() else ""
         shape = f"primitive type {number} zcylinder {wall.shape.radius} 0.0 0.0{stored}"
-        first = f"{name} all wall/gran model {liggghts_model(self.law)}"
+        first = f"{name} {self.loose} wall/gran model {liggghts_model(self.law)}"
         yield continued(command("fix", first), [shape])
 
     @property
@@ -153,7 +150,7 @@ class LiggghtsSceneDeck(ScriptDeck):
         if not self._meshes:
             return
         meshes = f"mesh n_meshes {len(self._meshes)} meshes {' '.join(self._meshes)}"
-        first = f"walls all wall/gran model {liggghts_model(self.law)}"
+        first = f"walls {self.loose} wall/gran model {liggghts_model(self.law)}"
         yield continued(command("fix", first), [meshes])
 
     # --- motions -------------------------------------------------------------------------------
@@ -186,8 +183,8 @@ class LiggghtsSceneDeck(ScriptDeck):
 
     def snapshot(self, name: str) -> Iterator[str]:
         """Write the particles into a file."""
-        columns = "id type x y z radius mass"
-        yield command("dump", f"{name} all custom 1 {snapshot_file(name)} {columns}")
+        dump = f"{name} all custom 1 {snapshot_file(name)} {self.snapshot_columns}"
+        yield command("dump", dump)
         yield command("dump_modify", f"{name} sort id")
         yield command("run", "0 post no")
         yield command("undump", name)
@@ -200,7 +197,8 @@ class LiggghtsSceneDeck(ScriptDeck):
             return
         sum_ = f"{wall}_{along}"
         if self.is_new_sum(wall, sum_):
-            yield command("compute", f"{sum_} all reduce sum f_force_{wall}[{number}]")
+            force = f"reduce sum f_force_{wall}[{number}]"
+            yield command("compute", f"{sum_} {self.loose} {force}")
         yield command("variable", f"{name} equal -c_{sum_}")
 
     def record_radial_force(self, wall: str, name: str) -> Iterator[str]:
@@ -225,7 +223,7 @@ class LiggghtsSceneDeck(ScriptDeck):
             # A particle on the axis must not divide by zero.
             radial = f"({force}[1]*x+{force}[2]*y)/sqrt(x*x+y*y+1e-30)"
             yield command("variable", f"{sum_}_of atom {radial}")
-            yield command("compute", f"{sum_} all reduce sum v_{sum_}_of")
+            yield command("compute", f"{sum_} {self.loose} reduce sum v_{sum_}_of")
         yield command("variable", f"{name} equal -c_{sum_}")
 
 

@@ -63,6 +63,9 @@ class PythonFile:
                 str(self.path),
             ) from error
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _with_source, (f"{self.path}:{self.function}", self.source)
+
     def identity(self) -> dict[str, str]:
         """Return the names of the file and the function, and the hash of the whole file."""
         return {
@@ -119,6 +122,13 @@ class PythonFile:
             sys.path.append(str(self.path.parent))
         exec(compile(self.source, str(self.path), "exec"), module.__dict__)
         return module
+
+
+def _with_source(reference: str, source: bytes) -> PythonFile:
+    """Rebuild a function in another process: of the contents that were hashed in the first."""
+    function = PythonFile(reference)
+    function.__dict__["source"] = source
+    return function
 
 
 def _top_level_names(tree: ast.Module) -> set[str]:

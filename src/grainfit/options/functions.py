@@ -10,8 +10,7 @@ from grainfit.errors import InputError
 from grainfit.options.kinds import Kind, Schema, Text
 from grainfit.options.paths import note_not_there
 from grainfit.options.places import Place, show
-from grainfit.solvers.own_model.model_folder import is_inside
-from grainfit.solvers.own_model.python_file import PythonFile
+from grainfit.options.python_file import PythonFile
 
 
 @dataclass(frozen=True)
@@ -51,25 +50,3 @@ def find_function(reference: str, folder: Path, place: Place) -> str | None:
             place.fault(f"is {show(reference)}: {fault.message}", fault.remedy)
         return None
     return f"{function.path}:{function.function}"
-
-
-def find_function_inside(reference: str, folder: Path, place: Place) -> str | None:
-    """Find a function like `find_function`, in a file that must be inside the folder.
-
-    Parameters
-    ----------
-    reference : str
-        ``"file.py:function"``.
-    folder : Path
-        Folder of the model; a run sees only a copy of it.
-    place : Place
-        Of the reference.
-    """
-    written = Path(reference.rpartition(":")[0])
-    if ".." in written.parts or not is_inside(folder / written, folder):
-        place.fault(
-            f"is {show(reference)}, which is outside the model's folder.",
-            f"Put the file into {folder}.",
-        )
-        return None
-    return find_function(reference, folder, place)

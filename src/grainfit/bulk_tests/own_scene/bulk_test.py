@@ -1,0 +1,439 @@
+"""A test of the user's own: a scene and its measurement, as functions in a Python file."""
+
+from __future__ import annotations
+
+import hashlib
+import math
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from copy import copy
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any, ClassVar, NoReturn, Self
+
+from grainfit.bulk_tests.base import (
+    GRAVITY,
+    TIME_STEP_FRACTION,
+    BulkTest,
+    ResponseInfo,
+    read_sizes,
+)
+from grainfit.bulk_tests.own_scene.options import OptionValue
+from grainfit.bulk_tests.own_scene.picture import ParticlesView, draw_particles
+from grainfit.bulk_tests.own_scene.user_function import call
+from grainfit.bulk_tests.run_cost import RunCost
+from grainfit.bulk_tests.view import Shown
+from grainfit.contact_models.registry import with_defaults
+from grainfit.errors import Fault, InputError, NotMeasurableError, RunFailedError
+from grainfit.evaluation import Response
+from grainfit.exchange import read_responses
+from grainfit.files import write_atomically
+from grainfit.materials.sizes import ParticleSizes
+from grainfit.options.fields import Amount, read_options
+from grainfit.options.functions import Function
+from grainfit.options.kinds import ListOf
+from grainfit.options.paths import Located
+from grainfit.options.python_file import PythonFile
+from grainfit.options.tables import Key, Named
+from grainfit.scenes.duration import expected_duration
+from grainfit.scenes.faults import scene_faults
+from grainfit.scenes.packing import Column
+from grainfit.scenes.run_output import RunOutput, snapshot_file
+from grainfit.scenes.scene import SCENES_REVISION, Scene, Wall
+from grainfit.scenes.shapes import Mesh, Shape
+
+#: Name of the snapshot of the last stage, which every run leaves.
+END = "end"
+#: Folder of a run's copies of the functions.
+FUNCTIONS = "functions"
+_PICTURE = "particles.png"
+_SAME = 1e-6
+_KEYS = (
+    Key(
+        "scene",
+        Function(),
+        "Function that returns the experiment as a Scene. It gets those of material, sizes, seed, "
+        "gravity, time_step and options that it names.",
+        required=True,
+        example='"blade.py:scene"',
+    ),
+    Key(
+        "measure",
+        Function(),
+        "Function that returns the responses by name: numbers, pairs of value and standard error, "
+        "or Response. It gets those of run, sizes, gravity and options that it names.",
+        required=True,
+        example='"blade.py:measure"',
+    ),
+    Key(
+        "options",
+        Named(OptionValue()),
+        "Options of the two functions: numbers, quantities with a unit (passed in SI units), "
+        "texts, true and false.",
+        example='{ blade_speed = "50 mm/s" }',
+        default="none",
+    ),
+    Key(
+        "files",
+        ListOf(Located()),
+        "Other files that the functions read, such as STL files and modules: a run is another one "
+        "when they change.",
+        example='["hopper.stl"]',
+        default="none",
+    ),
+)
+
+
+@dataclass(frozen=True, init=False, eq=False)
+class OwnScene(BulkTest):
+    """A test of your own: two functions in a Python file describe it and measure it.
+
+    ``scene(material, sizes, seed) -> Scene`` describes the experiment in the words of
+    `grainfit.scenes`, ``measure(run) -> dict`` measures the output of a run. Any DEM program that
+    has the concepts of the scene runs it. The contents of the files are part of the identity of
+    runs.
+
+    Parameters
+    ----------
+    sizes : ParticleSizes, optional
+        Particle size distribution.
+    diameter : float, str or list, optional
+        Instead of sizes: ``"10 mm"``, or a list of ``{"value": ..., "mass_fraction": ...}``.
+    scene, measure : str
+        The functions, ``"blade.py:scene"``.
+    options : mapping, optional
+        Options of the functions: numbers, quantities with a unit, texts, true and false.
+    files : sequence of path, optional
+        Other files that the functions read: STL files, modules.
+    gravity, time_step_fraction : float or str
+        As of all tests. The scene must have them; the functions get ``gravity`` and ``time_step``.
+
+    Raises
+    ------
+    InputError
+        A file is missing, or has not the function.
+    """
+
+    type: ClassVar[str] = "scene"
+    title: ClassVar[str] = "a scene of your own"
+    responses: ClassVar[Mapping[str, ResponseInfo]] = {}
+    is_scalable: ClassVar[bool] = False
+
+    #: Functions by their option; empty for a test from the record of a run.
+    functions: Mapping[str, PythonFile] = field(default_factory=dict)
+    #: Identities of functions and files.
+    identities: Mapping[str, Any] = field(default_factory=dict)
+    #: Options of the functions.
+    options: Mapping[str, Any] = field(default_factory=dict)
+    #: Other files that the functions read.
+    files: tuple[Path, ...] = ()
+    #: Responses that the measurement must give; None: any.
+    targets: tuple[str, ...] | None = None
+    _planned: tuple[dict[str, float], Scene] | None = None
+
+    def __init__(
+        self,
+        sizes: ParticleSizes | None = None,
+        *,
+        scene: str,
+        measure: str,
+        diameter: Any = None,
+        options: Mapping[str, Any] | None = None,
+        files: Sequence[str | Path] = (),
+        gravity: Amount = GRAVITY,
+        time_step_fraction: Amount = TIME_STEP_FRACTION,
+    ) -> None:
+        given = {
+            "scene": scene,
+            "measure": measure,
+            "options": dict(options or {}) or None,
+            "files": [str(path) for path in files] or None,
+            "gravity": gravity,
+            "time_step_fraction": time_step_fraction,
+        }
+        read = read_options(self.option_keys(), given)
+        self._set(
+            sizes=read_sizes(sizes, diameter),
+            gravity=read["gravity"],
+            time_step_fraction=read["time_step_fraction"],
+            functions={name: PythonFile(read[name]) for name in ("scene", "measure")},
+            identities={},
+            options=read["options"] or {},
+            files=tuple(Path(path).resolve() for path in read["files"] or ()),
+        )
+
+    def _set(self, **values: Any) -> None:
+        for name, value in values.items():
+            object.__setattr__(self, name, value)
+
+    @classmethod
+    def option_keys(cls) -> tuple[Key, ...]:
+        """Return the keys of the functions, and those of all tests."""
+        return (*_KEYS, *super().option_keys())
+
+    # --- identity ------------------------------------------------------------------------------
+
+    def definition(self) -> dict[str, Any]:
+        """Return the contents of the functions' files, the options, and what all tests have."""
+        return {
+            "type": self.type,
+            "revision": self.revision,
+            "scenes": SCENES_REVISION,
+            "diameters": list(self.sizes.diameters),
+            "mass_fractions": list(self.sizes.mass_fractions),
+            **self._identities(),
+            "options": dict(self.options),
+            "gravity": self.gravity,
+            "time_step_fraction": self.time_step_fraction,
+        }
+
+    def _identities(self) -> Mapping[str, Any]:
+        """Return functions and files by their names and contents."""
+        if not self.identities:
+            functions = {name: function.identity() for name, function in self.functions.items()}
+            self._set(identities={**functions, "files": _contents(self.files)})
+        return self.identities
+
+    @classmethod
+    def from_definition(cls, definition: Mapping[str, Any]) -> Self:
+        """Rebuild the test from the definition in the record of a run.
+
+        It can measure runs, each of which has a copy of its functions, but has no scene.
+        """
+        test = cls.__new__(cls)
+        test._set(
+            sizes=ParticleSizes(
+                tuple(definition["diameters"]), tuple(definition["mass_fractions"])
+            ),
+            gravity=float(definition["gravity"]),
+            time_step_fraction=float(definition["time_step_fraction"]),
+            functions={},
+            identities={
+                "scene": _identity(definition["scene"]),
+                "measure": _identity(definition["measure"]),
+                "files": list(definition["files"]),
+            },
+            options=dict(definition["options"]),
+            files=(),
+        )
+        return test
+
+    # --- calibration ---------------------------------------------------------------------------
+
+    @property
+    def response_names(self) -> tuple[str, ...] | None:
+        """Names of the responses that have a target; None without targets."""
+        return self.targets or None
+
+    def with_targets(self, names: Sequence[str]) -> Self:
+        """Return the test that requires these responses of the user's function."""
+        test = copy(self)
+        test._set(targets=tuple(names))
+        return test
+
+    @classmethod
+    def shown_of(cls, responses: Collection[str]) -> Shown | None:
+        """Return the particles, their picture, and the first response, to show in a report."""
+        if not responses:
+            return None
+        return Shown("particles", next(iter(responses)), snapshot_file(END), _PICTURE)
+
+    def executes(self) -> tuple[str, ...]:
+        """Describe the two functions, each by its file."""
+        return tuple(
+            f"{function.path}:{function.function}   (within grainfit itself)"
+            for function in self.functions.values()
+        )
+
+    # --- the experiment ------------------------------------------------------------------------
+
+    def scene(self, material: Mapping[str, float], seed: int) -> Scene:
+        """Return the experiment that the user's function describes.
+
+        Raises
+        ------
+        RunFailedError
+            The function failed, or its scene cannot be simulated as it is meant.
+        """
+        if "scene" not in self.functions:
+            raise RunFailedError("the record of a run has no function for another scene")
+        function = self.functions["scene"]
+        possible = {
+            "material": with_defaults(material),
+            "sizes": self.sizes,
+            "seed": seed,
+            "gravity": self.gravity,
+            "time_step": self.time_step(material),
+            "options": dict(self.options),
+        }
+        words = f"{function.function}() in {function.path.name}"
+        found = call(function, possible)
+        if not isinstance(found, Scene):
+            kind = f"{words} gave {type(found).__name__}, not a Scene"
+            raise RunFailedError(f"{kind}: return grainfit.scenes.Scene(...)", kind="evaluation")
+        completed = self._completed(found)
+        if faults := [*self._condition_faults(completed, material), *scene_faults(completed)]:
+            reason = "; ".join(map(str, faults))
+            raise RunFailedError(f"the scene of {words}: {reason}", kind="evaluation")
+        return completed
+
+    def _completed(self, scene: Scene) -> Scene:
+        """Return the scene with absolute paths of meshes, and a snapshot at its end."""
+        stages = [replace(stage, put=self._located(stage.put)) for stage in scene.stages]
+        if stages and not stages[-1].snapshot:
+            stages[-1] = replace(stages[-1], snapshot=END)
+        return replace(scene, walls=self._located(scene.walls), stages=tuple(stages))
+
+    def _located(self, walls: Mapping[str, Wall]) -> dict[str, Wall]:
+        """Return walls whose STL files are found from the folder of the scene's file."""
+        return {name: replace(wall, shape=self._shape(wall.shape)) for name, wall in walls.items()}
+
+    def _shape(self, shape: Shape) -> Shape:
+        if not isinstance(shape, Mesh):
+            return shape
+        folder = self.functions["scene"].path.parent
+        return replace(shape, path=(folder / shape.path).resolve())
+
+    def _condition_faults(self, scene: Scene, material: Mapping[str, float]) -> Iterator[Fault]:
+        """Yield what the identity of runs and material cards would not know of the scene."""
+        if not math.isclose(scene.gravity, float(self.gravity), rel_tol=_SAME):
+            message = f"is {scene.gravity:g} m/s^2 in the scene and {self.gravity:g} in the test."
+            remedy = "Write it into [[test]], and gravity=gravity into the scene."
+            yield Fault("gravity", message, remedy)
+        wanted = self.time_step(material)
+        if not math.isclose(scene.time_step, wanted, rel_tol=_SAME):
+            message = f"is {scene.time_step:.4g} s in the scene and {wanted:.4g} s in the test."
+            remedy = "Take time_step as an argument, and write time_step_fraction into [[test]]."
+            yield Fault("time_step", message, remedy)
+        for name, wall in scene.all_walls().items():
+            if isinstance(wall.shape, Mesh) and wall.shape.path not in self.files:
+                message = f"is the file {wall.shape.path.name}, which the test does not name."
+                remedy = f'Write files = ["{wall.shape.path.name}"] into [[test]].'
+                yield Fault(f"wall {name}", message, remedy)
+        if scene.stages and scene.stages[-1].snapshot != END:
+            message = f"the last one leaves the snapshot {scene.stages[-1].snapshot!r}."
+            yield Fault("stages", message, f'Call it "{END}", or leave it out.')
+
+    def planned(self, material: Mapping[str, float]) -> Scene:
+        """Return the scene of seed 1, made once for the same material.
+
+        Raises
+        ------
+        InputError
+            See `scene`.
+        """
+        if self._planned is None or self._planned[0] != dict(material):
+            try:
+                self._set(_planned=(dict(material), self.scene(material, 1)))
+            except RunFailedError as error:
+                raise InputError(Fault("scene", f"{error.reason}.")) from error
+        assert self._planned is not None
+        return self._planned[1]
+
+    def concepts(self, material: Mapping[str, float] | None = None) -> set[str]:
+        """Return the concepts of the scene; none as long as the material is unknown."""
+        return set() if material is None else self.planned(material).concepts()
+
+    def estimate_cost(self, solver: str, material: Mapping[str, float], ranks: int = 1) -> RunCost:
+        """Estimate the cost of one run from its scene.
+
+        Raises
+        ------
+        InputError
+            See `planned`.
+        """
+        scene = self.planned(material)
+        particles = len(scene.particles.positions)
+        return self._cost(solver, material, ranks, expected_duration(scene), particles)
+
+    def simulated_time(self, material: Mapping[str, float]) -> float:
+        """Estimate the simulated time of a run, s."""
+        return expected_duration(self.planned(material))
+
+    # --- the measurement -----------------------------------------------------------------------
+
+    def measure(self, run: RunOutput) -> dict[str, Response]:
+        """Measure the responses with the user's function; leave a picture, and the functions.
+
+        Raises
+        ------
+        RunFailedError
+            The simulation went wrong or ended early, the function failed, or gave no numbers.
+        NotMeasurableError
+            The particles at the end cannot be read.
+        """
+        run.require_good()
+        if not run.path_of(snapshot_file(END)).is_file():
+            done = ", ".join(stage.name for stage in run.stages) or "none"
+            reason = f"the simulation ended early (stages done: {done})"
+            raise RunFailedError(reason, run.log_tail())
+        particles = run.snapshot(END)
+        self._keep_functions(run.folder)
+        function = self._measure_function(run.folder)
+        possible = {
+            "run": run,
+            "sizes": self.sizes,
+            "gravity": self.gravity,
+            "options": dict(self.options),
+        }
+        found = call(function, possible)
+        words = f"{function.function}() in {function.path.name}"
+        responses = read_responses(found, self.targets, words)
+        if len(particles):
+            draw_particles(run.folder / _PICTURE, particles, function.path.stem, responses)
+        return responses
+
+    def _keep_functions(self, folder: Path) -> None:
+        """Write copies of the functions' files into the folder of a run."""
+        (folder / FUNCTIONS).mkdir(exist_ok=True)
+        for function in self.functions.values():
+            write_atomically(folder / FUNCTIONS / function.path.name, function.source.decode())
+
+    def _measure_function(self, folder: Path) -> PythonFile:
+        """Return the function; for a test from a record, that of the copy in the run's folder."""
+        if "measure" in self.functions:
+            return self.functions["measure"]
+        known = self.identities["measure"]
+        function = PythonFile(f"{FUNCTIONS}/{known['file']}:{known['function']}", folder)
+        try:
+            unchanged = function.identity() == known
+        except InputError as error:
+            raise NotMeasurableError(f"{error} It was not kept with the run.") from error
+        if not unchanged:
+            raise NotMeasurableError(f"{function.path}: was changed after the run.")
+        return function
+
+    def view(self, run: RunOutput) -> ParticlesView:
+        """Read the particles at the end of a run, to be drawn."""
+        particles = run.snapshot(END)
+        if not len(particles):
+            raise NotMeasurableError("no particles are left in the box")
+        return ParticlesView.of(particles)
+
+    # --- tests that fill a container by themselves have these ----------------------------------
+
+    @property
+    def footprint(self) -> NoReturn:
+        """The scene places its particles itself."""
+        raise AttributeError("a scene of the user places its particles itself")
+
+    def scene_of(self, column: Column, material: Mapping[str, float]) -> NoReturn:  # noqa: ARG002
+        """The scene places its particles itself."""
+        raise AttributeError("a scene of the user places its particles itself")
+
+    @property
+    def number_of_particles(self) -> int:
+        """Number of particles of the scene that was planned last; 0 before."""
+        return 0 if self._planned is None else len(self._planned[1].particles.positions)
+
+
+def _contents(files: Iterable[Path]) -> list[list[str]]:
+    """Return the names and the hashes of files."""
+    try:
+        return [[path.name, hashlib.sha256(path.read_bytes()).hexdigest()] for path in files]
+    except OSError as error:
+        remedy = "Give the path of a file."
+        raise InputError(Fault("files", f"{error.filename}: {error.strerror}.", remedy)) from error
+
+
+def _identity(recorded: Mapping[str, str]) -> dict[str, str]:
+    return {key: str(recorded[key]) for key in ("file", "function", "source")}

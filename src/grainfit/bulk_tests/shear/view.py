@@ -1,0 +1,92 @@
+"""View of a shear test in a report: the velocity profile between the plates."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from grainfit.bulk_tests.shear.flow import Frame, Profile
+from grainfit.bulk_tests.view import MeasuredDrawing, Outline, RunView
+from grainfit.measurement.drawing import Drawing, Line
+from grainfit.measurement.particles import Particles
+from grainfit.measurement.side_view import SideView
+
+#: Half the width and the height of the drawing of the velocity profile, pixels.
+_HALF_WIDTH, _HEIGHT, _SPACE = 300, 400, 12
+
+
+@dataclass(frozen=True)
+class ShearView(RunView):
+    """A sheared bed between its plates.
+
+    Parameters
+    ----------
+    particles : Particles
+        The bed, with the middle of the lower plate at the origin.
+    frame : Frame
+        The snapshot as it is, with the plates.
+    profile : Profile
+        Mean velocities.
+    length, depth : float
+        Periods, m.
+    """
+
+    particles: Particles
+    frame: Frame
+    profile: Profile
+    length: float
+    depth: float
+
+    @classmethod
+    def of(cls, frame: Frame, profile: Profile, length: float, depth: float) -> ShearView:
+        """Return the view of a snapshot."""
+        bed = frame.bed
+        middle = [length / 2, depth / 2, frame.plates[0]]
+        centred = Particles(bed.positions - middle, bed.radii, bed.masses)
+        return cls(centred, frame, profile, length, depth)
+
+    def drawing(self) -> Drawing:
+        """Draw the velocity profile: the upper plate moves by the width of the drawing."""
+        points = [self._place(*pair) for pair in self._curve]
+        path = " ".join(f"{x:.0f},{y:.0f}" for x, y in points)
+        left = -_HALF_WIDTH
+        return Drawing(
+            path=f"M{left},0 L{path} L{left},{-_HEIGHT}Z",
+            half_width=_HALF_WIDTH + _SPACE,
+            height=_HEIGHT + _SPACE,
+            walls=(
+                Line(-_HALF_WIDTH, 0, _HALF_WIDTH, 0),
+                Line(-_HALF_WIDTH, -_HEIGHT, _HALF_WIDTH, -_HEIGHT),
+            ),
+        )
+
+    def measured_drawing(self, target: float | None) -> MeasuredDrawing:  # noqa: ARG002
+        """Draw the velocity profile beside the words for the measurement of the angle."""
+        words = "mean shear stress over normal stress on both plates; drawn: the velocity profile"
+        return MeasuredDrawing(self.drawing(), words)
+
+    @property
+    def _curve(self) -> list[tuple[float, float]]:
+        """Velocities over that of the upper plate, and heights over the gap."""
+        profile = self.profile
+        inner = zip(profile.velocities, profile.heights / profile.gap, strict=True)
+        return [(0.0, 0.0), *((float(v), float(z)) for v, z in inner), (1.0, 1.0)]
+
+    def _place(self, velocity: float, height: float) -> tuple[float, float]:
+        return (2 * velocity - 1) * _HALF_WIDTH, -height * _HEIGHT
+
+    def outlines(self) -> Sequence[Outline]:
+        """Return the rectangles of the plates."""
+        low, high = self.frame.plates
+        x, y = self.length / 2, self.depth / 2
+        corners = [(-x, -y), (x, -y), (x, y), (-x, y), (-x, -y)]
+        return [[(a, b, z) for a, b in corners] for z in (0.0, high - low)]
+
+    def side_view(self) -> SideView:
+        """Return bed and plates from the side, with the velocity profile across them."""
+        frame = self.frame
+        low, high = frame.plates
+        reach = 1.2 * max(frame.lower.diameter, frame.bed.diameter)
+        curve = [(v * self.length, low + z * (high - low)) for v, z in self._curve]
+        extent = (-reach / 2, low - reach, self.length + reach / 2, high + reach)
+        return SideView(frame.bed, extent, (), glued=(frame.lower, frame.upper), curves=(curve,))

@@ -1,0 +1,52 @@
+"""Notes on the contact law of a calibration file: solvers that differ, and the time step."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+
+from grainfit.bulk_tests.base import BulkTest
+from grainfit.calibration_file.content import CalibrationFile
+from grainfit.contact_models.registry import contact_law
+from grainfit.errors import InputError
+from grainfit.formatting import in_a_row
+
+
+def contact_notes(file: CalibrationFile, bulk_tests: Mapping[str, BulkTest]) -> Iterator[str]:
+    """Yield notes on a material that crosses solvers, and on time steps that are too large.
+
+    Parameters
+    ----------
+    file : CalibrationFile
+        The calibration file.
+    bulk_tests : mapping of str to BulkTest
+        Its simulated tests by name.
+    """
+    solvers = {t.name: t.options["solver"] for t in file.tests if t.name in bulk_tests}
+    try:
+        law = contact_law(file.fixed, file.contact_models)
+    except InputError:
+        return
+    yield from _crossing(sorted(set(solvers.values())), law.solver_difference(file.fixed))
+    lowest = {p.name: p.minimum for p in file.parameters if p.name.endswith(".restitution")}
+    safe = law.time_step_fraction({**file.fixed, **lowest})
+    for name, test in bulk_tests.items():
+        fraction = test.conditions.time_step_fraction
+        if fraction > safe:
+            yield (
+                f"Test {name}: a time step of {fraction:.3g} of the Rayleigh time step is more "
+                f"than the {safe:.2g} that is safe with this contact law and restitution. Beds "
+                "may never come to rest, or come to rest up to 16 % too dense without any error."
+            )
+
+
+def _crossing(solvers: list[str], difference: str) -> Iterator[str]:
+    if len(solvers) < 2:
+        return
+    words = f"The tests run with {in_a_row(solvers)}"
+    if "yade" in solvers:
+        yield (
+            f"{words}: rolling friction is not quite the same in yade, which has no rolling "
+            "dashpot. Use one solver for all tests."
+        )
+    elif difference:
+        yield f"{words}. {difference} Use one solver for all tests."

@@ -1,0 +1,1 @@
+"""EPSD2: rolling resistance by an elastic-plastic spring, without dashpot."""

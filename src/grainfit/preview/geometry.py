@@ -1,0 +1,183 @@
+"""Geometry of a scene to be drawn: walls as triangles, their edges, arrows of their motions."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from grainfit.errors import InputError
+from grainfit.scenes.scene import Load, Scene, Velocity, Wall
+from grainfit.scenes.triangles import Triangles, triangles_of
+
+State = Literal["still", "moving", "later"]
+Array = NDArray[np.float64]
+
+#: Two triangles that meet at less than this have no visible edge, degrees.
+_SMOOTH = 25.0
+#: Corners nearer than this are one, over the size of the scene.
+_SAME = 1e-6
+#: Length of an arrow over the size of the scene.
+_ARROW = 0.12
+
+
+@dataclass(frozen=True)
+class DrawnWall:
+    """A wall to be drawn.
+
+    Parameters
+    ----------
+    name : str
+        As in the scene.
+    state : {"still", "moving", "later"}
+        Whether it moves in some stage, or is put by a later one.
+    triangles : ndarray of shape (n, 3, 3)
+        Corners, m.
+    edges : ndarray of shape (m, 2, 3)
+        Borders and sharp edges, m.
+    arrows : ndarray of shape (k, 2, 3)
+        Beginning and end of an arrow for each direction of its motions, m.
+    """
+
+    name: str
+    state: State
+    triangles: Triangles
+    edges: Array
+    arrows: Array
+
+
+@dataclass(frozen=True)
+class Geometry:
+    """A scene to be drawn, moved so that its middle is on the z axis and its lowest point at z = 0.
+
+    Parameters
+    ----------
+    positions : ndarray of shape (n, 3)
+        Centres of the particles, m.
+    radii : ndarray of shape (n,)
+        m.
+    walls : tuple of DrawnWall
+        Walls of all stages.
+    not_drawn : tuple of str
+        Walls whose shape cannot be drawn.
+    """
+
+    positions: Array
+    radii: Array
+    walls: tuple[DrawnWall, ...]
+    not_drawn: tuple[str, ...]
+
+    @property
+    def corners(self) -> Array:
+        """Points that a picture must show, shape (n, 3), m."""
+        reach = self.radii[:, None]
+        points = [self.positions - reach, self.positions + reach]
+        points += [wall.triangles.reshape(-1, 3) for wall in self.walls]
+        points += [wall.arrows.reshape(-1, 3) for wall in self.walls]
+        return np.concatenate(points)
+
+
+def geometry_of(scene: Scene) -> Geometry:
+    """Return the geometry of a scene at its beginning, with the walls of all stages.
+
+    Parameters
+    ----------
+    scene : Scene
+        The scene.
+    """
+    radii = np.array(scene.sizes.diameters)[scene.particles.size_indices] / 2
+    positions = scene.particles.positions
+    found: dict[str, Triangles] = {}
+    not_drawn = []
+    for name, wall in scene.all_walls().items():
+        triangles = _triangles(wall, scene)
+        if triangles is None:
+            not_drawn.append(name)
+        else:
+            found[name] = triangles
+    size = float(np.ptp(np.concatenate([positions, *_points(found)]), axis=0).max())
+    walls = [_drawn(scene, name, triangles, size) for name, triangles in found.items()]
+    geometry = Geometry(positions, radii, tuple(walls), tuple(not_drawn))
+    return _centred(geometry)
+
+
+def _points(found: Mapping[str, Triangles]) -> list[Array]:
+    return [triangles.reshape(-1, 3) for triangles in found.values()]
+
+
+def _triangles(wall: Wall, scene: Scene) -> Triangles | None:
+    """Return the triangles of a wall; None for a shape that has none."""
+    try:
+        return triangles_of(wall.shape, scene.box, 0.95 * scene.sizes.sauter_diameter)
+    except InputError:
+        raise
+    except (AssertionError, AttributeError, ValueError):
+        return None
+
+
+def _drawn(scene: Scene, name: str, triangles: Triangles, size: float) -> DrawnWall:
+    motions = list(scene.motions_of(name))
+    state: State = "moving" if motions else "still" if name in scene.walls else "later"
+    points = triangles.reshape(-1, 3)
+    middle = (points.min(axis=0) + points.max(axis=0)) / 2
+    directions = dict.fromkeys(d for m in motions if (d := _direction(m)) is not None)
+    arrows = [(middle, middle + _ARROW * size * np.array(d)) for d in directions]
+    shape = (len(arrows), 2, 3)
+    return DrawnWall(
+        name, state, triangles, feature_edges(triangles, size), np.array(arrows).reshape(shape)
+    )
+
+
+def _direction(motion: object) -> tuple[float, ...] | None:
+    """Return the direction of a straight motion; None for any other."""
+    if not isinstance(motion, Velocity | Load):
+        return None
+    amount = motion.speed if isinstance(motion, Velocity) else motion.force
+    return tuple(float(np.sign(amount)) if axis == motion.along else 0.0 for axis in "xyz")
+
+
+def feature_edges(triangles: Triangles, size: float) -> Array:
+    """Return edges of one triangle alone, and those where two meet at a large angle.
+
+    Parameters
+    ----------
+    triangles : ndarray of shape (n, 3, 3)
+        Corners.
+    size : float
+        Size of the scene: corners much nearer than it are one.
+
+    Returns
+    -------
+    ndarray of shape (m, 2, 3)
+        Ends of the edges.
+    """
+    normals = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
+    normals /= np.maximum(np.linalg.norm(normals, axis=1), 1e-300)[:, None]
+    corners = np.round(triangles.reshape(-1, 3) / (_SAME * size)).astype(np.int64)
+    _, first, numbers = np.unique(corners, axis=0, return_index=True, return_inverse=True)
+    faces = numbers.reshape(-1, 3)
+    edges = np.sort(np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]]))
+    owner = np.tile(np.arange(len(faces)), 3)
+    unique, inverse, counts = np.unique(edges, axis=0, return_inverse=True, return_counts=True)
+    order = np.argsort(inverse.ravel(), kind="stable")
+    ends = np.cumsum(counts)
+    one, other = owner[order[ends - counts]], owner[order[ends - 1]]
+    # Neighbours may turn their sides differently: of an STL file, one does not know.
+    aligned = np.abs((normals[one] * normals[other]).sum(axis=1))
+    shown = (counts != 2) | (aligned < np.cos(np.radians(_SMOOTH)))
+    found: Array = triangles.reshape(-1, 3)[first[unique[shown]]]
+    return found
+
+
+def _centred(geometry: Geometry) -> Geometry:
+    points = geometry.corners
+    shift = -(points.min(axis=0) + points.max(axis=0)) / 2
+    shift[2] = -points[:, 2].min()
+    walls = tuple(
+        DrawnWall(w.name, w.state, w.triangles + shift, w.edges + shift, w.arrows + shift)
+        for w in geometry.walls
+    )
+    return Geometry(geometry.positions + shift, geometry.radii, walls, geometry.not_drawn)

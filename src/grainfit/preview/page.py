@@ -1,0 +1,109 @@
+"""Page of a preview: every test in three dimensions, its stages and walls in words."""
+
+from __future__ import annotations
+
+import base64
+from collections.abc import Iterator, Mapping, Sequence
+from importlib.metadata import version
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from grainfit.formatting import in_a_row, plain
+from grainfit.preview.geometry import Geometry, State
+from grainfit.preview.picture import COLOURS
+from grainfit.preview.previewed_test import PreviewedTest
+from grainfit.preview.words import box_words, stage_words, wall_words
+from grainfit.report.page import element_text, page_part
+from grainfit.report.rendering import render, script_json
+
+#: Positions are whole numbers up to this one.
+_STEPS = 32_000
+#: Particles above this number are left out of the drawing, evenly.
+_MOST_PARTICLES = 20_000
+_STATES: Mapping[State, str] = {"still": "walls", "moving": "move", "later": "put later"}
+_STYLE = """
+.preview { max-width: 72rem; margin: 0 auto; padding: 0 1rem; }
+.preview-key { display: inline-block; width: 0.9em; height: 0.9em; border-radius: 2px; }
+"""
+
+
+def preview_page(name: str, tests: Sequence[PreviewedTest], values: Mapping[str, float]) -> str:
+    """Return a page that needs no network.
+
+    Parameters
+    ----------
+    name : str
+        Name of the calibration.
+    tests : sequence of PreviewedTest
+        Its tests.
+    values : mapping of str to float
+        Values of the free parameters.
+    """
+    keyed = {f"test-{number}": test for number, test in enumerate(tests, 1)}
+    styles = [page_part("styles/report.css"), page_part("sections/particles/style.css"), _STYLE]
+    scripts = [page_part("scripts/page.js"), page_part("sections/particles/script.js")]
+    page = render(
+        "preview",
+        name=plain(name),
+        version=version("grainfit"),
+        values=in_a_row(f"{key} = {value:.4g}" for key, value in values.items()),
+        tests=[_described(key, test) for key, test in keyed.items()],
+        data=script_json({key: _scene(test.geometry) for key, test in keyed.items()}),
+        styles=[element_text(text) for text in styles],
+        scripts=[element_text(text) for text in scripts],
+    )
+    # Names of files may contain bytes that are not text; a page may not.
+    return page.encode("utf-8", errors="replace").decode("utf-8")
+
+
+def _described(key: str, test: PreviewedTest) -> dict[str, Any]:
+    scene, states = test.scene, [wall.state for wall in test.geometry.walls]
+    count = len(scene.particles.positions)
+    left_out = "" if count <= _MOST_PARTICLES else f" ({_MOST_PARTICLES} of them are drawn)"
+    return {
+        "key": key,
+        "name": plain(test.name),
+        "solver": test.solver,
+        "cost": test.cost_words,
+        "problem": plain(test.problem),
+        "particles": count,
+        "left_out": left_out,
+        "legend": [(_STATES[state], COLOURS[state]) for state in COLOURS if state in states],
+        "stages": [(stage.name, stage_words(stage)) for stage in scene.stages],
+        "walls": list(_walls(test)),
+        "box": box_words(scene),
+    }
+
+
+def _walls(test: PreviewedTest) -> Iterator[tuple[str, str]]:
+    for name, wall in test.scene.all_walls().items():
+        drawn = "" if name not in test.geometry.not_drawn else "; not drawn"
+        yield name, f"{plain(wall_words(wall))}{drawn}"
+
+
+def _scene(geometry: Geometry) -> dict[str, Any]:
+    """Data of the drawing in three dimensions: lengths as small whole numbers."""
+    step = float(np.abs(geometry.corners).max()) / _STEPS
+    table = np.column_stack([geometry.positions, geometry.radii])
+    every = -(-len(table) // _MOST_PARTICLES)
+    return {
+        "particles": _packed(table[::every] / step),
+        "outlines": [
+            np.round(edge / step).tolist() for wall in geometry.walls for edge in wall.edges
+        ],
+        "walls": [
+            {"triangles": _packed(wall.triangles / step), "colour": COLOURS[wall.state]}
+            for wall in geometry.walls
+        ],
+        "arrows": [
+            [*np.round(arrow / step).tolist(), COLOURS["moving"]]
+            for wall in geometry.walls
+            for arrow in wall.arrows
+        ],
+    }
+
+
+def _packed(values: NDArray[np.float64]) -> str:
+    return base64.b64encode(np.round(values).astype("<i2").tobytes()).decode("ascii")

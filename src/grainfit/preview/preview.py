@@ -1,0 +1,117 @@
+"""Preview of the tests of a calibration file, as a picture and as a page."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+from grainfit.calibration_file.build import CalibrationSetup
+from grainfit.errors import Fault, InputError, RunFailedError
+from grainfit.files import write_atomically
+from grainfit.measurement.sheet import OVERSAMPLING, sheet
+from grainfit.preview.geometry import geometry_of
+from grainfit.preview.page import preview_page
+from grainfit.preview.picture import draw_geometry
+from grainfit.preview.previewed_test import PreviewedTest
+from grainfit.solvers.base import Solver
+
+#: Widths of the picture of one test, and of each of several, pixels.
+_WIDE, _NARROW = 900 * OVERSAMPLING, 560 * OVERSAMPLING
+
+
+def preview_tests(
+    setup: CalibrationSetup, values: Mapping[str, float], seed: int
+) -> list[PreviewedTest]:
+    """Return the scenes of all tests that a DEM program simulates. No program is started.
+
+    Parameters
+    ----------
+    setup : CalibrationSetup
+        The calibration.
+    values : mapping of str to float
+        Values of the free parameters.
+    seed : int
+        Seed of the first packing.
+
+    Raises
+    ------
+    InputError
+        There is no such test, or the scene of one has faults.
+    """
+    found = [
+        _previewed(name, solver, values, seed)
+        for name, solver in setup.solvers.items()
+        if solver.bulk_test is not None
+    ]
+    if not found:
+        message = "has no test that can be previewed: all are models of your own."
+        remedy = "Only tests that a DEM program of grainfit simulates have a scene."
+        raise InputError(Fault("test", message, remedy), str(setup.file.path))
+    return found
+
+
+def _previewed(name: str, solver: Solver, values: Mapping[str, float], seed: int) -> PreviewedTest:
+    test = solver.bulk_test
+    assert test is not None
+    try:
+        scene = test.scene(solver.run_parameters(values), seed)
+        geometry = geometry_of(scene)
+    except RunFailedError as error:
+        raise InputError(Fault(f"test {name}", f"{error.reason}.")) from error
+    cost, problem = None, ""
+    try:
+        cost = solver.estimate_cost(values)
+    except InputError as error:
+        problem = str(error)
+    return PreviewedTest(name, solver.name, scene, geometry, cost, problem)
+
+
+def write_picture(path: Path, name: str, tests: Sequence[PreviewedTest]) -> None:
+    """Write a PNG of the scenes at their beginning.
+
+    Parameters
+    ----------
+    path : Path
+        The file to write.
+    name : str
+        Name of the calibration.
+    tests : sequence of PreviewedTest
+        Its tests.
+    """
+    width = _WIDE if len(tests) == 1 else _NARROW
+    panels = [draw_geometry(test.geometry, width) for test in tests]
+    listed = "; ".join(f"{test.name}: {test.cost_words}" for test in tests)
+    states = "slate: walls; vermilion: walls that move, with the direction; green: put later"
+    words = f"{listed}. Colours of particles: height; {states}."
+    sheet(name, words, panels, width).save(path, "png")
+
+
+def write_preview(
+    path: Path, name: str, tests: Sequence[PreviewedTest], values: Mapping[str, float]
+) -> tuple[Path, Path]:
+    """Write the page and, beside it, the picture; return both paths.
+
+    Parameters
+    ----------
+    path : Path
+        The page to write.
+    name : str
+        Name of the calibration.
+    tests : sequence of PreviewedTest
+        Its tests.
+    values : mapping of str to float
+        Values of the free parameters.
+
+    Raises
+    ------
+    InputError
+        A file cannot be written.
+    """
+    picture = path.with_suffix(".png")
+    try:
+        write_atomically(path, preview_page(name, tests, values))
+        write_picture(picture, name, tests)
+    except OSError as error:
+        message = f"{str(path)!r} cannot be written: {error.strerror or error}."
+        raise InputError(Fault("", message, "Choose another place with --output.")) from error
+    return path, picture

@@ -1,0 +1,123 @@
+"""Scenes in words: shapes of walls, stages, motions, ends."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import fields, is_dataclass
+from typing import Any
+
+from grainfit.formatting import in_a_row, number
+from grainfit.scenes.conditions import AtRest, Clear, Elapsed, Loaded
+from grainfit.scenes.scene import WALL, Load, Scene, Stage, Velocity, Wall
+from grainfit.scenes.shapes import Annulus, Block, Cone, Cylinder, Disc, Mesh, Plane
+from grainfit.scenes.stl import read_stl
+
+
+def _mm(length: float) -> str:
+    return f"{number(1000 * length, 3)} mm"
+
+
+def _block(shape: Block) -> str:
+    sides = (f"{_mm(high - low)}" for low, high in zip(shape.low, shape.high, strict=True))
+    return f"block, {' x '.join(sides)}"
+
+
+def _mesh(shape: Mesh) -> str:
+    found = read_stl(shape.path)
+    kind = "closed" if found.is_closed else "open"
+    left = f", {found.left_out} without an area left out" if found.left_out else ""
+    size = _mm(shape.scale * found.size)
+    count = len(found.triangles)
+    return f"STL file {shape.path.name}, {size} large, {kind}, {count} triangles{left}"
+
+
+_SHAPES: Mapping[type, Callable[[Any], str]] = {
+    Plane: lambda s: f"plane {s.axis} = {_mm(s.at)}, met from {'above' if s.upwards else 'below'}",
+    Block: _block,
+    Cylinder: lambda s: f"tube, radius {_mm(s.radius)}, from z = {_mm(s.bottom)} to {_mm(s.top)}",
+    Cone: lambda s: (
+        f"funnel, radius {_mm(s.lower_radius)} at z = {_mm(s.bottom)} and {_mm(s.upper_radius)} "
+        f"at {_mm(s.top)}"
+    ),
+    Disc: lambda s: f"round plate, radius {_mm(s.radius)}, at z = {_mm(s.z)}",
+    Annulus: lambda s: (
+        f"ring, radii {_mm(s.inner_radius)} and {_mm(s.outer_radius)}, at z = {_mm(s.z)}"
+    ),
+    Mesh: _mesh,
+}
+_MOTIONS: Mapping[type, Callable[[Any], str]] = {
+    Velocity: lambda m: f"moves at {number(m.speed, 3)} m/s along {m.along}",
+    Load: lambda m: (
+        f"presses with {number(m.force, 3)} N along {m.along}, at most {number(m.largest_speed, 3)}"
+        " m/s"
+    ),
+}
+_ENDS: Mapping[type, Callable[[Any], str]] = {
+    AtRest: lambda u: f"until at rest, {_between(u.at_least, u.limit)}",
+    Clear: lambda u: f"until the {u.wall} is clear of particles at rest, at most {_s(u.limit)}",
+    Loaded: lambda u: (
+        f"until the load of the {u.wall} is held within {number(100 * u.within, 2)} % at rest, "
+        f"at most {_s(u.limit)}"
+    ),
+    Elapsed: lambda u: f"for {_s(u.time)}",
+}
+
+
+def _s(time: float) -> str:
+    return f"{number(time, 3)} s"
+
+
+def _between(least: float, most: float) -> str:
+    return f"after {_s(least)} to {_s(most)}" if least > 0 else f"within {_s(most)}"
+
+
+def _words(table: Mapping[type, Callable[[Any], str]], thing: Any) -> str:
+    """Return the words of a table; of a class that it does not know, the name and the fields."""
+    known = table.get(type(thing))
+    if known is not None:
+        return known(thing)
+    values = fields(thing) if is_dataclass(thing) else ()
+    listed = ", ".join(f"{f.name.replace('_', ' ')} {getattr(thing, f.name)}" for f in values)
+    return f"{type(thing).__name__.lower()}: {listed}" if listed else type(thing).__name__.lower()
+
+
+def wall_words(wall: Wall) -> str:
+    """Describe a wall: its shape, and its surface if it has one of its own."""
+    surface = "" if wall.surface == WALL else f"; surface {wall.surface}"
+    return f"{_words(_SHAPES, wall.shape)}{surface}"
+
+
+def motion_words(motion: object) -> str:
+    """Describe a motion of a wall."""
+    return _words(_MOTIONS, motion)
+
+
+def stage_words(stage: Stage) -> str:
+    """Describe what happens in a stage, and when it ends."""
+    parts = [*_changes(stage), *_motions(stage), _words(_ENDS, stage.until)]
+    return "; ".join(parts)
+
+
+def _changes(stage: Stage) -> Iterator[str]:
+    if stage.take_away:
+        yield f"{in_a_row(stage.take_away)} taken away"
+    if stage.put:
+        yield f"{in_a_row(stage.put)} put"
+    if stage.strike_off is not None:
+        yield f"particles above {_mm(stage.strike_off)} removed"
+
+
+def _motions(stage: Stage) -> Iterator[str]:
+    for name in stage.motions:
+        for motion in stage.motions_of(name):
+            yield f"{name} {motion_words(motion)}"
+    if stage.series is not None:
+        yield f"{in_a_row(stage.series.columns)} recorded every {_s(stage.series.every)}"
+
+
+def box_words(scene: Scene) -> str:
+    """Describe the size of the box and its periodic axes."""
+    sides = zip(scene.box.low, scene.box.high, strict=True)
+    size = " x ".join(_mm(high - low) for low, high in sides)
+    periodic = f", repeats along {in_a_row(scene.box.periodic)}" if scene.box.periodic else ""
+    return f"{size}{periodic}"

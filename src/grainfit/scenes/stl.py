@@ -1,0 +1,263 @@
+"""STL files as walls: read and checked triangles, in m."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import lru_cache
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from grainfit.errors import Fault, InputError
+from grainfit.scenes.scene import Box
+from grainfit.scenes.shapes import Mesh, Shape
+
+#: More triangles than this are refused: solvers look at every one of them.
+MOST_TRIANGLES = 200_000
+_LARGEST_FILE = 100_000_000
+_HEADER, _RECORD = 84, 50
+_RECORD_TYPE = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
+_VERTEX = re.compile(rb"^\s*vertex\s+(\S+)\s+(\S+)\s+(\S+)\s*$", re.MULTILINE)
+#: Corners nearer than this are one, over the size of the mesh.
+_SAME = 1e-6
+#: Distance from a periodic side that counts as none, over the period.
+_SIDE = 1e-6
+#: A triangle whose height is below this, over its longest side, has no direction.
+_SLIVER = 1e-6
+#: A mesh this much larger than the box, or smaller, has another unit.
+_TOO_LARGE, _TOO_SMALL = 50.0, 1e-3
+
+Triangles = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class StlContent:
+    """Triangles of an STL file.
+
+    Parameters
+    ----------
+    triangles : ndarray of shape (n, 3, 3)
+        Corners, in the unit of the file; triangles without an area are left out.
+    left_out : int
+        Number of triangles without an area.
+    """
+
+    triangles: Triangles
+    left_out: int
+
+    @property
+    def size(self) -> float:
+        """Largest extent along an axis, in the unit of the file."""
+        corners = self.triangles.reshape(-1, 3)
+        return float((corners.max(axis=0) - corners.min(axis=0)).max())
+
+    @property
+    def is_closed(self) -> bool:
+        """Whether every edge belongs to two triangles, so that there is an inside."""
+        step = _SAME * self.size
+        corners = np.round(self.triangles / step).astype(np.int64)
+        _, numbers = np.unique(corners.reshape(-1, 3), axis=0, return_inverse=True)
+        faces = numbers.reshape(-1, 3)
+        edges = np.sort(np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]]))
+        _, counts = np.unique(edges, axis=0, return_counts=True)
+        return bool((counts == 2).all())
+
+
+def read_stl(path: Path) -> StlContent:
+    """Read an STL file, text or binary.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+
+    Raises
+    ------
+    InputError
+        It cannot be read, is no STL file, is damaged, or has no triangle or too many.
+    """
+    try:
+        found = path.stat()
+        if found.st_size > _LARGEST_FILE:
+            raise _fault(path, f"has {found.st_size / 1e6:.0f} MB.", "Simplify the mesh.")
+        return _read(path, found.st_mtime_ns, found.st_size)
+    except OSError as error:
+        remedy = "Give the path of an STL file."
+        raise _fault(path, f"cannot be read: {error.strerror or error}.", remedy) from error
+
+
+@lru_cache(maxsize=8)
+def _read(path: Path, _changed: int, _size: int) -> StlContent:
+    content = path.read_bytes()
+    triangles = _binary(path, content)
+    if triangles is None:
+        triangles = _text(path, content)
+    if not len(triangles):
+        raise _fault(path, "has no triangle.", "Export the wall's surface as STL.")
+    if len(triangles) > MOST_TRIANGLES:
+        message = f"has {len(triangles)} triangles; at most {MOST_TRIANGLES} are possible."
+        raise _fault(path, message, "Export it coarser: facets half a particle wide are enough.")
+    if not np.isfinite(triangles).all() or np.abs(triangles).max() > 1e9:
+        raise _fault(path, "has corners that are no numbers.", "It is damaged: export it again.")
+    good = _has_area(triangles)
+    if not good.any():
+        raise _fault(path, "has no triangle with an area.", "Export the wall's surface as STL.")
+    return StlContent(triangles[good], int((~good).sum()))
+
+
+def _binary(path: Path, content: bytes) -> Triangles | None:
+    """Return the triangles of a binary file; None for a text file."""
+    if len(content) >= _HEADER:
+        count = int.from_bytes(content[80:84], "little")
+        if len(content) == _HEADER + _RECORD * count:
+            records = np.frombuffer(content, _RECORD_TYPE, count, _HEADER)
+            return records["corners"].astype(np.float64)
+    if content.lstrip()[:5].lower() == b"solid" and b"facet" in content:
+        return None
+    if len(content) < _HEADER:
+        raise _fault(path, "is no STL file.", "Export the wall as STL, text or binary.")
+    message = f"is no STL file, or is cut off: its header announces {count} triangles."
+    raise _fault(path, message, "Export the wall as STL, text or binary.")
+
+
+def _text(path: Path, content: bytes) -> Triangles:
+    found = _VERTEX.findall(content)
+    if len(found) % 3 or len(found) != 3 * len(re.findall(rb"\bendfacet\b", content)):
+        raise _fault(path, "is a damaged text STL: a facet has not three corners.", "Export again.")
+    try:
+        return np.array(found, dtype="S32").astype(np.float64).reshape(-1, 3, 3)
+    except ValueError:
+        raise _fault(path, "has corners that are no numbers.", "Export it again.") from None
+
+
+def _has_area(triangles: Triangles) -> NDArray[np.bool_]:
+    sides = triangles - np.roll(triangles, 1, axis=1)
+    longest = np.linalg.norm(sides, axis=2).max(axis=1)
+    double = np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1)
+    good: NDArray[np.bool_] = double > _SLIVER * longest**2
+    return good
+
+
+def _fault(path: Path, message: str, remedy: str) -> InputError:
+    return InputError(Fault("", message, remedy), str(path))
+
+
+def mesh_triangles(mesh: Mesh, box: Box) -> Triangles:
+    """Return the triangles of a mesh in m; in a periodic box none is longer than a share of it.
+
+    Parameters
+    ----------
+    mesh : Mesh
+        The mesh.
+    box : Box
+        The simulated space.
+
+    Raises
+    ------
+    InputError
+        See `read_stl`.
+    """
+    triangles = mesh.scale * read_stl(mesh.path).triangles
+    if not box.periodic:
+        return triangles
+    return divided(triangles[~_on_periodic_side(triangles, box)], box.longest_element)
+
+
+def _on_periodic_side(triangles: Triangles, box: Box) -> NDArray[np.bool_]:
+    """Find triangles in a periodic side of the box: there, the wall goes on."""
+    found = np.zeros(len(triangles), dtype=bool)
+    for axis, name in enumerate("xyz"):
+        if name in box.periodic:
+            low, high = box.low[axis], box.high[axis]
+            near = _SIDE * (high - low)
+            for side in (low, high):
+                found |= (np.abs(triangles[:, :, axis] - side) < near).all(axis=1)
+    return found
+
+
+def divided(triangles: Triangles, longest: float) -> Triangles:
+    """Return triangles halved until no side is longer than a length.
+
+    Parameters
+    ----------
+    triangles : ndarray of shape (n, 3, 3)
+        Corners.
+    longest : float
+        Largest length of a side.
+
+    Raises
+    ------
+    InputError
+        There would be too many.
+    """
+    sides = triangles[:, 1:] - triangles[:, :1]
+    area = float(np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1).sum() / 2)
+    if area > MOST_TRIANGLES * math.sqrt(3) / 4 * longest**2:
+        message = "needs too many triangles, each shorter than a quarter of the period."
+        raise InputError(Fault("mesh", message, "Cut the mesh to the size of the box."))
+    done = []
+    while len(triangles):
+        sides = np.linalg.norm(triangles - np.roll(triangles, -1, axis=1), axis=2)
+        long = sides.max(axis=1) > longest
+        done.append(triangles[~long])
+        rest, worst = triangles[long], sides[long].argmax(axis=1)
+        at = np.arange(len(rest))
+        a, b, c = (rest[at, (worst + n) % 3] for n in range(3))
+        middle = (a + b) / 2
+        triangles = np.concatenate(
+            (np.stack((a, middle, c), axis=1), np.stack((middle, b, c), axis=1))
+        )
+    return np.concatenate(done)
+
+
+def mesh_faults(key: str, shape: Shape, box: Box) -> Iterator[Fault]:
+    """Yield why an STL file cannot be a wall of the box: damaged, elsewhere, or of another unit.
+
+    Parameters
+    ----------
+    key : str
+        The wall, for the message.
+    shape : Shape
+        Shapes other than a `Mesh` have no such faults.
+    box : Box
+        The simulated space.
+    """
+    if not isinstance(shape, Mesh):
+        return
+    if not shape.scale > 0:
+        yield Fault(key, f"has the scale {shape.scale!r}.", "Give m per unit of the file: 0.001.")
+        return
+    try:
+        corners = shape.scale * read_stl(shape.path).triangles.reshape(-1, 3)
+        mesh_triangles(shape, box)
+    except InputError as error:
+        yield from (Fault(key, f"{error.source} {f.message}", f.remedy) for f in error.faults)
+        return
+    low, high = corners.min(axis=0), corners.max(axis=0)
+    size, room = float((high - low).max()), max(np.subtract(box.high, box.low))
+    unit = "scale is the number of m in a unit of the file: 0.001 for mm."
+    extent = f"{shape.path.name} is {size:.4g} m large in a box of {room:.4g} m"
+    if size > _TOO_LARGE * room or size < _TOO_SMALL * room:
+        yield Fault(key, f"{extent}.", f"Is it in another unit? {unit}")
+    elif (low > box.high).any() or (high < box.low).any():
+        yield Fault(key, f"{shape.path.name} lies outside of the box.", f"Move it. {unit}")
+    else:
+        yield from _side_faults(key, shape.path.name, low, high, box)
+
+
+def _side_faults(
+    key: str, name: str, low: NDArray[np.float64], high: NDArray[np.float64], box: Box
+) -> Iterator[Fault]:
+    """Yield where a mesh goes beyond the box: LIGGGHTS loses such triangles."""
+    for axis, letter in enumerate("xyz"):
+        near = _SIDE * (box.high[axis] - box.low[axis])
+        if low[axis] >= box.low[axis] - near and high[axis] <= box.high[axis] + near:
+            continue
+        message = f"{name} goes beyond the box along {letter}."
+        repeats = letter in box.periodic
+        remedy = "Cut it there: it repeats with the box." if repeats else "Make the box larger."
+        yield Fault(key, message, remedy)

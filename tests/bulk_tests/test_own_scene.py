@@ -1,0 +1,346 @@
+"""A scene of the user: identity, errors by his own lines, runs in real solvers, and records."""
+
+from __future__ import annotations
+
+import pickle
+import shutil
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from grainfit.bulk_tests.own_scene import OwnScene, user_function
+from grainfit.bulk_tests.registry import recreate_test
+from grainfit.calibration_file.build import load_calibration
+from grainfit.calibration_file.plan import describe_plan
+from grainfit.campaign.simulate_once import simulate_once
+from grainfit.contact_models.hertz_mindlin.model import hertz_overlap, particle_moduli
+from grainfit.errors import InputError, NotMeasurableError, RunFailedError
+from grainfit.run_definition import RunDefinition
+from grainfit.scenes.run_output import RunOutput
+from grainfit.solvers.base import Workspace
+from grainfit.solvers.registry import DEM_PROGRAMS
+from grainfit.testing.materials import GLASS_BEADS
+from grainfit.work_folder.remeasure import measure_path
+from grainfit.work_folder.saved_calibration import SavedCalibration
+
+CODE = """
+import numpy as np
+from grainfit.scenes import AtRest, Box, Column, Elapsed, Plane, Scene, Stage, Wall
+from grainfit.scenes import Annulus, Block, Cylinder, Disc, Mesh
+
+def scene(material, sizes, seed, gravity, time_step, options):
+    d = sizes.sauter_diameter
+    places = np.array([[2 * d * i, 0.0, 0.6 * d + options.get("drop", 0.0)] for i in range(3)])
+    return Scene(
+        title="Three beads on a floor",
+        material=material,
+        sizes=sizes,
+        particles=Column(places, np.zeros(3, dtype=int), d),
+        box=Box((-d, -d, -d), (6 * d, d, 4 * d)),
+        walls={"floor": Wall(Plane("z", 0.0))},
+        stages=(Stage("settle", AtRest(limit=5.0, at_least=0.1), is_closed=True),),
+        gravity=gravity,
+        time_step=time_step,
+        quiet_speed=1e-5,
+        check_interval=0.01,
+    )
+
+def measure(run, sizes):
+    heights = run.snapshot("end").positions[:, 2]
+    return {"height": heights.mean(), "spread": (np.ptp(heights), 0.0)}
+"""
+FILE = """
+name = "beads"
+particle = { diameter = "10 mm", youngs_modulus = 1e6, poissons_ratio = 0.25, density = 2500 }
+wall = { youngs_modulus = 2e11, poissons_ratio = 0.3, density = 7700 }
+[particle_particle]
+sliding_friction = 0.5
+rolling_friction = 0.1
+restitution = 0.3
+rolling_damping = 0.25
+[particle_wall]
+sliding_friction = { min = 0.1, max = 0.6 }
+rolling_friction = 0.1
+restitution = 0.3
+rolling_damping = 0.25
+[[test]]
+type = "scene"
+solver = "SOLVER"
+scene = "beads.py:scene"
+measure = "beads.py:measure"
+targets.height = { value = 4.975, uncertainty = 0.01, unit = "mm" }
+"""
+
+
+@pytest.fixture
+def beads(tmp_path: Path) -> Path:
+    (tmp_path / "beads.py").write_text(CODE)
+    return tmp_path / "beads.py"
+
+
+def make(path: Path, **options: Any) -> OwnScene:
+    functions = {"scene": f"{path}:scene", "measure": f"{path}:measure"}
+    return OwnScene(diameter="10 mm", **{**functions, **options})
+
+
+def changed(path: Path, old: str, new: str) -> OwnScene:
+    assert old in CODE
+    path.write_text(CODE.replace(old, new))
+    return make(path)
+
+
+def installed(solver: str) -> Any:
+    if solver != "lammps" and shutil.which(solver) is None:
+        pytest.skip(f"{solver} is not installed")
+    return DEM_PROGRAMS[solver]
+
+
+@pytest.mark.parametrize("solver", ["lammps", "liggghts"])
+def test_a_scene_runs_in_every_solver_and_is_measured(
+    beads: Path, tmp_path: Path, solver: str
+) -> None:
+    folder = tmp_path / "run"
+    folder.mkdir()
+    program = installed(solver)(make(beads), GLASS_BEADS)
+
+    responses = program.run({}, 1, Workspace(folder, timeout=60.0))
+
+    material = program.run_parameters({})
+    mass = material["particle.density"] * np.pi / 6 * 0.01**3
+    overlap = hertz_overlap(9.81 * mass, particle_moduli(material, "wall"), 0.005)
+    assert responses["height"].value == pytest.approx(0.005 - overlap, abs=0.02 * overlap)
+    assert (folder / "particles.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_the_identity_is_the_contents_of_the_files_and_the_options(
+    beads: Path, tmp_path: Path
+) -> None:
+    extra, elsewhere = tmp_path / "extra.txt", tmp_path / "elsewhere" / "beads.py"
+    extra.write_text("1")
+    elsewhere.parent.mkdir()
+    shutil.copy(beads, elsewhere)
+    first = make(beads, files=[extra]).definition()
+
+    assert make(elsewhere).definition() == make(beads).definition()
+    assert make(beads, options={"drop": "1 mm"}).definition()["options"] == {"drop": 0.001}
+    assert make(beads).definition() != make(beads, options={"drop": "1 mm"}).definition()
+    extra.write_text("2")
+    assert make(beads, files=[extra]).definition() != first
+    assert changed(beads, "0.6 * d", "0.7 * d").definition() != make(elsewhere).definition()
+
+
+def test_a_record_has_all_but_the_functions(beads: Path) -> None:
+    recorded = make(beads, options={"drop": 0.001, "note": "soft", "dry": True}).definition()
+
+    again = recreate_test(RunDefinition({"test": recorded}, {}, 1))
+
+    assert isinstance(again, OwnScene)
+    assert again.definition() == recorded
+    for key in recorded:
+        if key not in ("type", "revision", "scenes"):
+            damaged = {name: value for name, value in recorded.items() if name != key}
+            with pytest.raises(InputError, match="does not define"):
+                recreate_test(RunDefinition({"test": damaged}, {}, 1))
+
+
+def test_a_process_elsewhere_has_the_contents_that_were_hashed(beads: Path) -> None:
+    test = make(beads)
+    sent = pickle.dumps(test)
+    beads.write_text("raise SystemExit('other code')")
+
+    arrived = pickle.loads(sent)
+
+    assert arrived.definition() == test.definition()
+    assert len(arrived.scene(GLASS_BEADS, 1).particles.positions) == 3
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ("    d = sizes.sauter", "    1 / 0\n    d = sizes.sauter", "line 7: ZeroDivisionError"),
+        ("import numpy as np", "import nump as np", "line 2: ModuleNotFoundError"),
+        ("    d = sizes.sauter", "    exit(3)\n    d = sizes.sauter", "line 7: SystemExit: 3"),
+        ("seed, gravity", "seed, colour, gravity", "takes colour; it can take material, sizes"),
+        ("    return Scene(", "    return dict(", "gave dict, not a Scene"),
+        ('Plane("z", 0.0)', 'Plane("w", 0.0)', "wall floor: has the axis 'w'"),
+        ('"settle", ', '"set tle", ', "'set tle' is not one word"),
+        ("gravity=gravity", "gravity=1.62", "is 1.62 m/s^2 in the scene and 9.81 in the test"),
+        ("time_step=time_step", "time_step=2*time_step", "Take time_step as an argument"),
+        ("check_interval=0.01", "check_interval=0", "check_interval: is 0. Give a number above 0"),
+        ("(6 * d, d, 4 * d)", "(3 * d, d, 4 * d)", "1 of 3 begin outside of the box"),
+        ("[2 * d * i", "[0.5 * d * i", "2 pairs overlap at the beginning"),
+        ("np.zeros(3, dtype=int)", "np.full(3, 1)", "size_indices go from 1 to 1"),
+        ("AtRest(limit=5.0, at_least=0.1)", "Elapsed(0.0)", "has the time 0.0"),
+        ('"settle", ', '"settle", snapshot="bed", until=', "leaves the snapshot 'bed'"),
+        ('Wall(Plane("z", 0.0))', 'Wall(Plane("z", 0.0), "glass")', "surface 'glass'"),
+        (", is_closed=True),)", "),) * 2", "'settle' is there twice"),
+        (
+            "is_closed=True),)",
+            'is_closed=True), Stage("second", AtRest(1.0), strike_off=0.1))',
+            "stage second: ends at rest: a bed that is at rest",
+        ),
+        ('Wall(Plane("z", 0.0))', 'Wall(Mesh("floor.stl"))', 'Write files = ["floor.stl"]'),
+        ('Wall(Plane("z", 0.0))', "Wall(Cylinder(0.1, 2.0, 1.0))", "bottom is below top"),
+        ('Wall(Plane("z", 0.0))', "Wall(Disc(0.0, 0.0))", "has no radius above 0"),
+        ('Wall(Plane("z", 0.0))', "Wall(Block((0, 0, 0), (1, 0, 1)))", "low is below high"),
+    ],
+)
+def test_a_fault_of_the_scene_has_file_and_line_and_no_line_of_grainfit(
+    beads: Path, old: str, new: str, words: str
+) -> None:
+    test = changed(beads, old, new)
+
+    with pytest.raises(RunFailedError) as caught:
+        test.scene(GLASS_BEADS, 1)
+
+    assert words in caught.value.reason
+    assert "beads.py" in caught.value.reason
+    assert "grainfit/bulk_tests" not in caught.value.log_tail
+    with pytest.raises(InputError, match=r"^scene: "):
+        test.estimate_cost("lammps", GLASS_BEADS)
+
+
+def finished(beads: Path, folder: Path) -> OwnScene:
+    test = make(beads)
+    folder.mkdir()
+    DEM_PROGRAMS["lammps"](test, GLASS_BEADS).run({}, 1, Workspace(folder, timeout=60.0))
+    return test
+
+
+def test_a_fault_of_the_measurement_has_its_line_and_a_restless_run_is_none(
+    beads: Path, tmp_path: Path
+) -> None:
+    test = finished(beads, tmp_path / "run")
+    run = RunOutput(tmp_path / "run")
+
+    for old, new, words in [
+        ("    heights = ", "    run.series('push')\n    heights = ", "beads.py, line 24: "),
+        ("heights.mean()", "float('nan')", "response height from measure() in beads.py is nan"),
+        ("return {", "return 3, {", "gave (3, {"),
+    ]:
+        with pytest.raises(RunFailedError) as caught:
+            changed(beads, old, new).measure(run)
+        assert words in caught.value.reason
+    with pytest.raises(RunFailedError, match="no response force; there are: height, spread"):
+        test.with_targets(["force"]).measure(run)
+    stages = tmp_path / "run" / "stages.csv"
+    good = stages.read_text()
+    stages.write_text(good.replace("at_rest", "restless"))
+    with pytest.raises(RunFailedError, match="did not come to rest in the settle stage"):
+        test.measure(RunOutput(tmp_path / "run"))
+    stages.write_text(good)
+    (tmp_path / "run" / "snapshots" / "end.dump").unlink()
+    with pytest.raises(RunFailedError, match=r"ended early \(stages done: settle\)"):
+        test.measure(RunOutput(tmp_path / "run"))
+
+
+def test_a_function_that_does_not_return_fails_the_run(
+    beads: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    beads.write_text("import time\ndef scene(seed):\n    time.sleep(5)\ndef measure(run): pass\n")
+    monkeypatch.setattr(user_function.call, "__defaults__", (0.05,))
+
+    with pytest.raises(RunFailedError, match="did not return within") as caught:
+        make(beads).scene(GLASS_BEADS, 1)
+
+    assert caught.value.kind == "timeout"
+
+
+def test_a_file_is_checked_and_simulated_and_a_known_run_is_not_repeated(
+    beads: Path, tmp_path: Path
+) -> None:
+    path = tmp_path / "beads.toml"
+    path.write_text(FILE.replace("SOLVER", "lammps"))
+    setup = load_calibration(path)
+
+    plan = describe_plan(setup)
+
+    assert plan.problems == ()
+    assert any(f"{beads}:scene" in line for line in plan.executes)
+    assert any("3 particles" in line for line in plan.lines)
+    values, work = setup.values([]), tmp_path / "work"
+    once, folders = simulate_once(setup.solvers, values, 1, work)
+    assert once.responses["height"].value == pytest.approx(0.004975, abs=2e-6)
+    again, _ = simulate_once(setup.solvers, values, 1, work)
+    assert again.reused == 1
+    assert again.responses == once.responses
+    # Measured again by the copy that was kept with the run, not by a file that has changed since.
+    beads.write_text(CODE.replace("heights.mean()", "1.0"))
+    measured = measure_path(folders["scene"])
+    assert measured["height"].value == once.responses["height"].value
+    copy = folders["scene"] / "functions" / "beads.py"
+    copy.write_text("def measure(run): return {'height': 1.0}")
+    with pytest.raises(NotMeasurableError, match="was changed after the run"):
+        measure_path(folders["scene"])
+
+
+def test_problems_of_a_scene_stop_a_calibration_before_its_first_run(
+    beads: Path, tmp_path: Path
+) -> None:
+    path = tmp_path / "beads.toml"
+    path.write_text(FILE.replace("SOLVER", "lammps"))
+    beads.write_text(CODE.replace("AtRest(limit=5.0, at_least=0.1)", "AtRst()"))
+
+    assert describe_plan(load_calibration(path), call_scenes=False).problems == ()
+    (problem,) = describe_plan(load_calibration(path)).problems
+    assert "beads.py, line 16: NameError: name 'AtRst' is not defined" in problem
+    with pytest.raises(InputError, match=r"beads\.py, line 16"):
+        load_calibration(path).calibrate(tmp_path / "work")
+
+
+def test_a_concept_that_the_solver_lacks_is_refused_with_what_to_use(
+    beads: Path, tmp_path: Path
+) -> None:
+    beads.write_text(CODE.replace('Plane("z", 0.0)', "Annulus(0.001, 0.1, 0.0)"))
+    path = tmp_path / "beads.toml"
+    path.write_text(FILE.replace("SOLVER", "lammps"))
+
+    (problem,) = describe_plan(load_calibration(path)).problems
+
+    assert "lammps cannot simulate this scene test" in problem
+    assert "use a slot, or" in problem
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ("beads.py:scene", "sand.py:scene", "there is no such file"),
+        ("beads.py:scene", "beads.py:build", "has no function 'build'. It defines: scene"),
+        ('measure = "beads.py:measure"', "", "measure: is missing"),
+        ('targets.height = { value = 4.975, uncertainty = 0.01, unit = "mm" }', "", "targets"),
+        ('solver = "SOLVER"', 'solver = "lammps"\noptions = { a = [1] }', "a number, a text, true"),
+        ('solver = "SOLVER"', 'solver = "lammps"\nfiles = ["no.stl"]', "there is no such file"),
+        ("particle = {", "particles = {", '"particle"'),
+    ],
+)
+def test_a_faulty_file_is_refused_without_executing_anything(
+    beads: Path, tmp_path: Path, old: str, new: str, words: str
+) -> None:
+    beads.write_text(CODE + "\nraise SystemExit('executed')\n")
+    path = tmp_path / "beads.toml"
+    assert old in FILE
+    path.write_text(FILE.replace(old, new).replace("SOLVER", "lammps"))
+
+    with pytest.raises(InputError) as caught:
+        load_calibration(path)
+
+    assert words in str(caught.value)
+    assert "executed" not in str(caught.value)
+
+
+@pytest.mark.slow
+def test_a_calibration_with_a_scene_keeps_results_and_is_read_back(
+    beads: Path, tmp_path: Path
+) -> None:
+    path = tmp_path / "beads.toml"
+    strategy = "\n[strategy]\nmax_runs = 7\nworkers = 1\nkeep = 'results'\n"
+    path.write_text(FILE.replace("SOLVER", "lammps") + strategy)
+
+    load_calibration(path).calibrate(tmp_path / "work")
+
+    saved = SavedCalibration.open(tmp_path / "work")
+    assert saved.result is not None
+    assert len(list((tmp_path / "work" / "runs").glob("*/particles.png"))) == len(saved.evaluations)
+    assert list((tmp_path / "work" / "runs").glob("*/functions")) == []

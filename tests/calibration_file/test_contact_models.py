@@ -1,0 +1,135 @@
+"""The choice of contact models in a calibration file, and notes on solvers and time steps."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from grainfit.calibration_file.build import CalibrationSetup, build_calibration
+from grainfit.calibration_file.load import load_calibration_file
+from grainfit.options.places import FileFault
+
+EXAMPLES = Path(__file__).parents[2] / "examples"
+GLASS_BEADS = (EXAMPLES / "glass_beads" / "calibration.toml").read_text(encoding="utf-8")
+DAMPED = "rolling_damping = 0.25\n"
+UNDAMPED = GLASS_BEADS.replace(DAMPED, "")
+PACKING = (
+    '\n[[test]]\ntype = "packing"\nsolver = "{solver}"\ntargets.bulk_density = {{ value = 1500 }}\n'
+)
+
+
+def choosing(model: str, text: str = UNDAMPED) -> str:
+    return text.replace("[particle]", f'[contact_models]\nrolling = "{model}"\n\n[particle]')
+
+
+def setup_of(folder: Path, text: str) -> CalibrationSetup:
+    path = folder / "calibration.toml"
+    path.write_text(text, encoding="utf-8")
+    return build_calibration(load_calibration_file(path))
+
+
+def identity(setup: CalibrationSetup) -> str:
+    values = setup.problem.from_unit([0.5] * setup.problem.dimension)
+    return setup.solvers["heap"].definition(values, 1).identity
+
+
+def test_without_a_dashpot_no_damping_is_asked_for_and_time_steps_are_longer(
+    tmp_path: Path,
+) -> None:
+    setup = setup_of(tmp_path, choosing("epsd2"))
+    run = setup.solvers["heap"].definition(setup.problem.from_unit([0.5, 0.5]), 1)
+
+    assert run.model["contact_models"] == ["epsd2"]
+    assert not any("rolling_damping" in name for name in run.parameters)
+    assert run.model["test"]["time_step_fraction"] == 0.2
+
+
+def test_low_restitution_shortens_the_time_step_that_is_the_default(tmp_path: Path) -> None:
+    text = choosing("epsd2").replace("restitution = 0.79", "restitution = 0.4")
+    heap = setup_of(tmp_path, text).bulk_tests["heap"]
+
+    assert heap.conditions.time_step_fraction == 0.16
+
+
+def test_a_given_time_step_is_kept(tmp_path: Path) -> None:
+    text = choosing("epsd2").replace('"lammps"', '"lammps"\ntime_step_fraction = 0.1')
+    heap = setup_of(tmp_path, text).bulk_tests["heap"]
+
+    assert heap.conditions.time_step_fraction == 0.1
+
+
+def test_the_usual_model_chosen_by_name_is_the_same_run(tmp_path: Path) -> None:
+    usual = setup_of(tmp_path, GLASS_BEADS)
+
+    assert identity(setup_of(tmp_path, choosing("epsd", GLASS_BEADS))) == identity(usual)
+    assert identity(setup_of(tmp_path, choosing("epsd2"))) != identity(usual)
+    assert "contact_models" not in usual.solvers["heap"].model()
+
+
+def test_damping_of_a_model_without_dashpot_is_named(
+    faults_of: Callable[..., list[FileFault]],
+) -> None:
+    faults = faults_of(text=choosing("epsd2", GLASS_BEADS))
+
+    assert [fault.key for fault in faults] == [
+        "particle_particle.rolling_damping",
+        "particle_wall.rolling_damping",
+    ]
+    assert "is no parameter of the contact model epsd2. Leave it out." in str(faults[0])
+    assert faults[0].line is not None
+
+
+def test_the_usual_model_asks_for_its_damping(faults_of: Callable[..., list[FileFault]]) -> None:
+    faults = faults_of(text=choosing("epsd"))
+    assert {fault.key.rpartition(".")[2] for fault in faults} == {"rolling_damping"}
+
+
+@pytest.mark.parametrize("model", ["epsd3", "hertz_mindlin"])
+def test_a_model_that_there_is_not_is_named(
+    faults_of: Callable[..., list[FileFault]], model: str
+) -> None:
+    faults = faults_of(text=choosing(model, GLASS_BEADS))
+    assert faults[0].key == "contact_models.rolling"
+    assert "epsd" in faults[0].remedy
+
+
+def notes_of(folder: Path, text: str) -> str:
+    return "\n".join(setup_of(folder, text).notes())
+
+
+def test_a_material_that_crosses_solvers_is_named_with_the_size_of_the_effect(
+    tmp_path: Path,
+) -> None:
+    crossing = GLASS_BEADS + PACKING.format(solver="liggghts")
+
+    assert "run with lammps and liggghts. LAMMPS limits" in notes_of(tmp_path, crossing)
+    assert "0.5° (glass beads) to 2°" in notes_of(tmp_path, crossing)
+    undamped = crossing.replace(DAMPED, "rolling_damping = 0\n")
+    assert "run with" not in notes_of(tmp_path, undamped)
+    without = choosing("epsd2", crossing.replace(DAMPED, ""))
+    assert "run with" not in notes_of(tmp_path, without)
+    one_solver = GLASS_BEADS + PACKING.format(solver="lammps")
+    assert "run with" not in notes_of(tmp_path, one_solver)
+
+
+@pytest.mark.parametrize(
+    ("text", "fraction", "safe"),
+    [
+        (GLASS_BEADS, 0.15, "0.12"),
+        (choosing("epsd2"), 0.25, "0.2"),
+        (choosing("epsd2"), 0.2, None),
+        (GLASS_BEADS.replace(DAMPED, "rolling_damping = 0\n"), 0.2, None),
+        (GLASS_BEADS, 0.12, None),
+        (GLASS_BEADS.replace("restitution = 0.79", "restitution = 0.1"), 0.12, "0.11"),
+        (GLASS_BEADS.replace("0.79", "{ min = 0.1, max = 0.9 }"), 0.12, "0.11"),
+    ],
+)
+def test_a_time_step_beyond_the_safe_one_is_named(
+    tmp_path: Path, text: str, fraction: float, safe: str | None
+) -> None:
+    text = text.replace('"lammps"', f'"lammps"\ntime_step_fraction = {fraction}')
+    said = f"Test heap: a time step of {fraction} of the Rayleigh time step is more than the {safe}"
+    assert (said in notes_of(tmp_path, text)) == (safe is not None)
+    assert ("that is safe" in notes_of(tmp_path, text)) == (safe is not None)

@@ -1,0 +1,208 @@
+"""Preview: what is drawn is where the scene has it, in words and in both pictures."""
+
+from __future__ import annotations
+
+import base64
+import json
+import re
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import Image
+from typer.testing import CliRunner
+
+from grainfit.bulk_tests.registry import BUILT_IN
+from grainfit.calibration_file.build import load_calibration
+from grainfit.calibration_file.starter import starter_file
+from grainfit.cli.app import app
+from grainfit.errors import InputError
+from grainfit.materials.sizes import ParticleSizes
+from grainfit.preview.geometry import feature_edges, geometry_of
+from grainfit.preview.page import preview_page
+from grainfit.preview.picture import COLOURS, draw_geometry
+from grainfit.preview.preview import preview_tests, write_preview
+from grainfit.preview.words import motion_words, stage_words, wall_words
+from grainfit.scenes.conditions import AtRest, Elapsed
+from grainfit.scenes.scene import Box, Load, Scene, Stage, Velocity, Wall
+from grainfit.scenes.shapes import Block, Cylinder, Plane
+from grainfit.scenes.triangles import triangles_of
+from grainfit.testing.materials import GLASS_BEADS
+from grainfit.testing.scene_contract import spheres
+
+BLADE = Path(__file__).parents[2] / "examples" / "blade" / "calibration.toml"
+BOX = Box((-0.1, -0.1, -0.05), (0.12, 0.1, 0.2))
+
+
+def scene(walls: dict[str, Wall], *stages: Stage, positions=((0.0, 0.0, 0.02),)) -> Scene:
+    return Scene(
+        title="A few beads",
+        material=GLASS_BEADS,
+        sizes=ParticleSizes((0.02,)),
+        particles=spheres(positions),
+        box=BOX,
+        walls=walls,
+        stages=stages or (Stage("fill", AtRest(1.0)),),
+        gravity=9.81,
+        time_step=1e-4,
+        quiet_speed=1e-3,
+        check_interval=0.01,
+    )
+
+
+def test_edges_are_those_of_the_shape_and_not_of_its_triangles() -> None:
+    block = triangles_of(Block((-0.05,) * 3, (0.05, 0.05, 0.15)), BOX, 0.01)
+    edges = feature_edges(block, 0.2)
+    # The lower face lies outside of the box, and is not there: its edges are borders.
+    assert len(edges) == 12
+    assert np.linalg.norm(edges[:, 0] - edges[:, 1], axis=1).max() == pytest.approx(0.2)
+
+    tube = triangles_of(Cylinder(0.05, 0.0, 0.1), BOX, 0.01)
+    heights = feature_edges(tube, 0.2)[:, :, 2]
+    assert np.ptp(heights, axis=1).max() < 1e-9
+    assert set(np.round(heights.ravel(), 6)) == {0.0, 0.1}
+
+
+def test_walls_have_their_state_and_the_arrows_of_their_motions() -> None:
+    drawn = geometry_of(
+        scene(
+            {"floor": Wall(Plane("z", 0.01)), "side": Wall(Plane("x", -0.1))},
+            Stage("push", Elapsed(1.0), motions={"side": Velocity("x", -0.2)}),
+            Stage(
+                "press",
+                Elapsed(1.0),
+                put={"lid": Wall(Plane("z", 0.1, upwards=False))},
+                motions={"lid": Load("z", -3.0, 0.1, 1.0)},
+            ),
+            Stage("shut", Elapsed(1.0), put={"door": Wall(Plane("y", 0.1))}),
+        )
+    )
+    walls = {wall.name: wall for wall in drawn.walls}
+
+    assert [wall.state for wall in drawn.walls] == ["still", "moving", "moving", "later"]
+    for name, direction in (("side", [-1, 0, 0]), ("lid", [0, 0, -1])):
+        ((start, end),) = walls[name].arrows
+        np.testing.assert_allclose((end - start) / np.linalg.norm(end - start), direction)
+    assert len(walls["floor"].arrows) == len(walls["door"].arrows) == 0
+    # The lowest point of everything is at z = 0, and the middle is on the z axis.
+    corners = drawn.corners
+    assert corners[:, 2].min() == pytest.approx(0.0)
+    assert corners[:, 0].min() == pytest.approx(-corners[:, 0].max())
+
+
+def test_a_wall_hides_nothing_but_is_seen_and_a_particle_hides_the_wall_behind_it() -> None:
+    def pixels(wall: Wall) -> np.ndarray:
+        found = draw_geometry(geometry_of(scene({"wall": wall})), 400)
+        return np.asarray(found, dtype=float)
+
+    def blue(picture: np.ndarray) -> int:
+        return int(((picture[..., 2] - picture[..., 0]) > 40).sum())
+
+    behind = pixels(Wall(Plane("y", 0.09)))
+    before = pixels(Wall(Plane("y", -0.09)))
+
+    # The bead is drawn in dark blue, or in yellow when it is the highest: it is the only one.
+    def bead(picture: np.ndarray) -> int:
+        return int(((picture[..., 0] - picture[..., 2]) > 90).sum())
+
+    assert bead(behind) > 300
+    assert 0 < bead(before) <= bead(behind)
+    slate = np.abs(behind - (0.34 * np.array(COLOURS["still"]) + 0.66 * 255)).max(axis=-1) < 40
+    assert (slate & (behind.max(axis=-1) < 250)).sum() > 2000
+    assert blue(behind) == blue(before) == 0
+
+
+@dataclass(frozen=True)
+class Star:
+    """A shape that no solver has."""
+
+    points: int
+
+
+@dataclass(frozen=True)
+class Turning:
+    """A motion that this version does not know."""
+
+    turns: float
+
+
+def test_a_shape_and_a_motion_of_the_future_are_named_with_their_values() -> None:
+    known = scene({"floor": Wall(Plane("z", 0.0)), "star": Wall(Star(5))})  # type: ignore[arg-type]
+
+    assert geometry_of(known).not_drawn == ("star",)
+    assert wall_words(known.walls["star"]) == "star: points 5"
+    assert motion_words(Turning(2.5)) == "turning: turns 2.5"
+    moving = Stage("turn", Elapsed(2.0), motions={"floor": Turning(2.5)})  # type: ignore[dict-item]
+    assert stage_words(moving) == "floor turning: turns 2.5; for 2 s"
+    (floor,) = geometry_of(replace(known, stages=(moving,))).walls
+    assert (floor.state, len(floor.arrows)) == ("moving", 0)
+
+
+@pytest.mark.parametrize("name", BUILT_IN)
+def test_every_test_of_the_bench_has_a_preview(tmp_path: Path, name: str) -> None:
+    path = tmp_path / "one.toml"
+    path.write_text(starter_file([name]).replace('solver = "lammps"', 'solver = "liggghts"'))
+    setup = load_calibration(path)
+    values = setup.values([])
+    (found,) = preview_tests(setup, values, 1)
+
+    text = preview_page(setup.name, [found], values)
+    picture = draw_geometry(found.geometry, 200)
+
+    assert found.cost is not None
+    assert found.cost.particles == len(found.geometry.radii)
+    assert found.geometry.not_drawn == ()
+    assert len(picture.getcolors(10**7) or ()) > 200
+    for wall in found.scene.all_walls():
+        assert f"<strong>{wall}</strong>" in text
+    for stage in found.scene.stages:
+        assert f"<strong>{stage.name}</strong>: {stage_words(stage)}" in text
+    data = json.loads(re.search(r'id="data-particles">(.*?)</script>', text, re.DOTALL)[1])
+    table = np.frombuffer(base64.b64decode(data["test-1"]["particles"]), "<i2").reshape(-1, 4)
+    step = found.geometry.radii[0] / table[0, 3]
+    np.testing.assert_allclose(table[:, :3] * step, found.geometry.positions, atol=0.002)
+    walls = data["test-1"]["walls"]
+    assert len(walls) == len(found.geometry.walls)
+    for wall, drawn in zip(walls, found.geometry.walls, strict=True):
+        corners = np.frombuffer(base64.b64decode(wall["triangles"]), "<i2") * step
+        np.testing.assert_allclose(corners, drawn.triangles.ravel(), atol=0.002)
+
+
+def test_the_command_writes_page_and_picture_of_a_scene_of_the_user(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+
+    done = CliRunner().invoke(app, ["preview", str(BLADE)])
+
+    assert done.exit_code == 0, done.output
+    assert "Test scene, lammps: 310 particles" in " ".join(done.output.split())
+    assert {path.name for path in tmp_path.iterdir()} == {
+        "calibration.preview.html",
+        "calibration.preview.png",
+    }
+    with Image.open(tmp_path / "calibration.preview.png") as image:
+        assert image.size[0] > 800
+        assert len(image.getcolors(10**7) or ()) > 500
+    text = (tmp_path / "calibration.preview.html").read_text()
+    assert "blade moves at 0.1 m/s along x" in text
+    assert not re.search(r"https?://", text)
+
+
+def test_a_file_without_a_scene_and_a_place_that_cannot_be_written_are_said(
+    tmp_path: Path,
+) -> None:
+    path = tmp_path / "own.toml"
+    (tmp_path / "model.py").write_text("def simulate(parameters, seed): return {'a': 1.0}")
+    path.write_text(
+        'name = "own"\n[parameters]\nx = { min = 1.0, max = 2.0 }\n[[test]]\ntype = "python"\n'
+        'function = "model.py:simulate"\ntargets.a = { value = 1.0 }\n'
+    )
+    setup = load_calibration(path)
+    with pytest.raises(InputError, match="no test that can be previewed"):
+        preview_tests(setup, setup.values([]), 1)
+    blade = load_calibration(BLADE)
+    values = blade.values([])
+    with pytest.raises(InputError, match=r"cannot be written.*--output"):
+        write_preview(tmp_path / "no" / "a.html", "x", preview_tests(blade, values, 1), values)

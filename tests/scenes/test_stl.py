@@ -1,0 +1,235 @@
+"""Walls from STL files: reading, sanity, division for periodic boxes, and real runs."""
+
+from __future__ import annotations
+
+import shutil
+import struct
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from grainfit.bulk_tests.heap import Heap
+from grainfit.errors import InputError
+from grainfit.scenes.conditions import AtRest
+from grainfit.scenes.packing import Round, random_column
+from grainfit.scenes.scene import Box, Scene, Stage, Wall, time_step
+from grainfit.scenes.shapes import Block, Cone, Cylinder, Disc, Mesh
+from grainfit.scenes.stl import Triangles, divided, mesh_faults, mesh_triangles, read_stl
+from grainfit.scenes.triangles import triangles_of, write_stl
+from grainfit.solvers.base import Workspace
+from grainfit.solvers.dem.lammps.program import Lammps
+from grainfit.solvers.dem.liggghts.program import Liggghts
+from grainfit.testing.materials import GLASS_BEADS
+from grainfit.testing.scene_contract import DAMPED, RADIUS, SIZES, resting_overlap, spheres
+
+BOX = Box((-0.1, -0.1, -0.1), (0.1, 0.1, 0.2))
+TABLE = Block((-0.05, -0.04, -0.05), (0.05, 0.04, 0.02))
+NEEDS_LIGGGHTS = pytest.mark.skipif(
+    shutil.which("liggghts") is None, reason="LIGGGHTS is not installed"
+)
+
+
+def binary(path: Path, triangles: Triangles) -> Path:
+    """Write a binary STL file."""
+    facets = [struct.pack("<12fH", 0, 0, 1, *t.ravel(), 0) for t in triangles]
+    path.write_bytes(b"solid in binary".ljust(80) + struct.pack("<I", len(facets)))
+    with path.open("ab") as file:
+        file.writelines(facets)
+    return path
+
+
+@pytest.fixture
+def table(tmp_path: Path) -> Path:
+    """A closed block in a text file in mm."""
+    write_stl(tmp_path / "table.stl", 1000 * triangles_of(TABLE, BOX, RADIUS))
+    return tmp_path / "table.stl"
+
+
+def test_text_and_binary_files_have_the_same_triangles(table: Path, tmp_path: Path) -> None:
+    text = read_stl(table)
+    packed = read_stl(binary(tmp_path / "packed.stl", text.triangles))
+
+    assert len(text.triangles) == 12
+    np.testing.assert_allclose(packed.triangles, text.triangles, rtol=1e-6)
+    assert text.is_closed
+    assert packed.is_closed
+    assert text.size == pytest.approx(100.0)
+    open_ = read_stl(binary(tmp_path / "open.stl", text.triangles[:-1]))
+    assert not open_.is_closed
+
+
+def test_triangles_without_an_area_are_left_out(tmp_path: Path) -> None:
+    good = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0]], dtype=float)
+    needle = np.array([[0, 0, 0], [1, 0, 0], [2, 0, 0]], dtype=float)
+    found = read_stl(binary(tmp_path / "some.stl", np.array([good, needle])))
+
+    assert (len(found.triangles), found.left_out) == (1, 1)
+
+
+@pytest.mark.parametrize(
+    ("content", "words"),
+    [
+        (b"", "is no STL file"),
+        (b"PK\x03\x04" + bytes(200), "is no STL file, or is cut off"),
+        (b"solid x\nendsolid x\n" + b" " * 100, "is no STL file, or is cut off"),
+        (b"solid x\nfacet normal 0 0 1\nendsolid x\n" + b" " * 100, "has no triangle"),
+        (
+            b"solid x\nfacet\nvertex 0 0 0\nvertex 1 0 0\nendfacet\nendsolid" + b" " * 100,
+            "a facet has not three corners",
+        ),
+        (
+            b"solid\nfacet\nvertex 0 0 0\nvertex 1 0 0\nvertex 1 b 0\nendfacet" + b" " * 100,
+            "has corners that are no numbers",
+        ),
+        (
+            b"solid\nfacet\nvertex 0 0 0\nvertex 1 0 0\nvertex 1 nan 0\nendfacet" + b" " * 100,
+            "has corners that are no numbers",
+        ),
+        (
+            b"solid\nfacet\nvertex 0 0 0\nvertex 1 0 0\nvertex 2 0 0\nendfacet" + b" " * 100,
+            "no triangle with an area",
+        ),
+    ],
+)
+def test_a_file_that_is_no_wall_is_refused_by_name(
+    tmp_path: Path, content: bytes, words: str
+) -> None:
+    path = tmp_path / "wall.stl"
+    path.write_bytes(content)
+
+    with pytest.raises(InputError, match=words) as caught:
+        read_stl(path)
+
+    assert caught.value.source == str(path)
+    assert all(fault.remedy for fault in caught.value.faults)
+
+
+def test_a_cut_off_file_and_a_missing_one_are_refused(table: Path, tmp_path: Path) -> None:
+    whole = binary(tmp_path / "whole.stl", read_stl(table).triangles).read_bytes()
+    (tmp_path / "half.stl").write_bytes(whole[:-70])
+
+    with pytest.raises(InputError, match="cut off: its header announces 12 triangles"):
+        read_stl(tmp_path / "half.stl")
+    with pytest.raises(InputError, match="No such file"):
+        read_stl(tmp_path / "none.stl")
+    with pytest.raises(InputError, match="cannot be read"):
+        read_stl(tmp_path)
+
+
+def test_a_file_that_changes_is_read_again(table: Path, tmp_path: Path) -> None:
+    assert len(read_stl(table).triangles) == 12
+
+    write_stl(table, triangles_of(Disc(0.05, 0.0), BOX, RADIUS))
+
+    assert len(read_stl(table).triangles) == 40
+
+
+@pytest.mark.parametrize(
+    ("scale", "shift", "words"),
+    [
+        (1.0, 0.0, "is 100 m large in a box of 0.3 m"),
+        (1e-7, 0.0, "is 1e-05 m large in a box of 0.3 m"),
+        (0.001, 500.0, "lies outside of the box"),
+        (0.0, 0.0, "has the scale 0.0"),
+    ],
+)
+def test_another_unit_and_another_place_are_seen(
+    table: Path, scale: float, shift: float, words: str
+) -> None:
+    write_stl(table, read_stl(table).triangles + shift)
+
+    (fault,) = mesh_faults("wall hopper", Mesh(table, scale), BOX)
+
+    assert words in fault.message
+    assert fault.key == "wall hopper"
+    assert list(mesh_faults("wall hopper", Mesh(table, 0.001), BOX)) == [] or shift
+
+
+def test_triangles_in_a_periodic_box_are_short_and_cover_the_same_area(table: Path) -> None:
+    periodic = Box((-0.1, -0.04, -0.1), (0.1, 0.04, 0.2), periodic="y")
+    before = mesh_triangles(Mesh(table, 0.001), BOX)
+    after = mesh_triangles(Mesh(table, 0.001), periodic)
+
+    def areas(triangles: Triangles) -> float:
+        sides = triangles[:, 1:] - triangles[:, :1]
+        return float(np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1).sum() / 2)
+
+    sides = np.linalg.norm(after - np.roll(after, 1, axis=1), axis=2)
+    assert sides.max() <= periodic.longest_element == pytest.approx(0.02)
+    # The two ends of the table lie in the periodic sides, where it goes on.
+    assert areas(after) == pytest.approx(areas(before) - 2 * 0.1 * 0.07, rel=1e-9)
+    narrow = Box((-0.1, -0.03, -0.1), (0.1, 0.03, 0.2), periodic="y")
+    (fault,) = mesh_faults("wall table", Mesh(table, 0.001), narrow)
+    assert "goes beyond the box along y" in fault.message
+    assert "repeats" in fault.remedy
+    (fault,) = mesh_faults("wall table", Mesh(table, 0.001), replace(narrow, periodic=""))
+    assert "Make the box larger" in fault.remedy
+    with pytest.raises(InputError, match="too many triangles"):
+        divided(before, 1e-5)
+
+
+def settled(walls: dict[str, Wall], particles, box: Box, height: float = 2.0) -> Scene:
+    """Return a scene that ends when its particles are at rest."""
+    return Scene(
+        title="Particles on a wall from an STL file",
+        material=DAMPED,
+        sizes=SIZES,
+        particles=particles,
+        box=box,
+        walls=walls,
+        stages=(Stage("settle", AtRest(height, at_least=0.02), snapshot="rest"),),
+        gravity=9.81,
+        time_step=time_step(SIZES, DAMPED, 0.1),
+        quiet_speed=1e-3,
+        check_interval=0.01,
+    )
+
+
+@NEEDS_LIGGGHTS
+@pytest.mark.parametrize("periodic", ["", "y"])
+def test_a_particle_rests_on_a_file_in_mm_at_the_height_of_hertz(
+    table: Path, tmp_path: Path, periodic: str
+) -> None:
+    box = Box((-0.1, -0.04, -0.1), (0.1, 0.04, 0.2), periodic)
+    bead = spheres([[0.011, 0.007, 0.02 + 1.01 * RADIUS]])
+    solver = Liggghts(Heap(diameter="10 mm"), GLASS_BEADS)
+
+    run = solver.simulate(
+        settled({"table": Wall(Mesh(table, 0.001))}, bead, box), Workspace(tmp_path, timeout=60.0)
+    )
+
+    run.require_good()
+    overlap = 0.02 + RADIUS - run.snapshot("rest").positions[0, 2]
+    assert overlap == pytest.approx(resting_overlap(DAMPED), rel=0.02)
+
+
+@NEEDS_LIGGGHTS
+def test_a_hopper_from_a_file_empties(tmp_path: Path) -> None:
+    hopper = Cone(5 * RADIUS, 10 * RADIUS, 0.0, 8 * RADIUS)
+    triangles = triangles_of(hopper, BOX, 2 * RADIUS)
+    path = binary(tmp_path / "a hopper.stl", 1000 * triangles)
+    beads = random_column(SIZES, 60, Round(5 * RADIUS), seed=1)
+    beads.positions[:, 2] += 2 * RADIUS
+    box = Box((-0.1, -0.1, -0.05), (0.1, 0.1, 0.4))
+    walls = {"hopper": Wall(Mesh(path, 0.001)), "floor": Wall(Disc(0.09, -0.04))}
+    walls["rim"] = Wall(Cylinder(0.085, -0.04, 0.01))
+    solver = Liggghts(Heap(diameter="10 mm"), GLASS_BEADS)
+
+    scene = replace(settled(walls, beads, box), material=GLASS_BEADS, quiet_speed=0.01)
+    run = solver.simulate(scene, Workspace(tmp_path, timeout=60.0))
+
+    run.require_good()
+    left = run.snapshot("rest").positions
+    # They lie on the floor below the hopper.
+    assert len(left) == 60
+    assert left[:, 2].max() < 0
+
+
+def test_lammps_refuses_an_stl_file_and_says_what_to_use(table: Path, tmp_path: Path) -> None:
+    bead = spheres([[0.0, 0.0, 0.03]])
+    scene = settled({"table": Wall(Mesh(table, 0.001))}, bead, BOX)
+
+    with pytest.raises(InputError, match='no friction on walls from STL files; use solver = "lig'):
+        Lammps(Heap(diameter="10 mm"), GLASS_BEADS).simulate(scene, Workspace(tmp_path))
