@@ -50,7 +50,13 @@ def recorded(name: str) -> CandidateTest:
 
 @pytest.mark.parametrize(
     ("other", "sliding", "rolling"),
-    [("", 96, 36), ("compression", 20, 14), ("draw_down", 24, 14), ("discharge", 69, 30)],
+    [
+        ("", 96, 36),
+        ("compression", 20, 14),
+        ("draw_down", 24, 14),
+        ("discharge", 69, 30),
+        ("shear", 77, 28),
+    ],
 )
 def test_a_heap_and_another_test_leave_what_the_trials_found(
     other: str, sliding: float, rolling: float
