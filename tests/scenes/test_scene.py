@@ -8,9 +8,9 @@ import pytest
 from grainfit.errors import InputError
 from grainfit.scenes.conditions import Clear, Elapsed, Loaded
 from grainfit.scenes.glued import Glued
-from grainfit.scenes.records import Force, KineticEnergy, RadialForce, Series, Travel
-from grainfit.scenes.scene import Box, Load, Stage, Velocity, Wall
-from grainfit.scenes.shapes import Block, Plane
+from grainfit.scenes.records import Force, Frames, KineticEnergy, RadialForce, Series, Travel
+from grainfit.scenes.scene import Box, Load, Rotation, Stage, Velocity, Wall
+from grainfit.scenes.shapes import Block, Cylinder, Plane
 from grainfit.scenes.triangles import triangles_of
 from grainfit.testing.scene_contract import MASS, RADIUS, WEIGHT, frames, scene_of, spheres
 
@@ -33,6 +33,12 @@ PLATE = Glued(np.array([(0.0, 0.0, 0.2)]), np.array([0]))
             "'a,b' is not one word",
         ),
         ({"floor": FLOOR}, Stage("fall", Elapsed(1.0), put={"floor": FLOOR}), "walls", "twice"),
+        (
+            {},
+            Stage("fall", Elapsed(1.0), frames=Frames("end", 0.1), snapshot="end"),
+            "snapshots",
+            "'end' is there twice",
+        ),
     ],
 )
 def test_a_name_that_a_deck_would_misread_is_refused(walls, stage, key, message):
@@ -83,8 +89,8 @@ def test_a_name_that_decks_use_themselves_is_refused(key, name):
             Stage("open", Elapsed(1.0), series=Series({"force": Force("door", "z")}, 0.1)),
             "records the wall 'door'",
         ),
-        (Stage("open", Clear("floor", 1.0)), "'floor' is clear, which is no Cylinder"),
-        (Stage("open", Clear("tube", 1.0)), "'tube' is clear, which is no Cylinder"),
+        (Stage("open", Clear("floor", 1.0)), "'floor' is clear, which is no upright Cylinder"),
+        (Stage("open", Clear("tube", 1.0)), "'tube' is clear, which is no upright Cylinder"),
         (Stage("open", Loaded("floor", 0.1, 1.0)), "puts no load on it"),
     ],
 )
@@ -95,6 +101,52 @@ def test_a_stage_without_the_wall_that_it_needs_is_refused(stage, message):
     assert fault.key == "stage open"
     assert message in fault.message
     assert fault.remedy
+
+
+@pytest.mark.parametrize(
+    ("others", "message"),
+    [
+        (Velocity("y", 0.1), "turns about an axis, and moves in another way"),
+        (Rotation("y", 1.0, (0.1, 0.0, 0.0)), "turns about an axis, and moves in another way"),
+        (Rotation("y", 0.0), "turns with a speed of 0"),
+    ],
+)
+def test_a_wall_turns_about_one_axis_and_does_nothing_else(others, message):
+    turned = Stage("turn", Elapsed(1.0), motions={"drum": Rotation("y", 1.0)})
+    other = Stage("other", Elapsed(1.0), motions={"drum": others})
+    drum = {"drum": Wall(Cylinder(0.1, -0.1, 0.1, "y"))}
+    assert scene_of(ONE, drum, [turned]).concepts() == {"cylinder", "lying cylinder", "rotation"}
+    with pytest.raises(InputError) as caught:
+        scene_of(ONE, drum, [turned, other])
+    (fault,) = caught.value.faults
+    assert fault.key == "drum"
+    assert message in fault.message
+
+
+def test_only_an_upright_tube_is_lifted_clear():
+    lift = Stage("lift", Clear("drum", 1.0))
+    with pytest.raises(InputError, match="'drum' is clear, which is no upright Cylinder"):
+        scene_of(ONE, {"drum": Wall(Cylinder(0.1, -0.1, 0.1, "y"))}, [lift])
+
+
+@pytest.mark.parametrize("axis", ["x", "y", "z"])
+@pytest.mark.parametrize("is_periodic", [True, False])
+def test_triangles_of_a_tube_are_about_its_axis(axis, is_periodic):
+    number, length, radius = "xyz".index(axis), 0.03, 0.05
+    low, high = [-0.2] * 3, [0.2] * 3
+    low[number], high[number] = 0.0, length
+    box = Box(tuple(low), tuple(high), periodic=axis if is_periodic and axis != "z" else "")
+    triangles = triangles_of(Cylinder(radius, 0.0, length, axis), box, 0.01)
+
+    around = np.delete(triangles, number, axis=2)
+    assert np.linalg.norm(around, axis=2) == pytest.approx(radius, rel=5e-3)
+    along = triangles[:, :, number]
+    assert (along.min(), along.max()) == pytest.approx((0.0, length))
+    sides = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
+    area = np.linalg.norm(sides, axis=1).sum() / 2
+    assert area == pytest.approx(2 * np.pi * radius * length, rel=5e-3)
+    if box.periodic:
+        assert np.ptp(along, axis=1).max() < 0.3 * length
 
 
 PRESS, PUSH = Load("z", -1.0, 0.1, 0.1), Load("x", 1.0, 0.1, 0.1)

@@ -24,6 +24,8 @@ class TestLammps(SceneContract, GluedContract, ImpactContract):
     shutil.which("liggghts") is None, reason="LIGGGHTS is not installed: apt-get install liggghts"
 )
 class TestLiggghts(SceneContract, GluedContract, ImpactContract):
+    slide_kick = 0.004
+
     @pytest.fixture
     def solver(self):
         return Liggghts(Heap(diameter="10 mm"), {})

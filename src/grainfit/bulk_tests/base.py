@@ -276,13 +276,22 @@ class BulkTest(ABC):
         seed : int
             Insertion seed.
         """
-        column = random_column(self.sizes, self.number_of_particles, self.footprint, seed)
-        return self.scene_of(column, material)
+        return self.scene_of(self.column(seed), material)
+
+    def column(self, seed: int) -> Column:
+        """Return the particles at the beginning: by default a column that falls.
+
+        Parameters
+        ----------
+        seed : int
+            Insertion seed.
+        """
+        return random_column(self.sizes, self.number_of_particles, self.footprint, seed)
 
     @property
-    @abstractmethod
     def footprint(self) -> Footprint:
-        """Cross-section of the container that is filled."""
+        """Cross-section of the container that a column fills."""
+        raise NotImplementedError(f"{self.type} places its particles itself")
 
     @abstractmethod
     def scene_of(self, column: Column, material: Mapping[str, float]) -> Scene:

@@ -16,6 +16,7 @@ from grainfit.bulk_tests.base import BulkTest, ResponseInfo
 from grainfit.bulk_tests.compression import Compression as Compression
 from grainfit.bulk_tests.discharge import Discharge as Discharge
 from grainfit.bulk_tests.draw_down import DrawDown as DrawDown
+from grainfit.bulk_tests.drum import Drum as Drum
 from grainfit.bulk_tests.heap import Heap as Heap
 from grainfit.bulk_tests.packing import Packing as Packing
 from grainfit.bulk_tests.shear import Shear as Shear

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
@@ -72,6 +74,52 @@ class Particles:
         return Particles(self.positions[which], self.radii[which], self.masses[which])
 
 
+@dataclass(frozen=True)
+class Frame:
+    """Particles at one time of a run.
+
+    Parameters
+    ----------
+    step : int
+        Time step.
+    particles : Particles
+        In the order of their ``id``.
+    """
+
+    step: int
+    particles: Particles
+
+
+def read_frames(path: Path, glued: int = 0) -> Iterator[Frame]:
+    """Read all frames of a text dump of LAMMPS or LIGGGHTS, in order.
+
+    Parameters
+    ----------
+    path : Path
+        The dump file; each frame is as `read_dump` needs it.
+    glued : int
+        See `read_dump`.
+
+    Raises
+    ------
+    NotMeasurableError
+        See `read_dump`, for any of the frames; there is none, or a time step is no number.
+    """
+    path = Path(path)
+    content = _content(path)
+    starts = [found.start() for found in re.finditer(_FRAME, content)]
+    if not starts:
+        raise NotMeasurableError(f"{path}: is not a text dump of LAMMPS or LIGGGHTS.")
+    for start, end in pairwise([*starts, len(content)]):
+        part = content[start:end]
+        try:
+            step = int(part.split(b"\n", 2)[1])
+            yield Frame(step, _parse_frame(part, glued))
+        except (NotMeasurableError, ValueError, IndexError) as error:
+            line = content.count(b"\n", 0, start) + 1
+            raise NotMeasurableError(f"{path}: frame at line {line}: {error}") from None
+
+
 def read_dump(path: Path, glued: int = 0) -> Particles:
     """Read the last frame of a text dump of LAMMPS or LIGGGHTS (``dump custom``).
 
@@ -98,14 +146,18 @@ def read_dump(path: Path, glued: int = 0) -> Particles:
         or a value is not a number that a particle can have.
     """
     path = Path(path)
-    try:
-        content = path.read_bytes()
-    except OSError as error:
-        raise NotMeasurableError(f"{path}: cannot be read ({error.strerror or error}).") from error
+    content = _content(path)
     try:
         return _parse_frame(content, glued)
     except NotMeasurableError as error:
         raise NotMeasurableError(f"{path}: {error}") from None
+
+
+def _content(path: Path) -> bytes:
+    try:
+        return path.read_bytes()
+    except OSError as error:
+        raise NotMeasurableError(f"{path}: cannot be read ({error.strerror or error}).") from error
 
 
 def _parse_frame(content: bytes, glued: int) -> Particles:

@@ -58,6 +58,8 @@ class SideView:
         Particles of plates and linings: grey.
     curves : sequence of sequence of tuple of float
         Lines across the view through these points, m.
+    lines : sequence of sequence of tuple of float
+        Thin walls, through these points, m.
     """
 
     particles: Particles
@@ -66,6 +68,7 @@ class SideView:
     flanks: Sequence[Flank] = ()
     glued: Sequence[Particles] = ()
     curves: Sequence[Sequence[Point]] = ()
+    lines: Sequence[Sequence[Point]] = ()
 
     def panel(self, width: int) -> Image.Image:
         """Draw the view.
@@ -88,6 +91,8 @@ class SideView:
         for x1, z1, x2, z2 in self.walls:
             (a, b), (c, d) = place((max(x1, left), z2)), place((min(x2, right), z1))
             draw.rectangle([a, b, max(c, a + 1), max(d, b + 1)], fill=QUIET_INK)
+        for line in self.lines:
+            draw.line([place(point) for point in line], fill=QUIET_INK, width=2 * OVERSAMPLING)
         self._draw_particles(panel, place, scale)
         for flank in self.flanks:
             draw_flank(draw, flank, place(flank.start), place(flank.end))

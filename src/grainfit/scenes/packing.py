@@ -24,6 +24,8 @@ _SOLID_FRACTION = 0.26
 _CLEARANCE = 0.001
 _ROUNDS_BEFORE_GROWING = 50
 _GROWTH = 1.05
+#: Particles in a tube are pushed apart at most so often.
+_MOST_PUSHES = 5000
 
 
 class Footprint(Protocol):
@@ -224,9 +226,7 @@ def random_column(sizes: ParticleSizes, count: int, footprint: Footprint, seed: 
     InputError
         The seed is negative.
     """
-    if seed < 0:
-        raise InputError(Fault("seed", f"{seed} is negative.", "Use 0 or a positive number."))
-    random = np.random.default_rng(seed)
+    random = np.random.default_rng(_valid(seed))
     height = column_height(sizes, count, footprint)
     period = footprint.period
     numbers = particle_numbers(sizes, count)
@@ -253,6 +253,82 @@ def random_column(sizes: ParticleSizes, count: int, footprint: Footprint, seed: 
             missing -= len(places)
     order = random.permutation(count)
     return Column(positions[order], indices[order], height)
+
+
+def random_in_tube(
+    sizes: ParticleSizes, count: int, radius: float, length: float, seed: int
+) -> Column:
+    """Place particles at random in a lying tube about the x axis, none touching another.
+
+    They are placed without regard to each other, and pushed apart. The tube repeats along x.
+
+    Parameters
+    ----------
+    sizes : ParticleSizes
+        Diameters and their mass fractions.
+    count : int
+        Number of particles, up to about half of the tube's volume.
+    radius, length : float
+        Inner radius, and period from x = 0, m.
+    seed : int
+        Not negative; equal seeds give equal places.
+
+    Returns
+    -------
+    Column
+        Particles in random order; its height is the radius.
+
+    Raises
+    ------
+    InputError
+        The seed is negative, or the particles find no room.
+    """
+    random = np.random.default_rng(_valid(seed))
+    numbers = particle_numbers(sizes, count)
+    indices = random.permutation(np.repeat(np.arange(len(numbers)), numbers))
+    radii = (1 + 2 * _CLEARANCE) / 2 * np.array(sizes.diameters)[indices]
+    reach = radius - radii
+    distance, azimuth = reach * np.sqrt(random.random(count)), 2 * math.pi * random.random(count)
+    places = np.column_stack(
+        (length * random.random(count), distance * np.cos(azimuth), distance * np.sin(azimuth))
+    )
+    for _ in range(_MOST_PUSHES):
+        if not _push_apart(places, radii, length):
+            return Column(places, indices, radius)
+        outside = np.maximum(np.hypot(places[:, 1], places[:, 2]) / reach, 1.0)
+        places[:, 1:] /= outside[:, None]
+    raise InputError(
+        Fault(
+            "particle_count",
+            f"{count} particles find no room in a tube of {radius:g} m radius.",
+            "Use fewer, or a larger tube.",
+        )
+    )
+
+
+def _push_apart(places: NDArray[np.float64], radii: NDArray[np.float64], period: float) -> bool:
+    """Push each pair of particles that overlap apart in place; return whether there were any."""
+    places[:, 0] %= period
+    tree = cKDTree(places, boxsize=(period, 0.0, 0.0))
+    first, second = tree.query_pairs(2 * radii.max(), output_type="ndarray").T
+    between = places[second] - places[first]
+    between[:, 0] -= period * np.round(between[:, 0] / period)
+    gap = np.linalg.norm(between, axis=1)
+    missing = radii[first] + radii[second] - gap
+    # Distances are larger than needed by the clearance: most of it is enough.
+    near = missing > _CLEARANCE * radii.min()
+    if not near.any():
+        return False
+    push = (missing[near] / 2 / np.maximum(gap[near], 1e-30))[:, None] * between[near]
+    np.add.at(places, first[near], -push)
+    np.add.at(places, second[near], push)
+    return True
+
+
+def _valid(seed: int) -> int:
+    if seed < 0:
+        raise InputError(Fault("seed", f"{seed} is negative.", "Use 0 or a positive number."))
+    return seed
 
 
 def _candidates(

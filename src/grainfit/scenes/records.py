@@ -25,6 +25,8 @@ class RadialForce:
 class Travel:
     """Distance that a wall or a glued set has moved since it was put, m.
 
+    Of one that turns, the angle by which it has turned, rad.
+
     Parameters
     ----------
     wall : str
@@ -65,4 +67,20 @@ class Series:
     """
 
     columns: Mapping[str, Recorded]
+    every: float
+
+
+@dataclass(frozen=True)
+class Frames:
+    """Snapshots of all particles at an interval during a stage, in one file.
+
+    Parameters
+    ----------
+    name : str
+        Name of the file, apart from those of snapshots.
+    every : float
+        Simulated time between two frames, s.
+    """
+
+    name: str
     every: float

@@ -1,7 +1,8 @@
 """Output of a run of a scene: the same files from every solver.
 
 ==========================  =====================================================================
-``snapshots/NAME.dump``     particles at the end of a stage: a text dump, for OVITO, too
+``snapshots/NAME.dump``     particles at the end of a stage, or at intervals during it: a text
+                            dump, for OVITO, too
 ``series_STAGE.csv``        recorded quantities of a stage over time, s
 ``stages.csv``              how, when and with how many particles every stage ended
 ==========================  =====================================================================
@@ -11,7 +12,7 @@ from __future__ import annotations
 
 import csv
 import math
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -21,7 +22,7 @@ from numpy.typing import NDArray
 
 from grainfit.errors import NotMeasurableError, RunFailedError
 from grainfit.files import log_tail
-from grainfit.measurement.particles import Particles, read_dump
+from grainfit.measurement.particles import Frame, Particles, read_dump, read_frames
 
 SNAPSHOTS = "snapshots"
 STAGES = "stages.csv"
@@ -123,6 +124,16 @@ class RunOutput:
             See `read_dump`.
         """
         return read_dump(self.path_of(snapshot_file(name)), glued)
+
+    def frames(self, name: str) -> Iterator[Frame]:
+        """Read the snapshots that were taken at intervals during a stage.
+
+        Raises
+        ------
+        NotMeasurableError
+            See `read_frames`.
+        """
+        return read_frames(self.path_of(snapshot_file(name)))
 
     def path_of(self, file: str) -> Path:
         """Return the path of a file such as ``"snapshots/heap.dump"``, whether it exists or not.

@@ -21,7 +21,7 @@ from grainfit.materials.time_step import rayleigh_time_step
 from grainfit.scenes.conditions import Clear, Condition, Loaded
 from grainfit.scenes.glued import Glued
 from grainfit.scenes.packing import Column
-from grainfit.scenes.records import Force, RadialForce, Series, Travel
+from grainfit.scenes.records import Force, Frames, RadialForce, Series, Travel
 from grainfit.scenes.shapes import Cylinder, Shape, Vector
 
 #: Raised whenever packing or decks of scenes change the outcome of runs: part of their identity.
@@ -31,7 +31,7 @@ WALL = "wall"
 #: Gravity that particle weights are counted with in a scene without gravity, m/s^2.
 STANDARD_GRAVITY = 9.81
 #: Largest length of a triangle in a periodic box, over the period.
-_SHARE_OF_PERIOD = 0.25
+SHARE_OF_PERIOD = 0.25
 #: Names that decks use themselves.
 _TAKEN = {
     "walls": {
@@ -67,7 +67,7 @@ class Box:
         """
         axes = (axis for axis, name in enumerate("xyz") if name in self.periodic)
         lengths = (self.high[axis] - self.low[axis] for axis in axes)
-        return _SHARE_OF_PERIOD * min(lengths, default=math.inf)
+        return SHARE_OF_PERIOD * min(lengths, default=math.inf)
 
 
 @dataclass(frozen=True)
@@ -124,7 +124,31 @@ class Load:
     gain: float
 
 
-Motion = Velocity | Load
+@dataclass(frozen=True)
+class Rotation:
+    """Rotation of a wall at constant angular speed.
+
+    Parameters
+    ----------
+    along : {"x", "y", "z"}
+        Direction of the axis.
+    speed : float
+        rad/s, not zero; by the right-hand rule, so that about the y axis z turns towards x.
+    through : tuple of float
+        A point on the axis, m.
+    """
+
+    along: str
+    speed: float
+    through: Vector = (0.0, 0.0, 0.0)
+
+    @property
+    def axis(self) -> tuple[str, Vector]:
+        """Direction of the axis, and a point on it."""
+        return self.along, self.through
+
+
+Motion = Velocity | Load | Rotation
 
 
 @dataclass(frozen=True)
@@ -150,6 +174,8 @@ class Stage:
         set, along different axes, act together; a wall has one.
     series : Series, optional
         Quantities recorded in it.
+    frames : Frames, optional
+        Snapshots of the particles during it.
     snapshot : str
         Name of the snapshot of the particles at its end; empty for none.
     is_closed : bool
@@ -164,6 +190,7 @@ class Stage:
     strike_off: float | None = None
     motions: Mapping[str, Motion | tuple[Motion, ...]] = field(default_factory=dict)
     series: Series | None = None
+    frames: Frames | None = None
     snapshot: str = ""
     is_closed: bool = False
 
@@ -237,7 +264,12 @@ class Scene:
 
     def __post_init__(self) -> None:
         """Raise `InputError` if a deck would misread a name, or what a stage names is not there."""
-        faults = [*_name_faults(self), *_wall_faults(self), *_motion_faults(self)]
+        faults = [
+            *_name_faults(self),
+            *_wall_faults(self),
+            *_motion_faults(self),
+            *_rotation_faults(self),
+        ]
         if faults:
             raise InputError(faults)
 
@@ -306,8 +338,11 @@ class Scene:
     @property
     def _largest_throw(self) -> float:
         """Kinetic energy of all particles at three times the largest speed of a glued set, J."""
-        motions = [motion for name in self.glued for motion in self.motions_of(name)]
-        speeds = [abs(motion.speed) for motion in motions if isinstance(motion, Velocity)]
+        speeds = [
+            _fastest(motion, body)
+            for name, body in self.glued.items()
+            for motion in self.motions_of(name)
+        ]
         return 4.5 * self.mass * max(speeds, default=0.0) ** 2
 
     def _largest_work(self, name: str) -> float:
@@ -327,9 +362,21 @@ class Scene:
             found.add("glued")
         if any(len({type(m) for m in self.motions_of(wall)}) > 1 for wall in self.all_walls()):
             found.add("velocity and load")
+        if any(isinstance(w.shape, Cylinder) and w.shape.axis != "z" for w in walls):
+            found.add("lying cylinder")
         if self.box.periodic:
             found.add("periodic " + self.box.periodic)
         return found
+
+
+def _fastest(motion: Motion, body: Glued) -> float:
+    """Return the speed of the fastest centre of a glued set, m/s; 0 under a load."""
+    if isinstance(motion, Velocity):
+        return abs(motion.speed)
+    if isinstance(motion, Rotation):
+        arms = np.delete(body.positions - motion.through, "xyz".index(motion.along), axis=1)
+        return abs(motion.speed) * float(np.linalg.norm(arms, axis=1).max())
+    return 0.0
 
 
 def _name_faults(scene: Scene) -> Iterator[Fault]:
@@ -338,7 +385,10 @@ def _name_faults(scene: Scene) -> Iterator[Fault]:
     kinds = {
         "walls": [*scene.walls, *(name for stage in stages for name in stage.put), *scene.glued],
         "stages": [stage.name for stage in stages],
-        "snapshots": [stage.snapshot for stage in stages if stage.snapshot],
+        "snapshots": [
+            *(stage.snapshot for stage in stages if stage.snapshot),
+            *(stage.frames.name for stage in stages if stage.frames),
+        ],
     }
     columns = [name for stage in stages if stage.series for name in stage.series.columns]
     for key, names in {**kinds, "columns": columns}.items():
@@ -370,11 +420,27 @@ def _wall_faults(scene: Scene) -> Iterator[Fault]:
         yield from _record_faults(scene, stage, there)
         until = stage.until
         if isinstance(until, Clear) and not _is_cylinder(there.get(until.wall)):
-            remedy = "Clear is for lifted tubes: name a wall that is a Cylinder."
-            yield Fault(key, f"ends when {until.wall!r} is clear, which is no Cylinder.", remedy)
+            remedy = "Clear is for lifted tubes: name a wall that is an upright Cylinder."
+            yield Fault(
+                key, f"ends when {until.wall!r} is clear, which is no upright Cylinder.", remedy
+            )
         if isinstance(until, Loaded) and load_on(stage, until.wall) is None:
             remedy = "Give the wall a Load among the motions of the stage."
             yield Fault(key, f"ends when {until.wall!r} is loaded, but puts no load on it.", remedy)
+
+
+def _rotation_faults(scene: Scene) -> Iterator[Fault]:
+    """A wall or glued set that turns does so about one axis, and does nothing else."""
+    for name in (*scene.all_walls(), *scene.glued):
+        motions = [*scene.motions_of(name)]
+        rotations = [motion for motion in motions if isinstance(motion, Rotation)]
+        turns = {rotation.axis for rotation in rotations}
+        others = [motion for motion in motions if not isinstance(motion, Rotation)]
+        if any(rotation.speed == 0 for rotation in rotations):
+            yield Fault(name, "turns with a speed of 0.", "Give it no rotation then.")
+        if turns and (len(turns) > 1 or others):
+            remedy = "Let it turn about one axis in all stages, and move something else."
+            yield Fault(name, "turns about an axis, and moves in another way.", remedy)
 
 
 def _record_faults(scene: Scene, stage: Stage, there: Mapping[str, Wall]) -> Iterator[Fault]:
@@ -419,7 +485,7 @@ def _no_wall(stage: str, does: str, name: str, there: Mapping[str, object]) -> F
 
 
 def _is_cylinder(wall: Wall | None) -> bool:
-    return wall is not None and isinstance(wall.shape, Cylinder)
+    return wall is not None and isinstance(wall.shape, Cylinder) and wall.shape.axis == "z"
 
 
 def time_step(sizes: ParticleSizes, material: Mapping[str, float], fraction: float) -> float:

@@ -43,19 +43,23 @@ class Block:
 
 @dataclass(frozen=True)
 class Cylinder:
-    """An upright tube about the z axis with open ends, met from inside.
+    """A tube about an axis through the origin with open ends, met from inside.
 
     Parameters
     ----------
     radius : float
         Inner radius.
     bottom, top : float
-        Heights of its ends.
+        Coordinates of its ends on the axis. Along a periodic axis the tube is infinite, and they
+        have no effect.
+    axis : {"x", "y", "z"}
+        Its axis; upright by default.
     """
 
     radius: float
     bottom: float
     top: float
+    axis: str = "z"
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from grainfit.scenes.scene import Box
+from grainfit.scenes.scene import SHARE_OF_PERIOD, Box
 from grainfit.scenes.shapes import (
     Annulus,
     Block,
@@ -48,7 +48,7 @@ def triangles_of(shape: Shape, box: Box, edge: float) -> Triangles:
     if isinstance(shape, Mesh):
         return mesh_triangles(shape, box)
     if isinstance(shape, Cylinder):
-        return _tube(shape.radius, shape.radius, shape.bottom, shape.top, edge)
+        return _cylinder(shape, box, edge)
     if isinstance(shape, Cone):
         return _tube(shape.lower_radius, shape.upper_radius, shape.bottom, shape.top, edge)
     if isinstance(shape, Disc):
@@ -83,13 +83,29 @@ def _facets(radius: float, edge: float) -> int:
     return max(24, math.ceil(2 * math.pi * radius / edge))
 
 
-def _tube(lower: float, upper: float, bottom: float, top: float, edge: float) -> Triangles:
+def _tube(
+    lower: float, upper: float, bottom: float, top: float, edge: float, fewest: int = 2
+) -> Triangles:
+    """Return a tube or funnel about the z axis, of at least so many rings of triangles."""
     facets = _facets(max(lower, upper), edge)
     # Triangles longer than a few facets are worse for the solver's neighbour search than many.
-    levels = np.linspace(bottom, top, max(2, int((top - bottom) / (5 * edge))) + 1)
+    levels = np.linspace(bottom, top, max(fewest, int((top - bottom) / (5 * edge))) + 1)
     radii = np.linspace(lower, upper, len(levels))
     rings = [_ring(radius, z, facets) for radius, z in zip(radii, levels, strict=True)]
     return np.concatenate([_between(low, high) for low, high in itertools.pairwise(rings)])
+
+
+def _cylinder(shape: Cylinder, box: Box, edge: float) -> Triangles:
+    """Return a tube about its own axis; along a periodic axis from end to end of the box."""
+    if shape.axis == "z":
+        return _tube(shape.radius, shape.radius, shape.bottom, shape.top, edge)
+    axis = "xyz".index(shape.axis)
+    ends, parts = (shape.bottom, shape.top), 2
+    if shape.axis in box.periodic:
+        ends, parts = (box.low[axis], box.high[axis]), math.ceil(1 / SHARE_OF_PERIOD)
+    upright = _tube(shape.radius, shape.radius, *ends, edge, parts)
+    # Cyclic: z becomes the axis, and normals keep their sense.
+    return np.roll(upright, axis - 2, axis=2)
 
 
 def _disc(radius: float, z: float) -> Triangles:

@@ -24,7 +24,7 @@ from grainfit.scenes.conditions import AtRest, Elapsed, Loaded
 from grainfit.scenes.glued import Glued
 from grainfit.scenes.records import Force, KineticEnergy, MassAbove, Recorded, Series, Travel
 from grainfit.scenes.run_output import RunOutput
-from grainfit.scenes.scene import Box, Load, Stage, Velocity, Wall, time_step
+from grainfit.scenes.scene import Box, Load, Rotation, Stage, Velocity, Wall, time_step
 from grainfit.scenes.shapes import Plane
 from grainfit.testing.scene_contract import (
     DAMPED,
@@ -313,3 +313,60 @@ class GluedContract(SimulatedScenes):
         speeds = final_velocities(out, scene)
         assert speeds[0, :2] == pytest.approx(0, abs=1e-3)
         assert end.kinetic_energy + WEIGHT * rise == pytest.approx(WEIGHT * drop, rel=0.05)
+
+    @pytest.mark.parametrize("speed", [-8.0, 8.0])
+    def test_a_glued_set_turns_exactly_and_stays_as_it_was_left(
+        self, run: Run, speed: float
+    ) -> None:
+        through = (0.0, 0.01, 0.02)
+        body = glued([(0.0, 0.03, 0.02), (0.01, 0.01, -0.02), (0.02, -0.01, 0.05)])
+        turn = Stage(
+            "turn",
+            Elapsed(0.05),
+            motions={"vane": Rotation("x", speed, through)},
+            series=Series({"angle": Travel("vane", "x")}, 0.001),
+            snapshot="turned",
+        )
+        stages = [turn, *frames(0.02)]
+        box = Box((0.0, -0.1, -0.1), (0.03, 0.1, 0.2), periodic="x")
+        particle = spheres([(0.01, 0.0, 0.15)])
+        out = run(scene_of(particle, {}, stages, box=box, glued={"vane": body}))
+
+        series, angle = out.series("turn"), speed * out.stages[0].time
+        assert series["angle"] == pytest.approx(speed * series["time"], abs=1e-9)
+        arm = body.positions - np.array(through)
+        turned = arm.copy()
+        turned[:, 1] = arm[:, 1] * math.cos(angle) - arm[:, 2] * math.sin(angle)
+        turned[:, 2] = arm[:, 1] * math.sin(angle) + arm[:, 2] * math.cos(angle)
+        for frame in ("turned", "frame1"):
+            found = out.snapshot(frame, glued=1).positions
+            assert found == pytest.approx(turned + np.array(through), abs=1e-7)
+
+    @pytest.mark.parametrize("speed", [-60.0, 60.0])
+    def test_a_glued_particle_that_spins_drags_another(self, run: Run, speed: float) -> None:
+        # It slides all the time, so friction is constant: an inverted pendulum.
+        friction, values = 0.2, material(0.3, 0.2)
+        overlap = hertz_overlap(WEIGHT, particle_moduli(values, "particle"), RADIUS / 2)
+        length = 2 * RADIUS - overlap
+        turn = {"ball": Rotation("x", speed)}
+        spin = Stage("spin", Elapsed(0.02), motions=turn, snapshot="dragged")
+        particle, ball = spheres([(0.0, 0.0, length)]), glued([(0, 0, 0)])
+        out = run(scene_of(particle, {}, [spin], values, glued={"ball": ball}))
+
+        time = out.stages[0].time
+        way = friction * length * (math.cosh(math.sqrt(GRAVITY / length) * time) - 1)
+        # The upper side of a particle that turns about x goes towards negative y.
+        found, expected = out.snapshot("dragged").positions[0, 1], -math.copysign(way, speed)
+        assert found == pytest.approx(expected, abs=0.03 * way + self.slide_kick * time)
+
+    def test_a_glued_particle_that_is_left_spins_no_more(self, run: Run) -> None:
+        turn = {"ball": Rotation("x", 60.0)}
+        spin = Stage("spin", Elapsed(0.02), motions=turn)
+        # It falls onto the ball, and bounces, after that was left.
+        particle, ball = spheres([(0.0, 0.0, 2 * RADIUS + 0.005)]), glued([(0, 0, 0)])
+        stages = [spin, *frames(0.03)]
+        out = run(scene_of(particle, {}, stages, material(0.3, 0.5), glued={"ball": ball}))
+
+        found = out.snapshot("frame1").positions[0]
+        assert found[:2] == pytest.approx([0, 0], abs=1e-8)
+        assert found[2] < 2 * RADIUS + 0.002

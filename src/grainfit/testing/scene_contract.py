@@ -34,6 +34,7 @@ from grainfit.scenes.conditions import AtRest, Clear, Elapsed, Loaded
 from grainfit.scenes.packing import Column, Rectangle, random_column
 from grainfit.scenes.records import (
     Force,
+    Frames,
     KineticEnergy,
     MassAbove,
     RadialForce,
@@ -42,7 +43,7 @@ from grainfit.scenes.records import (
     Travel,
 )
 from grainfit.scenes.run_output import STAGES, RunOutput, series_file
-from grainfit.scenes.scene import Box, Load, Scene, Stage, Velocity, Wall, time_step
+from grainfit.scenes.scene import Box, Load, Rotation, Scene, Stage, Velocity, Wall, time_step
 from grainfit.scenes.shapes import (
     Annulus,
     Block,
@@ -160,9 +161,12 @@ class SimulatedScenes:
     ----------
     wall_radius : float
         R* of a particle on a plane wall, over its radius.
+    slide_kick : float
+        Change of speed when a particle begins to slide, beyond that of friction, m/s.
     """
 
     wall_radius: ClassVar[float] = 1.0
+    slide_kick: ClassVar[float] = 0.0
 
     @pytest.fixture
     def solver(self) -> DeckSolver:
@@ -199,6 +203,7 @@ class SceneContract(SimulatedScenes):
             Plane("z", 0.1),
             Block((-0.02, -0.02, -0.01), (0.02, 0.02, 0.0)),
             Cylinder(0.03, 0.0, 0.1),
+            Cylinder(0.03, -0.1, 0.1, "x"),
             Cone(0.02, 0.04, 0.0, 0.1),
             Disc(0.03, 0.0),
             Annulus(0.01, 0.03, 0.0),
@@ -213,7 +218,8 @@ class SceneContract(SimulatedScenes):
             Stage("move", Elapsed(0.01), motions={"thing": Velocity("z", 0.1)}),
             Stage("press", Elapsed(0.01), motions={"thing": Load("z", 1.0, 0.1, 0.1)}),
         ]
-        moved = stages if isinstance(shape, Plane) else frames(0.01)
+        turn = Stage("turn", Elapsed(0.01), motions={"thing": Rotation("y", 1.0)})
+        moved = stages if isinstance(shape, Plane) else [turn]
         scene = scene_of(spheres([(0, 0, 0.01)]), {"thing": Wall(shape)}, moved)
         lacking = scene.concepts() & set(solver.missing)
         if not lacking:
@@ -229,7 +235,8 @@ class SceneContract(SimulatedScenes):
 
     def test_missing_concepts_are_concepts_of_scenes(self, solver: DeckSolver) -> None:
         shapes = {"plane", "block", "cylinder", "cone", "disc", "annulus", "mesh"}
-        motions = {"velocity", "load", "velocity and load"}
+        shapes.add("lying cylinder")
+        motions = {"velocity", "load", "velocity and load", "rotation"}
         axes = {f"periodic {axes}" for axes in ("x", "y", "z", "xy", "xz", "yz", "xyz")}
 
         assert set(solver.missing) <= shapes | motions | axes | {"glued"}
@@ -630,6 +637,65 @@ class SceneContract(SimulatedScenes):
         expected[number] = (1 + restitution) * speed
         assert found == pytest.approx(expected, abs=0.02 * speed)
 
+    @pytest.mark.parametrize("speed", [-10.0, 10.0])
+    def test_a_turning_drum_drags_a_particle_up(self, run: Run, speed: float) -> None:
+        # It slides all the time, so friction is constant: a pendulum that swings about its angle.
+        radius, depth, friction, time = 0.05, 0.03, 0.2, 0.03
+        box = Box((0.0, -0.1, -0.1), (depth, 0.1, 0.1), periodic="x")
+        overlap = resting_overlap(DAMPED, curve=1 / (1 - RADIUS / radius))
+        particle = spheres([(0.01, 0.0, RADIUS - radius - overlap)])
+        turn = Stage(
+            "turn",
+            Elapsed(time),
+            motions={"drum": Rotation("x", speed)},
+            series=Series({"angle": Travel("drum")}, 0.001),
+            snapshot="dragged",
+        )
+        drum = {"drum": Wall(Cylinder(radius, 0.0, depth, "x"))}
+        out = run(scene_of(particle, drum, [turn], material(0.3, friction), box=box))
+
+        series = out.series("turn")
+        moved = out.snapshot("dragged").positions[0] - particle.positions[0]
+        length, time = radius - RADIUS, out.stages[0].time
+        way = friction * length * (1 - math.cos(math.sqrt(GRAVITY / length) * time))
+        # By the right-hand rule, the lowest point of the drum goes towards positive y.
+        expected = [0.0, math.copysign(way, speed), way**2 / (2 * length)]
+        assert moved == pytest.approx(expected, abs=0.01 * way + self.slide_kick * time)
+        assert series["angle"] == pytest.approx(speed * series["time"], abs=1e-9)
+
+    def test_a_wall_turns_and_stays_as_it_was_left(self, run: Run) -> None:
+        # A particle that falls on the turned block rebounds from the slope.
+        angle, drop, restitution, time = math.radians(20), 0.02, 0.6, 0.05
+        through = (0.01, 0.0, -0.02)
+        walls = {"block": Wall(Block((-0.06, -0.03, -0.03), (0.06, 0.03, 0.0)))}
+        normal = np.array([math.sin(angle), 0.0, math.cos(angle)])
+        # The middle of the upper side, beside which the block stands still.
+        arm = np.array([-through[0], 0.0, -through[2]])
+        turned = np.array(
+            [
+                through[0] + math.cos(angle) * arm[0] + math.sin(angle) * arm[2],
+                0.0,
+                through[2] - math.sin(angle) * arm[0] + math.cos(angle) * arm[2],
+            ]
+        )
+        fall = drop + GRAVITY * time**2 / 2
+        start = turned + RADIUS * normal + np.array([0.0, 0.0, fall])
+        turn = Rotation("y", angle / time, through)
+        until = math.sqrt(2 * fall / GRAVITY) - time + 0.01
+        stages = [
+            Stage("turn", Elapsed(time), motions={"block": turn}),
+            *frames(until),
+            Stage("more", Elapsed(0.004), snapshot="later"),
+        ]
+        values = {**material(restitution), "particle.youngs_modulus": 1e8}
+        scene = scene_of(spheres([start.tolist()]), walls, stages, values)
+        out = run(scene)
+
+        speed = math.sqrt(2 * GRAVITY * fall)
+        after = np.array([0, 0, -speed]) + (1 + restitution) * speed * normal[2] * normal
+        after[2] -= GRAVITY * (until + time + 0.002 - speed / GRAVITY)
+        assert final_velocities(out, scene)[0] == pytest.approx(after, abs=0.02 * speed)
+
     def test_a_loaded_plane_presses_with_its_force(self, run: Run) -> None:
         load, travel = 5 * WEIGHT, 0.001
         top = 2 * RADIUS + travel
@@ -769,6 +835,27 @@ class SceneContract(SimulatedScenes):
         assert out.stages[0].particles == 1
         with pytest.raises(RunFailedError, match="broke out of the pot"):
             out.require_complete(["fill", "after"], "pot")
+
+    def test_frames_are_recorded_during_a_stage(self, run: Run) -> None:
+        fall = Stage("fall", Elapsed(0.05), frames=Frames("falling", 0.01), snapshot="end")
+        later = Stage("later", Elapsed(0.02), frames=Frames("on", 0.005))
+        particles = spheres([(0, 0, 0.1), (0.05, 0, 0.15)])
+        scene = scene_of(particles, FLOOR, [fall, later])
+        out = run(scene)
+
+        for name, every, begin, count in (
+            ("falling", 0.01, 0.0, 6),
+            ("on", 0.005, out.stages[0].time, 4),
+        ):
+            frames = [*out.frames(name)]
+            times = np.array([frame.step for frame in frames]) * scene.time_step
+            assert np.diff(times) == pytest.approx(every, abs=scene.time_step)
+            assert times[0] >= begin - scene.time_step
+            assert abs(len(times) - count) <= 1
+            assert times[-1] <= out.stages[-1].time
+            for frame, time in zip(frames, times, strict=True):
+                heights = np.array([0.1, 0.15]) - GRAVITY * time**2 / 2
+                assert frame.particles.positions[:, 2] == pytest.approx(heights, abs=2e-6)
 
     def test_energy_from_nowhere_fails_the_run(self, run: Run) -> None:
         # Grossly overlapping: they shoot apart.

@@ -13,8 +13,14 @@ from numpy.typing import NDArray
 from grainfit.contact_models.base import ContactLaw
 from grainfit.scenes.conditions import AtRest, Clear, Elapsed, Loaded
 from grainfit.scenes.records import Force, KineticEnergy, MassAbove, RadialForce, Recorded, Travel
-from grainfit.scenes.run_output import SNAPSHOTS, STAGES, STAGES_HEADER, series_file
-from grainfit.scenes.scene import Load, Scene, Stage, Velocity, Wall, load_on
+from grainfit.scenes.run_output import (
+    SNAPSHOTS,
+    STAGES,
+    STAGES_HEADER,
+    series_file,
+    snapshot_file,
+)
+from grainfit.scenes.scene import Load, Motion, Scene, Stage, Wall, load_on
 from grainfit.solvers.dem.script_glued import COLUMN, LOOSE, GluedSets
 from grainfit.solvers.dem.script_words import command, continued, heading
 
@@ -40,6 +46,8 @@ class ScriptDeck(ABC):
 
     #: Name of the solver, and of its deck after ``in.``.
     solver: ClassVar[str]
+    #: Arguments of ``set`` that take the angular velocity from particles.
+    no_spin: ClassVar[str]
     #: Remarks in the first lines of a deck.
     introduction: ClassVar[tuple[str, ...]]
 
@@ -55,7 +63,7 @@ class ScriptDeck(ABC):
         #: Computes that sum quantities of the particles at a wall, by wall: they stay from stage to
         #: stage, and go with the wall.
         self._sums: dict[str, list[str]] = {}
-        self._glued = GluedSets(scene, self.follow, self.hold)
+        self._glued = GluedSets(scene, self.follow, self.hold, self.no_spin)
         #: Group of the particles that move, are counted, and touch walls.
         self.loose = LOOSE if scene.glued else "all"
 
@@ -109,11 +117,11 @@ class ScriptDeck(ABC):
         """Write the particles into a file."""
 
     @abstractmethod
-    def start_motion(self, wall: str, motion: Velocity | Load) -> Iterator[str]:
+    def start_motion(self, wall: str, motion: Motion) -> Iterator[str]:
         """Start a motion of a wall; its variable ``{wall}_travel`` must follow it."""
 
     @abstractmethod
-    def stop_motion(self, wall: str, motion: Velocity | Load) -> Iterator[str]:
+    def stop_motion(self, wall: str, motion: Motion) -> Iterator[str]:
         """Stop a motion of a wall where it is."""
 
     @abstractmethod
@@ -225,11 +233,14 @@ class ScriptDeck(ABC):
         yield command("variable", "start equal ${now}")
         yield from self._start_motions(stage)
         yield from self._record(stage)
+        yield from self._film(stage)
         if stage.is_closed:
             yield command("variable", "expected equal ${remaining}")
         yield from self._until(stage)
         if stage.series is not None:
             yield command("unfix", "series")
+        if stage.frames is not None:
+            yield command("undump", stage.frames.name)
         yield from self._stop_motions(stage)
         yield from self.undo
         self.undo = []
@@ -379,6 +390,16 @@ class ScriptDeck(ABC):
             [f'"{row}"', f'file {path} title "{title}" screen no'],
         )
 
+    def _film(self, stage: Stage) -> Iterator[str]:
+        """Write snapshots of the particles into one file while the stage goes on."""
+        if stage.frames is None:
+            return
+        name, every = stage.frames.name, self.scene.steps(stage.frames.every)
+        yield command(
+            "dump", f"{name} all custom {every} {snapshot_file(name)} {self.snapshot_columns}"
+        )
+        yield command("dump_modify", f"{name} sort id")
+
     def _quantity(self, quantity: Recorded, name: str) -> Iterator[str]:
         """Define the variable of a recorded quantity."""
         if isinstance(quantity, Force) and quantity.wall in self.scene.glued:
@@ -425,13 +446,9 @@ class ScriptDeck(ABC):
             found |= {q.wall for q in columns.values() if isinstance(q, Force | RadialForce)}
         return found
 
-    def moving_walls(self) -> dict[str, str]:
-        """Return the axis along which each moving wall moves."""
-        return {
-            wall: motion.along
-            for stage in self.scene.stages
-            for wall, motion in stage.all_motions()
-        }
+    def moving_walls(self) -> dict[str, Motion]:
+        """Return the last motion of each moving wall: all are along or about one axis."""
+        return {wall: motion for stage in self.scene.stages for wall, motion in stage.all_motions()}
 
     @staticmethod
     def component(along: str) -> int:

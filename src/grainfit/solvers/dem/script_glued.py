@@ -7,10 +7,11 @@ the time, which both LAMMPS and LIGGGHTS have (``fix ave/time``).
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator, Sequence
 
 from grainfit.scenes.records import Force, Travel
-from grainfit.scenes.scene import Load, Motion, Scene, Stage
+from grainfit.scenes.scene import Load, Motion, Rotation, Scene, Stage
 from grainfit.solvers.dem.script_words import command
 
 #: Group of all particles that are not glued, and column of a dump with the number of the set.
@@ -26,6 +27,8 @@ class GluedSets:
         A scene with glued sets.
     follow, hold : callable
         Commands that let the variable ``NAME_travel`` grow with a speed, and stay as it is.
+    no_spin : str
+        Arguments of ``set`` that take the angular velocity from particles.
     """
 
     def __init__(
@@ -33,10 +36,12 @@ class GluedSets:
         scene: Scene,
         follow: Callable[[str, float], Iterator[str]],
         hold: Callable[[str], Iterator[str]],
+        no_spin: str,
     ) -> None:
         self._scene = scene
         self._follow = follow
         self._hold = hold
+        self._no_spin = no_spin
         #: Sets that moved in the last stage: they keep their velocity until it is set to zero.
         self._moved: list[str] = []
 
@@ -77,10 +82,15 @@ class GluedSets:
         for name in self._moved:
             if name not in stage.motions:
                 yield command("velocity", f"{name} set 0.0 0.0 0.0")
+                if any(isinstance(m, Rotation) for m in self._scene.motions_of(name)):
+                    yield command("set", f"group {name} {self._no_spin}")
         self._moved = [name for name in stage.motions if name in self._scene.glued]
 
     def start_motion(self, name: str, motions: Sequence[Motion]) -> Iterator[str]:
         """Start the motions of a set in a stage."""
+        if isinstance(motions[0], Rotation):
+            yield from self._turn(name, motions[0])
+            return
         ways, speeds = dict.fromkeys("xyz", "v_still"), dict.fromkeys("xyz", "v_still")
         for motion in motions:
             body = f"{name}_{motion.along}"
@@ -93,6 +103,15 @@ class GluedSets:
             ways[motion.along], speeds[motion.along] = f"v_{body}_way", f"v_{body}_speed"
         paths = " ".join([*ways.values(), *speeds.values()])
         yield command("fix", f"{name}_motion {name} move variable {paths}")
+
+    def _turn(self, name: str, rotation: Rotation) -> Iterator[str]:
+        """Start a rotation of a set, which moves in no other way."""
+        axis = [0.0, 0.0, 0.0]
+        axis["xyz".index(rotation.along)] = math.copysign(1.0, rotation.speed)
+        numbers = [*rotation.through, *axis, 2 * math.pi / abs(rotation.speed)]
+        path = " ".join(str(value) for value in numbers)
+        yield command("fix", f"{name}_motion {name} move rotate {path}")
+        yield from self._follow(f"{name}_{rotation.along}", rotation.speed)
 
     def _servo(self, name: str, load: Load) -> Iterator[str]:
         """Define speed and travel of a set under a load."""

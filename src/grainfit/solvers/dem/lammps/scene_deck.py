@@ -8,7 +8,7 @@ from typing import ClassVar
 from grainfit.contact_models.contact import Contact
 from grainfit.contact_models.lammps import lammps_clauses, lammps_words
 from grainfit.scenes.run_output import snapshot_file
-from grainfit.scenes.scene import Load, Stage, Velocity, Wall
+from grainfit.scenes.scene import Load, Motion, Rotation, Stage, Wall
 from grainfit.scenes.shapes import Block, Cone, Cylinder, Disc, Plane, Shape
 from grainfit.solvers.dem.script import PARTICLES, ScriptDeck
 from grainfit.solvers.dem.script_words import command, continued, heading
@@ -27,6 +27,7 @@ class LammpsSceneDeck(ScriptDeck):
     """A scene as a deck for LAMMPS with its GRANULAR package; see `ScriptDeck`."""
 
     solver: ClassVar[str] = "lammps"
+    no_spin: ClassVar[str] = "omega 0.0 0.0 0.0"
     introduction: ClassVar[tuple[str, ...]] = (
         "LAMMPS with its GRANULAR package",
         "By hand, in this folder:  lmp -in in.lammps",
@@ -99,14 +100,12 @@ class LammpsSceneDeck(ScriptDeck):
         return range(1, len(self._radii) + 1)
 
     def _put(self, name: str, wall: Wall) -> Iterator[str]:
-        axis = self.moving_walls().get(name)
+        motion = self.moving_walls().get(name)
         move = ""
-        if axis is not None:
+        if motion is not None:
             style = "internal" if self._is_loaded(name) else "equal"
             yield command("variable", f"{name}_travel {style} 0.0")
-            along = ["NULL", "NULL", "NULL"]
-            along[self.component(axis)] = f"v_{name}_travel"
-            move = f" move {' '.join(along)}"
+            move = f" {self._moved(name, motion)}"
         yield command("region", f"{name} {self._region(wall.shape)}{move}")
         material = self.scene.material_on(wall.surface)
         measured = " contacts" if name in self.measured_walls() else ""
@@ -119,6 +118,16 @@ class LammpsSceneDeck(ScriptDeck):
             yield continued(
                 command("fix", f"{name}{number} size{number} wall/gran/region granular"), clauses
             )
+
+    def _moved(self, wall: str, motion: Motion) -> str:
+        """Return the arguments with which the region of a wall follows its variable."""
+        if isinstance(motion, Rotation):
+            axis = [0.0] * 3
+            axis[self.component(motion.along)] = 1.0
+            return f"rotate v_{wall}_travel {_numbers([*motion.through])} {_numbers(axis)}"
+        along = ["NULL", "NULL", "NULL"]
+        along[self.component(motion.along)] = f"v_{wall}_travel"
+        return f"move {' '.join(along)}"
 
     def _is_loaded(self, wall: str) -> bool:
         return any(isinstance(motion, Load) for motion in self.scene.motions_of(wall))
@@ -137,7 +146,9 @@ class LammpsSceneDeck(ScriptDeck):
             return f"block {sides} units box side out"
         if isinstance(shape, Cylinder):
             ends = f"{shape.bottom} {shape.top}"
-            return f"cylinder z 0 0 {shape.radius} {ends} units box open 1 open 2"
+            if shape.axis in self.scene.box.periodic:
+                ends = "INF INF"
+            return f"cylinder {shape.axis} 0 0 {shape.radius} {ends} units box open 1 open 2"
         if isinstance(shape, Cone):
             radii = f"{shape.lower_radius} {shape.upper_radius}"
             return f"cone z 0 0 {radii} {shape.bottom} {shape.top} units box open 1 open 2"
@@ -148,10 +159,10 @@ class LammpsSceneDeck(ScriptDeck):
 
     # --- motions -------------------------------------------------------------------------------
 
-    def start_motion(self, wall: str, motion: Velocity | Load) -> Iterator[str]:
+    def start_motion(self, wall: str, motion: Motion) -> Iterator[str]:
         """Start a motion of a wall."""
         travel = f"{wall}_travel"
-        if not self._is_loaded(wall):
+        if isinstance(motion, Rotation) or not self._is_loaded(wall):
             yield from self.follow(wall, motion.speed)  # type: ignore[union-attr]
             return
         yield from self.record_force(wall, motion.along, f"{wall}_force")
@@ -169,7 +180,7 @@ class LammpsSceneDeck(ScriptDeck):
             "fix", f"{wall}_motion all controller 1 1.0 1.0 0.0 0.0 v_{wall}_speed 0.0 {travel}"
         )
 
-    def stop_motion(self, wall: str, motion: Velocity | Load) -> Iterator[str]:  # noqa: ARG002
+    def stop_motion(self, wall: str, motion: Motion) -> Iterator[str]:  # noqa: ARG002
         """Stop a motion of a wall where it is."""
         if self._is_loaded(wall):
             yield command("unfix", f"{wall}_motion")

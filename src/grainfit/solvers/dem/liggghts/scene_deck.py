@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+import math
+from collections.abc import Iterable, Iterator, Mapping
 from typing import ClassVar
 
 from grainfit.contact_models.liggghts import liggghts_model, liggghts_properties
 from grainfit.errors import Fault, InputError
 from grainfit.scenes.run_output import snapshot_file
-from grainfit.scenes.scene import WALL, Load, Stage, Velocity, Wall
+from grainfit.scenes.scene import WALL, Load, Motion, Rotation, Stage, Wall
 from grainfit.scenes.shapes import Cylinder
 from grainfit.scenes.triangles import triangles_of, write_stl
 from grainfit.solvers.dem.script import PARTICLES, ScriptDeck
@@ -27,6 +28,7 @@ class LiggghtsSceneDeck(ScriptDeck):
     """A scene as a deck for LIGGGHTS-PUBLIC; see `ScriptDeck`."""
 
     solver: ClassVar[str] = "liggghts"
+    no_spin: ClassVar[str] = "omegax 0.0 omegay 0.0 omegaz 0.0"
     introduction: ClassVar[tuple[str, ...]] = (
         "LIGGGHTS-PUBLIC 3.8",
         "By hand, in this folder:  liggghts -in in.liggghts",
@@ -102,6 +104,8 @@ class LiggghtsSceneDeck(ScriptDeck):
         self.walls[name] = wall
         if self._is_through(name):
             yield from self._put_tube(name, wall)
+            if name in self.moving_walls():
+                yield command("variable", f"{name}_travel equal 0.0")
             return
         path = self.folder / f"{name}.stl"
         edge = 0.95 * self.scene.sizes.sauter_diameter
@@ -119,20 +123,38 @@ class LiggghtsSceneDeck(ScriptDeck):
             yield command("variable", f"{name}_travel equal 0.0")
 
     def _is_through(self, name: str) -> bool:
-        """Return whether a wall is a tube from the bottom to the top of the box that stays."""
+        """Return whether a wall is a tube through the box that stays, or turns about its axis."""
         shape, box = self.scene.all_walls()[name].shape, self.scene.box
-        if not isinstance(shape, Cylinder) or any(True for _ in self.scene.motions_of(name)):
+        if not isinstance(shape, Cylinder):
             return False
-        return shape.bottom <= box.low[2] and shape.top >= box.high[2]
+        if not all(_turns_on_itself(shape, motion) for motion in self.scene.motions_of(name)):
+            return False
+        if shape.axis in box.periodic:
+            return True
+        axis = self.component(shape.axis)
+        return shape.bottom <= box.low[axis] and shape.top >= box.high[axis]
 
-    def _put_tube(self, name: str, wall: Wall) -> Iterator[str]:
-        """Put a tube through the box: it is exact, and has the forces of its own contacts."""
+    def _put_tube(self, name: str, wall: Wall, speed: float = 0.0) -> Iterator[str]:
+        """Put a tube through the box: it is exact, and has the forces of its own contacts.
+
+        It turns about its axis with a speed, rad/s.
+        """
         assert isinstance(wall.shape, Cylinder)
         number = 2 + self._surfaces.index(wall.surface)
         stored = " store_force yes" if name in self.measured_walls() else ""
-        shape = f"primitive type {number} zcylinder {wall.shape.radius} 0.0 0.0{stored}"
+        axis = wall.shape.axis
+        # Shear along another axis is a rotation about the tube's own.
+        turns = f" shear y {speed}" if speed else ""
+        style = f"{axis}cylinder {wall.shape.radius} 0.0 0.0"
+        shape = f"primitive type {number} {style}{turns}{stored}"
         first = f"{name} {self.loose} wall/gran model {liggghts_model(self.law)}"
         yield continued(command("fix", first), [shape])
+
+    def _put_again(self, name: str, speed: float) -> Iterator[str]:
+        """Put a tube through the box with another speed: its contacts lose their history."""
+        yield from self.forget_sums(name)
+        yield command("unfix", name)
+        yield from self._put_tube(name, self.walls[name], speed)
 
     @property
     def _meshes(self) -> list[str]:
@@ -155,7 +177,7 @@ class LiggghtsSceneDeck(ScriptDeck):
 
     # --- motions -------------------------------------------------------------------------------
 
-    def start_motion(self, wall: str, motion: Velocity | Load) -> Iterator[str]:
+    def start_motion(self, wall: str, motion: Motion) -> Iterator[str]:
         """Start a motion of a wall."""
         if isinstance(motion, Load):
             yield command("fix_modify", f"{wall} target_val {abs(motion.force)}")
@@ -165,19 +187,32 @@ class LiggghtsSceneDeck(ScriptDeck):
             column = 7 + self.component(motion.along)
             yield command("variable", f"{wall}_travel equal f_{wall}[{column}]")
             return
+        if self._is_through(wall):
+            assert isinstance(motion, Rotation)
+            yield from self._put_again(wall, motion.speed)
+            yield from self.follow(wall, motion.speed)
+            return
         vector = [0.0, 0.0, 0.0]
-        vector[self.component(motion.along)] = motion.speed
-        x, y, z = vector
-        yield command("fix", f"{wall}_motion all move/mesh mesh {wall} linear {x} {y} {z}")
+        if isinstance(motion, Rotation):
+            vector[self.component(motion.along)] = math.copysign(1.0, motion.speed)
+            moved = f"rotate origin {_numbers(motion.through)} axis {_numbers(vector)} "
+            moved += f"period {2 * math.pi / abs(motion.speed)}"
+        else:
+            vector[self.component(motion.along)] = motion.speed
+            moved = f"linear {_numbers(vector)}"
+        yield command("fix", f"{wall}_motion all move/mesh mesh {wall} {moved}")
         yield from self.follow(wall, motion.speed)
 
-    def stop_motion(self, wall: str, motion: Velocity | Load) -> Iterator[str]:
+    def stop_motion(self, wall: str, motion: Motion) -> Iterator[str]:
         """Stop a motion of a wall where it is."""
         if isinstance(motion, Load):
             yield command("fix_modify", f"{wall} integrate stop")
+            return
+        if self._is_through(wall):
+            yield from self._put_again(wall, 0.0)
         else:
             yield command("unfix", f"{wall}_motion")
-            yield from self.hold(wall)
+        yield from self.hold(wall)
 
     # --- records -------------------------------------------------------------------------------
 
@@ -225,6 +260,17 @@ class LiggghtsSceneDeck(ScriptDeck):
             yield command("variable", f"{sum_}_of atom {radial}")
             yield command("compute", f"{sum_} {self.loose} reduce sum v_{sum_}_of")
         yield command("variable", f"{name} equal -c_{sum_}")
+
+
+def _numbers(values: Iterable[float]) -> str:
+    return " ".join(str(value) for value in values)
+
+
+def _turns_on_itself(shape: Cylinder, motion: Motion) -> bool:
+    """Return whether a motion leaves a tube in its place, and a primitive can have it."""
+    # About the y axis, LIGGGHTS moves a primitive along its normal.
+    is_lengthwise = shape.axis == "x" and motion.along == "x"
+    return isinstance(motion, Rotation) and is_lengthwise and not any(motion.through[1:])
 
 
 def _gain(load: Load) -> float:

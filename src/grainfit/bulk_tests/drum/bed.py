@@ -1,0 +1,233 @@
+"""The bed of a turning drum over time: its inclination, its surface, and how the drum drags it.
+
+Seen along the axis of the drum: *across* is y, *height* is z, and the bed rises towards positive y.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from grainfit.bulk_tests.drum.setup import DrumSetup
+from grainfit.errors import NotMeasurableError, RunFailedError
+from grainfit.measurement.particles import Frame, Particles
+
+#: Cells in which the solid fraction is averaged, in diameters: along the surface, and across it.
+_CELL, _LAYER = 0.5, 0.25
+#: Layers over which it is smoothed. The surface is where it falls below half that of a bed.
+_SMOOTHED, _HALF = 3, 0.29
+#: Share of the surface's half length from its middle to which lines are fitted: the whole surface,
+#: and its two halves, which start in the middle.
+_WHOLE, _PART = 0.6, 0.7
+#: Particles this near to the wall and this deep below the surface, in diameters, move with the
+#: wall unless the bed slides.
+_OUTER, _DEEP = 1.5, 2.0
+#: Particles at this angle from the middle of the bed and more are above its ends, degrees.
+_ABOVE = 120.0
+_FEWEST_FRAMES, _FEWEST_COLUMNS = 8, 3
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Surface:
+    """Free surface of the bed, averaged over frames, in a frame of reference turned with the bed.
+
+    Parameters
+    ----------
+    along : ndarray of shape (n,)
+        Coordinate along the mean inclination of the bed, uphill, m.
+    heights : ndarray of shape (n,)
+        Distance from the axis of the drum, upwards, m.
+    inclination : float
+        Inclination of the coordinate, degrees.
+    """
+
+    along: Array
+    heights: Array
+    inclination: float
+
+    def line(self, low: float, high: float) -> tuple[float, float]:
+        """Fit a line between two coordinates; return its inclination, degrees, and its offset, m.
+
+        Raises
+        ------
+        NotMeasurableError
+            There are too few particles there.
+        """
+        fitted = (self.along > low) & (self.along < high) & np.isfinite(self.heights)
+        if fitted.sum() < _FEWEST_COLUMNS:
+            raise NotMeasurableError("surface: it is too short to be fitted; use a larger drum")
+        slope, offset = np.polyfit(self.along[fitted], self.heights[fitted], 1)
+        return self.inclination + math.degrees(math.atan(slope)), float(offset)
+
+    def places(self) -> list[tuple[float, float]]:
+        """Return the points of the surface across and height, m, uphill."""
+        turn = math.radians(self.inclination)
+        found = np.isfinite(self.heights)
+        along, above = self.along[found], self.heights[found]
+        across = along * math.cos(turn) - above * math.sin(turn)
+        height = along * math.sin(turn) + above * math.cos(turn)
+        return [(float(y), float(z)) for y, z in zip(across, height, strict=True)]
+
+    def half_length(self, radius: float) -> float:
+        """Return half the length of the surface within a drum of this radius, m."""
+        middle = float(np.nanmedian(self.heights))
+        return math.sqrt(max(radius**2 - middle**2, 0.0))
+
+
+@dataclass(frozen=True)
+class TurningBed:
+    """Particles of a bed at equal intervals while the drum turns.
+
+    Parameters
+    ----------
+    setup : DrumSetup
+        Geometry and speed.
+    last : Particles
+        The bed at the end.
+    steps : ndarray of shape (t,)
+        Time step of every frame.
+    across, heights : ndarray of shape (t, n)
+        Places of the particles, m.
+    """
+
+    setup: DrumSetup
+    last: Particles
+    steps: NDArray[np.int64]
+    across: Array
+    heights: Array
+
+    @classmethod
+    def of(cls, frames: Iterable[Frame], setup: DrumSetup) -> Self:
+        """Read the bed from the frames of a run.
+
+        Raises
+        ------
+        RunFailedError
+            Particles were lost on the way.
+        NotMeasurableError
+            There are too few frames, or they are damaged.
+        """
+        read = list(frames)
+        counts = {len(frame.particles) for frame in read}
+        if len(read) < _FEWEST_FRAMES or counts == {0}:
+            raise NotMeasurableError(
+                f"the bed was recorded {len(read)} times while the drum turned; {_FEWEST_FRAMES} "
+                "times are needed"
+            )
+        if len(counts) > 1:
+            raise RunFailedError(
+                f"particles were lost while the drum turned: {max(counts)} at first, "
+                f"{min(counts)} at the end"
+            )
+        places = np.array([frame.particles.positions for frame in read])
+        steps = np.array([frame.step for frame in read])
+        return cls(setup, read[-1].particles, steps, places[:, :, 1], places[:, :, 2])
+
+    @property
+    def diameter(self) -> float:
+        """Median particle diameter, m."""
+        return self.last.diameter
+
+    @property
+    def turns(self) -> float:
+        """Turns of the drum from the first frame to the last."""
+        return self.setup.frame_interval * (len(self.steps) - 1) / self.setup.turn_time
+
+    @cached_property
+    def inclinations(self) -> Array:
+        """Inclination of the line from the axis to the centre of mass in every frame, degrees.
+
+        It is the inclination of a plane surface.
+        """
+        masses = self.last.masses
+        across, height = self.across @ masses, self.heights @ masses
+        found: Array = np.degrees(np.arctan2(across, -height))
+        return found
+
+    def surface(self, inclination: float, chosen: slice = slice(None)) -> Surface:
+        """Return the free surface, averaged over frames.
+
+        Parameters
+        ----------
+        inclination : float
+            Mean inclination of the bed, degrees.
+        chosen : slice
+            Frames.
+        """
+        angle, radius, d = math.radians(inclination), self.setup.drum_radius, self.diameter
+        across, heights = self.across[chosen], self.heights[chosen]
+        along = across * math.cos(angle) + heights * math.sin(angle)
+        above = heights * math.cos(angle) - across * math.sin(angle)
+        cells = 2 * math.ceil(radius / (_CELL * d))
+        layers = 2 * math.ceil((radius + d) / (_LAYER * d))
+        edges = np.linspace(-cells, cells, cells + 1) * _CELL * d / 2
+        levels = np.linspace(-layers, layers, layers + 1) * _LAYER * d / 2
+        volumes = np.broadcast_to(4 / 3 * math.pi * self.last.radii**3, along.shape)
+        filled, *_ = np.histogram2d(
+            along.ravel(), above.ravel(), bins=(edges, levels), weights=volumes.ravel()
+        )
+        cell = _CELL * d * _LAYER * d * self.setup.drum_length * len(along)
+        middles = (levels[1:] + levels[:-1]) / 2
+        tops = [_top(column / cell, middles) for column in filled]
+        return Surface((edges[1:] + edges[:-1]) / 2, np.array(tops), inclination)
+
+    @cached_property
+    def _azimuths(self) -> Array:
+        """Angle of every particle from the lowest point of the drum, the way it turns, rad."""
+        azimuths: Array = np.arctan2(self.across, -self.heights)
+        return azimuths
+
+    def slip(self, surface: Surface) -> float:
+        """Return the share of the drum's speed by which the outermost layer lags behind it.
+
+        It is averaged over the particles at the wall that are deep below the surface.
+        """
+        angle = math.radians(surface.inclination)
+        above = self.heights * math.cos(angle) - self.across * math.sin(angle)
+        deep = above < float(np.nanmedian(surface.heights)) - _DEEP * self.diameter
+        distance = np.hypot(self.across, self.heights)
+        outer = deep & (distance > self.setup.drum_radius - _OUTER * self.diameter)
+        turned = np.diff(self._azimuths, axis=0)
+        turned = (turned + math.pi) % (2 * math.pi) - math.pi
+        whole = np.diff(self.steps)[:, None] * self._turn_per_step
+        passed = turned / whole
+        counted = outer[:-1] & outer[1:]
+        if not counted.any():
+            raise NotMeasurableError(
+                "wall slip: no particles are at the wall of the drum deep below the surface; use "
+                "a larger drum or fill_level"
+            )
+        return 1 - float(passed[counted].mean())
+
+    @cached_property
+    def _turn_per_step(self) -> float:
+        """Angle that the drum turns from one time step to the next, rad."""
+        interval = self.setup.frame_interval * (len(self.steps) - 1)
+        return self.setup.rotational_speed * interval / float(self.steps[-1] - self.steps[0])
+
+    def share_above(self, inclination: float) -> float:
+        """Return the mean share of the particles that are above the ends of the bed."""
+        apart = np.degrees(self._azimuths) - inclination
+        apart = (apart + 180) % 360 - 180
+        return float((np.abs(apart) > _ABOVE).mean())
+
+
+def _top(fractions: Array, middles: Array) -> float:
+    """Height at which the solid fraction of a column falls below half that of a bed, m."""
+    smooth = np.convolve(fractions, np.ones(_SMOOTHED) / _SMOOTHED, "same")
+    filled = np.flatnonzero(smooth > _HALF)
+    if not len(filled):
+        return math.nan
+    last = int(filled[-1])
+    if last + 1 == len(smooth):
+        return float(middles[last])
+    share = (smooth[last] - _HALF) / (smooth[last] - smooth[last + 1])
+    return float(middles[last] + share * (middles[last + 1] - middles[last]))

@@ -1,0 +1,261 @@
+"""The rotating drum: a bed flows down its own surface; its inclination is averaged over time."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import ClassVar
+
+import numpy as np
+
+from grainfit.bulk_tests.base import BulkTest, ResponseInfo
+from grainfit.bulk_tests.drum.angles import DrumAngles
+from grainfit.bulk_tests.drum.bed import TurningBed
+from grainfit.bulk_tests.drum.setup import DrumSetup, plan_setup
+from grainfit.bulk_tests.drum.view import DrumView, draw_drum
+from grainfit.bulk_tests.sensitivities import MODULUS, ROLLING, SLIDING, Sensitivities
+from grainfit.bulk_tests.shared.options import LENGTH
+from grainfit.bulk_tests.shared.validity import require_separate
+from grainfit.bulk_tests.view import Shown
+from grainfit.errors import NotMeasurableError, RunFailedError
+from grainfit.evaluation import Response
+from grainfit.measurement.particles import Particles, write_vtk
+from grainfit.options.fields import Amount, option
+from grainfit.options.kinds import Flag, Quantity
+from grainfit.scenes.conditions import Elapsed
+from grainfit.scenes.glued import Glued
+from grainfit.scenes.packing import Column, random_in_tube
+from grainfit.scenes.records import Frames
+from grainfit.scenes.run_output import RunOutput, snapshot_file
+from grainfit.scenes.scene import Box, Rotation, Scene, Stage, Wall, natural_speed, natural_time
+from grainfit.scenes.shapes import Cylinder
+
+#: Frames of a run, its picture, and its last frame for ParaView.
+_FRAMES, _PICTURE, _VTK = "turning", "drum.png", "drum.vtk"
+_TURNS = Quantity("", above_zero=True, highest=1e3)
+
+
+@dataclass(frozen=True)
+class Drum(BulkTest):
+    """Rotating drum: dynamic angle of repose.
+
+    Particles fall into a lying drum that turns at a constant speed. After some turns, the
+    inclination of the bed and its free surface are averaged over whole avalanches. The drum is a
+    slice: its length is periodic, without end walls. It is lined with particles of the material
+    that are sunk into the wall by half, so that the bed does not slide in it; a smooth drum is
+    allowed, and fails where the bed slides.
+
+    Defaults follow the Sauter diameter d of the particles, and are never smaller than the largest
+    particles allow; the speed follows d by Froude's law. The options are the fields below, as in
+    the calibration file.
+
+    Parameters
+    ----------
+    sizes : ParticleSizes, optional
+        Particle size distribution.
+    diameter : float, str or list, optional
+        Instead of sizes: ``"10 mm"``, or a list of ``{"value": ..., "mass_fraction": ...}``.
+
+    Raises
+    ------
+    InputError
+        The test is impossible; names every option at fault.
+
+    Examples
+    --------
+    >>> Drum(diameter="10 mm").setup.drum_radius
+    0.08
+    >>> round(Drum(diameter="10 mm", rotational_speed="10 rpm").setup.turn_time, 9)
+    6.0
+    """
+
+    type: ClassVar[str] = "drum"
+    title: ClassVar[str] = "rotating"
+    shown: ClassVar[Shown | None] = Shown("bed", "dynamic_angle", snapshot_file(_FRAMES), _PICTURE)
+    responses: ClassVar[Mapping[str, ResponseInfo]] = {
+        "dynamic_angle": ResponseInfo(
+            "deg",
+            "θ_d",
+            "dynamic angle of repose: inclination of the bed by its centre of mass",
+            '{ value = "36 deg", uncertainty = "0.5 deg" }',
+            Sensitivities(
+                {MODULUS: 0.052, SLIDING: 0.080, ROLLING: 0.101}, {SLIDING: 0.27, ROLLING: 0.078}
+            ),
+        ),
+        "surface_angle": ResponseInfo(
+            "deg",
+            "θ_s",
+            "surface angle: inclination of the free surface in the middle 60 % of its length",
+            '{ value = "39 deg", uncertainty = "0.5 deg" }',
+            Sensitivities(
+                {MODULUS: 0.034, SLIDING: 0.106, ROLLING: 0.153}, {SLIDING: 0.42, ROLLING: 0.078}
+            ),
+        ),
+        "upper_angle": ResponseInfo(
+            "deg",
+            "θ_u",
+            "upper angle: inclination of the upper half of the free surface",
+            '{ value = "35 deg", uncertainty = "1 deg" }',
+            Sensitivities({SLIDING: 0.082, ROLLING: 0.135}, {SLIDING: 0.27, ROLLING: 0.067}),
+        ),
+        "lower_angle": ResponseInfo(
+            "deg",
+            "θ_l",
+            "lower angle: inclination of the lower half of the free surface",
+            '{ value = "41 deg", uncertainty = "1 deg" }',
+            Sensitivities(
+                {MODULUS: 0.020, SLIDING: 0.122, ROLLING: 0.138}, {SLIDING: 0.38, ROLLING: 0.078}
+            ),
+        ),
+    }
+
+    drum_radius: Amount | None = option(
+        LENGTH,
+        "Inner radius of the drum. The angles depend on it over the particle diameter: use that of "
+        "the laboratory.",
+        example='"80 mm"',
+        words="8 d",
+    )
+    drum_length: Amount | None = option(
+        LENGTH,
+        "Length of the simulated slice; it repeats without end, so that there are no end walls.",
+        example='"60 mm"',
+        words="6 d",
+    )
+    fill_level: Amount = option(
+        Quantity("", lowest=0.1, highest=0.6),
+        "Share of the drum that the bed takes at a solid fraction of 0.58; it gives the number of "
+        "particles.",
+        example="0.4",
+        default=0.4,
+    )
+    rotational_speed: Amount | None = option(
+        Quantity("rad/s", above_zero=True),
+        'Rotational speed of the drum, such as "10 rpm"; or give the Froude number.',
+        example='"1.1 rad/s"',
+        words="that of the Froude number",
+    )
+    froude_number: Amount | None = option(
+        Quantity("", above_zero=True, highest=1.0),
+        "Rotational speed squared times radius over gravity, instead of the rotational speed.",
+        example="0.01",
+        words="0.01",
+    )
+    lining: bool = option(
+        Flag(),
+        "Line the drum with particles, half sunk into its wall. In a smooth drum the bed slides "
+        "where the friction of the wall is low, and the run fails.",
+        example="true",
+        default=True,
+        words="true",
+    )
+    discarded_turns: Amount = option(
+        _TURNS, "Turns before the averaging.", example="0.6", default=0.6
+    )
+    averaged_turns: Amount | None = option(
+        _TURNS,
+        "Turns over which angles are averaged: several whole avalanches.",
+        example="0.9",
+        words="0.9, or 150 sqrt(d/g) where that is longer",
+    )
+    #: Geometry and procedure, with every default resolved.
+    setup: DrumSetup = field(init=False, repr=False, compare=False)
+
+    def prepare(self) -> None:
+        """Resolve geometry and procedure."""
+        object.__setattr__(self, "setup", plan_setup(self.sizes, self.given_options()))
+
+    def column(self, seed: int) -> Column:
+        """Return the particles at the beginning: all over the drum."""
+        setup = self.setup
+        radius, length = setup.clear_radius, setup.drum_length
+        return random_in_tube(self.sizes, setup.particle_count, radius, length, seed)
+
+    def scene_of(self, column: Column, material: Mapping[str, float]) -> Scene:
+        """Return the experiment: the particles fall into a drum that turns."""
+        setup = self.setup
+        side = setup.drum_radius + 1.5 * max(self.sizes.diameters)
+        return Scene(
+            title="Rotating drum",
+            material=material,
+            sizes=self.sizes,
+            particles=column,
+            box=Box((0.0, -side, -side), (setup.drum_length, side, side), periodic="x"),
+            walls={"drum": Wall(Cylinder(setup.drum_radius, 0.0, setup.drum_length, "x"))},
+            glued=self._lining(),
+            stages=self._stages(),
+            gravity=setup.gravity,
+            time_step=self.time_step(material),
+            quiet_speed=natural_speed(self.sizes, setup.gravity),
+            check_interval=natural_time(self.sizes, setup.gravity),
+        )
+
+    def _lining(self) -> dict[str, Glued]:
+        """Return the particles that line the drum; none in a smooth one."""
+        if not self.setup.lining_diameter:
+            return {}
+        positions = self.setup.lining_places()
+        return {"lining": Glued(positions, np.full(len(positions), self.setup.lining_size))}
+
+    def _stages(self) -> tuple[Stage, ...]:
+        setup = self.setup
+        turn = Rotation("x", setup.rotational_speed)
+        turning = dict.fromkeys(("drum", *self._lining()), turn)
+        return (
+            Stage(
+                "start",
+                Elapsed(setup.discarded_turns * setup.turn_time),
+                f"the particles fall, the drum turns: {setup.discarded_turns:g} turns",
+                motions=turning,
+                is_closed=True,
+            ),
+            Stage(
+                "turn",
+                Elapsed(setup.averaged_turns * setup.turn_time),
+                f"it goes on turning, and the bed is recorded: {setup.averaged_turns:g} turns",
+                motions=turning,
+                frames=Frames(_FRAMES, setup.frame_interval),
+                is_closed=True,
+            ),
+        )
+
+    def measure(self, run: RunOutput) -> dict[str, Response]:
+        """Measure the angles; leave a picture and a VTK file of the end.
+
+        Raises
+        ------
+        RunFailedError
+            The simulation did not end as a drum requires: particles were lost or overlap grossly,
+            a stage is missing, the bed slides in the drum or is carried round, or it is not steady.
+        NotMeasurableError
+            A response has no value, with the reason.
+        """
+        run.require_complete([stage.name for stage in self._stages()], "drum")
+        bed = TurningBed.of(run.frames(_FRAMES), self.setup)
+        require_separate(bed.last)
+        angles, lining = DrumAngles(bed), self._lining_at_end(run)
+        write_vtk(run.folder / _VTK, bed.last)
+        try:
+            angles.require_valid()
+            responses = angles.responses()
+        except (RunFailedError, NotMeasurableError) as error:
+            draw_drum(run.folder / _PICTURE, angles, lining, str(error))
+            raise
+        draw_drum(run.folder / _PICTURE, angles, lining, responses)
+        return responses
+
+    def _lining_at_end(self, run: RunOutput) -> Particles | None:
+        return run.snapshot(_FRAMES, glued=1) if self.setup.lining_diameter else None
+
+    @property
+    def number_of_particles(self) -> int:
+        """Number of particles of the bed."""
+        return self.setup.particle_count
+
+    def simulated_time(self, material: Mapping[str, float]) -> float:  # noqa: ARG002
+        """Return the simulated time of a run, s."""
+        return (self.setup.discarded_turns + self.setup.averaged_turns) * self.setup.turn_time
+
+    def view(self, run: RunOutput) -> DrumView:
+        """Read the bed of a run, to be drawn."""
+        return DrumView(DrumAngles(TurningBed.of(run.frames(_FRAMES), self.setup)))

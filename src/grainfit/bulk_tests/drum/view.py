@@ -1,0 +1,213 @@
+"""Pictures of a drum: the bed along the axis with fitted lines, and its angle over time."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from PIL import Image, ImageDraw
+
+from grainfit.bulk_tests.drum.angles import DrumAngles
+from grainfit.bulk_tests.drum.setup import DrumSetup
+from grainfit.bulk_tests.view import MeasuredDrawing, Outline, RunView, raised
+from grainfit.errors import NotMeasurableError
+from grainfit.evaluation import Response
+from grainfit.measurement.angle_of_repose import Flank
+from grainfit.measurement.drawing import Drawing, Line, fitted_lines, wall_line
+from grainfit.measurement.particles import Particles
+from grainfit.measurement.sheet import (
+    FLANK,
+    INK,
+    OVERSAMPLING,
+    PAPER,
+    QUIET_INK,
+    TEXT_SIZE,
+    font,
+    sheet,
+)
+from grainfit.measurement.side_view import SideView
+
+_PANEL_WIDTH = 640 * OVERSAMPLING
+_MARGIN = 60 * OVERSAMPLING
+#: Drawings have this many pixels in a particle diameter.
+_PIXELS = 20
+_CORNERS = 72
+
+
+def draw_drum(
+    path: Path,
+    angles: DrumAngles,
+    lining: Particles | None,
+    measured: Mapping[str, Response] | str,
+) -> None:
+    """Write a PNG of the bed at the end and of its inclination over time.
+
+    Parameters
+    ----------
+    path : Path
+        File to write; ends in ``.png``.
+    angles : DrumAngles
+        The bed over time, and what is measured on it.
+    lining : Particles, optional
+        Particles that line the drum, at the end.
+    measured : mapping of str to Response, or str
+        The responses, or the reason why there are none.
+    """
+    bed, flanks_of = angles.bed, ("upper_angle", "lower_angle")
+    flanks: Sequence[Flank] = ()
+    with suppress(NotMeasurableError):
+        flanks = [flank for name, flank in angles.flanks().items() if name in flanks_of]
+    title, subtitle = _words(angles, measured)
+    view = SideView(
+        particles=seen_along_axis(bed.last, bed.setup),
+        extent=_extent(bed.setup, bed.diameter),
+        walls=(),
+        flanks=[raised(flank, bed.setup.drum_radius) for flank in flanks],
+        lines=[_circle(bed.setup)],
+        glued=() if lining is None else (seen_along_axis(lining, bed.setup),),
+    )
+    panels = [view.panel(_PANEL_WIDTH), _series_panel(angles)]
+    sheet(title, subtitle, panels, _PANEL_WIDTH).save(path)
+
+
+def _words(angles: DrumAngles, measured: Mapping[str, Response] | str) -> tuple[str, str]:
+    if isinstance(measured, str):
+        return "Drum: not valid", measured
+    mean = measured["dynamic_angle"]
+    others = (
+        f"{name.replace('_', ' ')} {found.value:.1f}° ± {found.standard_error:.1f}°"
+        for name, found in measured.items()
+        if name != "dynamic_angle"
+    )
+    return (
+        f"Dynamic angle of repose {mean.value:.1f}° ± {mean.standard_error:.1f}°",
+        f"{', '.join(others)} (± standard error), wall slip {100 * angles.slip:.0f} %; "
+        f"{len(angles.avalanches)} whole avalanches in {angles.bed.turns:.2g} turns, the last "
+        "frame is shown",
+    )
+
+
+def seen_along_axis(particles: Particles, setup: DrumSetup) -> Particles:
+    """Return particles with the axis of the drum along y, and its lowest point at the origin."""
+    x, y, z = particles.positions.T
+    places = np.column_stack((y, setup.drum_length / 2 - x, z + setup.drum_radius))
+    return Particles(places, particles.radii, particles.masses)
+
+
+def _extent(setup: DrumSetup, diameter: float) -> tuple[float, float, float, float]:
+    side = setup.drum_radius + diameter
+    return (-side, -diameter, side, 2 * setup.drum_radius + diameter)
+
+
+def _circle(setup: DrumSetup) -> list[tuple[float, float]]:
+    """Return the drum as a line across and height, from its lowest point on the way it turns."""
+    azimuths = np.linspace(0, 2 * math.pi, _CORNERS + 1)
+    radius = setup.drum_radius
+    return [(radius * math.sin(a), radius - radius * math.cos(a)) for a in azimuths]
+
+
+def _series_panel(angles: DrumAngles) -> Image.Image:
+    """Draw the inclination over time, and the whole avalanches that were averaged."""
+    width, height = _PANEL_WIDTH, round(0.6 * _PANEL_WIDTH)
+    panel = Image.new("RGB", (width, height), PAPER)
+    draw, used = ImageDraw.Draw(panel), font(TEXT_SIZE)
+    series = angles.bed.inclinations
+    low, high = math.floor(series.min() - 1), math.ceil(series.max() + 1)
+
+    def place(frame: float, angle: float) -> tuple[float, float]:
+        across = _MARGIN + frame / (len(series) - 1) * (width - 1.5 * _MARGIN)
+        return across, height - _MARGIN - (angle - low) / (high - low) * (height - 2 * _MARGIN)
+
+    end = len(series) - 1
+    draw.line([place(0, high), place(0, low), place(end, low)], fill=INK, width=OVERSAMPLING)
+    with suppress(NotMeasurableError):
+        for bound in angles.avalanches.bounds:
+            draw.line([place(bound, low), place(bound, high)], QUIET_INK, OVERSAMPLING)
+    draw.line([place(0, angles.mean), place(end, angles.mean)], FLANK, 4 * OVERSAMPLING)
+    draw.line([place(*point) for point in enumerate(series)], fill=INK, width=2 * OVERSAMPLING)
+    below = height - _MARGIN + TEXT_SIZE / 3
+    turns = f"{angles.bed.turns:.2g} turns"
+    draw.text((place(end, low)[0], below), turns, fill=QUIET_INK, font=used, anchor="ra")
+    for angle in (low, high):
+        x, y = place(0, angle)
+        draw.text((x - TEXT_SIZE / 3, y), f"{angle}°", fill=QUIET_INK, font=used, anchor="rm")
+    words = "inclination of the bed by its centre of mass; avalanches begin at the lines"
+    draw.text((_MARGIN, _MARGIN - TEXT_SIZE), words, fill=QUIET_INK, font=used, anchor="ls")
+    return panel
+
+
+@dataclass(frozen=True)
+class DrumView(RunView):
+    """The bed in a turning drum.
+
+    Parameters
+    ----------
+    angles : DrumAngles
+        The bed, and what is measured on it.
+    """
+
+    angles: DrumAngles
+
+    @property
+    def _setup(self) -> DrumSetup:
+        return self.angles.bed.setup
+
+    @property
+    def particles(self) -> Particles:  # type: ignore[override]
+        """Particles at the end; the axis of the drum is along y, its lowest point at the origin."""
+        return seen_along_axis(self.angles.bed.last, self._setup)
+
+    def drawing(self) -> Drawing:
+        """Draw the mean surface of the bed."""
+        return self._drawing((), None)
+
+    def measured_drawing(self, target: float | None) -> MeasuredDrawing:
+        """Draw the mean surface with a line at the dynamic angle."""
+        try:
+            flank = self.angles.flanks()["dynamic_angle"]
+        except NotMeasurableError:
+            return MeasuredDrawing(self.drawing(), "")
+        words = f"inclination by the centre of mass, mean of {self.angles.bed.turns:.2g} turns"
+        return MeasuredDrawing(self._drawing((flank,), target), words)
+
+    @property
+    def _pixel(self) -> float:
+        return self.angles.bed.diameter / _PIXELS
+
+    def _drawing(self, flanks: Sequence[Flank], target: float | None) -> Drawing:
+        setup, pixel = self._setup, self._pixel
+        fitted, wanted = fitted_lines(flanks, setup.drum_radius, pixel, target)
+        side = math.ceil(setup.drum_radius / pixel) + _PIXELS
+        return Drawing(
+            path=self._path(),
+            half_width=side,
+            height=side + math.ceil(setup.drum_radius / pixel),
+            fitted=fitted,
+            wanted=wanted,
+            walls=tuple(self._walls()),
+        )
+
+    def _walls(self) -> list[Line]:
+        corners = _circle(self._setup)
+        ends = itertools.pairwise(corners)
+        return [wall_line(start, end, self._pixel) for start, end in ends]
+
+    def _path(self) -> str:
+        """Return the outline of the mean bed as an SVG path: its surface, and the drum below it."""
+        radius, pixel = self._setup.drum_radius, self._pixel
+        places = self.angles.surface.places()
+        surface = [(y, z) for y, z in places if math.hypot(y, z) < radius]
+        upper, lower = (math.atan2(surface[end][0], -surface[end][1]) for end in (-1, 0))
+        arc = [(radius * math.sin(a), -radius * math.cos(a)) for a in np.linspace(upper, lower, 40)]
+        points = (f"{y / pixel:.0f},{-(z + radius) / pixel:.0f}" for y, z in [*surface, *arc])
+        return f"M{' L'.join(points)}Z"
+
+    def outlines(self) -> Sequence[Outline]:
+        """Return the two ends of the simulated slice of the drum."""
+        half = self._setup.drum_length / 2
+        return [[(y, end, z) for y, z in _circle(self._setup)] for end in (-half, half)]
