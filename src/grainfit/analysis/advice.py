@@ -10,7 +10,13 @@ from itertools import combinations
 import numpy as np
 
 from grainfit.analysis.further_tests import without_the_bench
-from grainfit.analysis.information import Knowledge, Measurable, in_relative_units, in_si_units
+from grainfit.analysis.information import (
+    Knowledge,
+    Measurable,
+    Observation,
+    in_relative_units,
+    in_si_units,
+)
 from grainfit.analysis.intervals import interval_of
 from grainfit.bulk_tests.registry import bulk_tests
 from grainfit.formatting import (
@@ -53,6 +59,15 @@ class CandidateTest:
     def by_signal(self, before: Knowledge) -> list[Measurable]:
         """Return the responses by span over error, the most telling one first."""
         return sorted(self.responses, key=lambda response: -response.signal(before))
+
+    def observations(self, before: Knowledge, coarser: float = 1.0) -> list[Observation]:
+        """Return what the test tells, with accuracies that are coarser by a factor.
+
+        Of responses in one unit only the most telling one counts: angles of one surface say nearly
+        the same, and slopes are not known well enough to make use of their differences.
+        """
+        ranked = reversed(self.by_signal(before))
+        return [r.observation(coarser) for r in {r.unit: r for r in ranked}.values()]
 
 
 @dataclass(frozen=True)
@@ -126,7 +141,7 @@ class OpenParameters:
 
     def after(self, tests: Sequence[CandidateTest]) -> Prospect:
         """Return the parameters as they would be known after further tests."""
-        observations = [r.observation() for test in tests for r in test.responses]
+        observations = [seen for test in tests for seen in test.observations(self.knowledge)]
         then = self.knowledge.after(observations)
         shares = {
             p.name: _share(then.deviation(p.name), self.knowledge.deviation(p.name))

@@ -193,7 +193,7 @@ def _combination(tests: tuple[CandidateTest, ...], before: Knowledge, wanted: fl
 def _half_widths(
     tests: Sequence[CandidateTest], before: Knowledge, coarser: float
 ) -> dict[str, float]:
-    then = before.after([r.observation(coarser) for test in tests for r in test.responses])
+    then = before.after([seen for t in tests for seen in t.observations(before, coarser)])
     return {name: then.half_width(name) for name in before.names}
 
 
