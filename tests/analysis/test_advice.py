@@ -121,7 +121,7 @@ def test_a_response_along_the_ridge_is_recommended_and_one_across_it_is_not() ->
     # Across it, the heap has measured already; along it, sliding and rolling friction part.
     across = CandidateTest("across", 1.0, (measured((0.6, 0.5, 0.0), noise=0.01),))
     along = CandidateTest("along", 10.0, (measured((0.6, -0.5, 0.0), noise=0.01),))
-    found = advice(today(SLIDING, ROLLING), [across, along], {}, 7, 2)
+    found = advice(today(SLIDING, ROLLING), [across, along], [], 7, 2)
     assert [prospect.name for prospect in found.prospects] == ["along", "across"]
     assert found.best is found.prospects[0]
     assert found.best.settled == (SLIDING, ROLLING)
@@ -188,7 +188,7 @@ def test_too_few_runs_tell_nothing() -> None:
 def test_two_tests_that_settle_more_together_are_named() -> None:
     slide = CandidateTest("slide", 5.0, (measured((0.0, 0.0, 1.0)),))
     roll = CandidateTest("roll", 5.0, (measured((1.0, 0.0, 0.0)),))
-    found = advice(today(SLIDING, RESTITUTION), [slide, roll], {}, 7, 2)
+    found = advice(today(SLIDING, RESTITUTION), [slide, roll], [], 7, 2)
     assert found.best_pair is not None
     assert set(found.best_pair.settled) == {SLIDING, RESTITUTION}
     assert "leave" in str(found)
@@ -196,7 +196,9 @@ def test_two_tests_that_settle_more_together_are_named() -> None:
 
 def test_what_no_test_settles_is_said_with_another_way() -> None:
     test = CandidateTest("draw_down", 5.0, (measured((0.6, -0.5, 0.0)),))
-    found = advice(today(SLIDING, RESTITUTION), [test], {"compression": "Too soft."}, 7, 2)
+    found = advice(
+        today(SLIDING, RESTITUTION), [test], ["Not compared: compression. Too soft."], 7, 2
+    )
     assert found.unsettled == (RESTITUTION,)
     text = str(found)
     assert f"None of these tests settles {RESTITUTION}." in text
@@ -207,7 +209,7 @@ def test_what_no_test_settles_is_said_with_another_way() -> None:
 
 def test_nothing_is_recommended_where_no_test_tells_more() -> None:
     useless = CandidateTest("packing", 1.0, (measured((0, 0, 0), noise=0.01),))
-    found = advice(today(SLIDING), [useless], {}, 7, 2)
+    found = advice(today(SLIDING), [useless], [], 7, 2)
     assert found.best is None
     assert "None of these tests tells noticeably more than the runs do." in str(found)
     assert str(Advice(today())) == "Every parameter is determined: no further test is needed."

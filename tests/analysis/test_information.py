@@ -42,6 +42,11 @@ def test_an_even_spread_over_an_interval_is_counted_in_shares_of_the_value() -> 
     assert known.deviation("b") == pytest.approx(np.log(100) / 12**0.5)
 
 
+def test_a_parameter_that_was_measured_directly_is_known_that_well() -> None:
+    parameter = Parameter("a", 0.1, 0.9, measured=0.5, uncertainty=0.015)
+    assert Knowledge.of_intervals([parameter]).deviation("a") == pytest.approx(0.03)
+
+
 def test_a_measurement_has_the_error_of_laboratory_runs_and_slopes() -> None:
     response = Measurable("heap.angle", 20.0, Accuracy(0.5), {"a": 2.0}, 0.05, 1e-4)
     assert response.observation().variance == pytest.approx(0.025**2 + 0.05**2 / 5 + 1e-4)

@@ -129,3 +129,10 @@ def test_heap_on_a_floor_9_d_below_chokes_the_slot(tmp_path: Path) -> None:
         Lammps(test, ROUGH_SPHERES).run({}, 1, Workspace(tmp_path, 300.0))
     assert (tmp_path / "draw_down.png").stat().st_size > 10_000
     assert (tmp_path / "draw_down.vtk").is_file()
+
+
+def test_a_smooth_floor_is_lined_for_particles_that_would_roll_off() -> None:
+    rolling = "particle_wall.rolling_friction"
+    assert DrawDown.options_for({rolling: 0.1}) == {}
+    lined = DrawDown.options_for({rolling: 0.005})
+    assert lined == {"floor_rolling_friction": 0.5}

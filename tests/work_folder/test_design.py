@@ -109,7 +109,6 @@ def test_a_heap_and_a_draw_down_settle_both_frictions(plan: Path) -> None:
 def test_tests_that_the_material_does_not_allow_are_named(plan: Path) -> None:
     plan.write_text(MEASURED.replace("10 MPa", "0.36 MPa"))
     found = gf.design(plan, wanted=0.3)
-    assert "compression" in found.refused
     assert "Not compared: compression." in str(found)
 
 

@@ -4,13 +4,19 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from itertools import combinations
 
 import numpy as np
 
 from grainfit.analysis.further_tests import without_the_bench
-from grainfit.analysis.information import Knowledge, Measurable, in_relative_units, in_si_units
+from grainfit.analysis.information import (
+    Knowledge,
+    Measurable,
+    Observation,
+    in_relative_units,
+    in_si_units,
+)
 from grainfit.analysis.intervals import interval_of
 from grainfit.bulk_tests.registry import bulk_tests
 from grainfit.formatting import (
@@ -53,6 +59,15 @@ class CandidateTest:
     def by_signal(self, before: Knowledge) -> list[Measurable]:
         """Return the responses by span over error, the most telling one first."""
         return sorted(self.responses, key=lambda response: -response.signal(before))
+
+    def observations(self, before: Knowledge, coarser: float = 1.0) -> list[Observation]:
+        """Return what the test tells, with accuracies that are coarser by a factor.
+
+        Of responses in one unit only the most telling one counts: angles of one surface say nearly
+        the same, and slopes are not known well enough to make use of their differences.
+        """
+        ranked = reversed(self.by_signal(before))
+        return [r.observation(coarser) for r in {r.unit: r for r in ranked}.values()]
 
 
 @dataclass(frozen=True)
@@ -126,7 +141,7 @@ class OpenParameters:
 
     def after(self, tests: Sequence[CandidateTest]) -> Prospect:
         """Return the parameters as they would be known after further tests."""
-        observations = [r.observation() for test in tests for r in test.responses]
+        observations = [seen for test in tests for seen in test.observations(self.knowledge)]
         then = self.knowledge.after(observations)
         shares = {
             p.name: _share(then.deviation(p.name), self.knowledge.deviation(p.name))
@@ -162,8 +177,8 @@ class Advice:
         One for each test that was simulated, best first.
     best_pair : Prospect, optional
         Two tests that settle more than the best one alone.
-    refused : mapping of str to str
-        Tests that were not simulated, with the reason.
+    remarks : tuple of str
+        Sentences about tests that were not compared, or with other options than the usual ones.
     points, seeds : int
         Parameter sets that were simulated, and seeds of each.
     """
@@ -171,7 +186,7 @@ class Advice:
     today: OpenParameters
     prospects: tuple[Prospect, ...] = ()
     best_pair: Prospect | None = None
-    refused: Mapping[str, str] = field(default_factory=dict)
+    remarks: tuple[str, ...] = ()
     points: int = 0
     seeds: int = 0
 
@@ -193,8 +208,7 @@ class Advice:
         if not self.today.parameters:
             return ("Every parameter is determined: no further test is needed.",)
         table = (self._table(),) if self.prospects else ()
-        refused = (f"Not compared: {name}. {why}" for name, why in self.refused.items())
-        return (*table, *self._words(), *refused)
+        return (*table, *self._words(), *self.remarks)
 
     def __str__(self) -> str:
         return as_text(self.summary())
@@ -250,7 +264,7 @@ class Advice:
 def advice(
     today: OpenParameters,
     candidates: Sequence[CandidateTest],
-    refused: Mapping[str, str],
+    remarks: Sequence[str],
     points: int,
     seeds: int,
 ) -> Advice:
@@ -262,8 +276,8 @@ def advice(
         The parameters that the runs leave open.
     candidates : sequence of CandidateTest
         Tests that were simulated.
-    refused : mapping of str to str
-        Tests that were not, with the reason.
+    remarks : sequence of str
+        Sentences about tests that were not, or with other options than the usual ones.
     points, seeds : int
         Parameter sets that were simulated, and seeds of each.
 
@@ -274,7 +288,7 @@ def advice(
     single = ranked([today.after([test]) for test in candidates])
     pairs = ranked([today.after(pair) for pair in combinations(candidates, 2)])
     pair = pairs[0] if pairs and len(pairs[0].settled) > len(single[0].settled) else None
-    return Advice(today, single, pair, dict(refused), points, seeds)
+    return Advice(today, single, pair, tuple(remarks), points, seeds)
 
 
 def ranked(prospects: Sequence[Prospect]) -> tuple[Prospect, ...]:

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
+from typing import Any
 
 from grainfit.bulk_tests.base import BulkTest
 from grainfit.bulk_tests.registry import bulk_tests
@@ -26,10 +27,27 @@ class Bench:
         By name of the test.
     refused : mapping of str to str
         Reasons by type of the test.
+    options : mapping of str to mapping of str to object
+        Options that replace defaults which do not suit the material, by type of the test.
     """
 
     solvers: Mapping[str, Solver]
     refused: Mapping[str, str]
+    options: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
+
+    def without(self, failed: Mapping[str, str]) -> Bench:
+        """Return it without tests that gave no responses, by the reasons."""
+        kept = {name: solver for name, solver in self.solvers.items() if name not in failed}
+        return replace(self, solvers=kept, refused={**self.refused, **failed})
+
+    def remarks(self) -> list[str]:
+        """Return sentences about tests with other options than the usual ones, and refused ones."""
+        chosen = [
+            f"{test} has {key} = {value} here: its default does not suit the material."
+            for test, options in self.options.items()
+            for key, value in options.items()
+        ]
+        return [*chosen, *(f"Not compared: {test}. {why}" for test, why in self.refused.items())]
 
 
 def other_tests(
@@ -75,18 +93,20 @@ def other_tests(
     fixed = {name: value for name, value in material.items() if name not in free}
     found: dict[str, Solver] = {}
     refused: dict[str, str] = {}
+    chosen = {name: kind.options_for(material) for name, kind in known.items()}
     for name, kind in known.items():
         if name in present or (wanted and name not in wanted):
             continue
         try:
-            found[name] = _solver(kind, like, like.bulk_test, fixed, material, free)
+            found[name] = _solver(kind, chosen[name], like, like.bulk_test, fixed, material, free)
         except InputError as error:
             refused[name] = " ".join(str(fault) for fault in error.faults)
-    return Bench(found, refused)
+    return Bench(found, refused, {name: chosen[name] for name in found if chosen[name]})
 
 
 def _solver(
     kind: type[BulkTest],
+    options: Mapping[str, Any],
     program: Solver,
     like: BulkTest,
     fixed: Mapping[str, float],
@@ -98,6 +118,7 @@ def _solver(
         conditions.sizes,
         gravity=conditions.gravity,
         time_step_fraction=conditions.time_step_fraction,
+        **options,
     )
     faults = [*test.material_faults(material)]
     if faults:

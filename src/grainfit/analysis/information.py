@@ -164,6 +164,8 @@ class Measurable:
         Relative standard deviation from run to run; a calibration averages it over `RUNS` runs.
     slope_variance : float
         Relative variance that the uncertainty of the slopes adds.
+    unit : str
+        Its unit.
     """
 
     name: str
@@ -172,6 +174,7 @@ class Measurable:
     slopes: Mapping[str, float]
     scatter: float
     slope_variance: float = 0.0
+    unit: str = ""
 
     def observation(self, coarser: float = 1.0) -> Observation:
         """Return what its measurement tells, with an accuracy that is coarser by a factor."""
@@ -211,4 +214,4 @@ def recorded_measurable(
     known = info.sensitivities
     if known is None:
         return None
-    return Measurable(name, value, accuracy, known.at(material), known.scatter)
+    return Measurable(name, value, accuracy, known.at(material), known.scatter, unit=info.unit)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from itertools import chain, combinations
 
 from grainfit.analysis.advice import CandidateTest
@@ -65,8 +65,8 @@ class TestPlan:
     combinations : tuple of Combination
         Those that reach the wanted interval first, fewest tests and cheapest first, without those
         that only add a test to one of them; then the others, nearest to it first.
-    refused : mapping of str to str
-        Tests that were not compared, with the reason.
+    remarks : tuple of str
+        Sentences about tests that were not compared, or with other options than the usual ones.
     source : str
         Origin of the slopes, for readers.
     """
@@ -77,7 +77,7 @@ class TestPlan:
     wanted: float
     before: Knowledge
     combinations: tuple[Combination, ...]
-    refused: Mapping[str, str] = field(default_factory=dict)
+    remarks: tuple[str, ...] = ()
     source: str = ""
 
     @property
@@ -97,8 +97,7 @@ class TestPlan:
     def summary(self) -> tuple[str | TextTable, ...]:
         """Return the table and the sentences that `print` and a notebook show."""
         table = (self._table(),) if self.combinations else ()
-        refused = (f"Not compared: {name}. {why}" for name, why in self.refused.items())
-        return (*table, *self._words(), *refused)
+        return (*table, *self._words(), *self.remarks)
 
     def __str__(self) -> str:
         return as_text(self.summary())
@@ -156,7 +155,7 @@ def plan_tests(
     candidates: Sequence[CandidateTest],
     before: Knowledge,
     wanted: float,
-    refused: Mapping[str, str],
+    remarks: Sequence[str],
     source: str,
 ) -> TestPlan:
     """Rank combinations of one to three tests by what they leave and what they cost.
@@ -169,8 +168,8 @@ def plan_tests(
         The parameters before any test.
     wanted : float
         Wanted half-width of 95 % intervals, a share of the value.
-    refused : mapping of str to str
-        Tests that were not compared, with the reason.
+    remarks : sequence of str
+        Sentences about tests that were not compared, or with other options than the usual ones.
     source : str
         Origin of the slopes, for readers.
 
@@ -184,7 +183,7 @@ def plan_tests(
     enough = [{t.name for t in c.tests} for c in found if c.coarser >= 1]
     found = [c for c in found if not any(tests < {t.name for t in c.tests} for tests in enough)]
     found.sort(key=lambda c: _order(c, wanted))
-    return TestPlan(wanted, before, tuple(found), dict(refused), source)
+    return TestPlan(wanted, before, tuple(found), tuple(remarks), source)
 
 
 def _combination(tests: tuple[CandidateTest, ...], before: Knowledge, wanted: float) -> Combination:
@@ -194,7 +193,7 @@ def _combination(tests: tuple[CandidateTest, ...], before: Knowledge, wanted: fl
 def _half_widths(
     tests: Sequence[CandidateTest], before: Knowledge, coarser: float
 ) -> dict[str, float]:
-    then = before.after([r.observation(coarser) for test in tests for r in test.responses])
+    then = before.after([seen for t in tests for seen in t.observations(before, coarser)])
     return {name: then.half_width(name) for name in before.names}
 
 

@@ -49,10 +49,11 @@ class Accuracy:
         return with_unit(number(self.value, 2), unit_for_people(unit))
 
 
-#: Usual accuracy by name of the response, where it is not that of its unit.
+#: Usual accuracy by name of the response, where it is not that of its unit: averages of a steady
+#: state, which instruments measure better than the slope of a heap.
 _OF_RESPONSE: Mapping[str, Accuracy] = {
-    # Precise instruments average over the steady state.
-    "angle_of_internal_friction": Accuracy(0.5),
+    "internal_friction_angle": Accuracy(0.5),
+    "dynamic_angle": Accuracy(0.5),
 }
 #: Usual accuracy by unit: angles, densities, mass flows, stresses and moduli, lengths, ratios.
 _OF_UNIT: Mapping[str, Accuracy] = {

@@ -240,6 +240,17 @@ class BulkTest(ABC):
         """
         return ()
 
+    @classmethod
+    def options_for(cls, material: Mapping[str, float]) -> dict[str, Amount]:  # noqa: ARG003
+        """Return options that a laboratory would choose where the defaults fail; none by default.
+
+        Parameters
+        ----------
+        material : mapping of str to float
+            Material parameters by dotted name.
+        """
+        return {}
+
     def stiffness_number(self, material: Mapping[str, float]) -> float:
         """Return Young's modulus over the stress that presses particles together.
 

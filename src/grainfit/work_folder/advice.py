@@ -95,7 +95,7 @@ def advise(
     material = _material(solvers, medians)
     bench = other_tests(saved.problem.parameters, solvers, material, tests)
     if not bench.solvers:
-        return Advice(today, refused=bench.refused)
+        return Advice(today, remarks=tuple(bench.remarks()))
     points = [dict(zip(cloud.names, values[i].tolist(), strict=True)) for i in cloud.spread()]
     evaluations = simulation.run(bench.solvers, points)
     candidates, failed = candidate_tests(
@@ -106,7 +106,8 @@ def advise(
         lambda test, name, info: accuracy_of(test, name, info.unit, given),
     )
     count = simulation.seeds_for(bench.solvers, points)
-    return advice(today, candidates, {**bench.refused, **failed}, len(points), count)
+    remarks = bench.without(failed).remarks()
+    return advice(today, candidates, remarks, len(points), count)
 
 
 def _posterior_values(saved: SavedCalibration) -> NDArray[np.float64]:

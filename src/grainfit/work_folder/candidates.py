@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from grainfit.analysis.advice import CandidateTest
@@ -146,7 +146,7 @@ def candidate_tests(
                 if key in evaluation.responses
             ]
             seen = simulated_measurable(f"{test}.{name}", accuracy, cloud, where, runs)
-            responses += [seen] if seen is not None else []
+            responses += [replace(seen, unit=info.unit)] if seen is not None else []
         if responses:
             found.append(CandidateTest(test, seconds_of(solver, points[0]), tuple(responses)))
         else:

@@ -102,7 +102,7 @@ def design(
     if not simulate:
         found, missing = _recorded(planned, bench, middle, accuracy)
         before = Knowledge.of_intervals(parameters)
-        return plan_tests(found, before, wanted, {**bench.refused, **missing}, _RECORDED)
+        return plan_tests(found, before, wanted, bench.without(missing).remarks(), _RECORDED)
     cloud = _even_spread(parameters)
     points = _points(parameters)
     folder = Path(workdir or default_workdir(planned.file.path))
@@ -114,8 +114,8 @@ def design(
     source_words = (
         f"Slopes from {len(points)} points of the intervals, {counted(count, 'seed')} each."
     )
-    refused = {**bench.refused, **failed}
-    return plan_tests(found, cloud.knowledge, wanted, refused, source_words)
+    remarks = bench.without(failed).remarks()
+    return plan_tests(found, cloud.knowledge, wanted, remarks, source_words)
 
 
 def _bench(planned: PlannedFile, middle: Mapping[str, float], tests: Sequence[str]) -> Bench:
@@ -132,7 +132,7 @@ def _bench(planned: PlannedFile, middle: Mapping[str, float], tests: Sequence[st
         for name, solver in own.items()
         if not tests or (solver.bulk_test and solver.bulk_test.type in tests)
     }
-    return Bench({**kept, **others.solvers}, {**models, **others.refused})
+    return Bench({**kept, **others.solvers}, {**models, **others.refused}, others.options)
 
 
 def _recorded(

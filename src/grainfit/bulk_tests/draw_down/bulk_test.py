@@ -44,6 +44,8 @@ from grainfit.scenes.shapes import Block
 _PICTURE, _VTK = "draw_down.png", "draw_down.vtk"
 #: Surface of the lower floor, when it is another one than that of the walls.
 _FLOOR = "floor"
+#: Rolling friction of walls on which heaps spread beyond the floor, and that of a rough floor.
+_SMOOTH, _ROUGH = 0.05, 0.5
 
 
 @dataclass(frozen=True)
@@ -216,6 +218,13 @@ class DrawDown(BulkTest):
             check_interval=filling.check_interval,
             surfaces={_FLOOR: surface} if surface else {},
         )
+
+    @classmethod
+    def options_for(cls, material: Mapping[str, float]) -> dict[str, Amount]:
+        """Return a rough floor for particles that would roll off a smooth one."""
+        if material["particle_wall.rolling_friction"] >= _SMOOTH:
+            return {}
+        return {"floor_rolling_friction": _ROUGH}
 
     @property
     def _floor_friction(self) -> dict[str, float]:
