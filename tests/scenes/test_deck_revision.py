@@ -72,8 +72,8 @@ def test_default_decks_are_those_of_their_revision(tmp_path: Path, name: str, or
 
 def test_yade_decks_are_those_of_their_revision(tmp_path: Path) -> None:
     digest = hashlib.sha256()
-    for kind in BUILT_IN.values():
-        test = kind(MIXTURE)
+    tests = [kind(MIXTURE) for kind in BUILT_IN.values()]
+    for test in (t for t in tests if not t.concepts() & set(DEM_PROGRAMS["yade"].missing)):
         digest.update(write_deck(test, tmp_path, "yade", GLASS_BEADS, seed=1).read_bytes())
         digest.update((tmp_path / "particles.txt").read_bytes())
 
