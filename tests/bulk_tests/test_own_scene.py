@@ -28,7 +28,7 @@ from grainfit.work_folder.saved_calibration import SavedCalibration
 CODE = """
 import numpy as np
 from grainfit.scenes import AtRest, Box, Column, Elapsed, Plane, Scene, Stage, Wall
-from grainfit.scenes import Annulus, Block, Cylinder, Disc, Mesh
+from grainfit.scenes import Annulus, Block, Cylinder, Disc, Frames, Glued, Mesh, Velocity
 
 def scene(material, sizes, seed, gravity, time_step, options):
     d = sizes.sauter_diameter
@@ -51,6 +51,7 @@ def measure(run, sizes):
     heights = run.snapshot("end").positions[:, 2]
     return {"height": heights.mean(), "spread": (np.ptp(heights), 0.0)}
 """
+GLUED = "gravity=gravity, glued={{'plate': Glued(np.array([[0.0, 0.0, {}]], float), np.array({}))}}"
 FILE = """
 name = "beads"
 particle = { diameter = "10 mm", youngs_modulus = 1e6, poissons_ratio = 0.25, density = 2500 }
@@ -183,6 +184,15 @@ def test_a_process_elsewhere_has_the_contents_that_were_hashed(beads: Path) -> N
         ),
         ('Wall(Plane("z", 0.0))', 'Wall(Mesh("floor.stl"))', 'Write files = ["floor.stl"]'),
         ('Wall(Plane("z", 0.0))', "Wall(Cylinder(0.1, 2.0, 1.0))", "bottom is below top"),
+        (", is_closed=True),)", ', frames=Frames("film", 0.0)),)', "has frames every 0.0 s"),
+        (
+            "is_closed=True),)",
+            'motions={"floor": Velocity("z", float("nan"))}),)',
+            "moves floor by Velocity(along='z', speed=nan). Give finite numbers",
+        ),
+        ("gravity=gravity", GLUED.format(0, "[2]"), "glued plate: size_indices go from 2 to 2"),
+        ("gravity=gravity", GLUED.format("np.nan", "[0]"), "positions that are no numbers"),
+        ("gravity=gravity", GLUED.format(9, "[0]"), "begins outside of the box with 1 particles"),
         ('Wall(Plane("z", 0.0))', "Wall(Disc(0.0, 0.0))", "has no radius above 0"),
         ('Wall(Plane("z", 0.0))', "Wall(Block((0, 0, 0), (1, 0, 1)))", "low is below high"),
     ],

@@ -1,11 +1,13 @@
 """Scenes as data: names, energies, concepts, and the triangles of walls."""
 
-from dataclasses import replace
+from dataclasses import is_dataclass, replace
 
 import numpy as np
 import pytest
 
+from grainfit import scenes
 from grainfit.errors import InputError
+from grainfit.scenes import conditions, packing, records, scene, shapes
 from grainfit.scenes.conditions import Clear, Elapsed, Loaded
 from grainfit.scenes.glued import Glued
 from grainfit.scenes.records import Force, Frames, KineticEnergy, RadialForce, Series, Travel
@@ -18,6 +20,17 @@ FLOOR = Wall(Plane("z", 0.0))
 LIFT = Velocity("z", 1.0)
 ONE = spheres([(0, 0, 0.1)])
 PLATE = Glued(np.array([(0.0, 0.0, 0.2)]), np.array([0]))
+
+
+@pytest.mark.parametrize("module", [conditions, packing, records, scene, shapes])
+def test_all_words_of_a_scene_are_in_one_place(module):
+    words = {
+        name
+        for name, found in vars(module).items()
+        if is_dataclass(found) and found.__module__ == module.__name__
+    }
+    assert words
+    assert words <= vars(scenes).keys()
 
 
 @pytest.mark.parametrize(
@@ -50,11 +63,17 @@ def test_a_name_that_a_deck_would_misread_is_refused(walls, stage, key, message)
     assert fault.remedy
 
 
+def test_the_name_of_a_surface_is_one_word():
+    stage = Stage("fall", Elapsed(1.0))
+    with pytest.raises(InputError, match=r"surfaces: 'a \"b\"' is not one word"):
+        replace(scene_of(ONE, {}, [stage]), surfaces={'a "b"': {}})
+
+
 @pytest.mark.parametrize(
     ("key", "name"),
     [
         *(("walls", name) for name in ("gravity", "motion", "series", "walls", "above")),
-        *(("walls", name) for name in ("all", "loose", "glued")),
+        *(("walls", name) for name in ("all", "loose", "glued", "surplus")),
         ("walls", "youngs_modulus"),
         *(("stages", name) for name in ("end", "restless", "broken", "unstable", "unloaded")),
         ("columns", "time"),

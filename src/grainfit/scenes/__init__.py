@@ -9,10 +9,13 @@ from grainfit.scenes.conditions import Elapsed as Elapsed
 from grainfit.scenes.conditions import Loaded as Loaded
 from grainfit.scenes.glued import Glued as Glued
 from grainfit.scenes.packing import Column as Column
+from grainfit.scenes.packing import PeriodicRectangle as PeriodicRectangle
 from grainfit.scenes.packing import Rectangle as Rectangle
 from grainfit.scenes.packing import Round as Round
 from grainfit.scenes.packing import random_column as random_column
+from grainfit.scenes.packing import random_in_tube as random_in_tube
 from grainfit.scenes.records import Force as Force
+from grainfit.scenes.records import Frames as Frames
 from grainfit.scenes.records import KineticEnergy as KineticEnergy
 from grainfit.scenes.records import MassAbove as MassAbove
 from grainfit.scenes.records import RadialForce as RadialForce
@@ -21,6 +24,7 @@ from grainfit.scenes.records import Travel as Travel
 from grainfit.scenes.run_output import RunOutput as RunOutput
 from grainfit.scenes.scene import Box as Box
 from grainfit.scenes.scene import Load as Load
+from grainfit.scenes.scene import Rotation as Rotation
 from grainfit.scenes.scene import Scene as Scene
 from grainfit.scenes.scene import Stage as Stage
 from grainfit.scenes.scene import Velocity as Velocity

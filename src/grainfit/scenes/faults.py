@@ -11,9 +11,10 @@ from scipy.spatial import cKDTree
 
 from grainfit.errors import Fault
 from grainfit.scenes.conditions import AtRest, Elapsed
+from grainfit.scenes.glued import Glued
 from grainfit.scenes.packing import Column
 from grainfit.scenes.records import Force
-from grainfit.scenes.scene import Box, Scene, Stage, Wall
+from grainfit.scenes.scene import Box, Motion, Scene, Stage, Wall
 from grainfit.scenes.shapes import Annulus, Block, Cone, Cylinder, Disc, Plane, Shape
 from grainfit.scenes.stl import mesh_faults
 
@@ -35,6 +36,7 @@ def scene_faults(scene: Scene) -> tuple[Fault, ...]:
         return tuple(numbers)
     return (
         *_particle_faults(scene),
+        *(f for name, body in scene.glued.items() for f in _glued_faults(name, body, scene)),
         *(f for name, wall in scene.all_walls().items() for f in _wall_faults(name, wall, scene)),
         *(f for stage in scene.stages for f in _stage_faults(stage)),
         *_order_faults(scene),
@@ -43,6 +45,10 @@ def scene_faults(scene: Scene) -> tuple[Fault, ...]:
 
 def _is_number(value: object) -> bool:
     return isinstance(value, int | float | np.number) and math.isfinite(value)
+
+
+def _is_interval(value: object) -> bool:
+    return _is_number(value) and value > 0  # type: ignore[operator]
 
 
 def _number_faults(scene: Scene) -> Iterator[Fault]:
@@ -89,6 +95,21 @@ def _particle_faults(scene: Scene) -> Iterator[Fault]:
     if overlaps:
         message = f"{overlaps} pairs overlap at the beginning, and would burst apart."
         yield Fault("particles", message, "Use random_column(), or place them farther apart.")
+
+
+def _glued_faults(name: str, body: Glued, scene: Scene) -> Iterator[Fault]:
+    key, sizes = f"glued {name}", len(scene.sizes.diameters)
+    if body.size_indices.min() < 0 or body.size_indices.max() >= sizes:
+        message = f"size_indices go from {body.size_indices.min()} to {body.size_indices.max()}."
+        yield Fault(key, message, f"Use 0 to {sizes - 1}, one for each diameter.")
+    if not np.isfinite(body.positions).all():
+        yield Fault(key, "has positions that are no numbers.", "Give finite numbers, m.")
+        return
+    outside = ((body.positions < scene.box.low) | (body.positions > scene.box.high)).any(axis=1)
+    if outside.any():
+        first = body.positions[outside][0].tolist()
+        message = f"begins outside of the box with {outside.sum()} particles, the first at {first}"
+        yield Fault(key, f"{message} m.", "Make the box larger, or move them.")
 
 
 def _overlaps(column: Column, diameters: Iterable[float]) -> int:
@@ -162,14 +183,23 @@ def _stage_faults(stage: Stage) -> Iterator[Fault]:
             yield Fault(key, f"has the {name} {value!r}.", "Give a time in s, above 0.")
     for name in stage.motions:
         for motion in stage.motions_of(name):
-            if getattr(motion, "along", "x") not in _AXES:
-                yield Fault(key, f"moves {name} along {motion.along!r}.", "Use x, y or z.")
+            yield from _motion_faults(key, name, motion)
+    if stage.frames is not None and not _is_interval(stage.frames.every):
+        yield Fault(key, f"has frames every {stage.frames.every!r} s.", "Give a time above 0.")
     if stage.series is not None:
-        if not (_is_number(stage.series.every) and stage.series.every > 0):
+        if not _is_interval(stage.series.every):
             yield Fault(key, f"records every {stage.series.every!r} s.", "Give a time above 0.")
         for column, quantity in stage.series.columns.items():
             if isinstance(quantity, Force) and quantity.along not in _AXES:
                 yield Fault(key, f"records {column} along {quantity.along!r}.", "Use x, y or z.")
+
+
+def _motion_faults(key: str, name: str, motion: Motion) -> Iterator[Fault]:
+    if motion.along not in _AXES:
+        yield Fault(key, f"moves {name} along {motion.along!r}.", "Use x, y or z.")
+    numbers = [value for field, value in vars(motion).items() if field not in ("along", "through")]
+    if not all(_is_number(value) for value in (*numbers, *getattr(motion, "through", ()))):
+        yield Fault(key, f"moves {name} by {motion!r}.", "Give finite numbers.")
 
 
 def _order_faults(scene: Scene) -> Iterator[Fault]:

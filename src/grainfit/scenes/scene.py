@@ -35,7 +35,7 @@ _SHARE_OF_PERIOD = 0.25
 #: Names that decks use themselves.
 _TAKEN = {
     "walls": {
-        *("gravity", "motion", "series", "walls", "above", "all", "loose", "glued"),
+        *("gravity", "motion", "series", "walls", "above", "all", "loose", "glued", "surplus"),
         *("youngs_modulus", "poissons_ratio"),
     },
     "stages": {"end", "restless", "broken", "unstable", "unloaded"},
@@ -399,7 +399,7 @@ def _name_faults(scene: Scene) -> Iterator[Fault]:
         ],
     }
     columns = [name for stage in stages if stage.series for name in stage.series.columns]
-    for key, names in {**kinds, "columns": columns}.items():
+    for key, names in {**kinds, "columns": columns, "surfaces": [*scene.surfaces]}.items():
         for name in dict.fromkeys(names):
             if not (name.isidentifier() and name.isascii()):
                 remedy = "Use letters, digits and underscores, a letter first."

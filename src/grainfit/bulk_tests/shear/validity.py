@@ -72,8 +72,9 @@ def _require_inertial_number(
     if not abs(found / setup.inertial_number - 1) <= _INERTIAL:
         raise RunFailedError(
             f"the inertial number is {found:.3g} instead of {setup.inertial_number:g}: the plates "
-            f"are {gap:.3g} m apart, and the speed is that for {setup.gap:.3g} m; give the gap"
-            f" {setup.gap**2 / gap:.3g} m, or more particles of the large sizes"
+            f"are {gap:.3g} m apart, and their speed is that for {setup.gap:.3g} m, because the "
+            f"bed is much {'denser' if gap < setup.gap else 'looser'} than a solid fraction of "
+            "0.58; use sizes that are nearer to each other, or other frictions"
         )
 
 
