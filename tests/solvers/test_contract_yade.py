@@ -3,24 +3,32 @@
 from __future__ import annotations
 
 import math
+import re
 import shutil
+from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from grainfit.bulk_tests.discharge import Discharge
+from grainfit.bulk_tests.drum import Drum
 from grainfit.bulk_tests.heap import Heap
 from grainfit.bulk_tests.packing import Packing
+from grainfit.bulk_tests.shear import Shear
+from grainfit.calibration_file.build import build_calibration
+from grainfit.calibration_file.load import load_calibration_file
 from grainfit.contact_models.hertz_mindlin.model import effective_moduli, particle_moduli
 from grainfit.contact_models.hertz_mindlin.yade import wall_modulus
 from grainfit.errors import InputError, RunFailedError, SolverNotFoundError
 from grainfit.materials.sizes import ParticleSizes
 from grainfit.scenes.conditions import Elapsed
 from grainfit.scenes.packing import Column
-from grainfit.scenes.scene import Box, Scene, Stage, Wall
+from grainfit.scenes.scene import STANDARD_GRAVITY, Box, Scene, Stage, Wall
 from grainfit.scenes.shapes import Plane
 from grainfit.solvers.base import Workspace
 from grainfit.solvers.dem.yade.program import Yade
+from grainfit.solvers.dem.yade.scene_deck import YadeSceneDeck
 from grainfit.testing.materials import GLASS_BEADS
 from grainfit.testing.solver_contract import ProcessSolverContract
 
@@ -32,6 +40,9 @@ MATERIAL = {**GLASS_BEADS, **dict.fromkeys(DAMPING, 0.0)}
 FREE = ("particle.density", "particle_particle.rolling_friction")
 FIXED = {name: value for name, value in MATERIAL.items() if name not in FREE}
 BEADS = ParticleSizes((0.010,))
+EXAMPLE = (Path(__file__).parents[2] / "examples" / "glass_beads" / "calibration.toml").read_text(
+    encoding="utf-8"
+)
 #: A run starts, fills, and ends within a second or two.
 SMALL = Packing(BEADS, cylinder_radius=0.03, fill_height=0.05)
 
@@ -110,6 +121,54 @@ def one_particle(box: Box) -> Scene:
         quiet_speed=1e-3,
         check_interval=0.01,
     )
+
+
+def test_without_gravity_rolling_is_as_stiff_as_on_earth(tmp_path):
+    box = Box((-0.1, -0.1, -0.1), (0.1, 0.1, 0.1))
+    on_earth = one_particle(box)
+    afloat = replace(on_earth, gravity=0.0)
+    texts = [
+        YadeSceneDeck(scene, tmp_path).text()
+        for scene in (replace(on_earth, gravity=STANDARD_GRAVITY), afloat)
+    ]
+    stiffness = [
+        [float(number) for number in re.findall(r"(?:krot=|\.kr = )([-.e\d]+)", text)]
+        for text in texts
+    ]
+
+    assert stiffness[0] == stiffness[1]
+    assert len(stiffness[1]) == 2
+    assert min(stiffness[1]) > 0
+
+
+def test_a_calibration_file_can_name_it(tmp_path):
+    for model in ("", '\n[contact_models]\nrolling = "epsd2"\n'):
+        damping = "" if model else "rolling_damping = 0\n"
+        text = EXAMPLE.replace("rolling_damping = 0.25\n", damping).replace('"lammps"', '"yade"')
+        path = tmp_path / "calibration.toml"
+        path.write_text(text + model, encoding="utf-8")
+        solver = build_calibration(load_calibration_file(path)).solvers["heap"]
+
+        assert isinstance(solver, Yade)
+        assert solver.contact_models == (("epsd2",) if model else ())
+
+
+@pytest.mark.parametrize(
+    ("test", "reasons"),
+    [
+        (Shear(BEADS), ["glued particles"]),
+        (Drum(BEADS), ["glued particles", "turning walls", "tubes that lie", "frames of a stage"]),
+    ],
+)
+def test_what_its_scripts_leave_out_is_refused_with_what_to_use(test, reasons):
+    with pytest.raises(InputError) as caught:
+        Yade(test, MATERIAL).check()
+
+    remedies = [fault.remedy for fault in caught.value.faults]
+    assert len(remedies) == len(reasons)
+    for reason in reasons:
+        assert any(f"scenes with {reason} are not" in remedy for remedy in remedies)
+    assert all('solver = "lammps" or solver = "liggghts"' in remedy for remedy in remedies)
 
 
 def test_a_period_that_yade_would_overlook_contacts_across_is_refused(tmp_path):

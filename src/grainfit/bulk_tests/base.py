@@ -332,7 +332,7 @@ class BulkTest(ABC):
     @property
     @abstractmethod
     def number_of_particles(self) -> int:
-        """Number of particles at the beginning of a run."""
+        """Number of particles at the beginning of a run, glued ones included."""
 
     @abstractmethod
     def simulated_time(self, material: Mapping[str, float]) -> float:

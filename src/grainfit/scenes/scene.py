@@ -302,6 +302,12 @@ class Scene:
         return self.gravity or STANDARD_GRAVITY
 
     @property
+    def number_of_particles(self) -> int:
+        """Number of particles at the beginning, glued ones included."""
+        glued = sum(len(body.positions) for body in self.glued.values())
+        return len(self.particles.positions) + glued
+
+    @property
     def mass(self) -> float:
         """Mass of all loose particles at the beginning, kg."""
         shares = zip(self.sizes.number_fractions, self.sizes.diameters, strict=True)

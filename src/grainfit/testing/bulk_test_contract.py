@@ -237,9 +237,11 @@ class BulkTestContract:
         return {path.name: path.read_bytes() for path in folder.iterdir() if path.is_file()}
 
     def test_cost_is_known_before_a_run(self, bulk_test: BulkTest) -> None:
+        particles = bulk_test.scene(self.material, _SEED).number_of_particles
         for solver in _solvers(bulk_test, self.material):
             cost = bulk_test.estimate_cost(solver, self.material)
 
+            assert cost.particles == particles
             assert 0 < cost.time_step < 1
             assert cost.steps > 0
             assert 0 < cost.wall_seconds < math.inf

@@ -86,7 +86,12 @@ class DrumSetup:
         return self.drum_radius - self.lining_diameter / 2
 
     def lining_places(self) -> NDArray[np.float64]:
-        """Return the centres of the particles of the lining, half sunk into the wall, m."""
+        """Return the centres of the particles of the lining, half sunk into the wall, m.
+
+        A smooth drum has none.
+        """
+        if not self.lining_diameter:
+            return np.empty((0, 3))
         spacing = _LINING_SPACING * self.lining_diameter
         around = math.floor(2 * math.pi * self.drum_radius / spacing)
         along = max(1, round(self.drum_length / spacing))

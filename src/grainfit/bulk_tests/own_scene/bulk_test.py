@@ -342,8 +342,8 @@ class OwnScene(BulkTest):
             See `planned`.
         """
         scene = self.planned(material)
-        particles = len(scene.particles.positions)
-        return self._cost(solver, material, ranks, expected_duration(scene), particles)
+        duration = expected_duration(scene)
+        return self._cost(solver, material, ranks, duration, scene.number_of_particles)
 
     def simulated_time(self, material: Mapping[str, float]) -> float:
         """Estimate the simulated time of a run, s."""
@@ -422,8 +422,8 @@ class OwnScene(BulkTest):
 
     @property
     def number_of_particles(self) -> int:
-        """Number of particles of the scene that was planned last; 0 before."""
-        return 0 if self._planned is None else len(self._planned[1].particles.positions)
+        """Number of particles of the scene that was planned last, glued ones included; 0 before."""
+        return 0 if self._planned is None else self._planned[1].number_of_particles
 
 
 def _contents(files: Iterable[Path]) -> list[list[str]]:

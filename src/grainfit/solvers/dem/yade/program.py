@@ -41,12 +41,13 @@ class Yade(DeckSolver):
         material: Mapping[str, float | str],
         ranks: int = 1,
         executable: str | None = None,
+        contact_models: Iterable[str] = (),
     ) -> None:
         if ranks > 1:
             message = f"YADE runs on one core here, not on {ranks}: with threads, two runs of one"
             message += " seed differ."
             raise InputError(Fault("ranks", message, "Leave it out; several runs go at a time."))
-        super().__init__(test, material, ranks, executable)
+        super().__init__(test, material, ranks, executable, contact_models)
 
     @override
     def _require_possible(self, material: Mapping[str, float]) -> None:

@@ -118,14 +118,16 @@ class YadeSceneDeck(SceneDeck):
     def _between_particles(self) -> Contact:
         scene, radius = self.scene, self.scene.sizes.sauter_diameter / 2
         material = scene.material_on("wall")
-        return Contact.between(material, radius, radius, scene.gravity, scene.typical_load)
+        gravity, load = scene.weight_gravity, scene.typical_load
+        return Contact.between(material, radius, radius, gravity, load)
 
     def _rolling(self) -> Iterator[tuple[str, list[YadeArgument]]]:
         """Iterate over surfaces and what contacts with them get that no functor gives them."""
         scene, radius = self.scene, self.scene.sizes.sauter_diameter / 2
+        gravity = scene.weight_gravity
         for surface in self._surfaces():
             material = scene.material_on(surface)
-            contact = Contact.on_wall(material, radius, scene.gravity, scene.typical_load)
+            contact = Contact.on_wall(material, radius, gravity, scene.typical_load)
             attributes = yade_on_wall(self.law, contact)
             if attributes:
                 yield surface, attributes
