@@ -25,7 +25,8 @@ from grainfit.preview.picture import COLOURS, draw_geometry
 from grainfit.preview.preview import preview_tests, write_preview
 from grainfit.preview.words import motion_words, stage_words, wall_words
 from grainfit.scenes.conditions import AtRest, Elapsed
-from grainfit.scenes.scene import Box, Load, Scene, Stage, Velocity, Wall
+from grainfit.scenes.glued import Glued
+from grainfit.scenes.scene import Box, Load, Rotation, Scene, Stage, Velocity, Wall
 from grainfit.scenes.shapes import Block, Cylinder, Plane
 from grainfit.scenes.triangles import triangles_of
 from grainfit.testing.materials import GLASS_BEADS
@@ -91,6 +92,25 @@ def test_walls_have_their_state_and_the_arrows_of_their_motions() -> None:
     assert corners[:, 0].min() == pytest.approx(-corners[:, 0].max())
 
 
+def test_glued_particles_are_drawn_in_the_colour_of_what_they_do() -> None:
+    plate = np.array([[x, 0.0, 0.1] for x in (-0.04, -0.02, 0.0, 0.02, 0.04)])
+    body = Glued(plate, np.zeros(5, dtype=np.int64))
+    still = replace(scene({"floor": Wall(Plane("z", 0.01))}), glued={"plate": body})
+    push = Stage("push", Elapsed(1.0), motions={"plate": Velocity("x", 0.2)})
+
+    def strong(experiment: Scene) -> int:
+        picture = np.asarray(draw_geometry(geometry_of(experiment), 400), dtype=float)
+        return int(((picture[..., 0] - picture[..., 2]) > 120).sum())
+
+    (drawn,) = geometry_of(replace(still, stages=(push,))).glued
+    assert (drawn.state, len(drawn.radii)) == ("moving", 5)
+    ((start, end),) = drawn.arrows
+    np.testing.assert_allclose((end - start) / np.linalg.norm(end - start), [1, 0, 0])
+    assert start[0] == pytest.approx(drawn.positions[:, 0].max())
+    # Vermilion has much red and no blue; the one loose bead is yellow in both.
+    assert strong(replace(still, stages=(push,))) > 2 * strong(still) > 0
+
+
 def test_a_wall_hides_nothing_but_is_seen_and_a_particle_hides_the_wall_behind_it() -> None:
     def pixels(wall: Wall) -> np.ndarray:
         found = draw_geometry(geometry_of(scene({"wall": wall})), 400)
@@ -125,6 +145,7 @@ class Turning:
     """A motion that this version does not know."""
 
     turns: float
+    along: str = "y"
 
 
 def test_a_shape_and_a_motion_of_the_future_are_named_with_their_values() -> None:
@@ -132,9 +153,11 @@ def test_a_shape_and_a_motion_of_the_future_are_named_with_their_values() -> Non
 
     assert geometry_of(known).not_drawn == ("star",)
     assert wall_words(known.walls["star"]) == "star: points 5"
-    assert motion_words(Turning(2.5)) == "turning: turns 2.5"
+    assert motion_words(Turning(2.5)) == "turning: turns 2.5, along y"
+    turns = motion_words(Rotation("y", 0.5))
+    assert turns == "turns at 0.5 rad/s about y"
     moving = Stage("turn", Elapsed(2.0), motions={"floor": Turning(2.5)})  # type: ignore[dict-item]
-    assert stage_words(moving) == "floor turning: turns 2.5; for 2 s"
+    assert stage_words(moving) == "floor turning: turns 2.5, along y; for 2 s"
     (floor,) = geometry_of(replace(known, stages=(moving,))).walls
     assert (floor.state, len(floor.arrows)) == ("moving", 0)
 
@@ -151,7 +174,8 @@ def test_every_test_of_the_bench_has_a_preview(tmp_path: Path, name: str) -> Non
     picture = draw_geometry(found.geometry, 200)
 
     assert found.cost is not None
-    assert found.cost.particles == len(found.geometry.radii)
+    glued = sum(len(body.positions) for body in found.scene.glued.values())
+    assert found.cost.particles == len(found.geometry.radii) + glued
     assert found.geometry.not_drawn == ()
     assert len(picture.getcolors(10**7) or ()) > 200
     for wall in found.scene.all_walls():
@@ -162,6 +186,13 @@ def test_every_test_of_the_bench_has_a_preview(tmp_path: Path, name: str) -> Non
     table = np.frombuffer(base64.b64decode(data["test-1"]["particles"]), "<i2").reshape(-1, 4)
     step = found.geometry.radii[0] / table[0, 3]
     np.testing.assert_allclose(table[:, :3] * step, found.geometry.positions, atol=0.002)
+    sets = data["test-1"]["glued"]
+    for drawn_set, body in zip(sets, found.geometry.glued, strict=True):
+        glued_table = np.frombuffer(base64.b64decode(drawn_set["particles"]), "<i2")
+        placed = glued_table.reshape(-1, 4)[:, :3] * step
+        np.testing.assert_allclose(placed, body.positions, atol=0.002)
+    for body_name in found.scene.glued:
+        assert f"<strong>{body_name}</strong>" in text
     walls = data["test-1"]["walls"]
     assert len(walls) == len(found.geometry.walls)
     for wall, drawn in zip(walls, found.geometry.walls, strict=True):

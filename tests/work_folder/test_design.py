@@ -6,13 +6,18 @@ import re
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 from typer.testing import CliRunner
 
 import grainfit as gf
+from grainfit.analysis.information import Knowledge
+from grainfit.analysis.test_plan import plan_tests
 from grainfit.bulk_tests.accuracy import Accuracy
 from grainfit.calibration_file.planned import load_planned_file
 from grainfit.cli.app import app
+from grainfit.evaluation import Evaluation, Proposal
+from grainfit.work_folder.candidates import failure_remarks
 
 SLIDING, ROLLING = "particle_particle.sliding_friction", "particle_particle.rolling_friction"
 FILE = """\
@@ -158,3 +163,18 @@ def test_a_plan_is_no_calibration(plan: Path) -> None:
     plan.write_text(FILE + 'targets.angle_of_repose = { uncertainty = "0.5 deg" }\n')
     with pytest.raises(gf.InputError, match="measured value"):
         gf.load(plan)
+
+
+def test_runs_that_failed_are_said_of_a_test_that_is_compared_without_them() -> None:
+    reason = "angle_of_repose could not be measured: the heap reaches the border"
+    good = Evaluation(Proposal({SLIDING: 0.3}, 1, "design"), {}, {})
+    bad = Evaluation(Proposal({SLIDING: 0.8}, 1, "design"), {}, {"heap": reason})
+    (words,) = failure_remarks(["heap", "packing"], [good, bad, bad])
+    assert words == f"heap: 2 of 3 runs failed and do not count. The first: {reason}."
+
+
+def test_a_plan_without_any_usable_test_says_nothing_about_the_tests() -> None:
+    before = Knowledge((SLIDING,), np.array([[0.1]]))
+    plan = plan_tests([], before, 0.2, ["Not compared: heap. Too few."], "")
+    assert str(plan).split("\n")[0] == "No test could be compared."
+    assert "settles" not in str(plan)

@@ -238,6 +238,8 @@ class Advice:
         )
 
     def _words(self) -> list[str]:
+        if not self.prospects:
+            return ["No further test could be compared."]
         words = [self._recommendation()]
         if self.best_pair is not None:
             left = _left_by(self.best_pair, self.today)

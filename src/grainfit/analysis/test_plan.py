@@ -126,6 +126,8 @@ class TestPlan:
         )
 
     def _words(self) -> list[str]:
+        if not self.combinations:
+            return ["No test could be compared."]
         return [
             self._recommendation(),
             *(

@@ -62,6 +62,15 @@ def advise(
     seeds: Seeds = None,
     max_time: MaxTime = None,
     workers: Workers = None,
+    workdir: Annotated[
+        Path | None,
+        typer.Option(
+            "--workdir",
+            metavar="DIR",
+            help="Where further runs are kept. [default: the work folder of the calibration]",
+            show_default=False,
+        ),
+    ] = None,
     yes: Yes = False,
 ) -> None:
     """Say which test to do next: what it would leave of the open parameters.
@@ -84,6 +93,7 @@ def advise(
             seeds=seeds,
             max_seconds=_seconds(max_time),
             workers=workers,
+            workdir=workdir,
             on_start=simulating.begin,
             on_progress=simulating.show,
         )

@@ -1,9 +1,9 @@
-"""Geometry of a scene to be drawn: walls as triangles, their edges, arrows of their motions."""
+"""Geometry of a scene to be drawn: particles, walls as triangles, arrows of motions."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -50,34 +50,82 @@ class DrawnWall:
 
 
 @dataclass(frozen=True)
+class DrawnGlued:
+    """A glued set to be drawn.
+
+    Parameters
+    ----------
+    name : str
+        As in the scene.
+    state : {"still", "moving"}
+        Whether it moves in some stage.
+    positions : ndarray of shape (n, 3)
+        Centres of its particles, m.
+    radii : ndarray of shape (n,)
+        m.
+    arrows : ndarray of shape (k, 2, 3)
+        Beginning and end of an arrow for each direction of its motions, m.
+    """
+
+    name: str
+    state: State
+    positions: Array
+    radii: Array
+    arrows: Array
+
+
+@dataclass(frozen=True)
 class Geometry:
     """A scene to be drawn, moved so that its middle is on the z axis and its lowest point at z = 0.
 
     Parameters
     ----------
     positions : ndarray of shape (n, 3)
-        Centres of the particles, m.
+        Centres of the loose particles, m.
     radii : ndarray of shape (n,)
         m.
     walls : tuple of DrawnWall
         Walls of all stages.
     not_drawn : tuple of str
         Walls whose shape cannot be drawn.
+    glued : tuple of DrawnGlued
+        Glued sets.
     """
 
     positions: Array
     radii: Array
     walls: tuple[DrawnWall, ...]
     not_drawn: tuple[str, ...]
+    glued: tuple[DrawnGlued, ...] = ()
+
+    @property
+    def spheres(self) -> list[tuple[Array, Array, State | None]]:
+        """Positions and radii of all particles; loose ones have no state."""
+        sets = [(body.positions, body.radii, body.state) for body in self.glued]
+        return [(self.positions, self.radii, None), *sets]
+
+    @property
+    def number_of_glued(self) -> int:
+        """Number of glued particles."""
+        return sum(len(body.radii) for body in self.glued)
+
+    @property
+    def arrows(self) -> list[Array]:
+        """Beginnings and ends of all arrows, each of shape (2, 3), m."""
+        return [arrow for body in (*self.walls, *self.glued) for arrow in body.arrows]
+
+    @property
+    def states(self) -> set[State]:
+        """States of walls and glued sets that there are."""
+        return {body.state for body in (*self.walls, *self.glued)}
 
     @property
     def corners(self) -> Array:
         """Points that a picture must show, shape (n, 3), m."""
-        reach = self.radii[:, None]
-        points = [self.positions - reach, self.positions + reach]
-        points += [wall.triangles.reshape(-1, 3) for wall in self.walls]
-        points += [wall.arrows.reshape(-1, 3) for wall in self.walls]
-        return np.concatenate(points)
+        points = [wall.triangles.reshape(-1, 3) for wall in self.walls]
+        for positions, radii, _ in self.spheres:
+            points += [positions - radii[:, None], positions + radii[:, None]]
+        return np.concatenate([*points, *self.arrows])
 
 
 def geometry_of(scene: Scene) -> Geometry:
@@ -98,10 +146,11 @@ def geometry_of(scene: Scene) -> Geometry:
             not_drawn.append(name)
         else:
             found[name] = triangles
-    size = float(np.ptp(np.concatenate([positions, *_points(found)]), axis=0).max())
+    there = [positions, *_points(found), *(body.positions for body in scene.glued.values())]
+    size = float(np.ptp(np.concatenate(there), axis=0).max())
     walls = [_drawn(scene, name, triangles, size) for name, triangles in found.items()]
-    geometry = Geometry(positions, radii, tuple(walls), tuple(not_drawn))
-    return _centred(geometry)
+    glued = [_drawn_glued(scene, name, size) for name in scene.glued]
+    return _centred(Geometry(positions, radii, tuple(walls), tuple(not_drawn), tuple(glued)))
 
 
 def _points(found: Mapping[str, Triangles]) -> list[Array]:
@@ -119,16 +168,30 @@ def _triangles(wall: Wall, scene: Scene) -> Triangles | None:
 
 
 def _drawn(scene: Scene, name: str, triangles: Triangles, size: float) -> DrawnWall:
-    motions = list(scene.motions_of(name))
-    state: State = "moving" if motions else "still" if name in scene.walls else "later"
-    points = triangles.reshape(-1, 3)
+    is_moving = any(scene.motions_of(name))
+    state: State = "moving" if is_moving else "still" if name in scene.walls else "later"
+    arrows = _arrows(scene, name, triangles.reshape(-1, 3), size)
+    return DrawnWall(name, state, triangles, feature_edges(triangles, size), arrows)
+
+
+def _drawn_glued(scene: Scene, name: str, size: float) -> DrawnGlued:
+    body = scene.glued[name]
+    radii = np.array(scene.sizes.diameters)[body.size_indices] / 2
+    state: State = "moving" if any(scene.motions_of(name)) else "still"
+    arrows = _arrows(scene, name, body.positions, size)
+    # Within the set, an arrow of its colour is not seen: it begins at the side.
+    directions = np.sign(np.diff(arrows, axis=1).round(12))
+    sides = directions * np.ptp(body.positions, axis=0) / 2
+    return DrawnGlued(name, state, body.positions, radii, arrows + sides)
+
+
+def _arrows(scene: Scene, name: str, points: Array, size: float) -> Array:
+    """Return arrows of the straight motions of a body, from the middle of its points."""
     middle = (points.min(axis=0) + points.max(axis=0)) / 2
-    directions = dict.fromkeys(d for m in motions if (d := _direction(m)) is not None)
+    found = (_direction(motion) for motion in scene.motions_of(name))
+    directions = dict.fromkeys(d for d in found if d is not None)
     arrows = [(middle, middle + _ARROW * size * np.array(d)) for d in directions]
-    shape = (len(arrows), 2, 3)
-    return DrawnWall(
-        name, state, triangles, feature_edges(triangles, size), np.array(arrows).reshape(shape)
-    )
+    return np.array(arrows).reshape(len(arrows), 2, 3)
 
 
 def _direction(motion: object) -> tuple[float, ...] | None:
@@ -180,4 +243,8 @@ def _centred(geometry: Geometry) -> Geometry:
         DrawnWall(w.name, w.state, w.triangles + shift, w.edges + shift, w.arrows + shift)
         for w in geometry.walls
     )
-    return Geometry(geometry.positions + shift, geometry.radii, walls, geometry.not_drawn)
+    glued = tuple(
+        replace(body, positions=body.positions + shift, arrows=body.arrows + shift)
+        for body in geometry.glued
+    )
+    return replace(geometry, positions=geometry.positions + shift, walls=walls, glued=glued)

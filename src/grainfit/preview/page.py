@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from grainfit.formatting import in_a_row, plain
+from grainfit.formatting import counted, in_a_row, plain
 from grainfit.preview.geometry import Geometry, State
 from grainfit.preview.picture import COLOURS
 from grainfit.preview.previewed_test import PreviewedTest
@@ -22,7 +22,7 @@ from grainfit.report.rendering import render, script_json
 _STEPS = 32_000
 #: Particles above this number are left out of the drawing, evenly.
 _MOST_PARTICLES = 20_000
-_STATES: Mapping[State, str] = {"still": "walls", "moving": "move", "later": "put later"}
+_STATES: Mapping[State, str] = {"still": "stand still", "moving": "move", "later": "put later"}
 _STYLE = """
 .preview { max-width: 72rem; margin: 0 auto; padding: 0 1rem; }
 .preview-key { display: inline-block; width: 0.9em; height: 0.9em; border-radius: 2px; }
@@ -59,7 +59,7 @@ def preview_page(name: str, tests: Sequence[PreviewedTest], values: Mapping[str,
 
 
 def _described(key: str, test: PreviewedTest) -> dict[str, Any]:
-    scene, states = test.scene, [wall.state for wall in test.geometry.walls]
+    scene, states = test.scene, test.geometry.states
     count = len(scene.particles.positions)
     left_out = "" if count <= _MOST_PARTICLES else f" ({_MOST_PARTICLES} of them are drawn)"
     return {
@@ -70,9 +70,11 @@ def _described(key: str, test: PreviewedTest) -> dict[str, Any]:
         "problem": plain(test.problem),
         "particles": count,
         "left_out": left_out,
+        "glued_count": test.geometry.number_of_glued,
         "legend": [(_STATES[state], COLOURS[state]) for state in COLOURS if state in states],
         "stages": [(stage.name, stage_words(stage)) for stage in scene.stages],
         "walls": list(_walls(test)),
+        "glued": [(b.name, counted(len(b.radii), "particle")) for b in test.geometry.glued],
         "box": box_words(scene),
     }
 
@@ -97,10 +99,15 @@ def _scene(geometry: Geometry) -> dict[str, Any]:
             {"triangles": _packed(wall.triangles / step), "colour": COLOURS[wall.state]}
             for wall in geometry.walls
         ],
+        "glued": [
+            {
+                "particles": _packed(np.column_stack([body.positions, body.radii]) / step),
+                "colour": COLOURS[body.state],
+            }
+            for body in geometry.glued
+        ],
         "arrows": [
-            [*np.round(arrow / step).tolist(), COLOURS["moving"]]
-            for wall in geometry.walls
-            for arrow in wall.arrows
+            [*np.round(arrow / step).tolist(), COLOURS["moving"]] for arrow in geometry.arrows
         ],
     }
 

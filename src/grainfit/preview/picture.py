@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,7 +15,7 @@ from grainfit.preview.geometry import Array, DrawnWall, Geometry, State
 
 #: Directions of view, as in the report: radians about the z axis, and above the horizon.
 AZIMUTH, ELEVATION = 0.5, 0.35
-#: Colours of walls by state: slate, vermilion, bluish green (after Okabe & Ito).
+#: Colours of walls and glued sets by state: slate, vermilion, bluish green (after Okabe & Ito).
 COLOURS: Mapping[State, tuple[int, int, int]] = {
     "still": (120, 134, 150),
     "moving": (213, 94, 0),
@@ -98,8 +98,7 @@ def draw_geometry(geometry: Geometry, width: int) -> Image.Image:
     for wall in geometry.walls:
         _draw_edges(picture, wall, camera, depth)
     image = Image.fromarray(np.clip(picture, 0, 255).astype(np.uint8))
-    for wall in geometry.walls:
-        _draw_arrows(ImageDraw.Draw(image), wall, camera)
+    _draw_arrows(ImageDraw.Draw(image), geometry.arrows, camera)
     return image
 
 
@@ -128,20 +127,30 @@ def _particles(
     """Return colours and depths of the particles in every pixel; infinite where there is none."""
     depth = np.full(shape, np.inf)
     colours = np.zeros((*shape, 3), dtype=np.float32)
-    places = camera.place(geometry.positions)
-    heights = geometry.positions[:, 2] / max(float(geometry.positions[:, 2].max()), 1e-12)
-    for (column, row, away), radius, height in zip(places, geometry.radii, heights, strict=True):
-        size = max(1.0, radius * camera.scale)
-        where = _window(column - size, column + size, row - size, row + size, shape)
-        rows, columns = np.mgrid[where]
-        u, v = (columns - column) / size, (rows - row) / size
-        bulge = np.sqrt(np.maximum(1 - u**2 - v**2, 0))
-        z = away - radius * bulge
-        better = (u**2 + v**2 <= 1) & (z < depth[where])
-        depth[where][better] = z[better]
-        shade = np.clip(0.45 + 0.75 * (bulge * 0.75 - 0.4 * u * 0.6 - 0.6 * v * 0.7), 0.35, 1.2)
-        colours[where][better] = shade[better][:, None] * _height_colour(float(height))
+    highest = max(float(geometry.positions[:, 2].max(initial=0.0)), 1e-12)
+    for positions, radii, state in geometry.spheres:
+        for centre, radius in zip(positions, radii, strict=True):
+            colour = np.array(COLOURS[state], dtype=float) if state else None
+            if colour is None:
+                colour = _height_colour(float(centre[2]) / highest)
+            _draw_sphere(colours, depth, camera, (centre, float(radius)), colour)
     return colours, depth
+
+
+def _draw_sphere(
+    colours: Colours, depth: Array, camera: _Camera, sphere: tuple[Array, float], colour: Array
+) -> None:
+    """Draw a shaded sphere, given by centre and radius, where nothing is nearer."""
+    (column, row, away), size = camera.place(sphere[0]), max(1.0, sphere[1] * camera.scale)
+    where = _window(column - size, column + size, row - size, row + size, depth.shape)
+    rows, columns = np.mgrid[where]
+    u, v = (columns - column) / size, (rows - row) / size
+    bulge = np.sqrt(np.maximum(1 - u**2 - v**2, 0))
+    z = away - sphere[1] * bulge
+    better = (u**2 + v**2 <= 1) & (z < depth[where])
+    depth[where][better] = z[better]
+    shade = np.clip(0.45 + 0.75 * (bulge * 0.75 - 0.4 * u * 0.6 - 0.6 * v * 0.7), 0.35, 1.2)
+    colours[where][better] = shade[better][:, None] * colour
 
 
 def _height_colour(share: float) -> Array:
@@ -205,8 +214,8 @@ def _draw_edges(picture: Colours, wall: DrawnWall, camera: _Camera, depth: Array
             picture[r[seen], c[seen]] += _EDGE * colour
 
 
-def _draw_arrows(draw: ImageDraw.ImageDraw, wall: DrawnWall, camera: _Camera) -> None:
-    for start, end in camera.place(wall.arrows)[..., :2]:
+def _draw_arrows(draw: ImageDraw.ImageDraw, arrows: Sequence[Array], camera: _Camera) -> None:
+    for start, end in (camera.place(arrow)[:, :2] for arrow in arrows):
         along = end - start
         length = float(np.linalg.norm(along))
         if length < 1:

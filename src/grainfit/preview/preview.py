@@ -81,8 +81,8 @@ def write_picture(path: Path, name: str, tests: Sequence[PreviewedTest]) -> None
     width = _WIDE if len(tests) == 1 else _NARROW
     panels = [draw_geometry(test.geometry, width) for test in tests]
     listed = "; ".join(f"{test.name}: {test.cost_words}" for test in tests)
-    states = "slate: walls; vermilion: walls that move, with the direction; green: put later"
-    words = f"{listed}. Colours of particles: height; {states}."
+    states = "slate: walls and glued particles; vermilion: those that move; green: put later"
+    words = f"{listed}. Colours of loose particles: height; {states}."
     sheet(name, words, panels, width).save(path, "png")
 
 

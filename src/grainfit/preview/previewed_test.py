@@ -38,5 +38,6 @@ class PreviewedTest:
     def cost_words(self) -> str:
         """Particles, steps and cost of a run."""
         if self.cost is None:
-            return f"{len(self.scene.particles.positions)} particles; cannot be simulated"
+            count = len(self.scene.particles.positions) + self.geometry.number_of_glued
+            return f"{count} particles; cannot be simulated"
         return str(self.cost)

@@ -8,7 +8,7 @@ from typing import Any
 
 from grainfit.formatting import in_a_row, number
 from grainfit.scenes.conditions import AtRest, Clear, Elapsed, Loaded
-from grainfit.scenes.scene import WALL, Load, Scene, Stage, Velocity, Wall
+from grainfit.scenes.scene import WALL, Load, Rotation, Scene, Stage, Velocity, Wall
 from grainfit.scenes.shapes import Annulus, Block, Cone, Cylinder, Disc, Mesh, Plane
 from grainfit.scenes.stl import read_stl
 
@@ -34,7 +34,9 @@ def _mesh(shape: Mesh) -> str:
 _SHAPES: Mapping[type, Callable[[Any], str]] = {
     Plane: lambda s: f"plane {s.axis} = {_mm(s.at)}, met from {'above' if s.upwards else 'below'}",
     Block: _block,
-    Cylinder: lambda s: f"tube, radius {_mm(s.radius)}, from z = {_mm(s.bottom)} to {_mm(s.top)}",
+    Cylinder: lambda s: (
+        f"tube, radius {_mm(s.radius)}, from {s.axis} = {_mm(s.bottom)} to {_mm(s.top)}"
+    ),
     Cone: lambda s: (
         f"funnel, radius {_mm(s.lower_radius)} at z = {_mm(s.bottom)} and {_mm(s.upper_radius)} "
         f"at {_mm(s.top)}"
@@ -51,6 +53,7 @@ _MOTIONS: Mapping[type, Callable[[Any], str]] = {
         f"presses with {number(m.force, 3)} N along {m.along}, at most {number(m.largest_speed, 3)}"
         " m/s"
     ),
+    Rotation: lambda m: f"turns at {number(m.speed, 3)} rad/s about {m.along}",
 }
 _ENDS: Mapping[type, Callable[[Any], str]] = {
     AtRest: lambda u: f"until at rest, {_between(u.at_least, u.limit)}",

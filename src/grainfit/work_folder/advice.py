@@ -16,7 +16,7 @@ from grainfit.calibration_file.accuracies import accuracy_of, read_accuracies
 from grainfit.campaign.batch import ExpectedWork
 from grainfit.errors import Fault, InputError
 from grainfit.solvers.base import Solver
-from grainfit.work_folder.candidates import Simulation, candidate_tests, seconds_of
+from grainfit.work_folder.candidates import Simulation, candidate_tests, failure_remarks, seconds_of
 from grainfit.work_folder.saved_calibration import SavedCalibration
 from grainfit.work_folder.solvers_of_runs import solvers_of
 
@@ -106,7 +106,8 @@ def advise(
         lambda test, name, info: accuracy_of(test, name, info.unit, given),
     )
     count = simulation.seeds_for(bench.solvers, points)
-    remarks = bench.without(failed).remarks()
+    usable = bench.without(failed)
+    remarks = [*usable.remarks(), *failure_remarks(usable.solvers, evaluations)]
     return advice(today, candidates, remarks, len(points), count)
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -15,6 +15,7 @@ from grainfit.campaign.campaign import CampaignOptions
 from grainfit.checks import as_number
 from grainfit.errors import Fault, InputError
 from grainfit.evaluation import Evaluation, Proposal, response_name
+from grainfit.formatting import counted
 from grainfit.solvers.base import Solver
 
 #: Seeds of each parameter set: by default, and most where the time allows more.
@@ -158,6 +159,21 @@ def seconds_of(solver: Solver, point: Mapping[str, float]) -> float:
     """Return the estimated wall time of a run, s; 0 if it is unknown."""
     cost = solver.estimate_cost(point)
     return 0.0 if cost is None else cost.wall_seconds
+
+
+def failure_remarks(tests: Collection[str], evaluations: Sequence[Evaluation]) -> list[str]:
+    """Return sentences about tests that are compared although some of their runs failed.
+
+    A run without one of its responses has failed as a whole.
+    """
+    remarks = []
+    for test in tests:
+        reasons = [e.failures[test] for e in evaluations if test in e.failures]
+        if reasons:
+            first = next(iter(dict.fromkeys(reasons)))
+            share = f"{len(reasons)} of {counted(len(evaluations), 'run')}"
+            remarks.append(f"{test}: {share} failed and do not count. The first: {first}.")
+    return remarks
 
 
 def _why_failed(test: str, evaluations: Sequence[Evaluation]) -> str:

@@ -26,6 +26,7 @@ from grainfit.work_folder.candidates import (
     AccuracyOf,
     Simulation,
     candidate_tests,
+    failure_remarks,
     seconds_of,
 )
 
@@ -114,7 +115,8 @@ def design(
     source_words = (
         f"Slopes from {len(points)} points of the intervals, {counted(count, 'seed')} each."
     )
-    remarks = bench.without(failed).remarks()
+    usable = bench.without(failed)
+    remarks = [*usable.remarks(), *failure_remarks(usable.solvers, evaluations)]
     return plan_tests(found, cloud.knowledge, wanted, remarks, source_words)
 
 

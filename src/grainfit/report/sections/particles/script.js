@@ -19,11 +19,10 @@
 
   const shade = (rgb, factor) => `rgb(${rgb.map((v) => Math.min(255, v * factor)).join(",")})`;
 
-  const makeSprite = (share) => {
+  const makeSprite = (rgb) => {
     const canvas = document.createElement("canvas");
     canvas.width = canvas.height = SPRITE;
     const pen = canvas.getContext("2d");
-    const rgb = colour(share);
     const half = SPRITE / 2;
     const light = pen.createRadialGradient(half * 0.7, half * 0.6, 0, half, half, half);
     light.addColorStop(0, shade(rgb, 1.25));
@@ -65,15 +64,27 @@
   };
 
   const show = (canvas, scene) => {
-    const table = unpack(scene.particles);
+    const loose = unpack(scene.particles);
+    const looseCount = loose.length / 4;
+    const glued = (scene.glued ?? []).map((set) => ({ ...set, table: unpack(set.particles) }));
+    const table = Float32Array.from([loose, ...glued.map((set) => set.table)].flatMap((t) => [...t]));
     const count = table.length / 4;
+    // Of a glued particle: the number of its set, from 1.
+    const setOf = new Uint8Array(count);
+    let next = looseCount;
+    glued.forEach((set, i) => {
+      setOf.fill(i + 1, next, next + set.table.length / 4);
+      next += set.table.length / 4;
+    });
     const order = Uint32Array.from({ length: count }, (_, i) => i);
     const away = new Float32Array(count);
     let top = 1;
+    let topOfAll = 1;
     let reach = 1;
     for (let i = 0; i < count; i += 1) {
       const [x, y, z, r] = table.subarray(4 * i, 4 * i + 4);
-      top = Math.max(top, z + r);
+      topOfAll = Math.max(topOfAll, z + r);
+      top = i < looseCount ? Math.max(top, z + r) : top;
       reach = Math.max(reach, Math.hypot(x, y) + r);
     }
     // Walls are one colour each, so that layers of them can be composed without seams.
@@ -86,17 +97,19 @@
     const heights = walls.map(({ corners }) => corners.filter((_, i) => i % 3 === 2));
     const highest = (values) => values.reduce((most, value) => Math.max(most, value), 0);
     const roof = Math.max(
-      top,
+      topOfAll,
       ...scene.outlines.flat().map(([, , z]) => z),
       ...heights.map((values) => highest(values)),
     );
     const usual = { azimuth: 0.5, elevation: 0.35, zoom: 1 };
     let camera = { ...usual };
+    let gluedSprites = null;
     let waiting = false;
 
     const draw = () => {
       waiting = false;
-      sprites ??= Array.from({ length: BINS }, (_, i) => makeSprite(i / (BINS - 1)));
+      sprites ??= Array.from({ length: BINS }, (_, i) => makeSprite(colour(i / (BINS - 1))));
+      gluedSprites ??= glued.map((set) => makeSprite(set.colour));
       const scale = window.devicePixelRatio || 1;
       const width = Math.round(canvas.clientWidth * scale);
       const height = Math.round(canvas.clientHeight * scale);
@@ -128,7 +141,7 @@
         pen.stroke();
       }
       const depth = (x, y, z) => (y * ca - x * sa) * ce - z * se;
-      const middle = depth(0, 0, top / 2);
+      const middle = depth(0, 0, topOfAll / 2);
       const layer = (isFront, alpha) => {
         if (walls.length === 0) {
           return;
@@ -174,7 +187,8 @@
         const size = r * zoom;
         const [across, down] = place(x, y, z);
         const bin = Math.min(BINS - 1, Math.max(0, Math.floor((z / top) * BINS)));
-        pen.drawImage(sprites[bin], across - size, down - size, 2 * size, 2 * size);
+        const sprite = setOf[i] ? gluedSprites[setOf[i] - 1] : sprites[bin];
+        pen.drawImage(sprite, across - size, down - size, 2 * size, 2 * size);
       }
       layer(true, 0.28);
       for (const [start, end, rgb] of scene.arrows ?? []) {
