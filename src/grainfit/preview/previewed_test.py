@@ -38,5 +38,5 @@ class PreviewedTest:
     def cost_words(self) -> str:
         """Particles, steps and cost of a run."""
         if self.cost is None:
-            return f"{len(self.scene.particles.positions)} particles; cannot be simulated"
+            return f"{self.scene.number_of_particles} particles; cannot be simulated"
         return str(self.cost)
