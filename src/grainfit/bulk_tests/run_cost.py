@@ -18,7 +18,7 @@ class RunCost:
     wall_seconds : float
         Estimated wall time on an otherwise idle core.
     particles : int, optional
-        Number of particles.
+        Number of particles, glued ones included.
     time_step_fraction : float, optional
         Time step over the Rayleigh time step.
     """

@@ -38,6 +38,5 @@ class PreviewedTest:
     def cost_words(self) -> str:
         """Particles, steps and cost of a run."""
         if self.cost is None:
-            count = len(self.scene.particles.positions) + self.geometry.number_of_glued
-            return f"{count} particles; cannot be simulated"
+            return f"{self.scene.number_of_particles} particles; cannot be simulated"
         return str(self.cost)

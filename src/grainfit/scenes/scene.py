@@ -473,7 +473,7 @@ def _motion_faults(scene: Scene) -> Iterator[Fault]:
             if name not in scene.glued and len(motions) != 1:
                 remedy = "Give it one motion in each stage; only a glued set has several."
                 yield Fault(key, f"moves the wall {name!r} by {len(motions)} motions.", remedy)
-            axes = [motion.along for motion in motions]
+            axes = [motion.along for motion in motions] if len(motions) > 1 else []
             if len(set(axes)) < len(axes):
                 remedy = "Give it one motion along each axis."
                 yield Fault(key, f"moves {name!r} twice along one axis.", remedy)
