@@ -173,6 +173,8 @@ def test_a_process_elsewhere_has_the_contents_that_were_hashed(beads: Path) -> N
         ("(6 * d, d, 4 * d)", "(3 * d, d, 4 * d)", "1 of 3 begin outside of the box"),
         ("[2 * d * i", "[0.5 * d * i", "2 pairs overlap at the beginning"),
         ("np.zeros(3, dtype=int)", "np.full(3, 1)", "size_indices go from 1 to 1"),
+        ("time_step=time_step", 'time_step="1 ms"', "has a value of a wrong type"),
+        ('Wall(Plane("z", 0.0))', "None", "has a value of a wrong type: 'NoneType'"),
         ("AtRest(limit=5.0, at_least=0.1)", "Elapsed(0.0)", "has the time 0.0"),
         ('"settle", ', '"settle", snapshot="bed", until=', "leaves the snapshot 'bed'"),
         ('Wall(Plane("z", 0.0))', 'Wall(Plane("z", 0.0), "glass")', "surface 'glass'"),

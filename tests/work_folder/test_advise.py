@@ -78,6 +78,11 @@ def test_too_few_runs_are_said_by_the_command(tmp_path: Path) -> None:
     assert re.search("Let the calibration make more runs first", str(error))
 
 
+def test_the_command_has_the_workdir_that_a_folder_in_use_asks_for() -> None:
+    shown = CliRunner().invoke(app, ["advise", "--help"], env={"COLUMNS": "200"}).output
+    assert "--workdir" in shown
+
+
 @pytest.mark.slow
 def test_a_packing_is_recommended_for_the_density_that_an_angle_leaves_open(
     tmp_path: Path,

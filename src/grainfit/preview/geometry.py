@@ -105,6 +105,10 @@ class Geometry:
         return [(self.positions, self.radii, None), *sets]
 
     @property
+    def _bodies(self) -> tuple[DrawnWall | DrawnGlued, ...]:
+        return (*self.walls, *self.glued)
+
+    @property
     def number_of_glued(self) -> int:
         """Number of glued particles."""
         return sum(len(body.radii) for body in self.glued)
@@ -112,12 +116,12 @@ class Geometry:
     @property
     def arrows(self) -> list[Array]:
         """Beginnings and ends of all arrows, each of shape (2, 3), m."""
-        return [arrow for body in (*self.walls, *self.glued) for arrow in body.arrows]
+        return [arrow for body in self._bodies for arrow in body.arrows]
 
     @property
     def states(self) -> set[State]:
         """States of walls and glued sets that there are."""
-        return {body.state for body in (*self.walls, *self.glued)}
+        return {body.state for body in self._bodies}
 
     @property
     def corners(self) -> Array:

@@ -57,7 +57,7 @@ def _previewed(name: str, solver: Solver, values: Mapping[str, float], seed: int
         scene = test.scene(solver.run_parameters(values), seed)
         geometry = geometry_of(scene)
     except RunFailedError as error:
-        raise InputError(Fault(f"test {name}", f"{error.reason}.")) from error
+        raise InputError(Fault(f"test {name}", f"{error.reason.rstrip('.')}.")) from error
     cost, problem = None, ""
     try:
         cost = solver.estimate_cost(values)

@@ -170,14 +170,16 @@ def failure_remarks(tests: Collection[str], evaluations: Sequence[Evaluation]) -
     for test in tests:
         reasons = [e.failures[test] for e in evaluations if test in e.failures]
         if reasons:
-            first = next(iter(dict.fromkeys(reasons)))
+            first = reasons[0].rstrip(".")
             share = f"{len(reasons)} of {counted(len(evaluations), 'run')}"
-            remarks.append(f"{test}: {share} failed and do not count. The first: {first}.")
+            remarks.append(
+                f"{test}: {share} failed and do not count. The first: {first.rstrip('.')}."
+            )
     return remarks
 
 
 def _why_failed(test: str, evaluations: Sequence[Evaluation]) -> str:
     reasons = dict.fromkeys(e.failures[test] for e in evaluations if test in e.failures)
     if reasons:
-        return f"Its runs failed: {next(iter(reasons))}"
+        return f"Its runs failed: {next(iter(reasons)).rstrip('.')}."
     return "Too few of its runs ended in time."

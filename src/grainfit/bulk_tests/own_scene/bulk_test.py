@@ -270,8 +270,14 @@ class OwnScene(BulkTest):
         if not isinstance(found, Scene):
             kind = f"{words} gave {type(found).__name__}, not a Scene"
             raise RunFailedError(f"{kind}: return grainfit.scenes.Scene(...)", kind="evaluation")
-        completed = self._completed(found)
-        if faults := [*self._condition_faults(completed, material), *scene_faults(completed)]:
+        try:
+            completed = self._completed(found)
+            faults = [*self._condition_faults(completed, material), *scene_faults(completed)]
+        except (TypeError, AttributeError) as error:
+            # A value of another type is found where it is first used.
+            kind = f"the scene of {words} has a value of a wrong type: {error}"
+            raise RunFailedError(f"{kind}: see docs/own_scenes.md", kind="evaluation") from error
+        if faults:
             reason = "; ".join(map(str, faults))
             raise RunFailedError(f"the scene of {words}: {reason}", kind="evaluation")
         return completed
@@ -325,7 +331,7 @@ class OwnScene(BulkTest):
             try:
                 self._set(_planned=(dict(material), self.scene(material, 1)))
             except RunFailedError as error:
-                raise InputError(Fault("scene", f"{error.reason}.")) from error
+                raise InputError(Fault("scene", f"{error.reason.rstrip('.')}.")) from error
         assert self._planned is not None
         return self._planned[1]
 
