@@ -10,6 +10,7 @@ if TYPE_CHECKING:
     from grainfit.analysis import Analysis, analyse
     from grainfit.analysis.expected import ExpectedNarrowing, expected_narrowing
     from grainfit.analysis.modulus_study import ModulusStudy
+    from grainfit.analysis.scatter import RepeatedRuns
     from grainfit.calibration.calibrate import calibrate
     from grainfit.calibration.progress import Progress
     from grainfit.calibration_file.build import CalibrationSetup
@@ -35,6 +36,7 @@ if TYPE_CHECKING:
     from grainfit.strategies.base import Search, Strategy
     from grainfit.strategies.sequential.strategy import Sequential
     from grainfit.strategies.staged.strategy import Staged
+    from grainfit.work_folder.repeat_runs import repeat_runs
     from grainfit.work_folder.stiffness_study import stiffness_study
 
 __all__ = [
@@ -54,6 +56,7 @@ __all__ = [
     "Progress",
     "Proposal",
     "RayleighTimeStep",
+    "RepeatedRuns",
     "Response",
     "Result",
     "RunFailedError",
@@ -73,6 +76,7 @@ __all__ = [
     "open",
     "plots",
     "rayleigh_time_step",
+    "repeat_runs",
     "stiffness_study",
     "write_report",
 ]
@@ -89,6 +93,8 @@ _HOMES = {
     "Result": "result",
     "open": "opened",
     "ModulusStudy": "analysis.modulus_study",
+    "RepeatedRuns": "analysis.scatter",
+    "repeat_runs": "work_folder.repeat_runs",
     "stiffness_study": "work_folder.stiffness_study",
     "write_report": "report.page",
     **dict.fromkeys(("Parameter", "Problem", "Target"), "problem"),

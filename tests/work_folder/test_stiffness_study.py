@@ -11,7 +11,8 @@ from typer.testing import CliRunner
 
 import grainfit as gf
 from grainfit.analysis.modulus_study import ModulusRow
-from grainfit.campaign.moduli import ExpectedWork, ModulusPlan, simulate_moduli
+from grainfit.campaign.batch import ExpectedWork
+from grainfit.campaign.moduli import ModulusPlan, simulate_moduli
 from grainfit.cli.app import app
 from grainfit.testing.materials import GLASS_BEADS
 

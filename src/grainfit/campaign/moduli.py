@@ -9,40 +9,14 @@ from itertools import product
 from pathlib import Path
 
 from grainfit.bulk_tests.sensitivities import MODULUS
-from grainfit.campaign.campaign import Campaign, CampaignOptions
-from grainfit.campaign.open_campaign import open_campaign
+from grainfit.campaign.batch import ExpectedWork, simulate_batch
+from grainfit.campaign.campaign import CampaignOptions
 from grainfit.campaign.reuse import needed_responses
 from grainfit.contact_models.registry import MATERIAL_PARAMETERS
 from grainfit.errors import Fault, InputError
 from grainfit.evaluation import Evaluation, Proposal
-from grainfit.formatting import duration
 from grainfit.problem import Problem
 from grainfit.solvers.base import Solver
-
-
-@dataclass(frozen=True)
-class ExpectedWork:
-    """Runs that a study still has to make, and how long that takes.
-
-    Parameters
-    ----------
-    runs, known : int
-        Runs to make, and runs that are known already.
-    seconds : float, optional
-        Expected wall time, s; None if it is not known.
-    """
-
-    runs: int
-    known: int
-    seconds: float | None
-
-    def __str__(self) -> str:
-        if not self.runs:
-            return "All runs are known already"
-        words = f"{self.runs} runs to make, {self.known} known already"
-        if self.seconds is None or self.seconds < 1:
-            return words
-        return f"{words}; about {duration(self.seconds)}"
 
 
 @dataclass(frozen=True)
@@ -160,31 +134,4 @@ def simulate_moduli(
     proposals = [proposal for _, proposal in plan.proposals()]
     needed = needed_responses(plan.problem, plan.solvers)
     options = CampaignOptions(plan.workers, plan.all_timeouts(), needed=needed)
-    evaluations: list[Evaluation] = []
-    with open_campaign(plan.solvers, folder, options) as campaign:
-        if on_start is not None:
-            on_start(_expected_work(plan, campaign))
-        for proposal in proposals:
-            campaign.start(proposal)
-        while campaign.has_pending:
-            evaluations += campaign.wait()
-            if on_progress is not None:
-                on_progress(len(evaluations), len(proposals))
-    return evaluations
-
-
-def _expected_work(plan: ModulusPlan, campaign: Campaign) -> ExpectedWork:
-    costs: dict[str, float | None] = {}
-    known = set()
-    for _, proposal in plan.proposals():
-        for test, identity in campaign.identities(proposal).items():
-            if campaign.is_known(identity, test):
-                known.add(identity)
-            else:
-                cost = plan.solvers[test].estimate_cost(proposal.parameters)
-                costs[identity] = None if cost is None else cost.wall_seconds
-    seconds = [cost for cost in costs.values() if cost is not None]
-    is_estimated = len(seconds) == len(costs)
-    return ExpectedWork(
-        len(costs), len(known), sum(seconds) / plan.workers if is_estimated else None
-    )
+    return simulate_batch(plan.solvers, proposals, folder, options, on_start, on_progress)

@@ -11,7 +11,8 @@ from grainfit.analysis.modulus_study import ModulusStudy, modulus_study
 from grainfit.bulk_tests.registry import recreate_test
 from grainfit.bulk_tests.sensitivities import MODULUS
 from grainfit.calibration_file.build import CalibrationSetup, load_calibration
-from grainfit.campaign.moduli import ExpectedWork, ModulusPlan, simulate_moduli
+from grainfit.campaign.batch import ExpectedWork
+from grainfit.campaign.moduli import ModulusPlan, simulate_moduli
 from grainfit.campaign.store.records import RunRecord
 from grainfit.campaign.work_folder import default_workdir
 from grainfit.contact_models.registry import MATERIAL_PARAMETERS

@@ -1,0 +1,155 @@
+"""Simulate a list of parameter sets outside a calibration; finished runs are kept."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from grainfit.campaign.campaign import Campaign, CampaignOptions
+from grainfit.campaign.keep import Keep
+from grainfit.campaign.open_campaign import open_campaign
+from grainfit.campaign.work_folder import run_folder
+from grainfit.evaluation import Evaluation, Proposal
+from grainfit.formatting import duration
+from grainfit.solvers.base import Solver
+
+
+@dataclass(frozen=True)
+class ExpectedWork:
+    """Runs that are still to be made, and how long that takes.
+
+    Parameters
+    ----------
+    runs, known : int
+        Runs to make, and runs that are known already.
+    seconds : float, optional
+        Expected wall time, s; None if it is not known.
+    """
+
+    runs: int
+    known: int
+    seconds: float | None
+
+    def __str__(self) -> str:
+        if not self.runs:
+            return "All runs are known already"
+        words = f"{self.runs} runs to make, {self.known} known already"
+        if self.seconds is None or self.seconds < 1:
+            return words
+        return f"{words}; about {duration(self.seconds)}"
+
+
+def simulate_batch(
+    solvers: Mapping[str, Solver],
+    proposals: Sequence[Proposal],
+    folder: Path,
+    options: CampaignOptions,
+    on_start: Callable[[ExpectedWork], None] | None = None,
+    on_progress: Callable[[int, int], None] | None = None,
+) -> list[Evaluation]:
+    """Simulate parameter sets in every test, or find the runs in the store of the folder.
+
+    Parameters
+    ----------
+    solvers : mapping of str to Solver
+        By name of the test.
+    proposals : sequence of Proposal
+        Parameter sets, each with its seed.
+    folder : Path
+        Work folder that keeps the runs; it may be that of a calibration. After Ctrl-C, another call
+        continues.
+    options : CampaignOptions
+        Options for executing runs.
+    on_start : callable, optional
+        Called with the expected work before the first run.
+    on_progress : callable, optional
+        Called with the numbers of finished and of all parameter sets.
+
+    Returns
+    -------
+    list of Evaluation
+        In the order in which they ended.
+
+    Raises
+    ------
+    SolverNotFoundError
+        A program is not found.
+    StoreError
+        The folder cannot be used.
+    """
+    evaluations: list[Evaluation] = []
+    with open_campaign(solvers, folder, options) as campaign:
+        if on_start is not None:
+            on_start(_expected_work(campaign, proposals, options.workers))
+        for proposal in proposals:
+            campaign.start(proposal)
+        while campaign.has_pending:
+            evaluations += campaign.wait()
+            if on_progress is not None:
+                on_progress(len(evaluations), len(proposals))
+    return evaluations
+
+
+def _expected_work(campaign: Campaign, proposals: Sequence[Proposal], workers: int) -> ExpectedWork:
+    costs: dict[str, float | None] = {}
+    known = set()
+    for proposal in proposals:
+        for test, identity in campaign.identities(proposal).items():
+            if campaign.is_known(identity, test):
+                known.add(identity)
+            else:
+                cost = campaign.solvers[test].estimate_cost(proposal.parameters)
+                costs[identity] = None if cost is None else cost.wall_seconds
+    seconds = [cost for cost in costs.values() if cost is not None]
+    is_estimated = len(seconds) == len(costs)
+    return ExpectedWork(len(costs), len(known), sum(seconds) / workers if is_estimated else None)
+
+
+def simulate_once(
+    solvers: Mapping[str, Solver],
+    parameters: Mapping[str, float],
+    seed: int,
+    folder: Path,
+    timeouts: Mapping[str, float] | None = None,
+    keep: Keep = "all",
+) -> tuple[Evaluation, dict[str, Path]]:
+    """Run every test once, or find the run in the store of the folder.
+
+    Parameters
+    ----------
+    solvers : mapping of str to Solver
+        By name of the test.
+    parameters : mapping of str to float
+        Values of the free parameters.
+    seed : int
+        Insertion seed.
+    folder : Path
+        Work folder; it may be that of a calibration.
+    timeouts : mapping of str to float, optional
+        Longest wall time by name of the test, s.
+    keep : {"all", "results"}
+        Files of a run folder that are kept.
+
+    Returns
+    -------
+    evaluation : Evaluation
+        Responses and failures.
+    folders : dict of str to Path
+        Run folder by name of the test, for those solvers that use one.
+    """
+    options = CampaignOptions(len(solvers), timeouts or {}, keep=keep)
+    proposal = Proposal(dict(parameters), seed, "design")
+    [evaluation] = simulate_batch(solvers, [proposal], folder, options)
+    return evaluation, run_folders(solvers, evaluation, folder)
+
+
+def run_folders(
+    solvers: Mapping[str, Solver], evaluation: Evaluation, folder: Path
+) -> dict[str, Path]:
+    """Return the run folders of an evaluation by name of the test, for solvers that use one."""
+    return {
+        test: run_folder(folder.absolute(), identity)
+        for test, identity in evaluation.runs.items()
+        if solvers[test].uses_folder
+    }
