@@ -116,6 +116,15 @@ class CalibrationSetup:
         return Provenance(self.file.path.name, text, fixed, units)
 
     @property
+    def missing_for_time_step(self) -> tuple[str, ...]:
+        """Keys that the Rayleigh time step lacks; empty if it is known, or if the file has none."""
+        known = {*self.file.fixed, *(parameter.name for parameter in self.file.parameters)}
+        if self.problem.rayleigh is not None or known.isdisjoint(_RAYLEIGH):
+            return ()
+        size = () if self.file.sizes is not None else ("particle.diameter",)
+        return (*(name for name in _RAYLEIGH if name not in known), *size)
+
+    @property
     def bulk_tests(self) -> dict[str, BulkTest]:
         """The bulk tests that are simulated, by name of the test."""
         tests = {name: solver.bulk_test for name, solver in self.solvers.items()}

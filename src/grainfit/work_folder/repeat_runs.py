@@ -101,7 +101,9 @@ def _require_counts(**given: int) -> None:
         if not isinstance(value, int) or isinstance(value, bool) or value < 1
     ]
     if not faults and given["seed"] + given["repeat"] - 1 > LARGEST_SEED:
-        words = f"{given['seed']} and the {given['repeat']} seeds from it on go beyond {LARGEST_SEED}."
+        words = (
+            f"{given['seed']} and the {given['repeat']} seeds from it on go beyond {LARGEST_SEED}."
+        )
         faults = [Fault("seed", words, "Give a smaller one.")]
     if faults:
         raise InputError(faults)
