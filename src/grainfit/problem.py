@@ -64,7 +64,7 @@ def _share(given: Any, value: Any) -> Any:
     if not isinstance(given, str) or not given.strip().endswith("%"):
         return given
     share = percentage(given)
-    return given if share is None else share * as_number(value)
+    return given if share is None else share * abs(as_number(value))
 
 
 @dataclass(frozen=True)
@@ -159,16 +159,17 @@ class Target:
     name : str
         Name of the response.
     value : float or str
-        Measured value, above zero: a number in SI units, angles in degrees, or a quantity such as
+        Measured value, of any sign: a number in SI units, angles in degrees, or a quantity such as
         ``"22 deg"``.
     uncertainty : float or str, optional
-        Standard uncertainty of the measured value, same unit; ``"1 %"`` is a share of the value.
+        Standard uncertainty of the measured value, same unit; ``"1 %"`` is a share of the value,
+        unless that is zero.
     tolerance : float or str, optional
         Largest accepted deviation of the expected response, same unit; by default the uncertainty,
-        or 2 % of the value if that is not given either.
+        or 2 % of the value if that is not given either. A value of zero needs one of them.
     weight : float
-        Factor on this target's relative deviation in the misfit (equation 1 of the method has
-        equal weights).
+        Factor on this target's deviation in the misfit (equation 1 of the method has equal
+        weights).
     unit : str
         SI unit, for display; by default that of the quantities.
     statistic : {"mean", "median"}
@@ -179,6 +180,8 @@ class Target:
     --------
     >>> Target("angle_of_repose", "22 deg", uncertainty="2 %").tolerance
     0.44
+    >>> Target("dilatancy", "-0.1 mm", tolerance="0.2 mm").is_relative
+    False
     """
 
     name: str
@@ -192,6 +195,7 @@ class Target:
 
     def __post_init__(self) -> None:
         _read_quantities(self, {"value": "value"})
+        _require_shares(self)
         shares = {key: _share(getattr(self, key), self.value) for key in _TARGET_WIDTHS}
         for key, share in shares.items():
             object.__setattr__(self, key, share)
@@ -207,7 +211,7 @@ class Target:
     def _usual_tolerance(self) -> float:
         if self.uncertainty is not None:
             return self.uncertainty
-        return DEFAULT_RELATIVE_TOLERANCE * self.value
+        return DEFAULT_RELATIVE_TOLERANCE * abs(self.value)
 
     def to_json(self) -> dict[str, Any]:
         """Return plain data of the target, without a tolerance that equals the default.
@@ -219,18 +223,65 @@ class Target:
             del data["statistic"]
         return {**data, "tolerance": None} if self.tolerance == self._usual_tolerance else data
 
-    def relative_deviation(self, response: float) -> float:
-        """Return the deviation of a response from the target, relative to the target.
+    @property
+    def is_relative(self) -> bool:
+        """Whether deviations relative to the value make sense.
+
+        They do not if zero is within the tolerance: responses that meet the target may then have
+        either sign, and be any multiple of the value.
+        """
+        return abs(self.value) > self.tolerance
+
+    @property
+    def misfit_unit(self) -> float:
+        """Deviation that counts as 1 in the misfit, in the unit of the target.
+
+        It is the absolute value where deviations are relative; elsewhere the value of which the
+        tolerance would be 2 %, so that targets of both kinds have similar weights.
+        """
+        return abs(self.value) if self.is_relative else self.tolerance / DEFAULT_RELATIVE_TOLERANCE
+
+    def misfit(self, response: float) -> float:
+        """Return the deviation of a response from the target in units of `misfit_unit`.
 
         References
         ----------
-        Rackl, Görnig, Hanley & Günthner (ECCOMAS 2016), equation 1.
+        Rackl, Görnig, Hanley & Günthner (ECCOMAS 2016), equation 1, for relative deviations.
         """
-        return (response - self.value) / self.value
+        return (response - self.value) / self.misfit_unit
+
+    def relative_deviation(self, response: float) -> float | None:
+        """Return the deviation of a response from the target as a share of the absolute value.
+
+        None where that makes no sense, see `is_relative`.
+        """
+        return self.misfit(response) if self.is_relative else None
 
     def is_met_by(self, response: float) -> bool:
         """Return True if a response deviates from the target by at most its tolerance."""
         return abs(response - self.value) <= self.tolerance
+
+
+#: Faults of a target whose value is zero: message and remedy.
+NO_DEFAULT_TOLERANCE = (
+    "is missing: 2 % of the value, the default, is nothing where the value is 0.",
+    "Give a tolerance or an uncertainty in the unit of the response.",
+)
+SHARE_OF_ZERO = (
+    "Give it in the unit of the response: the value is 0, and so is any percentage of it."
+)
+
+
+def _require_shares(target: Target) -> None:
+    """Raise `InputError` if an uncertainty or a tolerance is a percentage of zero."""
+    given = {key: getattr(target, key) for key in _TARGET_WIDTHS}
+    faults = [
+        Fault(f"{target.name}.{key}", f"is {_shown(text)}.", SHARE_OF_ZERO)
+        for key, text in given.items()
+        if target.value == 0 and isinstance(text, str) and percentage(text) is not None
+    ]
+    if faults:
+        raise InputError(faults)
 
 
 def _target_faults(target: Target) -> Sequence[Fault]:
@@ -245,14 +296,12 @@ def _target_faults(target: Target) -> Sequence[Fault]:
                 f"Possible here: {', '.join(get_args(Statistic))}.",
             )
         )
-    if not 0 < as_number(target.value) < math.inf:
+    if not math.isfinite(as_number(target.value)):
         faults.append(
-            Fault(
-                f"{target.name}.value",
-                f"is {_shown(target.value)}.",
-                "Deviations are relative to the target, so it must be a number above 0.",
-            )
+            Fault(f"{target.name}.value", f"is {_shown(target.value)}.", "It must be a number.")
         )
+    elif target.value == 0 and target.tolerance is None and target.uncertainty is None:
+        faults.append(Fault(f"{target.name}.tolerance", *NO_DEFAULT_TOLERANCE))
     for key in ("uncertainty", "tolerance", "weight"):
         given = getattr(target, key)
         left_out = given is None and key != "weight"

@@ -393,11 +393,16 @@ class CalibrationLoop:
         )
 
     def _deviations(self) -> list[float]:
-        """Return the largest relative deviation of each evaluation that has all responses."""
+        """Return the largest relative deviation of each evaluation that has all responses.
+
+        None where a target has no relative deviations.
+        """
+        if not all(target.is_relative for target in self._problem.targets):
+            return []
         names = {target.name for target in self._problem.targets}
         return [
             max(
-                abs(target.relative_deviation(e.responses[target.name].value))
+                abs(target.misfit(e.responses[target.name].value))
                 for target in self._problem.targets
             )
             for e in self._evaluations

@@ -61,7 +61,7 @@ def fit_on_metamodels(metamodels: Metamodels, seed: int) -> Array:
 def _jacobian(metamodels: Metamodels, point: Array) -> Array:
     """Derivatives of the residuals at a point, shape (number of targets + 1, d)."""
     problem = metamodels.problem
-    scale = np.array([target.weight / target.value for target in problem.targets])
+    scale = np.array([target.weight / target.misfit_unit for target in problem.targets])
     criterion = [
         problem.rayleigh_weight * _criterion_slope(metamodels, point, axis)
         for axis in range(problem.dimension)

@@ -28,7 +28,7 @@ def residuals(problem: Problem, parameters: Mapping[str, float], responses: Vect
     Returns
     -------
     ndarray, shape (number of targets + 1,)
-        Weighted relative deviations (equation 1), then the weighted Rayleigh criterion
+        Weighted deviations (equation 1), then the weighted Rayleigh criterion
         (equation 2).
 
     References
@@ -36,7 +36,7 @@ def residuals(problem: Problem, parameters: Mapping[str, float], responses: Vect
     Rackl, Görnig, Hanley & Günthner (ECCOMAS 2016), equations 1 and 2.
     """
     deviations = [
-        target.weight * target.relative_deviation(float(response))
+        target.weight * target.misfit(float(response))
         for target, response in zip(problem.targets, responses, strict=True)
     ]
     criterion = problem.rayleigh_weight * problem.rayleigh_criterion(parameters)
@@ -50,9 +50,9 @@ def expected_misfit(
 
     Of two parameter sets that fit equally well, the less uncertain one has the smaller misfit.
     """
-    values = np.array([target.value for target in problem.targets])
+    units = np.array([target.misfit_unit for target in problem.targets])
     weights = np.array([target.weight for target in problem.targets])
-    spread = float(np.sum(variances * (weights / values) ** 2))
+    spread = float(np.sum(variances * (weights / units) ** 2))
     return float(np.sum(residuals(problem, parameters, means) ** 2)) + spread
 
 
