@@ -13,6 +13,13 @@ from numpy.typing import ArrayLike, NDArray
 
 from grainfit.checks import as_number
 from grainfit.contact_models.registry import MATERIAL_PARAMETERS
+from grainfit.correlations import (
+    Correlation,
+    correlated_groups,
+    correlation_faults,
+    correlation_matrix,
+    split_covariance,
+)
 from grainfit.errors import Fault, InputError
 from grainfit.materials.time_step import RayleighTimeStep
 from grainfit.units import UnitError, percentage, to_si, to_unit
@@ -337,11 +344,15 @@ class Problem:
     rayleigh_weight : float
         Weight of the Rayleigh criterion (equation 2) among the residuals. 0 by default: as a
         summand of the misfit it trades accuracy for speed.
+    correlations : sequence of (str, str, float)
+        Correlations of the errors of measured values: two targets and a coefficient between -1 and
+        1. Pairs that are not named are not correlated. See `with_covariance`.
 
     Raises
     ------
     InputError
-        No parameters or no targets, a name given twice, or a Rayleigh time step that lacks a value.
+        No parameters or no targets, a name given twice, a Rayleigh time step that lacks a value, or
+        correlations that name no targets or contradict each other.
 
     Examples
     --------
@@ -354,6 +365,7 @@ class Problem:
     targets: Sequence[Target]
     rayleigh: RayleighTimeStep | None = None
     rayleigh_weight: float = 0.0
+    correlations: Sequence[Correlation] = ()
 
     def __post_init__(self) -> None:
         _require_sequence("parameters", self.parameters, Parameter)
@@ -374,9 +386,77 @@ class Problem:
             faults.append(Fault("rayleigh_weight", f"is {given}.", "It must be 0 or above."))
         if self.rayleigh is not None:
             faults += self.rayleigh.faults(self.intervals)
+        if not faults:
+            faults += self._read_correlations()
         if faults:
             raise InputError(faults)
         _make_plain(self, "rayleigh_weight")
+
+    def _read_correlations(self) -> list[Fault]:
+        given = self.correlations
+        try:
+            pairs = tuple((str(a), str(b), as_number(value)) for a, b, value in given)
+        except (TypeError, ValueError):
+            remedy = 'Give triples: [("first", "second", 0.8)].'
+            return [Fault("correlations", f"are {_shown(given)}.", remedy)]
+        object.__setattr__(self, "correlations", pairs)
+        return correlation_faults([target.name for target in self.targets], pairs)
+
+    @cached_property
+    def correlation_matrix(self) -> NDArray[np.float64]:
+        """Correlations of the errors of the measured values, shape (targets, targets)."""
+        return correlation_matrix([target.name for target in self.targets], self.correlations)
+
+    def is_met_by(self, responses: Sequence[float] | NDArray[np.float64]) -> bool:
+        """Return True if responses, in the order of the targets, meet them.
+
+        Each is within its tolerance. Correlated ones also go together: the mean square of their
+        decorrelated deviations is at most one tolerance squared.
+        """
+        pairs = list(zip(self.targets, map(float, responses), strict=True))
+        if not all(target.is_met_by(response) for target, response in pairs):
+            return False
+        off = np.array([(response - target.value) / target.tolerance for target, response in pairs])
+        precision = np.linalg.inv(self.correlation_matrix)
+        return all(
+            float(off[group] @ precision[np.ix_(group, group)] @ off[group]) <= len(group)
+            for group in correlated_groups(self.correlation_matrix)
+        )
+
+    def with_covariance(self, covariance: ArrayLike) -> Problem:
+        """Return the problem with a covariance of the errors of the measured values.
+
+        Parameters
+        ----------
+        covariance : array_like, shape (targets, targets)
+            In the order and the units of the targets. It replaces their uncertainties, and
+            tolerances that were the default.
+
+        Raises
+        ------
+        InputError
+            The matrix has another shape, is not symmetric, or is not positive definite.
+
+        Examples
+        --------
+        >>> targets = [Target("density", 1500.0), Target("angle", 30.0)]
+        >>> problem = Problem([Parameter("friction", 0.1, 0.9)], targets)
+        >>> problem.with_covariance([[225.0, 6.0], [6.0, 0.25]]).correlations
+        (('density', 'angle', 0.8),)
+        """
+        names = [target.name for target in self.targets]
+        errors, correlations = split_covariance(names, covariance)
+        targets = [
+            Target(**{**target.to_json(), "uncertainty": float(error)})
+            for target, error in zip(self.targets, errors, strict=True)
+        ]
+        return replace(self, targets=targets, correlations=correlations)
+
+    def with_targets(self, targets: Sequence[Target]) -> Problem:
+        """Return the problem with some of its targets, and the correlations among these."""
+        names = {target.name for target in targets}
+        kept = [pair for pair in self.correlations if {pair[0], pair[1]} <= names]
+        return replace(self, targets=tuple(targets), correlations=tuple(kept))
 
     @property
     def dimension(self) -> int:

@@ -131,7 +131,7 @@ def _information(
         precision = target.value / standard_uncertainty(target)
         rows.append([slopes.get(p.name, 0.0) * _extent(p) * precision for p in free])
     jacobian: Array = np.array(rows, dtype=float).reshape(len(rows), len(free))
-    information: Array = jacobian.T @ jacobian
+    information: Array = jacobian.T @ np.linalg.solve(problem.correlation_matrix, jacobian)
     return information
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
@@ -157,7 +157,8 @@ def sample_posterior(
     Before the measurements, all points of the unit cube are equally likely (so all magnitudes of
     a parameter with ``scale="log"``). The measured values are normally distributed about the
     expected responses. Their variance is that of the measurement plus that of the metamodel's mean,
-    which includes the scatter from run to run.
+    which includes the scatter from run to run; correlations of the targets are those of the
+    measurement.
 
     Parameters
     ----------
@@ -217,6 +218,10 @@ def _log_likelihood(metamodels: Metamodels) -> Callable[[Array], Array]:
     targets = metamodels.problem.targets
     measured = np.array([target.value for target in targets])
     variances = np.array([standard_uncertainty(target) ** 2 for target in targets])
+    if metamodels.problem.correlations:
+        deviations = np.sqrt(variances)
+        covariance = metamodels.problem.correlation_matrix * np.outer(deviations, deviations)
+        return partial(_correlated_log_likelihood, metamodels, measured, covariance)
 
     def log_likelihood(points: Array) -> Array:
         means, errors = metamodels.predict(points)
@@ -225,3 +230,16 @@ def _log_likelihood(metamodels: Metamodels) -> Callable[[Array], Array]:
         return np.asarray(-0.5 * ((means - measured) ** 2 / total + np.log(total)).sum(axis=1))
 
     return log_likelihood
+
+
+def _correlated_log_likelihood(
+    metamodels: Metamodels, measured: Array, covariance: Array, points: Array
+) -> Array:
+    """Log-likelihood with a covariance of the measured values, shape (m,)."""
+    means, errors = metamodels.predict(points)
+    # The metamodels are fitted one by one: their errors are independent.
+    total = covariance + errors[:, :, None] * np.eye(len(measured))
+    factors = np.linalg.cholesky(total)
+    off = np.linalg.solve(factors, (means - measured)[..., None])[..., 0]
+    logarithms = np.log(np.diagonal(factors, axis1=1, axis2=2))
+    return np.asarray(-0.5 * (off**2).sum(axis=1) - logarithms.sum(axis=1))

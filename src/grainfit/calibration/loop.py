@@ -105,6 +105,7 @@ class CalibrationLoop:
             "seed": self._strategy.seed,
             "options": self._strategy.definition,
             **self._rayleigh(),
+            **({"correlations": list(problem.correlations)} if problem.correlations else {}),
         }
 
     def _rayleigh(self) -> dict[str, Any]:

@@ -331,8 +331,11 @@ def build_calibration(file: CalibrationFile) -> CalibrationSetup:
 
 
 def _problem(file: CalibrationFile) -> Problem:
+    def named(test: TestSpecification, response: str) -> str:
+        return response_name(test.name, response, len(file.tests))
+
     targets = [
-        replace(target, name=response_name(test.name, target.name, len(file.tests)))
+        replace(target, name=named(test, target.name))
         for test in file.tests
         for target in test.targets
     ]
@@ -341,6 +344,11 @@ def _problem(file: CalibrationFile) -> Problem:
         targets,
         _rayleigh(file),
         rayleigh_weight=file.strategy.rayleigh_weight or 0,
+        correlations=[
+            (named(test, first), named(test, second), coefficient)
+            for test in file.tests
+            for first, second, coefficient in test.correlations
+        ],
     )
 
 

@@ -9,6 +9,7 @@ from typing import Any, ClassVar
 
 from grainfit.calibration.options import CalibrationOptions
 from grainfit.campaign.cluster.options import ClusterOptions
+from grainfit.correlations import Correlation
 from grainfit.materials.sizes import ParticleSizes
 from grainfit.problem import Parameter, Target
 from grainfit.strategies.base import Strategy
@@ -29,6 +30,8 @@ class TestSpecification:
         Other options of the test, by key; only those given.
     targets : tuple of Target
         Named by response.
+    correlations : tuple of (str, str, float)
+        Correlations of the errors of the measured values: two responses and a coefficient.
     """
 
     # Keeps pytest from taking it for a class of tests.
@@ -38,6 +41,7 @@ class TestSpecification:
     type: str
     options: Mapping[str, Any]
     targets: tuple[Target, ...]
+    correlations: tuple[Correlation, ...] = ()
 
 
 @dataclass(frozen=True)

@@ -9,6 +9,7 @@ from typing import Any
 
 from grainfit.bulk_tests.base import BulkTest
 from grainfit.calibration_file.content import TestSpecification
+from grainfit.calibration_file.correlations import CORRELATIONS, note_bad_correlations
 from grainfit.calibration_file.targets import TargetTable
 from grainfit.options.kinds import Choice, Kind, Name, Schema, note_wrong_kind
 from grainfit.options.places import Place, show
@@ -35,6 +36,7 @@ def layout_of_test(kind: TypeOfTest) -> Table:
                 required=True,
                 example=example,
             ),
+            CORRELATIONS,
         ),
         partial(_specification, kind),
     )
@@ -59,8 +61,13 @@ def _specification(kind: TypeOfTest, values: Values, place: Place) -> TestSpecif
         place.at("targets").fault("are empty.", "Give at least one target.")
     if not targets or None in values.values() or None in targets.values():
         return None
+    correlations = values.pop(CORRELATIONS.name, ())
+    if note_bad_correlations(correlations, list(targets), place.at(CORRELATIONS.name)):
+        return None
     name = values.pop("name", values["type"])
-    return TestSpecification(name, values.pop("type"), values, tuple(targets.values()))
+    return TestSpecification(
+        name, values.pop("type"), values, tuple(targets.values()), correlations
+    )
 
 
 @dataclass(frozen=True)

@@ -93,18 +93,19 @@ def gauss_newton(metamodels: Metamodels, starts: Array) -> Array:
     point stays in place.
     """
     points = starts.copy()
-    deviations = metamodels.deviations(points)[0]
+    deviations = metamodels.decorrelated(metamodels.deviations(points)[0])
     squares = (deviations**2).sum(axis=1)
     damping = np.full(len(points), 1e-3)
     identity = np.eye(points.shape[1])
     for _ in range(_GAUSS_NEWTON_STEPS):
-        slopes = metamodels.slopes(points)
+        slopes = metamodels.slopes(points).transpose(0, 2, 1)
+        slopes = metamodels.decorrelated(slopes).transpose(0, 2, 1)
         normal = np.einsum("mki,mkj->mij", slopes, slopes)
         scale = 1e-12 + np.trace(normal, axis1=1, axis2=2)
         normal += (damping * scale)[:, None, None] * identity
         pull = np.einsum("mki,mk->mi", slopes, deviations)
         trials = np.clip(points - np.linalg.solve(normal, pull[..., None])[..., 0], 0.0, 1.0)
-        trial_deviations = metamodels.deviations(trials)[0]
+        trial_deviations = metamodels.decorrelated(metamodels.deviations(trials)[0])
         trial_squares = (trial_deviations**2).sum(axis=1)
         better = trial_squares < squares
         points[better], deviations[better] = trials[better], trial_deviations[better]

@@ -10,7 +10,12 @@ from scipy.optimize import least_squares, lsq_linear
 
 from grainfit.metamodels.designs import maximin_latin_hypercube
 from grainfit.metamodels.metamodels import Metamodels
-from grainfit.strategies.staged.residuals import expected_misfit_at, residuals, residuals_at
+from grainfit.strategies.staged.residuals import (
+    decorrelated,
+    expected_misfit_at,
+    residuals,
+    residuals_at,
+)
 
 Array = NDArray[np.float64]
 
@@ -66,7 +71,8 @@ def _jacobian(metamodels: Metamodels, point: Array) -> Array:
         problem.rayleigh_weight * _criterion_slope(metamodels, point, axis)
         for axis in range(problem.dimension)
     ]
-    return np.vstack([metamodels.gradients(point)[0] * scale[:, None], criterion])
+    slopes = decorrelated(problem, metamodels.gradients(point)[0] * scale[:, None])
+    return np.vstack([slopes, criterion])
 
 
 def _criterion_slope(metamodels: Metamodels, point: Array, axis: int) -> float:

@@ -28,19 +28,30 @@ def residuals(problem: Problem, parameters: Mapping[str, float], responses: Vect
     Returns
     -------
     ndarray, shape (number of targets + 1,)
-        Weighted deviations (equation 1), then the weighted Rayleigh criterion
-        (equation 2).
+        Weighted deviations (equation 1), decorrelated where targets are correlated, then the
+        weighted Rayleigh criterion (equation 2).
 
     References
     ----------
     Rackl, Görnig, Hanley & Günthner (ECCOMAS 2016), equations 1 and 2.
     """
-    deviations = [
-        target.weight * target.misfit(float(response))
-        for target, response in zip(problem.targets, responses, strict=True)
-    ]
+    deviations = np.array(
+        [
+            target.weight * target.misfit(float(response))
+            for target, response in zip(problem.targets, responses, strict=True)
+        ]
+    )
+    deviations = decorrelated(problem, deviations)
     criterion = problem.rayleigh_weight * problem.rayleigh_criterion(parameters)
     return np.array([*deviations, criterion])
+
+
+def decorrelated(problem: Problem, deviations: Vector) -> Vector:
+    """Combine deviations, shape (targets, ...), so that their errors are not correlated."""
+    if not problem.correlations:
+        return deviations
+    factor = np.linalg.cholesky(problem.correlation_matrix)
+    return np.asarray(np.linalg.solve(factor, deviations))
 
 
 def expected_misfit(
@@ -52,7 +63,8 @@ def expected_misfit(
     """
     units = np.array([target.misfit_unit for target in problem.targets])
     weights = np.array([target.weight for target in problem.targets])
-    spread = float(np.sum(variances * (weights / units) ** 2))
+    precisions = np.diagonal(np.linalg.inv(problem.correlation_matrix))
+    spread = float(np.sum(variances * (weights / units) ** 2 * precisions))
     return float(np.sum(residuals(problem, parameters, means) ** 2)) + spread
 
 
@@ -70,8 +82,5 @@ def expected_misfit_at(metamodels: Metamodels, point: Vector) -> float:
 
 
 def within_tolerance(problem: Problem, responses: Vector) -> bool:
-    """Whether every response deviates from its target by at most its tolerance."""
-    return all(
-        target.is_met_by(float(response))
-        for target, response in zip(problem.targets, responses, strict=True)
-    )
+    """Whether the targets are met: each within its tolerance, correlated ones also together."""
+    return problem.is_met_by(responses)

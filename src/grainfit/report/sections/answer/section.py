@@ -137,6 +137,9 @@ def _final_verdict(context: ReportContext) -> Verdict:
         for name, response in result.responses.items()
         if response.verdict != "met"
     )
+    if not missed:
+        # Correlated targets that are met one by one, but not together: the notice says so.
+        return Verdict("bad", "Not calibrated.", (*map(plain, result.notices), *sure))
     return Verdict("bad", f"Not calibrated: {missed}.", sure)
 
 
