@@ -36,6 +36,7 @@ if TYPE_CHECKING:
     from grainfit.strategies.base import Search, Strategy
     from grainfit.strategies.sequential.strategy import Sequential
     from grainfit.strategies.staged.strategy import Staged
+    from grainfit.work_folder.analyse_runs import RunsAnalysis, analyse_runs
     from grainfit.work_folder.repeat_runs import repeat_runs
     from grainfit.work_folder.stiffness_study import stiffness_study
 
@@ -60,6 +61,7 @@ __all__ = [
     "Response",
     "Result",
     "RunFailedError",
+    "RunsAnalysis",
     "Search",
     "Sequential",
     "Solver",
@@ -70,6 +72,7 @@ __all__ = [
     "Target",
     "Workspace",
     "analyse",
+    "analyse_runs",
     "calibrate",
     "expected_narrowing",
     "load",
@@ -93,6 +96,7 @@ _HOMES = {
     "Result": "result",
     "open": "opened",
     "ModulusStudy": "analysis.modulus_study",
+    **dict.fromkeys(("RunsAnalysis", "analyse_runs"), "work_folder.analyse_runs"),
     "RepeatedRuns": "analysis.scatter",
     "repeat_runs": "work_folder.repeat_runs",
     "stiffness_study": "work_folder.stiffness_study",

@@ -303,6 +303,34 @@ def simulate(
 
 
 @app.command()
+def analyse(
+    file: CalibrationPath,
+    runs: Annotated[
+        list[str],
+        typer.Option(
+            "--runs",
+            metavar="TABLE",
+            help="Runs: a CSV file with a column for each free parameter and each target, with "
+            "several tests as TEST=TABLE; or a work folder. Repeat as needed.",
+            show_default=False,
+        ),
+    ],
+) -> None:
+    """Show what existing runs say, without any simulation.
+
+    Which parameter sets agree with the measurements, how well each parameter
+    is determined, and on which parameters the responses depend.
+
+    [bold]Example:[/bold]  grainfit analyse beads.toml --runs runs.csv
+    """
+    with _err.status("analysis"):
+        from grainfit.work_folder.analyse_runs import analyse_runs
+
+        found = analyse_runs(_build(file), runs)
+    show.print_parts(_out, found.summary())
+
+
+@app.command()
 def stiffness(
     path: Annotated[
         Path,
