@@ -59,3 +59,9 @@ def test_check_says_what_the_time_step_lacks(file: Path) -> None:
     file.write_text(FILE.replace("poissons_ratio = 0.25\n", ""))
     [line] = [line for line in describe_plan(gf.load(file)).lines if "Rayleigh" in line]
     assert "particle.poissons_ratio and particle.diameter are not in the file" in line
+
+
+def test_names_that_seeds_have_are_taken(file: Path) -> None:
+    file.write_text(FILE.replace("[[test]]", "[parameters]\nprime_seed = 4\n[[test]]"))
+    with pytest.raises(gf.InputError, match=r"parameters\.prime_seed"):
+        gf.load(file)

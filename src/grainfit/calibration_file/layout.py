@@ -19,6 +19,7 @@ from grainfit.options.kinds import Text
 from grainfit.options.places import Findings, Place
 from grainfit.options.tables import Key, Named, Table, Values
 from grainfit.problem import Parameter
+from grainfit.solvers.own_model.prime_seed import PRIME_SEEDS
 
 MATERIAL_SECTIONS = {
     "particle": "The particles.",
@@ -29,6 +30,7 @@ MATERIAL_SECTIONS = {
 #: Names that custom parameters cannot have: templates and decks of custom models already use them.
 _RESERVED = (
     "seed",
+    *PRIME_SEEDS,
     "parameters",
     *MATERIAL_SECTIONS,
     *(name.replace(".", "_") for name in MATERIAL_PARAMETERS),

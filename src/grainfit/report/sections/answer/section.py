@@ -138,8 +138,9 @@ def _final_verdict(context: ReportContext) -> Verdict:
         if response.verdict != "met"
     )
     if not missed:
-        # Correlated targets that are met one by one, but not together: the notice says so.
-        return Verdict("bad", "Not calibrated.", (*map(plain, result.notices), *sure))
+        # Correlated ones, which are met one by one: a notice says more.
+        line = "Not calibrated: the measurements are not met together."
+        return Verdict("bad", line, (*map(plain, result.notices), *sure))
     return Verdict("bad", f"Not calibrated: {missed}.", sure)
 
 
