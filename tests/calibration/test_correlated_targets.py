@@ -96,9 +96,21 @@ def test_the_misfit_is_that_of_mahalanobis_with_the_variances() -> None:
         stiffness = np.linalg.inv(precision) + 0.05**2 * slope @ slope.T
         followed = mean @ np.linalg.inv(stiffness) @ mean + np.trace(precision @ np.diag(variance))
         assert at_one.smallest_misfit == pytest.approx(followed)
-    best = gauss_newton(metamodels, np.array([[0.9]]))[0]
-    # Both have the same slope: weights are equal, as in generalised least squares.
-    assert best == pytest.approx([0.45], abs=0.01)
+
+
+def test_the_closest_point_is_that_of_generalised_least_squares() -> None:
+    wanted = gf.Problem(
+        [gf.Parameter("x", 0.0, 1.0)],
+        [gf.Target("a", 1.4, 0.02), gf.Target("b", 1.5, 0.01)],
+        correlations=[("a", "b", 0.9)],
+    )
+    covariance = np.array([[4.0, 1.8], [1.8, 1.0]])
+    weights = np.linalg.solve(covariance, np.ones(2))
+    # Outside both values: the common error moves the less certain one farther.
+    best = weights @ [0.4, 0.5] / weights.sum()
+    assert best > 0.55
+    found = gauss_newton(metamodels_of(wanted), np.array([[0.1], [0.9]]))
+    assert found[:, 0] == pytest.approx([best, best], abs=0.005)
 
 
 def test_the_staged_residuals_have_the_same_misfit() -> None:
