@@ -14,7 +14,7 @@ from grainfit.bulk_tests.own_scene import OwnScene, user_function
 from grainfit.bulk_tests.registry import recreate_test
 from grainfit.calibration_file.build import load_calibration
 from grainfit.calibration_file.plan import describe_plan
-from grainfit.campaign.simulate_once import simulate_once
+from grainfit.campaign.batch import simulate_once
 from grainfit.contact_models.hertz_mindlin.model import hertz_overlap, particle_moduli
 from grainfit.errors import InputError, NotMeasurableError, RunFailedError
 from grainfit.run_definition import RunDefinition

@@ -105,6 +105,7 @@ class CalibrationLoop:
             "seed": self._strategy.seed,
             "options": self._strategy.definition,
             **self._rayleigh(),
+            **({"correlations": list(problem.correlations)} if problem.correlations else {}),
         }
 
     def _rayleigh(self) -> dict[str, Any]:
@@ -393,11 +394,16 @@ class CalibrationLoop:
         )
 
     def _deviations(self) -> list[float]:
-        """Return the largest relative deviation of each evaluation that has all responses."""
+        """Return the largest relative deviation of each evaluation that has all responses.
+
+        None where a target has no relative deviations.
+        """
+        if not all(target.is_relative for target in self._problem.targets):
+            return []
         names = {target.name for target in self._problem.targets}
         return [
             max(
-                abs(target.relative_deviation(e.responses[target.name].value))
+                abs(target.misfit(e.responses[target.name].value))
                 for target in self._problem.targets
             )
             for e in self._evaluations

@@ -25,7 +25,8 @@ class Progress:
     seconds_left : float, optional
         Estimated remaining time, s.
     best_deviation : float, optional
-        Largest relative deviation from a target in the best run so far.
+        Largest relative deviation from a target in the best run so far; None if deviations from a
+        target are not relative.
     notices : tuple of str
         Notices for the user.
     warm_start_runs : mapping of str to int

@@ -6,7 +6,14 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from grainfit.calibration.verification import Contradiction, FreshRuns, contradictions
-from grainfit.formatting import counted, number, plain_probability, unit_for_people, with_unit
+from grainfit.formatting import (
+    counted,
+    in_a_row,
+    number,
+    plain_probability,
+    unit_for_people,
+    with_unit,
+)
 from grainfit.metamodels.outliers import Outliers
 from grainfit.problem import Problem, Target
 from grainfit.result import MetamodelQuality, Status
@@ -100,6 +107,8 @@ def reasons(problem: Problem, outcome: Outcome) -> Iterator[str]:
     """
     yield from map(str, outcome.contradictions)
     answer = outcome.answer
+    if apart := _not_together(problem, outcome):
+        yield apart
     for target in problem.targets:
         if found := answer.outliers.get(target.name):
             yield _about_outliers(target, found)
@@ -123,6 +132,21 @@ def reasons(problem: Problem, outcome: Outcome) -> Iterator[str]:
             f"Undecided because only {outcome.fresh.count} of {outcome.fewest_fresh} runs with "
             "fresh seeds at the answer could be made: allow more runs."
         )
+
+
+def _not_together(problem: Problem, outcome: Outcome) -> str:
+    """Say that correlated targets are met one by one, but not together; "" otherwise."""
+    answer = outcome.answer
+    each = answer.probabilities.values()
+    if not problem.correlations or outcome.status == "calibrated":
+        return ""
+    if answer.probability_all_met >= outcome.confidence or min(each) < outcome.confidence:
+        return ""
+    names = dict.fromkeys(name for pair in problem.correlations for name in pair[:2])
+    return (
+        f"{in_a_row(names)} are each within their tolerances, but deviate as their correlation "
+        "makes unlikely. Look for an error that they do not share, or lower the coefficient."
+    )
 
 
 def _about_outliers(target: Target, found: Outliers) -> str:

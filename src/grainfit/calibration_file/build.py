@@ -117,6 +117,15 @@ class CalibrationSetup:
         return Provenance(self.file.path.name, text, fixed, units)
 
     @property
+    def missing_for_time_step(self) -> tuple[str, ...]:
+        """Keys that the Rayleigh time step lacks; empty if it is known, or if the file has none."""
+        known = {*self.file.fixed, *(parameter.name for parameter in self.file.parameters)}
+        if self.problem.rayleigh is not None or known.isdisjoint(_RAYLEIGH):
+            return ()
+        size = () if self.file.sizes is not None else ("particle.diameter",)
+        return (*(name for name in _RAYLEIGH if name not in known), *size)
+
+    @property
     def bulk_tests(self) -> dict[str, BulkTest]:
         """The bulk tests that are simulated, by name of the test."""
         tests = {name: solver.bulk_test for name, solver in self.solvers.items()}
@@ -337,8 +346,11 @@ def build_solvers(file: CalibrationFile) -> dict[str, Solver]:
 
 
 def _problem(file: CalibrationFile) -> Problem:
+    def named(test: TestSpecification, response: str) -> str:
+        return response_name(test.name, response, len(file.tests))
+
     targets = [
-        replace(target, name=response_name(test.name, target.name, len(file.tests)))
+        replace(target, name=named(test, target.name))
         for test in file.tests
         for target in test.targets
     ]
@@ -347,6 +359,11 @@ def _problem(file: CalibrationFile) -> Problem:
         targets,
         _rayleigh(file),
         rayleigh_weight=file.strategy.rayleigh_weight or 0,
+        correlations=[
+            (named(test, first), named(test, second), coefficient)
+            for test in file.tests
+            for first, second, coefficient in test.correlations
+        ],
     )
 
 

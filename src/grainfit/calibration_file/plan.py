@@ -9,6 +9,7 @@ from grainfit.calibration.verification import VERIFICATION_RUNS
 from grainfit.calibration_file.build import CalibrationSetup
 from grainfit.campaign.cluster.executor import describe_cluster, executed_by
 from grainfit.errors import GrainfitError, InputError
+from grainfit.formatting import in_a_row
 from grainfit.problem import Parameter, Problem, Target
 from grainfit.solvers.base import Solver
 from grainfit.strategies.budget import start_search
@@ -77,7 +78,7 @@ def describe_plan(setup: CalibrationSetup, *, call_scenes: bool = True) -> Plan:
             f"Contact model instead of the usual one: {', '.join(setup.file.contact_models)}."
         )
     lines += setup.file.notes
-    lines += _rayleigh_lines(setup.problem)
+    lines += _rayleigh_lines(setup)
     cluster = setup.cluster or setup.file.cluster
     if cluster is not None:
         lines += describe_cluster(cluster)
@@ -98,10 +99,16 @@ def describe_plan(setup: CalibrationSetup, *, call_scenes: bool = True) -> Plan:
     )
 
 
-def _rayleigh_lines(problem: Problem) -> Iterator[str]:
+def _rayleigh_lines(setup: CalibrationSetup) -> Iterator[str]:
+    problem = setup.problem
     if problem.rayleigh is not None:
         smallest, largest = problem.rayleigh.limits(problem.intervals)
         yield f"Rayleigh time step within the intervals: {smallest:.4g} to {largest:.4g} s."
+    elif missing := setup.missing_for_time_step:
+        yield (
+            "The Rayleigh time step is not known, so it plays no part in the choice of the answer: "
+            f"{in_a_row(missing)} {'is' if len(missing) == 1 else 'are'} not in the file."
+        )
 
 
 def _has_code(solver: Solver) -> bool:

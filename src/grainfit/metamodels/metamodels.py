@@ -4,11 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.special import ndtr
+from scipy.special import ndtr, ndtri
+from scipy.stats import qmc
 
+from grainfit.correlations import correlated_groups
 from grainfit.errors import RunFailedError
 from grainfit.evaluation import Evaluation
 from grainfit.metamodels.kriging import Kriging
@@ -20,6 +23,8 @@ Array = NDArray[np.float64]
 _NO_NOISE = 1e-12
 #: A single outlying run may be the only one for long.
 _FEWEST_TORN = 2
+#: Outcomes by which the share that meets correlated targets together is counted.
+_OUTCOMES = 512
 
 
 class Metamodels:
@@ -62,6 +67,11 @@ class Metamodels:
         weights = np.array([target.weight for target in problem.targets])
         least = np.array([model.variance_of_scatter / model.n for model in self.models])
         self._units = np.sqrt(self._tolerances**2 + least) / weights
+        self.correlation = problem.correlation_matrix
+        self._groups = correlated_groups(self.correlation)
+        self._precision = np.linalg.inv(self.correlation)
+        # Of the Cholesky factor: as many combined deviations, which are not correlated.
+        self._decorrelation = np.linalg.inv(np.linalg.cholesky(self.correlation))
 
     @classmethod
     def fit(cls, problem: Problem, evaluations: Sequence[Evaluation]) -> Metamodels:
@@ -143,6 +153,15 @@ class Metamodels:
         off = (means - self._targets) / self._units
         return off, variances / self._units**2
 
+    @property
+    def precisions(self) -> Array:
+        """Weights of the variances of deviations in the misfit, 1 without correlations."""
+        return np.asarray(np.diagonal(self._precision))
+
+    def decorrelated(self, deviations: Array) -> Array:
+        """Combine deviations, shape (..., number of targets), whose squares sum to the misfit."""
+        return deviations if not self._groups else deviations @ self._decorrelation.T
+
     def slopes(self, points: ArrayLike) -> Array:
         """Slopes of the expected deviations, shape (m, number of targets, d)."""
         return np.asarray(self.gradients(points) / self._units[:, None])
@@ -150,21 +169,29 @@ class Metamodels:
     def misfit(self, points: ArrayLike) -> Array:
         """Expected sum of squared deviations at points, shape (m,).
 
-        Of two points with equal means, the less uncertain one has the smaller misfit. Parameters
-        with a measurement of their own add the squares of their deviations from it.
+        Of two points with equal means, the less uncertain one has the smaller misfit. Deviations of
+        correlated targets are decorrelated: the sum is that of Mahalanobis. Parameters with a
+        measurement of their own add the squares of their deviations from it.
         """
         means, variances = self.deviations(points)
         own = (self.problem.off_measured(points) ** 2).sum(axis=1)
-        return np.asarray((means**2 + variances).sum(axis=1) + own)
+        squares = self.decorrelated(means) ** 2
+        return np.asarray((squares + variances * self.precisions).sum(axis=1) + own)
 
     def residuals(self, points: ArrayLike) -> Array:
-        """Expected deviations of responses and of measured parameters, shape (m, k)."""
-        return np.hstack([self.deviations(points)[0], self.problem.off_measured(points)])
+        """Expected deviations whose squares sum to the misfit without variances, shape (m, k).
+
+        Those of the responses, decorrelated where targets are correlated, then those of parameters
+        from measurements of their own.
+        """
+        responses = self.decorrelated(self.deviations(points)[0])
+        return np.hstack([responses, self.problem.off_measured(points)])
 
     def residual_slopes(self, points: ArrayLike) -> Array:
         """Slopes of the residuals, shape (m, k, d)."""
+        responses = self.decorrelated(self.slopes(points).transpose(0, 2, 1)).transpose(0, 2, 1)
         own = self.problem.off_measured_slopes(points)
-        return np.concatenate([self.slopes(points), own], axis=1)
+        return np.concatenate([responses, own], axis=1)
 
     def shortfall(self, points: ArrayLike, standard_errors: float) -> Array:
         """Squared deviations beyond the tolerances and some standard errors, summed, shape (m,).
@@ -200,7 +227,9 @@ class Metamodels:
     def probability_all_met(self, points: ArrayLike) -> Array:
         """Probability that every expected response is within its tolerance, shape (m,).
 
-        The metamodels are fitted one by one, so their errors count as independent.
+        The metamodels are fitted one by one, so their errors count as independent. Correlated
+        targets are met together when, besides, the mean square of their decorrelated deviations is
+        at most one tolerance squared: without correlation the tolerances imply that.
         """
         return self._probability(*self.predict(points))
 
@@ -213,7 +242,24 @@ class Metamodels:
         return self._inside(*self.predict(points))
 
     def _probability(self, means: Array, variances: Array) -> Array:
-        return np.asarray(self._inside(means, variances).prod(axis=1))
+        each = self._inside(means, variances).prod(axis=1)
+        if not self._groups:
+            return np.asarray(each)
+        return np.asarray(each * self._share_together(means, variances))
+
+    def _share_together(self, means: Array, variances: Array) -> Array:
+        """Share of outcomes within every tolerance in which correlated targets go together."""
+        off = ((means - self._targets) / self._tolerances)[:, None]
+        error = np.sqrt(np.maximum(variances / self._tolerances**2, _NO_NOISE**2))[:, None]
+        low, high = ndtr((-1.0 - off) / error), ndtr((1.0 - off) / error)
+        outcomes = ndtri(low + _even_outcomes(len(self.models)) * (high - low))
+        drawn = np.clip(off + error * outcomes, -1.0, 1.0)
+        together = np.ones(drawn.shape[:2], dtype=bool)
+        for group in self._groups:
+            precision = self._precision[np.ix_(group, group)]
+            squares = np.einsum("msk,kl,msl->ms", drawn[..., group], precision, drawn[..., group])
+            together &= squares <= len(group)
+        return np.asarray(together.mean(axis=1))
 
     def _inside(self, means: Array, variances: Array) -> Array:
         off = means - self._targets
@@ -242,6 +288,13 @@ class Metamodels:
             return self
         models = [model.condition_on_pending(points) for model in self.models]
         return Metamodels(self.problem, models, self.outliers)
+
+
+@cache
+def _even_outcomes(responses: int) -> Array:
+    """Points spread evenly over the unit cube, shape (n, responses)."""
+    points = qmc.Sobol(responses, rng=1967).random(_OUTCOMES)
+    return np.asarray(np.clip(points, 1e-6, 1 - 1e-6))
 
 
 def runs_that_yield(evaluations: Sequence[Evaluation], name: str) -> list[Evaluation]:

@@ -309,6 +309,7 @@ def _problem(
         [Target(**data) for data in definition["targets"]],
         RayleighTimeStep(rayleigh["radius"], rayleigh["fixed"]) if rayleigh else None,
         float(definition.get("rayleigh_weight") or about.get("rayleigh_weight", 0.0)),
+        definition.get("correlations", ()),
     )
     # A strategy may move a bound that is in the way.
     return problem.holding([evaluation.proposal.parameters for evaluation in evaluations])

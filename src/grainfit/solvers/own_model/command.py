@@ -35,6 +35,7 @@ from grainfit.solvers.own_model.model_input import (
     template_context,
     write_parameters,
 )
+from grainfit.solvers.process.line_buffering import line_buffering
 from grainfit.solvers.process.process import LOG_NAME, recorded_faults, run_process
 
 RESPONSES_NAME = "responses.json"
@@ -54,7 +55,8 @@ class Command(Solver):
     evaluates the folder in a separate process.
 
     Templates and the command's arguments are Jinja2: ``{{ particle.density }}``, ``{{ seed }}``,
-    ``{{ parameters["any name"] }}``.
+    ``{{ parameters["any name"] }}``, and ``{{ prime_seed }}``
+    (`grainfit.solvers.own_model.prime_seed`).
 
     Parameters
     ----------
@@ -211,7 +213,7 @@ class Command(Solver):
         started = time.monotonic()
         with recorded_faults(workspace):
             command = self._prepare(values, int(seed), workspace.folder)
-            run_process(command, workspace)
+            run_process(command, workspace, line_buffering())
             evaluation = self._evaluation()
             if evaluation is not None:
                 self._measure(evaluation, workspace, started)
