@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from grainfit.materials.time_step import RayleighTimeStep, rayleigh_time_step
     from grainfit.opened import OpenedCalibration
     from grainfit.opened import open_calibration as open  # noqa: A004
-    from grainfit.problem import Parameter, Problem, Target
+    from grainfit.problem import Parameter, Problem, ScopeOfTest, Target
     from grainfit.report.page import write_report
     from grainfit.result import Result
     from grainfit.solvers.base import Solver, Workspace
@@ -57,6 +57,7 @@ __all__ = [
     "Response",
     "Result",
     "RunFailedError",
+    "ScopeOfTest",
     "Search",
     "Sequential",
     "Solver",
@@ -91,7 +92,7 @@ _HOMES = {
     "ModulusStudy": "analysis.modulus_study",
     "stiffness_study": "work_folder.stiffness_study",
     "write_report": "report.page",
-    **dict.fromkeys(("Parameter", "Problem", "Target"), "problem"),
+    **dict.fromkeys(("Parameter", "Problem", "ScopeOfTest", "Target"), "problem"),
     **dict.fromkeys(("Evaluation", "Proposal", "Response"), "evaluation"),
     "Answer": "strategies.answer",
     **dict.fromkeys(("Search", "Strategy"), "strategies.base"),

@@ -14,6 +14,7 @@ from grainfit.calibration.calibrate import calibrate
 from grainfit.calibration.options import CalibrationOptions
 from grainfit.calibration.progress import Progress
 from grainfit.calibration.provenance import Provenance
+from grainfit.calibration.scopes import restricted, with_scopes
 from grainfit.calibration.timeouts import default_timeouts
 from grainfit.calibration_file.content import CalibrationFile, SearchOptions, TestSpecification
 from grainfit.calibration_file.load import load_calibration_file
@@ -318,7 +319,8 @@ def build_calibration(file: CalibrationFile) -> CalibrationSetup:
             faults += _faults_of_test(index, error)
     if faults:
         raise InputError(faults, str(file.path))
-    return CalibrationSetup(file, _problem(file), solvers)
+    problem = with_scopes(_problem(file), solvers)
+    return CalibrationSetup(file, problem, restricted(problem, solvers))
 
 
 def _problem(file: CalibrationFile) -> Problem:

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import chain
 
+from grainfit.calibration.readiness import Obstacle, obstacles
 from grainfit.calibration.verification import VERIFICATION_RUNS
 from grainfit.calibration_file.build import CalibrationSetup
 from grainfit.campaign.cluster.executor import describe_cluster, executed_by
@@ -52,15 +54,13 @@ def describe_plan(setup: CalibrationSetup) -> Plan:
         try:
             # Before the check, so that it is shown even if the check fails.
             executes += [f"test {test}: {line}" for line in solver.executes()]
-            faults = solver.interval_faults(setup.problem.intervals)
-            problems += [f"Test {test}: {fault}" for fault in faults]
             solver.check()
             lines.append(f"Test {test}: {solver.readiness()}")
             lines += _cost_lines(solver, setup.problem)
-        except InputError as error:
-            problems += [f"{setup.file.path}: test {test}, {fault}" for fault in error.faults]
-        except GrainfitError as error:
-            problems.append(f"Test {test}: {error}")
+        except GrainfitError:
+            # One of the obstacles.
+            continue
+    problems += chain(*(_words(setup, found) for found in obstacles(setup.problem, setup.solvers)))
     lines += _rayleigh_lines(setup.problem)
     cluster = setup.cluster or setup.file.cluster
     if cluster is not None:
@@ -80,6 +80,15 @@ def describe_plan(setup: CalibrationSetup) -> Plan:
         setup.notes(),
         tuple(problems),
     )
+
+
+def _words(setup: CalibrationSetup, obstacle: Obstacle) -> list[str]:
+    test = f"test {obstacle.test}" if obstacle.test else ""
+    if isinstance(obstacle.error, InputError):
+        source = obstacle.error.source or f"{setup.file.path}"
+        where = f"{source}: {test}, " if test else f"{source}: "
+        return [f"{where}{fault}" for fault in obstacle.error.faults]
+    return [f"Test {obstacle.test}: {obstacle.error}"]
 
 
 def _rayleigh_lines(problem: Problem) -> Iterator[str]:

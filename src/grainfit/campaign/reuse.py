@@ -230,6 +230,7 @@ def runs_of(
         evaluation_of(
             Proposal({name: point.values[name] for name in names}, point.seed, "design"),
             point.runs,
+            len(solvers),
             reused=len(point.runs),
         )
         for point in sorted(points, key=lambda point: point.order(names))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from typing_extensions import override
@@ -62,6 +62,12 @@ class ParametersFor(Solver):
     def run_parameters(self, parameters: Mapping[str, float]) -> dict[str, float]:
         """Return the parameters that the solver takes."""
         return self.solver.run_parameters(self._taken(parameters))
+
+    @override
+    def depends_on(self, names: Sequence[str]) -> tuple[str, ...]:
+        """Return the parameters that the solver takes and depends on."""
+        takes = self._takes
+        return self.solver.depends_on([name for name in names if takes is None or takes(name)])
 
     @property
     @override

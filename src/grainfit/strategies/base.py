@@ -166,7 +166,7 @@ class Search(ABC):
     @property
     @abstractmethod
     def expected_left(self) -> int:
-        """Estimated number of outcomes still to be told; the time left is computed from it."""
+        """Estimated number of runs still to be told; the time left is computed from it."""
 
     @property
     def confidence(self) -> float:

@@ -1,0 +1,89 @@
+"""Find out which free parameters each of several tests depends on, and pass it only these."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import replace
+
+from grainfit.errors import GrainfitError
+from grainfit.evaluation import response_name
+from grainfit.problem import Problem, ScopeOfTest
+from grainfit.solvers.base import Solver
+from grainfit.solvers.parameters_for import ParametersFor
+
+
+def with_scopes(problem: Problem, solvers: Mapping[str, Solver]) -> Problem:
+    """Return the problem with the scope of each test; unchanged for a single test.
+
+    Parameters
+    ----------
+    problem : Problem
+        Free parameters and targets; a problem that has scopes is returned unchanged.
+    solvers : mapping of str to Solver
+        By name of the test.
+    """
+    if problem.tests or len(solvers) < 2:
+        return problem
+    used = used_parameters(problem, solvers)
+    targets: dict[str, list[str]] = {test: [] for test in solvers}
+    for target in problem.targets:
+        if test := _test_of(target.name, solvers):
+            targets[test].append(target.name)
+    return replace(
+        problem,
+        tests=[
+            ScopeOfTest(test, targets[test], used[test], _seconds(problem, solver))
+            for test, solver in solvers.items()
+            if targets[test] and used[test]
+        ],
+    )
+
+
+def used_parameters(problem: Problem, solvers: Mapping[str, Solver]) -> dict[str, Sequence[str]]:
+    """Return the free parameters that each test depends on, by its name.
+
+    A parameter that no test depends on counts for every test, so that each of them can say what
+    is wrong with it.
+    """
+    names = [parameter.name for parameter in problem.parameters]
+    used = {test: solver.depends_on(names) for test, solver in solvers.items()}
+    unused = set(names).difference(*used.values())
+    return {
+        test: [name for name in names if name in found or name in unused]
+        for test, found in used.items()
+    }
+
+
+def restricted(problem: Problem, solvers: Mapping[str, Solver]) -> dict[str, Solver]:
+    """Return solvers that are passed none of the parameters that only other tests depend on.
+
+    So the runs of a test are the same, and have the same identity, at all values of these.
+    """
+    if len(solvers) < 2:
+        return dict(solvers)
+    names = {parameter.name for parameter in problem.parameters}
+    return {
+        test: _without(solvers[test], names.difference(used))
+        for test, used in used_parameters(problem, solvers).items()
+    }
+
+
+def _test_of(target: str, tests: Collection[str]) -> str:
+    """Return the test of a target, ``test.response``; empty if there is none."""
+    found = [test for test in tests if target.startswith(response_name(test, "", len(tests)))]
+    return max(found, key=len, default="")
+
+
+def _without(solver: Solver, unused: set[str]) -> Solver:
+    if not unused:
+        return solver
+    return ParametersFor(solver, takes=lambda name: name not in unused)
+
+
+def _seconds(problem: Problem, solver: Solver) -> float | None:
+    try:
+        cost = solver.estimate_cost(problem.from_unit([0.5] * problem.dimension))
+    except GrainfitError:
+        # The check before the first run says what is wrong.
+        return None
+    return cost.wall_seconds if cost is not None and cost.wall_seconds > 0 else None
