@@ -98,7 +98,7 @@ class KnownTest(Solver):
         return tuple(name for name in names if name in used)
 
     def run(
-        self, parameters: Mapping[str, float], seed: int, workspace: Workspace
+        self, parameters: Mapping[str, float], seed: int, _workspace: Workspace
     ) -> dict[str, Response]:
         """Return the responses of one noisy run of every part."""
         middle = self._case.problem.from_unit([0.5] * self._case.problem.dimension)

@@ -9,7 +9,7 @@ from grainfit.errors import GrainfitError
 from grainfit.evaluation import response_name
 from grainfit.problem import Problem, ScopeOfTest
 from grainfit.solvers.base import Solver
-from grainfit.solvers.parameters_for import ParametersFor
+from grainfit.solvers.parameters_for import AllBut, ParametersFor
 
 
 def with_scopes(problem: Problem, solvers: Mapping[str, Solver]) -> Problem:
@@ -77,7 +77,7 @@ def _test_of(target: str, tests: Collection[str]) -> str:
 def _without(solver: Solver, unused: set[str]) -> Solver:
     if not unused:
         return solver
-    return ParametersFor(solver, takes=lambda name: name not in unused)
+    return ParametersFor(solver, takes=AllBut(frozenset(unused)))
 
 
 def _seconds(problem: Problem, solver: Solver) -> float | None:

@@ -116,11 +116,11 @@ def _run_lines(setup: CalibrationSetup) -> Iterator[str]:
         max_runs=strategy.max_runs,
         verification_runs=verification,
     )
-    design = search.design_runs
-    behind = max(search.expected_left - design, verification)
+    design = search.runs_of_design
+    behind = max(search.expected_left - design, verification * tests)
     yield (
-        f"DEM runs: {design * tests} for the design, then usually {behind * tests} to "
-        f"{4 * behind * tests}, more where a run scatters by more than the tolerance; the last "
+        f"DEM runs: {design} for the design, then usually {behind} to "
+        f"{4 * behind}, more where a run scatters by more than the tolerance; the last "
         f"{verification * tests} or more are fresh seeds at the answer. {setup.workers} at a time. "
         f"Strategy: {search.name}."
     )

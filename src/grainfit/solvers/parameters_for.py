@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from typing_extensions import override
@@ -15,6 +16,23 @@ from grainfit.solvers.base import Solver, Workspace
 if TYPE_CHECKING:
     # Imports NumPy, which the state of a calibration does without.
     from grainfit.bulk_tests.base import BulkTest
+
+
+@dataclass(frozen=True)
+class AllBut:
+    """Predicate of names: True for all but some. Other processes can be sent it.
+
+    Parameters
+    ----------
+    names : frozenset of str
+        The names for which it is False.
+    """
+
+    names: frozenset[str]
+
+    def __call__(self, name: str) -> bool:
+        """Return True if the name is none of these."""
+        return name not in self.names
 
 
 class ParametersFor(Solver):

@@ -159,6 +159,11 @@ class Search(ABC):
         return 0
 
     @property
+    def runs_of_design(self) -> int:
+        """Number of runs of these proposals: one in every test unless overridden."""
+        return self.design_runs * len(self.problem.scopes)
+
+    @property
     @abstractmethod
     def finished(self) -> bool:
         """Whether there is nothing more to ask."""

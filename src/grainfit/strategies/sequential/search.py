@@ -128,6 +128,11 @@ class SequentialSearch(Search):
         return self._design_size
 
     @property
+    def runs_of_design(self) -> int:
+        """Runs of the design: tests that depend on few parameters need fewer."""
+        return sum(self._design_sizes.values())
+
+    @property
     def confidence(self) -> float:
         """Demanded probability that every target is met, an option."""
         return self._options.confidence
@@ -163,7 +168,11 @@ class SequentialSearch(Search):
     @property
     def expected_left(self) -> int:
         """Pending runs, or those that the answer still needs, with those of its verification."""
-        return self._expected_sets * len(self.problem.scopes)
+        runs = self._expected_sets * len(self.problem.scopes)
+        if self._design_is_told:
+            return runs
+        spared = self._design_size * len(self.problem.scopes) - self.runs_of_design
+        return max(self._sets(self._pending_proposals), runs - spared)
 
     @property
     def _expected_sets(self) -> int:
