@@ -197,7 +197,9 @@ def test_a_metamodel_of_few_parameters_is_flat_along_the_others() -> None:
     points = random.random((12, 2))
     values = points @ [3.0, -1.0] + np.sin(3 * points[:, 0]) + 0.05 * random.standard_normal(12)
     small = Kriging.fit(points, values)
-    large = small.embedded([2, 0], 4)
+    runs = random.random((12, 4))
+    runs[:, [2, 0]] = points
+    large = small.embedded([2, 0], runs)
     at = random.random((6, 4))
     for found, wanted in (
         (large.predict(at), small.predict(at[:, [2, 0]])),

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 
-from grainfit.errors import GrainfitError
+from grainfit.errors import Fault, GrainfitError, InputError
 from grainfit.evaluation import response_name
 from grainfit.problem import Problem, ScopeOfTest
 from grainfit.solvers.base import Solver
@@ -21,7 +21,14 @@ def with_scopes(problem: Problem, solvers: Mapping[str, Solver]) -> Problem:
         Free parameters and targets; a problem that has scopes is returned unchanged.
     solvers : mapping of str to Solver
         By name of the test.
+
+    Raises
+    ------
+    InputError
+        The scopes of the problem are not those of the tests.
     """
+    if problem.tests:
+        _require_scopes(problem, solvers)
     if problem.tests or len(solvers) < 2:
         return problem
     used = used_parameters(problem, solvers)
@@ -39,6 +46,18 @@ def with_scopes(problem: Problem, solvers: Mapping[str, Solver]) -> Problem:
     )
 
 
+def _require_scopes(problem: Problem, solvers: Mapping[str, Solver]) -> None:
+    names = [scope.name for scope in problem.tests]
+    if sorted(names) != sorted(solvers):
+        remedy = f"Give a ScopeOfTest for each of: {', '.join(solvers)}."
+        raise InputError(Fault("tests", f"of the problem are {', '.join(names)}.", remedy))
+    known = {target for scope in problem.tests for target in scope.targets}
+    missing = [target.name for target in problem.targets if target.name not in known]
+    if missing:
+        remedy = "Name every target in the ScopeOfTest of its test."
+        raise InputError([Fault(name, "is a target of no test.", remedy) for name in missing])
+
+
 def used_parameters(problem: Problem, solvers: Mapping[str, Solver]) -> dict[str, Sequence[str]]:
     """Return the free parameters that each test depends on, by its name.
 
@@ -46,7 +65,11 @@ def used_parameters(problem: Problem, solvers: Mapping[str, Solver]) -> dict[str
     is wrong with it.
     """
     names = [parameter.name for parameter in problem.parameters]
-    used = {test: solver.depends_on(names) for test, solver in solvers.items()}
+    stated = {scope.name: scope.parameters for scope in problem.tests}
+    used = {
+        test: solver.depends_on([name for name in names if name in stated.get(test, names)])
+        for test, solver in solvers.items()
+    }
     unused = set(names).difference(*used.values())
     return {
         test: [name for name in names if name in found or name in unused]

@@ -563,23 +563,22 @@ class Kriging:
             scatter=self.scatter,
         )
 
-    def embedded(self, axes: Sequence[int], dimension: int) -> Kriging:
+    def embedded(self, axes: Sequence[int], points: FloatArray) -> Kriging:
         """Return the metamodel as one of more parameters, on the others of which nothing depends.
 
         Parameters
         ----------
         axes : sequence of int
             Axes of the larger unit cube that are those of this metamodel, in their order.
-        dimension : int
-            Dimension of the larger unit cube.
+        points : ndarray, shape (n, dimension)
+            Points of the runs in the larger unit cube.
         """
-        judged_by = self._judged_by
+        dimension = points.shape[1]
         return Kriging(
-            [component.embedded(axes, dimension) for component in self._components],
+            [component.embedded(axes, points) for component in self._components],
             offset=self._offset,
             scale=self._scale,
             degrees_of_freedom=self._degrees_of_freedom,
-            judged_by=None if judged_by is None else judged_by.embedded(axes, dimension),
             scatter=None if self.scatter is None else self.scatter.embedded(axes, dimension),
         )
 

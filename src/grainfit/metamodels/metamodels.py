@@ -329,14 +329,14 @@ def _fit(
             f"{places} different places, and {needed} are needed for its metamodel.{because}"
         )
     axes = problem.axes_of(scope)
-    points = np.array([problem.to_unit(e.proposal.parameters)[axes] for e in known])
+    points = np.array([problem.to_unit(e.proposal.parameters) for e in known])
     responses = [e.responses[name] for e in known]
     model, outliers = fit_without_outliers(
-        points,
+        points[:, axes],
         np.array([response.value for response in responses]),
         np.array([response.standard_error for response in responses]),
     )
     runs = tuple(known[index].proposal.seed for index in outliers.indices)
     if len(axes) < problem.dimension:
-        model = model.embedded(axes, problem.dimension)
+        model = model.embedded(axes, np.delete(points, outliers.indices, axis=0))
     return model, replace(outliers, seeds=runs)

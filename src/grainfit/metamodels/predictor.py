@@ -240,15 +240,14 @@ class Component:
         other.hyperparameters = replace(self.hyperparameters, weight=weight)
         return other
 
-    def embedded(self, axes: Sequence[int], dimension: int) -> Component:
+    def embedded(self, axes: Sequence[int], points: FloatArray) -> Component:
         """Return the same over a larger unit cube, see `Kriging.embedded`."""
         other = copy(self)
-        ranges = np.full(dimension, _NO_EFFECT)
+        other.points = points
+        ranges = np.full(points.shape[1], _NO_EFFECT)
         ranges[list(axes)] = self.hyperparameters.ranges
         other.hyperparameters = replace(self.hyperparameters, ranges=ranges)
         other.trend = Trend(tuple(axes[column] for column in self.trend.columns))
-        other.points = np.full((len(self.points), dimension), 0.5)
-        other.points[:, list(axes)] = self.points
         return other
 
     @property
