@@ -143,8 +143,7 @@ def test_a_saved_calibration_has_the_runs_of_each_test(tmp_path: Path, whole: gf
     assert saved.problem.tests == with_scopes(problem(), solvers()).tests
     assert saved.result is not None
     assert f"{result.runs.total} runs ended" in str(saved)
-    rebound = saved.analyse().sensitivity
-    assert rebound is not None
+    assert set(result.intervals) == {"friction", "bounce"}
 
 
 def test_the_budget_counts_runs_of_any_test() -> None:
@@ -164,9 +163,8 @@ def test_runs_of_one_test_alone_are_used_for_both(tmp_path: Path) -> None:
     assert design == {"heap": 5}
 
 
-@pytest.mark.parametrize("strategy", ["staged"])
-def test_a_strategy_that_asks_for_all_tests_calibrates(strategy: str) -> None:
-    result = gf.calibrate(problem(), solvers(), strategy=strategy, seed=1)
+def test_a_strategy_that_asks_for_all_tests_calibrates() -> None:
+    result = gf.calibrate(problem(), solvers(), strategy=gf.Staged(design_runs=8), seed=1)
     assert result.status == "calibrated"
     search = [run for run in result.history if run.stage != "verification"]
     assert all(len(run.runs) == 2 for run in search)

@@ -15,7 +15,13 @@ from grainfit.calibration.intervals import with_intervals
 from grainfit.calibration.progress import Progress
 from grainfit.calibration.provenance import Provenance
 from grainfit.calibration.verdict import Outcome, judge
-from grainfit.calibration.verification import MOST_FRESH, FreshRuns, lacking_runs, runs_near
+from grainfit.calibration.verification import (
+    MOST_FRESH,
+    FreshRuns,
+    contradictions,
+    lacking_runs,
+    runs_near,
+)
 from grainfit.calibration.warm_start import warm_start
 from grainfit.campaign.campaign import Campaign
 from grainfit.campaign.reuse import models_of, runs_of
@@ -306,9 +312,14 @@ class CalibrationLoop:
             return [None] * (count if left is None else min(count, max(left, 1)))
         missing = lacking_runs(self._problem, answer, fresh, fewest)
         wanted = [test for test, count in missing.items() for _ in range(count)]
-        # Of those that make the answer certain, the first ones: the next verdict may need no more.
-        worth = Counter(answer.runs_by_worth[: max(workers, self._tests)])
-        wanted += (worth - Counter(wanted)).elements()
+        found = contradictions(self._problem, fresh.verified(), answer)
+        # More runs of a test tell whether its fresh seeds contradict all runs by chance.
+        doubted = {self._problem.scope_of(one.target.name).name for one in found}
+        wanted += [test for test, count in missing.items() if test in doubted and not count]
+        if not wanted or answer.probability_all_met < self._strategy.confidence_to_stop:
+            # Of those that make the answer certain, the first: the next verdict may need no more.
+            worth = Counter(answer.runs_by_worth[: max(workers, self._tests)])
+            wanted += (worth - Counter(wanted)).elements()
         return [(test,) for test in wanted[: None if left is None else max(left, 1)]]
 
     @property

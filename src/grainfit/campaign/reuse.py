@@ -225,7 +225,7 @@ def runs_of(
             if run is not None and beyond(problem, run[0]) <= REACH:
                 found[test].append(_Point(*run, {test: record}))
     points = reduce(_together, (found[test] for test in solvers))
-    if len(solvers) > 1:
+    if problem.tests:
         points += _alone(problem, found, points)
     names = [parameter.name for parameter in problem.parameters]
     return [

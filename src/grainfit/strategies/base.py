@@ -95,7 +95,8 @@ class Strategy(ABC):
         seed : int
             Decides the design and all insertion seeds.
         max_evaluations : int, optional
-            Largest number of proposals.
+            Largest number of proposals; with several tests, of as many runs as proposals for all
+            of them have.
 
         Raises
         ------

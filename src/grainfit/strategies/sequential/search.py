@@ -96,7 +96,7 @@ class SequentialSearch(Search):
         super().__init__(strategy, problem, seed, max_evaluations)
         self._options = strategy
         usual = usual_design(problem.dimension)
-        self._whole_design = self._design_size = design_size(
+        self._design_size = design_size(
             problem.dimension, strategy.design_runs, usual, max_evaluations
         )
         self._design_sizes = {
