@@ -32,6 +32,9 @@ def with_scopes(problem: Problem, solvers: Mapping[str, Solver]) -> Problem:
     if problem.tests or len(solvers) < 2:
         return problem
     used = used_parameters(problem, solvers)
+    if not all(used.values()):
+        # The check before the first run refuses a test that depends on no free parameter.
+        return problem
     targets: dict[str, list[str]] = {test: [] for test in solvers}
     for target in problem.targets:
         if test := _test_of(target.name, solvers):
@@ -41,16 +44,16 @@ def with_scopes(problem: Problem, solvers: Mapping[str, Solver]) -> Problem:
         tests=[
             ScopeOfTest(test, targets[test], used[test], _seconds(problem, solver))
             for test, solver in solvers.items()
-            if targets[test] and used[test]
+            if targets[test]
         ],
     )
 
 
 def _require_scopes(problem: Problem, solvers: Mapping[str, Solver]) -> None:
-    names = [scope.name for scope in problem.tests]
-    if sorted(names) != sorted(solvers):
-        remedy = f"Give a ScopeOfTest for each of: {', '.join(solvers)}."
-        raise InputError(Fault("tests", f"of the problem are {', '.join(names)}.", remedy))
+    unknown = [scope.name for scope in problem.tests if scope.name not in solvers]
+    if unknown:
+        remedy = f"There are solvers for: {', '.join(solvers)}."
+        raise InputError([Fault(name, "is a test without a solver.", remedy) for name in unknown])
     known = {target for scope in problem.tests for target in scope.targets}
     missing = [target.name for target in problem.targets if target.name not in known]
     if missing:
