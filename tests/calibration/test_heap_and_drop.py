@@ -32,13 +32,14 @@ def test_heap_and_own_drop_calibrate_from_one_file(tmp_path: Path) -> None:
     text = path.read_text(encoding="utf-8")
     text = text.replace('solver = "lammps"', f'{SMALL}\nbulk_density_top = "60 mm"')
     # Soft particles take few time steps, and a wide tolerance few runs.
-    text = text.replace('"1 MPa"', '"0.25 MPa"').replace('"1 deg"', '"5 deg"')
-    text = text.replace('"22 deg"', '"18 deg"').replace("min = 0.05", "min = 0.2")
+    text = text.replace('"1 MPa"', '"0.25 MPa"').replace('"1 deg"', '"3 deg"')
+    text = text.replace('"22 deg"', '"25 deg"').replace("min = 0.05", "min = 0.2")
+    text = text.replace('"2 %"', '"6 %"')
     path.write_text(text, encoding="utf-8")
-    result = gf.load(path).calibrate(tmp_path / "work", workers=1, max_runs=26)
+    result = gf.load(path).calibrate(tmp_path / "work", workers=1, max_runs=20)
     assert result.status == "calibrated"
     # The bead rebounds to the square of its coefficient of restitution.
-    assert result.parameters[RESTITUTION] == pytest.approx((0.120 / 0.200) ** 0.5, rel=0.05)
+    assert result.parameters[RESTITUTION] == pytest.approx((0.120 / 0.200) ** 0.5, rel=0.06)
     runs = Counter(test for run in result.history for test in run.runs)
     assert runs["heap"] + runs["drop"] == result.runs.total
     # No drop was run twice at one restitution and seed, at whatever friction.

@@ -14,7 +14,7 @@ PAGE = Path(__file__).parents[2] / "docs" / "several_tests.md"
 def test_the_example_of_the_page_calibrates_and_its_search_names_tests() -> None:
     names: dict[str, Any] = {"__name__": "page"}
     for block in re.findall(r"```python\n(.*?)```", PAGE.read_text(encoding="utf-8"), re.DOTALL):
-        exec(compile(block, str(PAGE), "exec", dont_inherit=True), names)
+        exec(compile(block, f"<{PAGE.name}>", "exec", dont_inherit=True), names)
     result = names["result"]
     assert result.status == "calibrated"
     # 0.2 * 0.6**2 = 0.072
