@@ -51,7 +51,6 @@ _THREE = gf.Problem(
 )
 CASES: dict[str, Any] = {
     "sequential": (_TWO, _simulate, gf.Sequential(), None),
-    "sequential, with a budget": (_TWO, _simulate, gf.Sequential(prefer="accuracy"), 12),
     "sequential, with failures and a time step": (_THREE, _material, gf.Sequential(), None),
     "staged": (_TWO, _simulate, gf.Staged(design_runs=12), None),
 }
