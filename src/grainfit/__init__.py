@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from grainfit.materials.wall_friction import friction_of_angle
     from grainfit.opened import OpenedCalibration
     from grainfit.opened import open_calibration as open  # noqa: A004
-    from grainfit.problem import Parameter, Problem, Target
+    from grainfit.problem import Parameter, Problem, ScopeOfTest, Target
     from grainfit.report.page import write_report
     from grainfit.result import Result
     from grainfit.solvers.base import Solver, Workspace
@@ -67,6 +67,7 @@ __all__ = [
     "Result",
     "RunFailedError",
     "RunsAnalysis",
+    "ScopeOfTest",
     "Search",
     "Sequential",
     "Solver",
@@ -112,7 +113,7 @@ _HOMES = {
     "repeat_runs": "work_folder.repeat_runs",
     "stiffness_study": "work_folder.stiffness_study",
     "write_report": "report.page",
-    **dict.fromkeys(("Parameter", "Problem", "Target"), "problem"),
+    **dict.fromkeys(("Parameter", "Problem", "ScopeOfTest", "Target"), "problem"),
     **dict.fromkeys(("Evaluation", "Proposal", "Response"), "evaluation"),
     "Answer": "strategies.answer",
     **dict.fromkeys(("Search", "Strategy"), "strategies.base"),

@@ -409,6 +409,69 @@ def _target_faults(target: Target) -> Sequence[Fault]:
     return faults
 
 
+@dataclass(frozen=True)
+class ScopeOfTest:
+    """One of several tests of a problem: its targets, the parameters it depends on, and its cost.
+
+    Parameters
+    ----------
+    name : str
+        Name of the test.
+    targets : sequence of str
+        Names of the targets that its runs yield.
+    parameters : sequence of str
+        Names of the free parameters that it depends on. Its metamodels have only these.
+    seconds : float, optional
+        Estimated wall time of a run, s; None if it is not known.
+
+    Examples
+    --------
+    >>> ScopeOfTest("drop", ["drop.rebound"], ["restitution"], seconds=2.0).parameters
+    ('restitution',)
+    """
+
+    name: str
+    targets: Sequence[str]
+    parameters: Sequence[str]
+    seconds: float | None = None
+
+    def __post_init__(self) -> None:
+        for key in ("targets", "parameters"):
+            names = getattr(self, key)
+            if isinstance(names, str) or not names:
+                raise InputError(
+                    Fault(f"{self.name}.{key}", f"are {names!r}.", "Give a list of names.")
+                )
+            object.__setattr__(self, key, tuple(names))
+        if self.seconds is not None and not 0 < as_number(self.seconds) < math.inf:
+            raise InputError(
+                Fault(f"{self.name}.seconds", f"is {self.seconds!r}.", "It must be above 0.")
+            )
+        _make_plain(self, "seconds")
+
+
+def _scope_faults(tests: Sequence[ScopeOfTest], parameters: Sequence[Parameter]) -> Sequence[Fault]:
+    known = [parameter.name for parameter in parameters]
+    faults = [
+        Fault(
+            f"{test.name}.parameters",
+            f"name {name!r}, which is not a parameter of the problem.",
+            f"There are: {', '.join(known)}.",
+        )
+        for test in tests
+        for name in test.parameters
+        if name not in known
+    ]
+    names = [test.name for test in tests]
+    targets = [target for test in tests for target in test.targets]
+    for word, found in (("test", names), ("target of a test", targets)):
+        faults += [
+            Fault(name, f"is given as a {word} more than once.", "Keep one of them.")
+            for name in sorted({name for name in found if found.count(name) > 1})
+        ]
+    return faults
+
+
 def _require_sequence(key: str, items: object, kind: type) -> None:
     if isinstance(items, Sequence) and all(isinstance(item, kind) for item in items):
         return
@@ -435,6 +498,9 @@ class Problem:
     correlations : sequence of (str, str, float)
         Correlations of the errors of measured values: two targets and a coefficient between -1 and
         1. Pairs that are not named are not correlated. See `with_covariance`.
+    tests : sequence of ScopeOfTest
+        The tests, when there are several: then a proposal may be for some of them. Empty when
+        every run yields all targets.
 
     Raises
     ------
@@ -454,12 +520,14 @@ class Problem:
     rayleigh: RayleighTimeStep | None = None
     rayleigh_weight: float = 0.0
     correlations: Sequence[Correlation] = ()
+    tests: Sequence[ScopeOfTest] = ()
 
     def __post_init__(self) -> None:
         _require_sequence("parameters", self.parameters, Parameter)
         _require_sequence("targets", self.targets, Target)
-        object.__setattr__(self, "parameters", tuple(self.parameters))
-        object.__setattr__(self, "targets", tuple(self.targets))
+        _require_sequence("tests", self.tests, ScopeOfTest)
+        for key in ("parameters", "targets", "tests"):
+            object.__setattr__(self, key, tuple(getattr(self, key)))
         faults = []
         for words, items in (("parameter", self.parameters), ("target", self.targets)):
             names = [item.name for item in items]
@@ -472,6 +540,7 @@ class Problem:
         if not 0 <= as_number(self.rayleigh_weight) < math.inf:
             given = _shown(self.rayleigh_weight)
             faults.append(Fault("rayleigh_weight", f"is {given}.", "It must be 0 or above."))
+        faults += _scope_faults(self.tests, self.parameters)
         if self.rayleigh is not None:
             faults += self.rayleigh.faults(self.intervals)
         if not faults:
@@ -555,6 +624,23 @@ class Problem:
     def intervals(self) -> dict[str, tuple[float, float]]:
         """Bounds by parameter name."""
         return {p.name: (p.minimum, p.maximum) for p in self.parameters}
+
+    @cached_property
+    def scopes(self) -> tuple[ScopeOfTest, ...]:
+        """The tests; one of all targets and parameters when no tests are given."""
+        if self.tests:
+            return tuple(self.tests)
+        targets = [target.name for target in self.targets]
+        return (ScopeOfTest("", targets, [parameter.name for parameter in self.parameters]),)
+
+    def axes_of(self, scope: ScopeOfTest) -> list[int]:
+        """Return the axes of the unit cube that a test depends on."""
+        return [i for i, p in enumerate(self.parameters) if p.name in scope.parameters]
+
+    def scope_of(self, target: str) -> ScopeOfTest:
+        """Return the test that yields a target; all tests together when none names it."""
+        found = [scope for scope in self.scopes if target in scope.targets]
+        return found[0] if found else replace(self, tests=()).scopes[0]
 
     def holding(self, points: Sequence[Mapping[str, float]]) -> Problem:
         """Return the problem with its intervals widened to hold some parameter sets."""

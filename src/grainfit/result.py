@@ -299,8 +299,12 @@ class Result:
         ]
         if not means:
             return ""
-        count = max(len(found.verified_values) for found in self.responses.values())
-        seeds = counted(count, "fresh seed") if count else "fresh seeds"
+        counts = [len(found.verified_values) for found in self.responses.values()]
+        fewest, most = min(counts), max(counts)
+        seeds = counted(most, "fresh seed") if most else "fresh seeds"
+        if fewest < most:
+            # Each of several tests is verified by itself.
+            seeds = f"{fewest} to {seeds}"
         return f"Mean of {seeds} at the answer: {', '.join(means)}."
 
     def summary(self) -> tuple[str | TextTable, ...]:

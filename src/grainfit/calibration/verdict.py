@@ -5,7 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-from grainfit.calibration.verification import Contradiction, FreshRuns, contradictions
+from grainfit.calibration.verification import (
+    Contradiction,
+    FreshRuns,
+    contradictions,
+    lacking_runs,
+)
 from grainfit.formatting import (
     counted,
     in_a_row,
@@ -41,6 +46,8 @@ class Outcome:
         Probability from which a target counts as met.
     fewest_fresh : int
         Number of fresh seeds without which no answer is calibrated.
+    lacking : int
+        Runs with fresh seeds that are missing from that number, of all tests.
     """
 
     answer: Answer
@@ -49,6 +56,7 @@ class Outcome:
     contradictions: Sequence[Contradiction]
     confidence: float
     fewest_fresh: int
+    lacking: int
 
 
 def judge(
@@ -73,13 +81,15 @@ def judge(
         Number of fresh seeds without which no answer is calibrated.
     """
     contradicted = contradictions(problem, fresh.verified(), answer)
+    lacking = sum(lacking_runs(problem, answer, fresh, fewest_fresh).values())
     return Outcome(
         answer,
-        _status(answer, confidence, bool(contradicted) or fresh.count < fewest_fresh),
+        _status(answer, confidence, bool(contradicted) or lacking > 0),
         fresh,
         contradicted,
         confidence,
         fewest_fresh,
+        lacking,
     )
 
 
@@ -127,7 +137,7 @@ def reasons(problem: Problem, outcome: Outcome) -> Iterator[str]:
         )
     elif with_all < outcome.confidence:
         yield _about_noise(problem, outcome)
-    elif outcome.fresh.count < outcome.fewest_fresh and not outcome.contradictions:
+    elif outcome.lacking and not outcome.contradictions:
         yield (
             f"Undecided because only {outcome.fresh.count} of {outcome.fewest_fresh} runs with "
             "fresh seeds at the answer could be made: allow more runs."

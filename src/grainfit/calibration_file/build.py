@@ -14,6 +14,7 @@ from grainfit.calibration.calibrate import calibrate
 from grainfit.calibration.options import CalibrationOptions
 from grainfit.calibration.progress import Progress
 from grainfit.calibration.provenance import Provenance
+from grainfit.calibration.scopes import restricted, with_scopes
 from grainfit.calibration.timeouts import default_timeouts
 from grainfit.calibration_file.contact_notes import contact_notes
 from grainfit.calibration_file.content import CalibrationFile, SearchOptions, TestSpecification
@@ -322,7 +323,8 @@ def build_calibration(file: CalibrationFile) -> CalibrationSetup:
         A test cannot be simulated; lists all faults of all tests.
     """
     solvers = build_solvers(file)
-    return CalibrationSetup(file, _problem(file), solvers)
+    problem = with_scopes(_problem(file), solvers)
+    return CalibrationSetup(file, problem, restricted(problem, solvers))
 
 
 def build_solvers(file: CalibrationFile) -> dict[str, Solver]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import replace
 from functools import cache
 
@@ -16,7 +16,7 @@ from grainfit.errors import RunFailedError
 from grainfit.evaluation import Evaluation
 from grainfit.metamodels.kriging import Kriging
 from grainfit.metamodels.outliers import NO_OUTLIERS, Outliers, fit_without_outliers
-from grainfit.problem import Problem
+from grainfit.problem import Problem, ScopeOfTest
 
 Array = NDArray[np.float64]
 
@@ -282,11 +282,71 @@ class Metamodels:
         enough = self._probability(np.tile(self._targets, (len(counts), 1)), left) >= confidence
         return int(counts[enough][0]) if enough.any() else int(counts[-1])
 
-    def condition_on_pending(self, points: Array) -> Metamodels:
-        """Add pending runs at points: means stay the same, variances shrink."""
+    def runs_by_worth(
+        self, point: Array, confidence: float, seconds: Mapping[str, float], most: int
+    ) -> tuple[str, ...]:
+        """Return the tests whose runs at a point would confirm soonest that it agrees, in order.
+
+        Each is the one that raises the probability most per second of computing. Assumes, as
+        `runs_needed`, that the search meets the targets and only the noise is left.
+
+        Parameters
+        ----------
+        point : ndarray, shape (d,)
+            Point of the unit cube.
+        confidence : float
+            Probability with which no more runs follow.
+        seconds : mapping of str to float
+            Cost of a run by name of the test, s.
+        most : int
+            Largest number of runs.
+        """
+        scopes = self.problem.scopes
+        yields = np.array([self.yields([scope.name]) for scope in scopes])
+        costs = np.array([seconds[scope.name] for scope in scopes])
+        counts = np.zeros(len(scopes), dtype=int)
+        order: list[str] = []
+        while len(order) < most:
+            then = [counts + one for one in np.eye(len(scopes), dtype=int)]
+            chances = self._chances(point, np.array([counts, *then]) @ yields)
+            if order and chances[0] >= confidence:
+                break
+            best = int(np.argmax(np.log(chances[1:] / chances[0]) / costs))
+            counts[best] += 1
+            order.append(scopes[best].name)
+        return tuple(order)
+
+    def _chances(self, point: Array, counts: NDArray[np.int_]) -> Array:
+        """Probability that a point agrees after some runs per target, shape (m, targets)."""
+        variances = self.predict(point)[1] - self._shift_variances
+        scatter = self.scatter_at(point)[0] * self._units**2
+        runs = np.array([found.runs for found in self.outliers])
+        left = variances / (1 + counts * variances / scatter)
+        left += self._shift_variances * runs / (runs + counts)
+        inside = self._probability(np.tile(self._targets, (len(counts), 1)), left)
+        return np.maximum(inside, np.finfo(float).tiny)
+
+    def yields(self, tests: Collection[str] | None) -> NDArray[np.bool_]:
+        """Whether runs of some tests yield each target, shape (targets,); None for all tests."""
+        targets = self.problem.targets
+        if tests is None:
+            return np.ones(len(targets), dtype=bool)
+        return np.array([self.problem.scope_of(target.name).name in tests for target in targets])
+
+    def condition_on_pending(
+        self, points: Array, yields: NDArray[np.bool_] | None = None
+    ) -> Metamodels:
+        """Add pending runs at points: means stay the same, variances shrink.
+
+        ``yields``, shape (m, targets), says which targets each of them yields; all by default.
+        """
         if not len(points):
             return self
-        models = [model.condition_on_pending(points) for model in self.models]
+        chosen = np.ones((len(points), len(self.models)), dtype=bool) if yields is None else yields
+        models = [
+            model.condition_on_pending(points[of_target]) if of_target.any() else model
+            for model, of_target in zip(self.models, chosen.T, strict=True)
+        ]
         return Metamodels(self.problem, models, self.outliers)
 
 
@@ -305,24 +365,26 @@ def runs_that_yield(evaluations: Sequence[Evaluation], name: str) -> list[Evalua
 def can_be_fitted(problem: Problem, evaluations: Sequence[Evaluation]) -> bool:
     """Whether runs at enough different places yielded every response."""
     return all(
-        _places(runs_that_yield(evaluations, target.name)) >= _fewest_places(problem)
+        _places(scope, runs_that_yield(evaluations, target.name)) >= _fewest_places(scope)
         for target in problem.targets
+        for scope in [problem.scope_of(target.name)]
     )
 
 
-def _fewest_places(problem: Problem) -> int:
-    return problem.dimension + 2
+def _fewest_places(scope: ScopeOfTest) -> int:
+    return len(scope.parameters) + 2
 
 
-def _places(evaluations: Sequence[Evaluation]) -> int:
-    return len({tuple(e.proposal.parameters.values()) for e in evaluations})
+def _places(scope: ScopeOfTest, evaluations: Sequence[Evaluation]) -> int:
+    return len({tuple(e.proposal.parameters[n] for n in scope.parameters) for e in evaluations})
 
 
 def _fit(
     problem: Problem, evaluations: Sequence[Evaluation], name: str
 ) -> tuple[Kriging, Outliers]:
     known = runs_that_yield(evaluations, name)
-    needed, places = _fewest_places(problem), _places(known)
+    scope = problem.scope_of(name)
+    needed, places = _fewest_places(scope), _places(scope, known)
     if places < needed:
         reasons = sorted({reason for e in evaluations for reason in e.failures.values()})
         because = f" Failures: {'; '.join(reasons[:3])}." if reasons else ""
@@ -330,12 +392,15 @@ def _fit(
             f"only {len(known)} of {len(evaluations)} runs gave the response {name!r}, at "
             f"{places} different places, and {needed} are needed for its metamodel.{because}"
         )
+    axes = problem.axes_of(scope)
     points = np.array([problem.to_unit(e.proposal.parameters) for e in known])
     responses = [e.responses[name] for e in known]
     model, outliers = fit_without_outliers(
-        points,
+        points[:, axes],
         np.array([response.value for response in responses]),
         np.array([response.standard_error for response in responses]),
     )
     runs = tuple(known[index].proposal.seed for index in outliers.indices)
+    if len(axes) < problem.dimension:
+        model = model.embedded(axes, np.delete(points, outliers.indices, axis=0))
     return model, replace(outliers, seeds=runs)

@@ -183,6 +183,15 @@ class Command(Solver):
         self._require_mentioned(parameters)
         return values
 
+    @override
+    def depends_on(self, names: Sequence[str]) -> tuple[str, ...]:
+        """Return the parameters that the model mentions; all if it cannot be read."""
+        try:
+            return tuple(name for name in names if self._mentions(name))
+        except InputError:
+            # `check` says why.
+            return tuple(names)
+
     def model(self) -> Mapping[str, Any]:
         """Return the command and the contents of all files."""
         return {
@@ -282,8 +291,6 @@ class Command(Solver):
 
     def _require_mentioned(self, parameters: Mapping[str, float]) -> None:
         """Raise `InputError` if the model does not use a parameter: it would be fitted to noise."""
-        if JSON_NAME.encode() in self._text:
-            return
         faults = [
             Fault(
                 name,
@@ -292,12 +299,15 @@ class Command(Solver):
                 f"{INCLUDE_NAME} and use the variable {variable_name(name)}, or read {JSON_NAME}.",
             )
             for name in parameters
-            # A template may use only the last part: {% set p = particle %}{{ p.density }}.
-            if name.rpartition(".")[2].encode() not in self._text
-            and variable_name(name).encode() not in self._text
+            if not self._mentions(name)
         ]
         if faults:
             raise InputError(faults, str(self._model.path))
+
+    def _mentions(self, name: str) -> bool:
+        # A template may use only the last part: {% set p = particle %}{{ p.density }}.
+        words = (JSON_NAME, name.rpartition(".")[2], variable_name(name))
+        return any(word.encode() in self._text for word in words)
 
     def _require_program(self) -> None:
         program = self._command[0]

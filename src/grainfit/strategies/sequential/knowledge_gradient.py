@@ -73,18 +73,23 @@ class KnowledgeGradient:
         """Smallest expected misfit of the possible answers now."""
         return float(self._now.min())
 
-    def __call__(self, points: Array) -> Array:
-        """Expected improvement by a run at each of some points, shape (m,); not negative."""
+    def __call__(self, points: Array, yields: NDArray[np.bool_] | None = None) -> Array:
+        """Expected improvement by a run at each of some points, shape (m,); not negative.
+
+        ``yields`` says which targets the run yields, see `Metamodels.yields`; all by default.
+        """
         per_block = max(1, _LARGEST_BLOCK // (len(self._now) * _OUTCOMES))
         blocks = [
-            self._of_block(points[start : start + per_block])
+            self._of_block(points[start : start + per_block], yields)
             for start in range(0, len(points), per_block)
         ]
         return np.concatenate(blocks)
 
-    def _of_block(self, points: Array) -> Array:
+    def _of_block(self, points: Array, yields: NDArray[np.bool_] | None) -> Array:
         covariance, variance = self._covariance(points)
         learnt = covariance / np.sqrt(variance + self._scatter_at(points).T)[:, None, :]
+        if yields is not None:
+            learnt = np.where(yields[:, None, None], learnt, 0.0)
         settled = self._now[:, None] - (learnt**2 * self._precisions[:, None, None]).sum(axis=0)
         linear = 2.0 * self._pull.T[:, :, None] * learnt
         first, second = np.triu_indices(len(learnt))

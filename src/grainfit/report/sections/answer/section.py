@@ -98,7 +98,8 @@ def answer(context: ReportContext) -> Section:
 def verdict(context: ReportContext) -> Verdict:
     """Return the outcome of the calibration in words, or its progress."""
     reading = context.reading
-    ended = f"Simulated so far: {counted(len(reading.evaluations), 'parameter set')}"
+    runs = sum(len(evaluation.runs) for evaluation in reading.evaluations)
+    ended = f"Simulated so far: {counted(runs, 'run')}"
     match reading.state:
         case "running":
             words = f"{ended}; under way: {counted(reading.running, 'run')}."
