@@ -290,6 +290,19 @@ def test_problems_of_a_scene_stop_a_calibration_before_its_first_run(
         load_calibration(path).calibrate(tmp_path / "work")
 
 
+def test_two_scenes_are_loaded_without_executing_anything(beads: Path, tmp_path: Path) -> None:
+    path = tmp_path / "beads.toml"
+    content = FILE.replace("SOLVER", "lammps")
+    test = content[content.index("[[test]]") :]
+    path.write_text(content + 'name = "one"\n' + test + 'name = "two"\n')
+    beads.write_text(CODE + "\nraise SystemExit('executed')\n")
+
+    setup = load_calibration(path)
+
+    assert [scope.seconds for scope in setup.problem.tests] == [None, None]
+    assert describe_plan(setup, call_scenes=False).problems == ()
+
+
 def test_a_concept_that_the_solver_lacks_is_refused_with_what_to_use(
     beads: Path, tmp_path: Path
 ) -> None:

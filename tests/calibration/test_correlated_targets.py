@@ -12,7 +12,7 @@ from grainfit.analysis.posterior import sample_posterior
 from grainfit.correlations import correlated_groups, correlation_matrix
 from grainfit.metamodels.metamodels import Metamodels
 from grainfit.metamodels.unit_cube import gauss_newton
-from grainfit.strategies.sequential.knowledge_gradient import KnowledgeGradient
+from grainfit.strategies.sequential.knowledge_gradient import KnowledgeGradient, _normal_outcomes
 from grainfit.strategies.staged.least_squares import _jacobian
 from grainfit.strategies.staged.residuals import residuals, residuals_at
 
@@ -101,6 +101,23 @@ def test_the_misfit_is_that_of_mahalanobis_with_the_variances() -> None:
         stiffness = np.linalg.inv(precision) + 0.05**2 * slope @ slope.T
         followed = mean @ np.linalg.inv(stiffness) @ mean + np.trace(precision @ np.diag(variance))
         assert at_one.smallest_misfit == pytest.approx(followed)
+
+
+def test_a_run_of_one_test_tells_the_knowledge_gradient_of_its_targets_only() -> None:
+    metamodels = metamodels_of(problem(-0.6, (1.4, 1.5)), noise=0.01)
+    point = np.array([[0.45]])
+    covariance, variance = metamodels.covariance_with(point)(point)
+    learnt = covariance[:, 0, 0] / np.sqrt(variance[:, 0] + metamodels.scatter_at(point)[0])
+    slope = metamodels.slopes(point)[0]
+    followed = np.linalg.inv([[1.0, -0.6], [-0.6, 1.0]] + 0.05**2 * slope @ slope.T)
+    precision = 1 / (1 - 0.6**2)
+    gain = KnowledgeGradient(metamodels, point, np.zeros(1))
+    squares = (_normal_outcomes(2) ** 2).mean(axis=0)
+    for number, yields in enumerate([[True, False], [False, True]]):
+        wanted = learnt[number] ** 2 * (precision - followed[number, number] * squares[number])
+        assert wanted > 0
+        assert gain(point, np.array(yields))[0] == pytest.approx(wanted)
+    assert gain(point, np.array([True, True]))[0] == gain(point)[0]
 
 
 def test_the_closest_point_is_that_of_generalised_least_squares() -> None:

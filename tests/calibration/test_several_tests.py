@@ -146,6 +146,15 @@ def test_a_saved_calibration_has_the_runs_of_each_test(tmp_path: Path, whole: gf
     assert set(result.intervals) == {"friction", "bounce"}
 
 
+def test_correlated_targets_of_two_tests_are_read_back(tmp_path: Path) -> None:
+    pairs = (("heap.angle", "drop.rebound", 0.5),)
+    known = replace(problem(), correlations=pairs)
+    gf.calibrate(known, solvers(), workdir=tmp_path / "w", max_runs=16, seed=2)
+    saved = gf.open(tmp_path / "w").problem
+    assert saved.correlations == pairs
+    assert [scope.parameters for scope in saved.tests] == [("friction", "bounce"), ("bounce",)]
+
+
 def test_the_budget_counts_runs_of_any_test() -> None:
     result = gf.calibrate(problem(), solvers(), seed=2, max_runs=17)
     assert result.runs.total <= 17
