@@ -295,12 +295,14 @@ def test_two_scenes_are_loaded_without_executing_anything(beads: Path, tmp_path:
     content = FILE.replace("SOLVER", "lammps")
     test = content[content.index("[[test]]") :]
     path.write_text(content + 'name = "one"\n' + test + 'name = "two"\n')
-    beads.write_text(CODE + "\nraise SystemExit('executed')\n")
+    executed = tmp_path / "executed"
+    beads.write_text(CODE + f"\nopen({str(executed)!r}, 'w').close()\n")
 
     setup = load_calibration(path)
 
     assert [scope.seconds for scope in setup.problem.tests] == [None, None]
     assert describe_plan(setup, call_scenes=False).problems == ()
+    assert not executed.exists()
 
 
 def test_a_concept_that_the_solver_lacks_is_refused_with_what_to_use(
