@@ -34,7 +34,7 @@ import numpy as np
 import grainfit
 from grainfit.bulk_tests.base import BulkTest
 from grainfit.bulk_tests.registry import bulk_tests
-from grainfit.campaign.simulate_once import simulate_once
+from grainfit.campaign.batch import simulate_once
 from grainfit.errors import GrainfitError
 from grainfit.problem import Parameter, Problem, Target
 from grainfit.solvers.base import Solver

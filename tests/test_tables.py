@@ -78,7 +78,7 @@ def test_a_saved_calibration_prints_its_state(saved: gf.OpenedCalibration, tmp_p
     lines = str(saved).splitlines()
     assert lines[0] == "beads: calibrated"
     count = len(saved.evaluations)
-    assert lines[1].startswith(f"{count} parameter sets simulated, 0 with a failed run; 0 under")
+    assert lines[1].startswith(f"{count} runs ended, 0 of them failed; 0 under")
     assert str(saved.result).splitlines()[2:] == lines[3:]
     assert "<b>beads: calibrated</b>" in saved._repr_html_()
     failed = replace(saved, state="failed", result=None, failure="no licence", name="")

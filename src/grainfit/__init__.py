@@ -11,6 +11,7 @@ if TYPE_CHECKING:
     from grainfit.analysis.advice import Advice
     from grainfit.analysis.expected import ExpectedNarrowing, expected_narrowing
     from grainfit.analysis.modulus_study import ModulusStudy
+    from grainfit.analysis.scatter import RepeatedRuns
     from grainfit.analysis.test_plan import TestPlan
     from grainfit.calibration.calibrate import calibrate
     from grainfit.calibration.progress import Progress
@@ -30,7 +31,7 @@ if TYPE_CHECKING:
     from grainfit.materials.wall_friction import friction_of_angle
     from grainfit.opened import OpenedCalibration
     from grainfit.opened import open_calibration as open  # noqa: A004
-    from grainfit.problem import Parameter, Problem, Target
+    from grainfit.problem import Parameter, Problem, ScopeOfTest, Target
     from grainfit.report.page import write_report
     from grainfit.result import Result
     from grainfit.solvers.base import Solver, Workspace
@@ -38,7 +39,9 @@ if TYPE_CHECKING:
     from grainfit.strategies.base import Search, Strategy
     from grainfit.strategies.sequential.strategy import Sequential
     from grainfit.strategies.staged.strategy import Staged
+    from grainfit.work_folder.analyse_runs import RunsAnalysis, analyse_runs
     from grainfit.work_folder.design import design
+    from grainfit.work_folder.repeat_runs import repeat_runs
     from grainfit.work_folder.stiffness_study import stiffness_study
 
 __all__ = [
@@ -59,9 +62,12 @@ __all__ = [
     "Progress",
     "Proposal",
     "RayleighTimeStep",
+    "RepeatedRuns",
     "Response",
     "Result",
     "RunFailedError",
+    "RunsAnalysis",
+    "ScopeOfTest",
     "Search",
     "Sequential",
     "Solver",
@@ -73,6 +79,7 @@ __all__ = [
     "TestPlan",
     "Workspace",
     "analyse",
+    "analyse_runs",
     "calibrate",
     "design",
     "expected_narrowing",
@@ -81,6 +88,7 @@ __all__ = [
     "open",
     "plots",
     "rayleigh_time_step",
+    "repeat_runs",
     "stiffness_study",
     "write_report",
 ]
@@ -100,9 +108,12 @@ _HOMES = {
     "Advice": "analysis.advice",
     "TestPlan": "analysis.test_plan",
     "design": "work_folder.design",
+    **dict.fromkeys(("RunsAnalysis", "analyse_runs"), "work_folder.analyse_runs"),
+    "RepeatedRuns": "analysis.scatter",
+    "repeat_runs": "work_folder.repeat_runs",
     "stiffness_study": "work_folder.stiffness_study",
     "write_report": "report.page",
-    **dict.fromkeys(("Parameter", "Problem", "Target"), "problem"),
+    **dict.fromkeys(("Parameter", "Problem", "ScopeOfTest", "Target"), "problem"),
     **dict.fromkeys(("Evaluation", "Proposal", "Response"), "evaluation"),
     "Answer": "strategies.answer",
     **dict.fromkeys(("Search", "Strategy"), "strategies.base"),

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, field, replace
 from numbers import Real
 from typing import Literal, TypeAlias
 
@@ -14,10 +14,13 @@ Stage = Literal["design", "optimisation", "verification"]
 #: Column of a response's standard error in tables of runs: after the name of the response.
 ERROR_SUFFIX = ".standard_error"
 
+#: Name under which a failure is kept that was told without the name of a test.
+ALL_RUNS = "run"
+
 
 @dataclass(frozen=True)
 class Proposal:
-    """A parameter set to simulate once in every test.
+    """A parameter set to simulate once, in every test or in some of them.
 
     Parameters
     ----------
@@ -27,11 +30,18 @@ class Proposal:
         Insertion seed.
     stage : {"design", "optimisation", "verification"}
         Stage of the calibration.
+    tests : tuple of str, optional
+        Names of the tests; None for every test.
     """
 
     parameters: Mapping[str, float]
     seed: int
     stage: Stage
+    tests: tuple[str, ...] | None = None
+
+    def asks_for(self, test: str) -> bool:
+        """Return True if the parameter set is to be simulated in a test."""
+        return self.tests is None or test in self.tests
 
 
 @dataclass(frozen=True)
@@ -57,6 +67,8 @@ class Evaluation:
     failed_by_machine : bool
         Whether all failures were caused by the machine, not by the simulation: they say nothing
         about the parameters, and the point can be tried again.
+    test_seconds : mapping of str to float
+        Wall time of the run by name of the test, s.
     """
 
     proposal: Proposal
@@ -67,6 +79,24 @@ class Evaluation:
     seconds: float = 0.0
     simulated_seconds: float = 0.0
     failed_by_machine: bool = False
+    test_seconds: Mapping[str, float] = field(default_factory=dict)
+
+    def failed_in(self, test: str) -> bool:
+        """Return True if the run of a test failed, or a run whose test is not known."""
+        return test in self.failures or (not self.runs and ALL_RUNS in self.failures)
+
+    def without(self, tests: Collection[str]) -> Evaluation:
+        """Return the evaluation without the runs of some tests, of a calibration with several."""
+        prefixes = tuple(response_name(test, "", 2) for test in tests)
+        left = tuple(test for test in self.proposal.tests or self.runs if test not in tests)
+        return replace(
+            self,
+            proposal=replace(self.proposal, tests=left),
+            responses={n: r for n, r in self.responses.items() if not n.startswith(prefixes)},
+            failures={n: why for n, why in self.failures.items() if n not in tests},
+            runs={n: run for n, run in self.runs.items() if n not in tests},
+            test_seconds={n: s for n, s in self.test_seconds.items() if n not in tests},
+        )
 
     @classmethod
     def of(cls, proposal: Proposal, outcome: Outcome) -> Evaluation:
@@ -90,7 +120,7 @@ class Evaluation:
             return outcome
         if isinstance(outcome, RunFailedError):
             by_machine = outcome.kind == "machine"
-            return cls(proposal, {}, {"run": outcome.reason}, failed_by_machine=by_machine)
+            return cls(proposal, {}, {ALL_RUNS: outcome.reason}, failed_by_machine=by_machine)
         if not isinstance(outcome, Mapping):
             remedy = 'Give responses by name, {"angle": 31.2}, or RunFailedError("why it failed").'
             raise InputError(Fault("outcome", f"is {outcome!r}.", remedy))

@@ -82,6 +82,8 @@ def plain_interval(value: float, half_width: float) -> str:
     --------
     >>> plain_interval(22.0034, 0.381), plain_interval(1498.2, 14.3), plain_interval(30.0, 0.0)
     ('22.00 ± 0.38', '1498 ± 14', '30 ± 0')
+    >>> plain_interval(-0.0000134, 0.012)
+    '0.000 ± 0.012'
     """
     return f"{_to_uncertainty(value, half_width)} ± {_to_uncertainty(half_width, half_width)}"
 
@@ -91,10 +93,37 @@ def _to_uncertainty(value: float, uncertainty: float | None) -> str:
         return _significant(value, 4)
     magnitude = floor(log10(abs(value))) if value else floor(log10(uncertainty))
     decimals = min(1 - floor(log10(uncertainty)), _MOST_DIGITS - 1 - magnitude)
-    if not value or _FIXED[0] <= abs(value) < _FIXED[1]:
+    if not value or _FIXED[0] <= max(abs(value), uncertainty) < _FIXED[1]:
         # Adding zero turns minus zero into zero.
         return f"{round(value, decimals) + 0.0:.{max(decimals, 0)}f}"
     return f"{value:.{max(magnitude + decimals, 0)}e}"
+
+
+def deviation_off(percent: float | None, difference: float, tolerance: float, unit: str) -> str:
+    """Return a deviation with its sign: in percent, or with its unit where that makes no sense.
+
+    Parameters
+    ----------
+    percent : float or None
+        The deviation in percent.
+    difference, tolerance : float
+        The deviation and its tolerance, in the unit; two digits of the tolerance are shown.
+    unit : str
+        Unit as it is to be shown.
+
+    Examples
+    --------
+    >>> deviation_off(-2.114, -31.7, 15.0, "kg/m³")
+    '-2.11 %'
+    >>> deviation_off(None, 0.0141, 0.05, "mm"), deviation_off(None, -1e-9, 0.05, "mm")
+    ('+0.014 mm', '+0.000 mm')
+    """
+    if percent is not None:
+        return percentage_off(percent)
+    decimals = 1 - floor(log10(tolerance))
+    shown = round(difference, decimals) + 0.0
+    form = f"+.{decimals}f" if 0 <= decimals <= _MOST_DIGITS else "+.4g"
+    return with_unit(f"{shown:{form}}", unit)
 
 
 def percentage_off(percent: float) -> str:

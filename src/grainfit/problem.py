@@ -13,6 +13,13 @@ from numpy.typing import ArrayLike, NDArray
 
 from grainfit.checks import as_number
 from grainfit.contact_models.registry import MATERIAL_PARAMETERS
+from grainfit.correlations import (
+    Correlation,
+    correlated_groups,
+    correlation_faults,
+    correlation_matrix,
+    split_covariance,
+)
 from grainfit.errors import Fault, InputError
 from grainfit.materials.time_step import RayleighTimeStep
 from grainfit.materials.wall_friction import MEASURED_BY_ANGLE, friction_about
@@ -66,7 +73,7 @@ def _share(given: Any, value: Any) -> Any:
     if not isinstance(given, str) or not given.strip().endswith("%"):
         return given
     share = percentage(given)
-    return given if share is None else share * as_number(value)
+    return given if share is None else share * abs(as_number(value))
 
 
 @dataclass(frozen=True)
@@ -247,16 +254,17 @@ class Target:
     name : str
         Name of the response.
     value : float or str
-        Measured value, above zero: a number in SI units, angles in degrees, or a quantity such as
+        Measured value, of any sign: a number in SI units, angles in degrees, or a quantity such as
         ``"22 deg"``.
     uncertainty : float or str, optional
-        Standard uncertainty of the measured value, same unit; ``"1 %"`` is a share of the value.
+        Standard uncertainty of the measured value, same unit; ``"1 %"`` is a share of the value,
+        unless that is zero.
     tolerance : float or str, optional
         Largest accepted deviation of the expected response, same unit; by default the uncertainty,
-        or 2 % of the value if that is not given either.
+        or 2 % of the value if that is not given either. A value of zero needs one of them.
     weight : float
-        Factor on this target's relative deviation in the misfit (equation 1 of the method has
-        equal weights).
+        Factor on this target's deviation in the misfit (equation 1 of the method has equal
+        weights).
     unit : str
         SI unit, for display; by default that of the quantities.
     statistic : {"mean", "median"}
@@ -267,6 +275,8 @@ class Target:
     --------
     >>> Target("angle_of_repose", "22 deg", uncertainty="2 %").tolerance
     0.44
+    >>> Target("dilatancy", "-0.1 mm", tolerance="0.2 mm").is_relative
+    False
     """
 
     name: str
@@ -280,6 +290,7 @@ class Target:
 
     def __post_init__(self) -> None:
         _read_quantities(self, {"value": "value"})
+        _require_shares(self)
         shares = {key: _share(getattr(self, key), self.value) for key in _TARGET_WIDTHS}
         for key, share in shares.items():
             object.__setattr__(self, key, share)
@@ -295,7 +306,7 @@ class Target:
     def _usual_tolerance(self) -> float:
         if self.uncertainty is not None:
             return self.uncertainty
-        return DEFAULT_RELATIVE_TOLERANCE * self.value
+        return DEFAULT_RELATIVE_TOLERANCE * abs(self.value)
 
     def to_json(self) -> dict[str, Any]:
         """Return plain data of the target, without a tolerance that equals the default.
@@ -307,18 +318,65 @@ class Target:
             del data["statistic"]
         return {**data, "tolerance": None} if self.tolerance == self._usual_tolerance else data
 
-    def relative_deviation(self, response: float) -> float:
-        """Return the deviation of a response from the target, relative to the target.
+    @property
+    def is_relative(self) -> bool:
+        """Whether deviations relative to the value make sense.
+
+        They do not if zero is within the tolerance: responses that meet the target may then have
+        either sign, and be any multiple of the value.
+        """
+        return abs(self.value) > self.tolerance
+
+    @property
+    def misfit_unit(self) -> float:
+        """Deviation that counts as 1 in the misfit, in the unit of the target.
+
+        It is the absolute value where deviations are relative; elsewhere the value of which the
+        tolerance would be 2 %, so that targets of both kinds have similar weights.
+        """
+        return abs(self.value) if self.is_relative else self.tolerance / DEFAULT_RELATIVE_TOLERANCE
+
+    def misfit(self, response: float) -> float:
+        """Return the deviation of a response from the target in units of `misfit_unit`.
 
         References
         ----------
-        Rackl, Görnig, Hanley & Günthner (ECCOMAS 2016), equation 1.
+        Rackl, Görnig, Hanley & Günthner (ECCOMAS 2016), equation 1, for relative deviations.
         """
-        return (response - self.value) / self.value
+        return (response - self.value) / self.misfit_unit
+
+    def relative_deviation(self, response: float) -> float | None:
+        """Return the deviation of a response from the target as a share of the absolute value.
+
+        None where that makes no sense, see `is_relative`.
+        """
+        return self.misfit(response) if self.is_relative else None
 
     def is_met_by(self, response: float) -> bool:
         """Return True if a response deviates from the target by at most its tolerance."""
         return abs(response - self.value) <= self.tolerance
+
+
+#: Faults of a target whose value is zero: message and remedy.
+NO_DEFAULT_TOLERANCE = (
+    "is missing: 2 % of the value, the default, is nothing where the value is 0.",
+    "Give a tolerance or an uncertainty in the unit of the response.",
+)
+SHARE_OF_ZERO = (
+    "Give it in the unit of the response: the value is 0, and so is any percentage of it."
+)
+
+
+def _require_shares(target: Target) -> None:
+    """Raise `InputError` if an uncertainty or a tolerance is a percentage of zero."""
+    given = {key: getattr(target, key) for key in _TARGET_WIDTHS}
+    faults = [
+        Fault(f"{target.name}.{key}", f"is {_shown(text)}.", SHARE_OF_ZERO)
+        for key, text in given.items()
+        if target.value == 0 and isinstance(text, str) and percentage(text) is not None
+    ]
+    if faults:
+        raise InputError(faults)
 
 
 def _target_faults(target: Target) -> Sequence[Fault]:
@@ -333,14 +391,12 @@ def _target_faults(target: Target) -> Sequence[Fault]:
                 f"Possible here: {', '.join(get_args(Statistic))}.",
             )
         )
-    if not 0 < as_number(target.value) < math.inf:
+    if not math.isfinite(as_number(target.value)):
         faults.append(
-            Fault(
-                f"{target.name}.value",
-                f"is {_shown(target.value)}.",
-                "Deviations are relative to the target, so it must be a number above 0.",
-            )
+            Fault(f"{target.name}.value", f"is {_shown(target.value)}.", "It must be a number.")
         )
+    elif target.value == 0 and target.tolerance is None and target.uncertainty is None:
+        faults.append(Fault(f"{target.name}.tolerance", *NO_DEFAULT_TOLERANCE))
     for key in ("uncertainty", "tolerance", "weight"):
         given = getattr(target, key)
         left_out = given is None and key != "weight"
@@ -350,6 +406,69 @@ def _target_faults(target: Target) -> Sequence[Fault]:
                     f"{target.name}.{key}", f"is {_shown(given)}.", "It must be a number above 0."
                 )
             )
+    return faults
+
+
+@dataclass(frozen=True)
+class ScopeOfTest:
+    """One of several tests of a problem: its targets, the parameters it depends on, and its cost.
+
+    Parameters
+    ----------
+    name : str
+        Name of the test.
+    targets : sequence of str
+        Names of the targets that its runs yield.
+    parameters : sequence of str
+        Names of the free parameters that it depends on. Its metamodels have only these.
+    seconds : float, optional
+        Estimated wall time of a run, s; None if it is not known.
+
+    Examples
+    --------
+    >>> ScopeOfTest("drop", ["drop.rebound"], ["restitution"], seconds=2.0).parameters
+    ('restitution',)
+    """
+
+    name: str
+    targets: Sequence[str]
+    parameters: Sequence[str]
+    seconds: float | None = None
+
+    def __post_init__(self) -> None:
+        for key in ("targets", "parameters"):
+            names = getattr(self, key)
+            if isinstance(names, str) or not names:
+                raise InputError(
+                    Fault(f"{self.name}.{key}", f"are {names!r}.", "Give a list of names.")
+                )
+            object.__setattr__(self, key, tuple(names))
+        if self.seconds is not None and not 0 < as_number(self.seconds) < math.inf:
+            raise InputError(
+                Fault(f"{self.name}.seconds", f"is {self.seconds!r}.", "It must be above 0.")
+            )
+        _make_plain(self, "seconds")
+
+
+def _scope_faults(tests: Sequence[ScopeOfTest], parameters: Sequence[Parameter]) -> Sequence[Fault]:
+    known = [parameter.name for parameter in parameters]
+    faults = [
+        Fault(
+            f"{test.name}.parameters",
+            f"name {name!r}, which is not a parameter of the problem.",
+            f"There are: {', '.join(known)}.",
+        )
+        for test in tests
+        for name in test.parameters
+        if name not in known
+    ]
+    names = [test.name for test in tests]
+    targets = [target for test in tests for target in test.targets]
+    for word, found in (("test", names), ("target of a test", targets)):
+        faults += [
+            Fault(name, f"is given as a {word} more than once.", "Keep one of them.")
+            for name in sorted({name for name in found if found.count(name) > 1})
+        ]
     return faults
 
 
@@ -376,11 +495,18 @@ class Problem:
     rayleigh_weight : float
         Weight of the Rayleigh criterion (equation 2) among the residuals. 0 by default: as a
         summand of the misfit it trades accuracy for speed.
+    correlations : sequence of (str, str, float)
+        Correlations of the errors of measured values: two targets and a coefficient between -1 and
+        1. Pairs that are not named are not correlated. See `with_covariance`.
+    tests : sequence of ScopeOfTest
+        The tests, when there are several: then a proposal may be for some of them. Empty when
+        every run yields all targets.
 
     Raises
     ------
     InputError
-        No parameters or no targets, a name given twice, or a Rayleigh time step that lacks a value.
+        No parameters or no targets, a name given twice, a Rayleigh time step that lacks a value, or
+        correlations that name no targets or contradict each other.
 
     Examples
     --------
@@ -393,12 +519,15 @@ class Problem:
     targets: Sequence[Target]
     rayleigh: RayleighTimeStep | None = None
     rayleigh_weight: float = 0.0
+    correlations: Sequence[Correlation] = ()
+    tests: Sequence[ScopeOfTest] = ()
 
     def __post_init__(self) -> None:
         _require_sequence("parameters", self.parameters, Parameter)
         _require_sequence("targets", self.targets, Target)
-        object.__setattr__(self, "parameters", tuple(self.parameters))
-        object.__setattr__(self, "targets", tuple(self.targets))
+        _require_sequence("tests", self.tests, ScopeOfTest)
+        for key in ("parameters", "targets", "tests"):
+            object.__setattr__(self, key, tuple(getattr(self, key)))
         faults = []
         for words, items in (("parameter", self.parameters), ("target", self.targets)):
             names = [item.name for item in items]
@@ -411,11 +540,80 @@ class Problem:
         if not 0 <= as_number(self.rayleigh_weight) < math.inf:
             given = _shown(self.rayleigh_weight)
             faults.append(Fault("rayleigh_weight", f"is {given}.", "It must be 0 or above."))
+        faults += _scope_faults(self.tests, self.parameters)
         if self.rayleigh is not None:
             faults += self.rayleigh.faults(self.intervals)
+        if not faults:
+            faults += self._read_correlations()
         if faults:
             raise InputError(faults)
         _make_plain(self, "rayleigh_weight")
+
+    def _read_correlations(self) -> list[Fault]:
+        given = self.correlations
+        try:
+            pairs = tuple((str(a), str(b), as_number(value)) for a, b, value in given)
+        except (TypeError, ValueError):
+            remedy = 'Give triples: [("first", "second", 0.8)].'
+            return [Fault("correlations", f"are {_shown(given)}.", remedy)]
+        object.__setattr__(self, "correlations", pairs)
+        return correlation_faults([target.name for target in self.targets], pairs)
+
+    @cached_property
+    def correlation_matrix(self) -> NDArray[np.float64]:
+        """Correlations of the errors of the measured values, shape (targets, targets)."""
+        return correlation_matrix([target.name for target in self.targets], self.correlations)
+
+    def is_met_by(self, responses: Sequence[float] | NDArray[np.float64]) -> bool:
+        """Return True if responses, in the order of the targets, meet them.
+
+        Each is within its tolerance. Correlated ones also go together: the mean square of their
+        decorrelated deviations is at most one tolerance squared.
+        """
+        pairs = list(zip(self.targets, map(float, responses), strict=True))
+        if not all(target.is_met_by(response) for target, response in pairs):
+            return False
+        off = np.array([(response - target.value) / target.tolerance for target, response in pairs])
+        precision = np.linalg.inv(self.correlation_matrix)
+        return all(
+            float(off[group] @ precision[np.ix_(group, group)] @ off[group]) <= len(group)
+            for group in correlated_groups(self.correlation_matrix)
+        )
+
+    def with_covariance(self, covariance: ArrayLike) -> Problem:
+        """Return the problem with a covariance of the errors of the measured values.
+
+        Parameters
+        ----------
+        covariance : array_like, shape (targets, targets)
+            In the order and the units of the targets. It replaces their uncertainties, and
+            tolerances that were the default.
+
+        Raises
+        ------
+        InputError
+            The matrix has another shape, is not symmetric, or is not positive definite.
+
+        Examples
+        --------
+        >>> targets = [Target("density", 1500.0), Target("angle", 30.0)]
+        >>> problem = Problem([Parameter("friction", 0.1, 0.9)], targets)
+        >>> problem.with_covariance([[225.0, 6.0], [6.0, 0.25]]).correlations
+        (('density', 'angle', 0.8),)
+        """
+        names = [target.name for target in self.targets]
+        errors, correlations = split_covariance(names, covariance)
+        targets = [
+            Target(**{**target.to_json(), "uncertainty": float(error)})
+            for target, error in zip(self.targets, errors, strict=True)
+        ]
+        return replace(self, targets=targets, correlations=correlations)
+
+    def with_targets(self, targets: Sequence[Target]) -> Problem:
+        """Return the problem with some of its targets, and the correlations among these."""
+        names = {target.name for target in targets}
+        kept = [pair for pair in self.correlations if {pair[0], pair[1]} <= names]
+        return replace(self, targets=tuple(targets), correlations=tuple(kept))
 
     @property
     def dimension(self) -> int:
@@ -426,6 +624,23 @@ class Problem:
     def intervals(self) -> dict[str, tuple[float, float]]:
         """Bounds by parameter name."""
         return {p.name: (p.minimum, p.maximum) for p in self.parameters}
+
+    @cached_property
+    def scopes(self) -> tuple[ScopeOfTest, ...]:
+        """The tests; one of all targets and parameters when no tests are given."""
+        if self.tests:
+            return tuple(self.tests)
+        targets = [target.name for target in self.targets]
+        return (ScopeOfTest("", targets, [parameter.name for parameter in self.parameters]),)
+
+    def axes_of(self, scope: ScopeOfTest) -> list[int]:
+        """Return the axes of the unit cube that a test depends on."""
+        return [i for i, p in enumerate(self.parameters) if p.name in scope.parameters]
+
+    def scope_of(self, target: str) -> ScopeOfTest:
+        """Return the test that yields a target; all tests together when none names it."""
+        found = [scope for scope in self.scopes if target in scope.targets]
+        return found[0] if found else replace(self, tests=()).scopes[0]
 
     def holding(self, points: Sequence[Mapping[str, float]]) -> Problem:
         """Return the problem with its intervals widened to hold some parameter sets."""

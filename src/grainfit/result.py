@@ -13,9 +13,9 @@ from grainfit.errors import StoreError
 from grainfit.files import write_atomically
 from grainfit.formatting import (
     counted,
+    deviation_off,
     ends,
     number,
-    percentage_off,
     plain_ends,
     plain_interval,
     plain_probability,
@@ -66,8 +66,9 @@ class ResponseResult:
         error: an independent check of the expected response.
     verified_interval : float, optional
         Half of the 95 % confidence interval of that mean.
-    deviation_percent : float
-        Deviation of the expected response from the target.
+    deviation_percent : float, optional
+        Deviation of the expected response from the target, over its absolute value. None where that
+        makes no sense: zero is within the tolerance.
     verdict : {"met", "in doubt", "missed"}
         ``met`` when the expected response is within its tolerance with the demanded probability
         and the fresh seeds do not contradict it; ``missed`` when it is outside with that
@@ -90,11 +91,17 @@ class ResponseResult:
     verified_mean: float | None
     verified_standard_error: float | None
     verified_interval: float | None
-    deviation_percent: float
+    deviation_percent: float | None
     verdict: Verdict
     probability: float | None = None
     verified_values: tuple[float, ...] = ()
     verified_seeds: tuple[int, ...] = ()
+
+    def deviation_in_words(self, unit: str) -> str:
+        """Return the deviation with its sign: in percent, or in a unit as it is to be shown."""
+        return deviation_off(
+            self.deviation_percent, self.predicted - self.target, self.tolerance, unit
+        )
 
     @property
     def expected(self) -> tuple[float, float]:
@@ -292,8 +299,12 @@ class Result:
         ]
         if not means:
             return ""
-        count = max(len(found.verified_values) for found in self.responses.values())
-        seeds = counted(count, "fresh seed") if count else "fresh seeds"
+        counts = [len(found.verified_values) for found in self.responses.values()]
+        fewest, most = min(counts), max(counts)
+        seeds = counted(most, "fresh seed") if most else "fresh seeds"
+        if fewest < most:
+            # Each of several tests is verified by itself.
+            seeds = f"{fewest} to {seeds}"
         return f"Mean of {seeds} at the answer: {', '.join(means)}."
 
     def summary(self) -> tuple[str | TextTable, ...]:
@@ -353,7 +364,7 @@ def _response_cells(name: str, response: ResponseResult) -> tuple[str, ...]:
         name,
         f"{response.target:.5g} ± {response.tolerance:.3g} {response.unit}".rstrip(),
         plain_interval(expected, half_width),
-        percentage_off(response.deviation_percent),
+        response.deviation_in_words(response.unit),
         response.verdict,
     )
 

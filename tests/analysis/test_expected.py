@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from math import hypot, log, sqrt
 
+import numpy as np
 import pytest
 
 import grainfit as gf
@@ -24,12 +26,16 @@ ANGLE = gf.Target("angle_of_repose", 25.0, uncertainty="1 deg")
 
 
 def expected(
-    *parameters: gf.Parameter, targets: tuple[gf.Target, ...] = (BULK_DENSITY, ANGLE)
+    *parameters: gf.Parameter,
+    targets: tuple[gf.Target, ...] = (BULK_DENSITY, ANGLE),
+    correlations: Sequence[tuple[str, str, float]] = (),
 ) -> ExpectedNarrowing:
     free = {parameter.name for parameter in parameters}
     material = {name: value for name, value in GLASS_BEADS.items() if name not in free}
     solver = gf.solvers.Lammps(gf.tests.Heap(diameter="10 mm"), material)
-    return gf.expected_narrowing(gf.Problem(parameters, targets), {"heap": solver})
+    return gf.expected_narrowing(
+        gf.Problem(parameters, targets, correlations=correlations), {"heap": solver}
+    )
 
 
 def test_a_heap_cannot_tell_two_frictions_apart_while_the_density_is_free() -> None:
@@ -138,3 +144,23 @@ def test_a_test_is_named_as_one_that_grainfit_runs_only_if_it_is_installed(
     assert 'draw-down test (type = "draw_down": angle of repose, mass flow)' in said
     assert 'uniaxial compression (type = "compression": lateral stress ratio)' in said
     assert "the bulk density (at a particle density" in said
+
+
+@pytest.mark.parametrize("coefficient", [0.0, 0.9, -0.9])
+def test_correlated_errors_count_in_the_expected_narrowing(coefficient: float) -> None:
+    density = replace(DENSITY, scale="log")
+    targets = (BULK_DENSITY, ANGLE)
+    known = [BUILT_IN["heap"].responses[target.name].sensitivities for target in targets]
+    slopes = np.array([found.slopes.get(density.name, 0.0) for found in known]) * log(2.0)
+    errors = np.array([0.01, 1.0 / 25.0])
+    covariance = np.diag(errors**2 + np.array([found.scatter**2 / 5 for found in known]))
+    covariance[0, 1] = covariance[1, 0] = coefficient * errors.prod()
+    information = slopes @ np.linalg.solve(covariance, slopes)
+    pairs = [("bulk_density", "angle_of_repose", coefficient)] if coefficient else []
+    found = expected(density, targets=targets, correlations=pairs)
+    assert found.narrowing[density.name] == pytest.approx(1 / sqrt(1 + information / 12))
+
+
+def test_nothing_is_expected_of_a_target_of_zero() -> None:
+    zero = gf.Target("angle_of_repose", 0.0, tolerance=1.0)
+    assert expected(ROLLING, targets=(BULK_DENSITY, zero)) == ExpectedNarrowing()

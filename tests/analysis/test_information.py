@@ -25,6 +25,16 @@ def test_the_covariance_after_measurements_is_that_of_bayes() -> None:
     after = Knowledge(NAMES, covariance).after(observations).covariance
     precision = np.linalg.inv(covariance) + slopes.T @ np.diag(1 / variances) @ slopes
     assert after == pytest.approx(np.linalg.inv(precision))
+    root = random.normal(size=(4, 4))
+    errors = root @ root.T + np.diag(variances)
+    correlated = [
+        Observation(o.name, o.slopes, float(variance))
+        for o, variance in zip(observations, np.diagonal(errors), strict=True)
+    ]
+    others = errors - np.diag(np.diagonal(errors))
+    after = Knowledge(NAMES, covariance).after(correlated, others).covariance
+    precision = np.linalg.inv(covariance) + slopes.T @ np.linalg.solve(errors, slopes)
+    assert after == pytest.approx(np.linalg.inv(precision))
 
 
 def test_a_response_tells_nothing_of_a_parameter_that_it_does_not_name() -> None:

@@ -14,7 +14,7 @@ from grainfit.bulk_tests.own_scene import OwnScene, user_function
 from grainfit.bulk_tests.registry import recreate_test
 from grainfit.calibration_file.build import load_calibration
 from grainfit.calibration_file.plan import describe_plan
-from grainfit.campaign.simulate_once import simulate_once
+from grainfit.campaign.batch import simulate_once
 from grainfit.contact_models.hertz_mindlin.model import hertz_overlap, particle_moduli
 from grainfit.errors import InputError, NotMeasurableError, RunFailedError
 from grainfit.run_definition import RunDefinition
@@ -300,6 +300,21 @@ def test_problems_of_a_scene_stop_a_calibration_before_its_first_run(
     assert "beads.py, line 16: NameError: name 'AtRst' is not defined" in problem
     with pytest.raises(InputError, match=r"beads\.py, line 16"):
         load_calibration(path).calibrate(tmp_path / "work")
+
+
+def test_two_scenes_are_loaded_without_executing_anything(beads: Path, tmp_path: Path) -> None:
+    path = tmp_path / "beads.toml"
+    content = FILE.replace("SOLVER", "lammps")
+    test = content[content.index("[[test]]") :]
+    path.write_text(content + 'name = "one"\n' + test + 'name = "two"\n')
+    executed = tmp_path / "executed"
+    beads.write_text(CODE + f"\nopen({str(executed)!r}, 'w').close()\n")
+
+    setup = load_calibration(path)
+
+    assert [scope.seconds for scope in setup.problem.tests] == [None, None]
+    assert describe_plan(setup, call_scenes=False).problems == ()
+    assert not executed.exists()
 
 
 def test_a_concept_that_the_solver_lacks_is_refused_with_what_to_use(

@@ -90,6 +90,7 @@ def sprung(tmp_path: Path) -> Trap:
         (folder / name).chmod(0o755)
     (folder / "in.deck.j2").write_text(
         "{{ 9**(9**9) }} {{ cycler.__init__.__globals__.os }}{% include '/etc/passwd' %}"
+        "{{ particle.density }}"
     )
     for command in (["./trap"], [sys.executable, "trap.py"]):
         subprocess.run(command, cwd=folder, check=True)

@@ -179,7 +179,7 @@ def test_ctrl_c_exits_with_130_and_the_next_start_goes_on(
 
 def test_a_work_folder_in_use_is_refused_and_shown_as_running(tmp_path: Path) -> None:
     file = calibration(tmp_path)
-    grainfit("simulate", file, folder=tmp_path)
+    grainfit("simulate", file, "--workdir", "my sand.grainfit", folder=tmp_path)
     with hold(tmp_path / "my sand.grainfit"):
         busy = grainfit("run", file, folder=tmp_path, code=1)
         shown = grainfit("status", "my sand.grainfit", folder=tmp_path)

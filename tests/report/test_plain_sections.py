@@ -238,7 +238,7 @@ def test_without_an_interval_the_answer_says_why() -> None:
     [
         ("calibrated", RESULT, "good", "Calibrated"),
         ("calibrated", None, "warn", "result.json is missing"),
-        ("running", None, "warn", "Simulated so far: 7 parameter sets; under way: 2 runs."),
+        ("running", None, "warn", "Simulated so far: 7 runs; under way: 2 runs."),
         ("interrupted", None, "warn", "No answer yet"),
         ("interrupted", RESULT, "warn", "The numbers are the best so far"),
         ("failed", None, "bad", "The first 3 runs all failed"),

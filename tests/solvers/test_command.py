@@ -16,6 +16,7 @@ from grainfit.evaluation import Response
 from grainfit.solvers.base import Workspace
 from grainfit.solvers.own_model.command import Command
 from grainfit.solvers.own_model.model_folder import ModelFolder
+from grainfit.solvers.own_model.prime_seed import prime_seeds
 from grainfit.testing.solver_contract import ProcessSolverContract
 
 PYTHON = sys.executable
@@ -159,6 +160,7 @@ def test_values_reach_the_model_in_every_way(tmp_path):
         "particle.density": 2100.0,
         "wall-angle": -5e-7,
         "seed": 7,
+        **prime_seeds(7),
     }
     assert (where.folder / "parameters.inc").read_text().splitlines() == [
         "variable particle_radius equal 0.005",
@@ -166,6 +168,7 @@ def test_values_reach_the_model_in_every_way(tmp_path):
         "variable particle_density equal 2100.0",
         "variable wall_angle equal -5e-07",
         "variable seed equal 7",
+        *(f"variable {name} equal {value}" for name, value in prime_seeds(7).items()),
     ]
 
 
@@ -571,6 +574,8 @@ def test_parameter_that_the_model_never_reads(tmp_path):
     ("names", "said"),
     [
         (["seed"], "seed: 'seed' is reserved"),
+        (["prime_seed_2"], "prime_seed_2: 'prime_seed_2' is reserved"),
+        (["prime.seed"], "prime.seed: is the solver variable prime_seed, which is reserved"),
         (["parameters.x"], "'parameters' is reserved"),
         (["a.b", "a_b"], "a_b: is the same solver variable as a.b"),
         (["a", "a.b"], "a: is the beginning of another name too"),

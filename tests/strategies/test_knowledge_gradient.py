@@ -1,5 +1,7 @@
 """The knowledge gradient is never negative and agrees with repeated simulation of a run."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.stats import norm
@@ -240,3 +242,27 @@ def test_a_noisy_run_teaches_less_than_a_precise_one(no_step: None) -> None:
     worth._scatter_at = lambda points: 4.0 * quiet(points)
     assert (worth(possible) <= precise).all()
     assert worth(possible).max() < 0.7 * precise.max()
+
+
+def test_the_improvement_of_correlated_targets_is_that_of_their_misfit(
+    possible: np.ndarray, trials: np.ndarray, no_step: None
+) -> None:
+    correlated = replace(PROBLEM, correlations=[("first", "second", -0.8)])
+    known = Metamodels(correlated, metamodels(0.1).models)
+    worth = improvement(known, possible)
+    means, variances = known.deviations(possible)
+    covariance, variance = known.covariance_with(possible)(trials)
+    learnt = covariance / np.sqrt(variance + known.scatter_at(trials).T)[:, None, :]
+    precision = np.linalg.inv([[1.0, -0.8], [-0.8, 1.0]])
+    smallest = []
+    for outcome in expected_improvement._normal_outcomes(2):
+        then = means.T[:, :, None] + learnt * outcome[:, None, None]
+        left = variances.T[:, :, None] - learnt**2
+        misfits = np.einsum("kmt,kl,lmt->mt", then, precision, then)
+        misfits += np.einsum("kk,kmt->mt", precision, left)
+        smallest.append(misfits.min(axis=0))
+    now = known.misfit(possible).min()
+    wanted = np.maximum(now - np.mean(smallest, axis=0), 0.0)
+    assert worth(trials) == pytest.approx(wanted, rel=1e-6, abs=1e-9 * now)
+    alone = improvement(Metamodels(PROBLEM, known.models), possible)(trials)
+    assert not np.allclose(alone, wanted, rtol=0.05)

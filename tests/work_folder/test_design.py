@@ -99,6 +99,15 @@ def test_a_file_with_measurements_is_a_plan_too(plan: Path) -> None:
     assert planned.value("heap", "heap_height", test.responses["heap_height"]) == 0.053
 
 
+def test_correlations_of_a_file_with_measurements_are_checked(plan: Path) -> None:
+    pair = '[["bulk_density", "{}", 0.5]]'
+    plan.write_text(MEASURED + f"correlations = {pair.format('angle_of_repose')}\n")
+    assert load_planned_file(plan).solvers.keys() == {"heap"}
+    plan.write_text(MEASURED + f"correlations = {pair.format('angle')}\n")
+    with pytest.raises(gf.InputError, match=r"'angle' has no target here\. Use two of"):
+        load_planned_file(plan)
+
+
 def test_a_heap_and_a_draw_down_settle_both_frictions(plan: Path) -> None:
     plan.write_text(MEASURED)
     found = gf.design(plan, wanted=0.3)

@@ -10,6 +10,9 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
+import numpy as np
+from numpy.typing import NDArray
+
 from grainfit.analysis.further_tests import (
     BETTER_FIXED,
     DIRECT,
@@ -30,6 +33,8 @@ from grainfit.evaluation import response_name
 from grainfit.formatting import in_a_row
 from grainfit.problem import Problem
 from grainfit.solvers.base import Solver
+
+Array = NDArray[np.float64]
 
 #: Share of an interval above which a parameter counts as open: the sensitivities are those of two
 #: materials, so only wide intervals are worth a note.
@@ -89,7 +94,7 @@ def expected_narrowing(problem: Problem, solvers: Mapping[str, Solver]) -> Expec
         return ExpectedNarrowing()
     free = [p for p in problem.parameters if p.name in VARIED]
     spreads = {p.name: even_deviation(p) for p in free}
-    estimate = _Estimate(Knowledge.of_intervals(free), spreads, seen)
+    estimate = _Estimate(Knowledge.of_intervals(free), spreads, seen, _covariances(problem))
     tests = in_a_row(dict.fromkeys(s.bulk_test.type for s in solvers.values() if s.bulk_test))
     without_effect = [p.name for p in problem.parameters if p.name in BETTER_FIXED]
     notes = (*_notes(estimate, tests), *map(better_fixed, without_effect))
@@ -125,6 +130,13 @@ def _observations(
     return found
 
 
+def _covariances(problem: Problem) -> Array:
+    """Covariances of the errors of different measured values, relative to these."""
+    errors = [standard_uncertainty(target) / target.value for target in problem.targets]
+    between = problem.correlation_matrix - np.eye(len(errors))
+    return np.asarray(between * np.outer(errors, errors))
+
+
 @dataclass(frozen=True)
 class _Estimate:
     """Free parameters whose effect is known, and the responses that tell about them."""
@@ -132,10 +144,11 @@ class _Estimate:
     before: Knowledge
     spreads: Mapping[str, float]
     observations: Sequence[Observation]
+    covariances: Array
 
     def narrowing(self, given: Sequence[str] = ()) -> dict[str, float]:
         """Expected narrowing by name of those parameters that are not given."""
-        after = self.before.without(given).after(self.observations)
+        after = self.before.without(given).after(self.observations, self.covariances)
         return {name: after.deviation(name) / self.spreads[name] for name in after.names}
 
     def narrowing_alone(self, name: str) -> float:

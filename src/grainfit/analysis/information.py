@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from math import log
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from grainfit.bulk_tests.accuracy import Accuracy
 from grainfit.bulk_tests.base import ResponseInfo
@@ -72,8 +72,16 @@ class Knowledge:
         variances = [_deviation_before(parameter) ** 2 for parameter in parameters]
         return cls(tuple(p.name for p in parameters), np.diag(np.array(variances, dtype=float)))
 
-    def after(self, observations: Sequence[Observation]) -> Knowledge:
+    def after(self, observations: Sequence[Observation], covariances: ArrayLike = 0.0) -> Knowledge:
         """Return what is known when responses have been measured.
+
+        Parameters
+        ----------
+        observations : sequence of Observation
+            The responses.
+        covariances : array_like, shape (n, n)
+            Covariances of the errors of different observations, relative, with zeros on the
+            diagonal; by default they are not correlated.
 
         Examples
         --------
@@ -86,7 +94,7 @@ class Knowledge:
             return self
         slopes = np.array([[o.slopes.get(name, 0.0) for name in self.names] for o in observations])
         seen = slopes @ self.covariance
-        total = seen @ slopes.T + np.diag([o.variance for o in observations])
+        total = seen @ slopes.T + np.diag([o.variance for o in observations]) + covariances
         change = seen.T @ np.linalg.solve(total, seen)
         return Knowledge(self.names, self.covariance - (change + change.T) / 2)
 
@@ -198,6 +206,8 @@ def recorded_measurable(
 ) -> Measurable | None:
     """Return a response with its recorded sensitivities; None without them.
 
+    None as well for a value of zero: the sensitivities are relative to it.
+
     Parameters
     ----------
     name : str
@@ -212,6 +222,6 @@ def recorded_measurable(
         Of the measurement.
     """
     known = info.sensitivities
-    if known is None:
+    if known is None or value == 0:
         return None
     return Measurable(name, value, accuracy, known.at(material), known.scatter, unit=info.unit)

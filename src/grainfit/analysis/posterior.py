@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
@@ -158,7 +158,8 @@ def sample_posterior(
     a parameter with ``scale="log"``); a parameter with a measurement of its own is normally
     distributed about it. The measured values are normally distributed about the
     expected responses. Their variance is that of the measurement plus that of the metamodel's mean,
-    which includes the scatter from run to run.
+    which includes the scatter from run to run; correlations of the targets are those of the
+    measurement.
 
     Parameters
     ----------
@@ -182,7 +183,7 @@ def sample_posterior(
     problem = metamodels.problem
     with threadpool_limits(limits=1, user_api="blas"):
         sample = sample_cube(
-            _log_likelihood(metamodels),
+            _log_density(metamodels),
             problem.dimension,
             seed=seed,
             samples=samples,
@@ -214,17 +215,43 @@ def _in_units(problem: Problem, points: Array) -> Array:
     return np.stack(columns, axis=-1)
 
 
+def _log_density(metamodels: Metamodels) -> Callable[[Array], Array]:
+    """Return the logarithm of the density: the likelihood, and what was measured on its own."""
+    log_likelihood = _log_likelihood(metamodels)
+
+    def log_density(points: Array) -> Array:
+        own = (metamodels.problem.off_measured(points) ** 2).sum(axis=1)
+        return np.asarray(log_likelihood(points) - 0.5 * own)
+
+    return log_density
+
+
 def _log_likelihood(metamodels: Metamodels) -> Callable[[Array], Array]:
     targets = metamodels.problem.targets
     measured = np.array([target.value for target in targets])
     variances = np.array([standard_uncertainty(target) ** 2 for target in targets])
+    if metamodels.problem.correlations:
+        deviations = np.sqrt(variances)
+        covariance = metamodels.problem.correlation_matrix * np.outer(deviations, deviations)
+        return partial(_correlated_log_likelihood, metamodels, measured, covariance)
 
     def log_likelihood(points: Array) -> Array:
         means, errors = metamodels.predict(points)
         total = variances + errors
         # A point must not look good only because it is uncertain.
-        misfit = ((means - measured) ** 2 / total + np.log(total)).sum(axis=1)
-        own = (metamodels.problem.off_measured(points) ** 2).sum(axis=1)
-        return np.asarray(-0.5 * (misfit + own))
+        return np.asarray(-0.5 * ((means - measured) ** 2 / total + np.log(total)).sum(axis=1))
 
     return log_likelihood
+
+
+def _correlated_log_likelihood(
+    metamodels: Metamodels, measured: Array, covariance: Array, points: Array
+) -> Array:
+    """Log-likelihood with a covariance of the measured values, shape (m,)."""
+    means, errors = metamodels.predict(points)
+    # The metamodels are fitted one by one: their errors are independent.
+    total = covariance + errors[:, :, None] * np.eye(len(measured))
+    factors = np.linalg.cholesky(total)
+    off = np.linalg.solve(factors, (means - measured)[..., None])[..., 0]
+    logarithms = np.log(np.diagonal(factors, axis1=1, axis2=2))
+    return np.asarray(-0.5 * (off**2).sum(axis=1) - logarithms.sum(axis=1))

@@ -98,6 +98,7 @@ def _response(
 ) -> ResponseResult:
     answer, name = outcome.answer, target.name
     probability = answer.probabilities[name]
+    share = target.relative_deviation(answer.predicted[name])
     return ResponseResult(
         target=target.value,
         tolerance=target.tolerance,
@@ -110,7 +111,7 @@ def _response(
         verified_interval=verified.half_width if verified else None,
         verified_values=tuple(outcome.fresh.values[name].values()),
         verified_seeds=tuple(outcome.fresh.values[name]),
-        deviation_percent=100 * target.relative_deviation(answer.predicted[name]),
+        deviation_percent=None if share is None else 100 * share,
         verdict=_verdict(probability, outcome.confidence, contradicted),
     )
 

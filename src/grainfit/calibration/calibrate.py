@@ -16,6 +16,8 @@ from grainfit.calibration.loop import CalibrationLoop, LoopOptions
 from grainfit.calibration.options import CalibrationOptions
 from grainfit.calibration.progress import Progress
 from grainfit.calibration.provenance import Provenance
+from grainfit.calibration.readiness import require_ready
+from grainfit.calibration.scopes import restricted, with_scopes
 from grainfit.calibration.timeouts import default_timeouts
 from grainfit.calibration.verification import VERIFICATION_RUNS
 from grainfit.campaign.campaign import Campaign, CampaignOptions
@@ -25,7 +27,6 @@ from grainfit.campaign.store.shared import SharedRuns, share
 from grainfit.campaign.store.store import RunStore
 from grainfit.campaign.work_folder import RESULT_NAME, hold, recover
 from grainfit.errors import Fault, InputError
-from grainfit.evaluation import response_name
 from grainfit.problem import Problem
 from grainfit.result import Result
 from grainfit.solvers.base import Solver
@@ -143,11 +144,10 @@ def calibrate(
         keep=keep,
     )
     chosen = as_strategy(strategy)
-    _check_targets(problem, solvers)
+    problem = with_scopes(problem, solvers)
+    solvers = restricted(problem, solvers)
     _check_timeouts(timeouts or {}, solvers)
-    _check_intervals(problem, solvers)
-    for solver in solvers.values():
-        solver.check()
+    require_ready(problem, solvers)
     verification_runs = verification_runs or VERIFICATION_RUNS
     search = start_search(chosen, problem, len(solvers), seed, max_runs, verification_runs)
     with ExitStack() as stack:
@@ -242,33 +242,3 @@ def _check_timeouts(timeouts: Mapping[str, float], solvers: Mapping[str, Solver]
     ]
     if faults:
         raise InputError(faults)
-
-
-def _check_intervals(problem: Problem, solvers: Mapping[str, Solver]) -> None:
-    faults = [
-        replace(fault, key=f"{test}.{fault.key}")
-        for test, solver in solvers.items()
-        for fault in solver.interval_faults(problem.intervals)
-    ]
-    if faults:
-        raise InputError(faults)
-
-
-def _check_targets(problem: Problem, solvers: Mapping[str, Solver]) -> None:
-    known: set[str] = set()
-    for test, solver in solvers.items():
-        if solver.response_names is None:
-            return
-        known |= {response_name(test, name, len(solvers)) for name in solver.response_names}
-    missing = [target.name for target in problem.targets if target.name not in known]
-    if missing:
-        raise InputError(
-            [
-                Fault(
-                    name,
-                    "is a target, but no test yields such a response.",
-                    f"There are: {', '.join(sorted(known))}.",
-                )
-                for name in missing
-            ]
-        )

@@ -15,7 +15,13 @@ from grainfit.calibration.intervals import with_intervals
 from grainfit.calibration.progress import Progress
 from grainfit.calibration.provenance import Provenance
 from grainfit.calibration.verdict import Outcome, judge
-from grainfit.calibration.verification import MOST_FRESH, FreshRuns, runs_near
+from grainfit.calibration.verification import (
+    MOST_FRESH,
+    FreshRuns,
+    contradictions,
+    lacking_runs,
+    runs_near,
+)
 from grainfit.calibration.warm_start import warm_start
 from grainfit.campaign.campaign import Campaign
 from grainfit.campaign.reuse import models_of, runs_of
@@ -105,6 +111,7 @@ class CalibrationLoop:
             "seed": self._strategy.seed,
             "options": self._strategy.definition,
             **self._rayleigh(),
+            **({"correlations": list(problem.correlations)} if problem.correlations else {}),
         }
 
     def _rayleigh(self) -> dict[str, Any]:
@@ -120,6 +127,7 @@ class CalibrationLoop:
             "version": version("grainfit"),
             "workers": self._options.workers,
             "max_runs": self._options.max_runs,
+            "tests": [asdict(scope) for scope in self._problem.tests],
             "provenance": asdict(self._options.provenance or Provenance()),
         }
 
@@ -206,7 +214,7 @@ class CalibrationLoop:
             and (left is None or left > 0)
             and min(answer.probability_all_met, answer.probability_without_outliers) >= least
             and answer.runs_needed <= MOST_FRESH
-            and self._verification_asked < _MOST_VERIFICATION
+            and self._verification_asked < _MOST_VERIFICATION * self._tests
         )
 
     def _recorded_answer(self) -> Mapping[str, float] | None:
@@ -230,8 +238,7 @@ class CalibrationLoop:
         """Take the recorded proposals up to the next verification."""
         recalled = []
         while self._recorded and self._recorded[0].stage != "verification":
-            record = self._recorded.popleft()
-            recalled.append(Proposal(record.parameters, record.seed, record.stage))
+            recalled.append(self._recorded.popleft().proposal(self._campaign.tests))
         return recalled
 
     def _recall_verification(self, answer: Answer) -> None:
@@ -276,14 +283,11 @@ class CalibrationLoop:
     def _run_fresh_seeds(self, answer: Answer, fresh: FreshRuns) -> None:
         """Run fresh seeds at the answer: as many as its confirmation lacks."""
         self._recall_verification(answer)
-        lacking = self._options.verification_runs - fresh.count
-        count = max(lacking, min(answer.runs_needed, self._options.workers), 1)
-        left = self._left()
         waiting = []
-        for _ in range(count if left is None else min(count, max(left, 1))):
+        for tests in self._tests_to_verify(answer, fresh):
             self._verification_asked += 1
             seed = insertion_seed(self._strategy.seed, "verification", self._verification_asked)
-            waiting.append(Proposal(answer.parameters, seed, "verification"))
+            waiting.append(Proposal(answer.parameters, seed, "verification", tests))
         order = {proposal.seed: position for position, proposal in enumerate(waiting)}
         ended: list[Evaluation] = []
         # Pending runs of the search may end meanwhile.
@@ -299,10 +303,45 @@ class CalibrationLoop:
         for evaluation in ended:
             self._strategy.tell(evaluation.proposal, evaluation)
 
-    def _left(self) -> int | None:
-        """Return the number of proposals left in the budget."""
+    def _tests_to_verify(self, answer: Answer, fresh: FreshRuns) -> list[tuple[str, ...] | None]:
+        """Return the tests of each run with a fresh seed that is to be made now."""
+        fewest, workers = self._options.verification_runs, self._options.workers
+        left = self._runs_left()
+        if not self._problem.tests:
+            lacking = fewest - fresh.count
+            count = max(lacking, min(answer.runs_needed, workers), 1)
+            return [None] * (count if left is None else min(count, max(left, 1)))
+        missing = lacking_runs(self._problem, answer, fresh, fewest)
+        wanted = [test for test, count in missing.items() for _ in range(count)]
+        found = contradictions(self._problem, fresh.verified(), answer)
+        # More runs of a test tell whether its fresh seeds contradict all runs by chance.
+        doubted = {self._problem.scope_of(one.target.name).name for one in found}
+        wanted += [test for test, count in missing.items() if test in doubted and not count]
+        if not wanted or answer.probability_all_met < self._strategy.confidence_to_stop:
+            # Of those that make the answer certain, the first: the next verdict may need no more.
+            worth = Counter(answer.runs_by_worth[: max(workers, self._tests)])
+            wanted += (worth - Counter(wanted)).elements()
+        return [(test,) for test in wanted[: None if left is None else max(left, 1)]]
+
+    @property
+    def _tests(self) -> int:
+        """Number of tests that are simulated one by one."""
+        return len(self._problem.scopes)
+
+    def _runs_left(self) -> int | None:
+        """Return the number of runs left in the budget, of all tests together without scopes."""
         if self._options.max_runs is None:
             return None
+        if not self._problem.tests:
+            return self._left()
+        return self._options.max_runs - sum(len(e.runs) for e in self._evaluations)
+
+    def _left(self) -> int | None:
+        """Return the number of parameter sets left in the budget."""
+        if self._options.max_runs is None:
+            return None
+        if self._problem.tests:
+            return (self._runs_left() or 0) // self._campaign.tests
         return self._options.max_runs // self._campaign.tests - len(self._evaluations)
 
     def _start(self, proposal: Proposal) -> None:
@@ -327,17 +366,16 @@ class CalibrationLoop:
 
     def _stop_when_hopeless(self) -> None:
         """Stop when no run has given a target and none is likely to."""
-        count = len(self._evaluations)
-        missing = [
-            target.name
-            for target in self._problem.targets
-            if not any(target.name in e.responses for e in self._evaluations)
-        ]
-        reasons = {tuple(e.failures.values()) for e in self._evaluations}
+        given = {name for evaluation in self._evaluations for name in evaluation.responses}
+        missing = [target.name for target in self._problem.targets if target.name not in given]
+        tests = {self._problem.scope_of(name).name for name in missing}
+        tried = [e for e in self._evaluations if any(map(e.proposal.asks_for, tests))]
+        count = len(tried)
+        reasons = {tuple(e.failures.values()) for e in tried}
         alike = _HOPELESS if len(reasons) == 1 else _HOPELESS_WHATEVER
         if not missing or count < alike:
             return
-        last = self._evaluations[-1]
+        last = tried[-1]
         why = "; ".join(last.failures.values()) or (
             f"there was only {', '.join(sorted(last.responses)) or 'nothing'}"
         )
@@ -371,21 +409,21 @@ class CalibrationLoop:
         if self._options.on_progress is None:
             return
         evaluations = self._evaluations
-        fresh = sum(e.proposal.stage == "verification" for e in evaluations)
-        lacking = max(self._verification_asked, self._options.verification_runs) - fresh
-        left = max(self._strategy.expected_left, lacking, 0)
-        simulated = [e.seconds for e in evaluations if not e.reused]
-        seconds = (
-            sum(simulated) / len(simulated) * left / self._options.workers if simulated else None
+        verified = [e for e in evaluations if e.proposal.stage == "verification"]
+        asked = max(
+            self._verification_asked, self._options.verification_runs * self._campaign.tests
         )
+        left = max(self._strategy.expected_left, asked - _runs(verified), 0)
+        simulated = _runs(evaluations) - sum(e.reused for e in evaluations)
+        seconds = sum(e.simulated_seconds for e in evaluations)
         self._options.on_progress(
             Progress(
                 self._stage,
-                len(evaluations),
+                _runs(evaluations),
                 self._campaign.under_way,
-                sum(1 for e in evaluations if e.failures),
+                sum(len(e.failures) for e in evaluations),
                 left,
-                seconds,
+                seconds / simulated * left / self._options.workers if simulated else None,
                 min(self._deviations(), default=None),
                 tuple(self._strategy.notices),
                 self._origins,
@@ -393,13 +431,23 @@ class CalibrationLoop:
         )
 
     def _deviations(self) -> list[float]:
-        """Return the largest relative deviation of each evaluation that has all responses."""
+        """Return the largest relative deviation of each evaluation that has all responses.
+
+        None where a target has no relative deviations.
+        """
+        if not all(target.is_relative for target in self._problem.targets):
+            return []
         names = {target.name for target in self._problem.targets}
         return [
             max(
-                abs(target.relative_deviation(e.responses[target.name].value))
+                abs(target.misfit(e.responses[target.name].value))
                 for target in self._problem.targets
             )
             for e in self._evaluations
             if names <= e.responses.keys()
         ]
+
+
+def _runs(evaluations: Sequence[Evaluation]) -> int:
+    """Return the number of runs of some evaluations, known ones included."""
+    return sum(len(evaluation.runs) for evaluation in evaluations)

@@ -19,13 +19,14 @@ class Progress:
     stage : str
         ``design``, ``optimisation`` or ``verification``.
     done, running, failed : int
-        Finished parameter sets, running runs, and parameter sets with a failed run.
+        Finished, running and failed runs: one test at one parameter set each.
     left : int
-        Estimated number of remaining parameter sets, verification included.
+        Estimated number of remaining runs, verification included.
     seconds_left : float, optional
         Estimated remaining time, s.
     best_deviation : float, optional
-        Largest relative deviation from a target in the best run so far.
+        Largest relative deviation from a target in the best run so far; None if deviations from a
+        target are not relative.
     notices : tuple of str
         Notices for the user.
     warm_start_runs : mapping of str to int
@@ -45,7 +46,7 @@ class Progress:
 
     @property
     def left_range(self) -> tuple[int, int]:
-        """Range of the number of remaining parameter sets, see `UNCERTAINTY_OF_LEFT`."""
+        """Range of the number of remaining runs, see `UNCERTAINTY_OF_LEFT`."""
         return floor(self.left / UNCERTAINTY_OF_LEFT), ceil(self.left * UNCERTAINTY_OF_LEFT)
 
     @property

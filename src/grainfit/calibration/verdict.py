@@ -5,8 +5,20 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-from grainfit.calibration.verification import Contradiction, FreshRuns, contradictions
-from grainfit.formatting import counted, number, plain_probability, unit_for_people, with_unit
+from grainfit.calibration.verification import (
+    Contradiction,
+    FreshRuns,
+    contradictions,
+    lacking_runs,
+)
+from grainfit.formatting import (
+    counted,
+    in_a_row,
+    number,
+    plain_probability,
+    unit_for_people,
+    with_unit,
+)
 from grainfit.metamodels.outliers import Outliers
 from grainfit.problem import Problem, Target
 from grainfit.result import MetamodelQuality, Status
@@ -34,6 +46,8 @@ class Outcome:
         Probability from which a target counts as met.
     fewest_fresh : int
         Number of fresh seeds without which no answer is calibrated.
+    lacking : int
+        Runs with fresh seeds that are missing from that number, of all tests.
     """
 
     answer: Answer
@@ -42,6 +56,7 @@ class Outcome:
     contradictions: Sequence[Contradiction]
     confidence: float
     fewest_fresh: int
+    lacking: int
 
 
 def judge(
@@ -66,13 +81,15 @@ def judge(
         Number of fresh seeds without which no answer is calibrated.
     """
     contradicted = contradictions(problem, fresh.verified(), answer)
+    lacking = sum(lacking_runs(problem, answer, fresh, fewest_fresh).values())
     return Outcome(
         answer,
-        _status(answer, confidence, bool(contradicted) or fresh.count < fewest_fresh),
+        _status(answer, confidence, bool(contradicted) or lacking > 0),
         fresh,
         contradicted,
         confidence,
         fewest_fresh,
+        lacking,
     )
 
 
@@ -100,6 +117,8 @@ def reasons(problem: Problem, outcome: Outcome) -> Iterator[str]:
     """
     yield from map(str, outcome.contradictions)
     answer = outcome.answer
+    if apart := _not_together(problem, outcome):
+        yield apart
     for target in problem.targets:
         if found := answer.outliers.get(target.name):
             yield _about_outliers(target, found)
@@ -118,11 +137,26 @@ def reasons(problem: Problem, outcome: Outcome) -> Iterator[str]:
         )
     elif with_all < outcome.confidence:
         yield _about_noise(problem, outcome)
-    elif outcome.fresh.count < outcome.fewest_fresh and not outcome.contradictions:
+    elif outcome.lacking and not outcome.contradictions:
         yield (
             f"Undecided because only {outcome.fresh.count} of {outcome.fewest_fresh} runs with "
             "fresh seeds at the answer could be made: allow more runs."
         )
+
+
+def _not_together(problem: Problem, outcome: Outcome) -> str:
+    """Say that correlated targets are met one by one, but not together; "" otherwise."""
+    answer = outcome.answer
+    each = answer.probabilities.values()
+    if not problem.correlations or outcome.status == "calibrated":
+        return ""
+    if answer.probability_all_met >= outcome.confidence or min(each) < outcome.confidence:
+        return ""
+    names = dict.fromkeys(name for pair in problem.correlations for name in pair[:2])
+    return (
+        f"{in_a_row(names)} are each within their tolerances, but deviate as their correlation "
+        "makes unlikely. Look for an error that they do not share, or lower the coefficient."
+    )
 
 
 def _about_outliers(target: Target, found: Outliers) -> str:

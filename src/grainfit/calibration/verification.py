@@ -26,6 +26,9 @@ MOST_FRESH = 20
 #: Largest difference in any parameter, as a share of its interval, and in any expected response,
 #: in tolerances, of a parameter set that counts as very near.
 _NEAR_PARAMETERS, _NEAR_RESPONSES = 0.1, 0.5
+#: Scatter of a response, in tolerances, up to which two runs agree by chance with the same error
+#: once in 10,000 times; and the number of fresh seeds that it needs.
+_QUIET, _FEWEST_QUIET = 0.25, 2
 #: Standard errors between fresh seeds and all runs that contradict each other. By chance it
 #: happens in 3 of 1,000 checks.
 _CONTRADICTION = 3.0
@@ -162,6 +165,35 @@ def _shift(
     shift = {name: value - there.predicted[name] for name, value in answer.predicted.items()}
     far = any(abs(shift[t.name]) > _NEAR_RESPONSES * t.tolerance for t in problem.targets)
     return None if far else shift
+
+
+def lacking_runs(problem: Problem, answer: Answer, fresh: FreshRuns, fewest: int) -> dict[str, int]:
+    """Return how many runs with fresh seeds an answer lacks, by name of the test.
+
+    Parameters
+    ----------
+    problem : Problem
+        Parameters, targets, and tests.
+    answer : Answer
+        The answer.
+    fresh : FreshRuns
+        Runs at or very near the answer.
+    fewest : int
+        Number of fresh seeds without which no answer is calibrated. One of several tests needs two
+        where its responses scatter little.
+    """
+    lacking = {}
+    for scope in problem.scopes:
+        targets = [target for target in problem.targets if target.name in scope.targets]
+        quiet = bool(problem.tests) and all(_is_quiet(target, answer) for target in targets)
+        made = min((len(fresh.values[target.name]) for target in targets), default=0)
+        lacking[scope.name] = max(0, (min(fewest, _FEWEST_QUIET) if quiet else fewest) - made)
+    return lacking
+
+
+def _is_quiet(target: Target, answer: Answer) -> bool:
+    quality = answer.quality.get(target.name)
+    return quality is not None and quality.noise <= _QUIET * target.tolerance
 
 
 def mean_with_interval(values: Sequence[float]) -> Verified:

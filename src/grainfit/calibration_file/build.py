@@ -14,6 +14,7 @@ from grainfit.calibration.calibrate import calibrate
 from grainfit.calibration.options import CalibrationOptions
 from grainfit.calibration.progress import Progress
 from grainfit.calibration.provenance import Provenance
+from grainfit.calibration.scopes import restricted, with_scopes
 from grainfit.calibration.timeouts import default_timeouts
 from grainfit.calibration_file.contact_notes import contact_notes
 from grainfit.calibration_file.content import CalibrationFile, SearchOptions, TestSpecification
@@ -115,6 +116,15 @@ class CalibrationSetup:
             name: MATERIAL_PARAMETERS[name].unit for name in fixed.keys() & MATERIAL_PARAMETERS
         }
         return Provenance(self.file.path.name, text, fixed, units)
+
+    @property
+    def missing_for_time_step(self) -> tuple[str, ...]:
+        """Keys that the Rayleigh time step lacks; empty if it is known, or if the file has none."""
+        known = {*self.file.fixed, *(parameter.name for parameter in self.file.parameters)}
+        if self.problem.rayleigh is not None or known.isdisjoint(_RAYLEIGH):
+            return ()
+        size = () if self.file.sizes is not None else ("particle.diameter",)
+        return (*(name for name in _RAYLEIGH if name not in known), *size)
 
     @property
     def bulk_tests(self) -> dict[str, BulkTest]:
@@ -313,7 +323,8 @@ def build_calibration(file: CalibrationFile) -> CalibrationSetup:
         A test cannot be simulated; lists all faults of all tests.
     """
     solvers = build_solvers(file)
-    return CalibrationSetup(file, _problem(file), solvers)
+    problem = with_scopes(_problem(file), solvers)
+    return CalibrationSetup(file, problem, restricted(problem, solvers))
 
 
 def build_solvers(file: CalibrationFile) -> dict[str, Solver]:
@@ -337,8 +348,11 @@ def build_solvers(file: CalibrationFile) -> dict[str, Solver]:
 
 
 def _problem(file: CalibrationFile) -> Problem:
+    def named(test: TestSpecification, response: str) -> str:
+        return response_name(test.name, response, len(file.tests))
+
     targets = [
-        replace(target, name=response_name(test.name, target.name, len(file.tests)))
+        replace(target, name=named(test, target.name))
         for test in file.tests
         for target in test.targets
     ]
@@ -347,6 +361,11 @@ def _problem(file: CalibrationFile) -> Problem:
         targets,
         _rayleigh(file),
         rayleigh_weight=file.strategy.rayleigh_weight or 0,
+        correlations=[
+            (named(test, first), named(test, second), coefficient)
+            for test in file.tests
+            for first, second, coefficient in test.correlations
+        ],
     )
 
 

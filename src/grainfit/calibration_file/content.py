@@ -10,6 +10,7 @@ from typing import Any, ClassVar
 from grainfit.bulk_tests.accuracy import Accuracy
 from grainfit.calibration.options import CalibrationOptions
 from grainfit.campaign.cluster.options import ClusterOptions
+from grainfit.correlations import Correlation
 from grainfit.materials.sizes import ParticleSizes
 from grainfit.problem import Parameter, Target
 from grainfit.strategies.base import Strategy
@@ -49,6 +50,8 @@ class TestSpecification:
     planned : mapping of str to PlannedTarget
         Instead of targets, responses that could be measured, in a file that is read before the
         laboratory; none means all of the test.
+    correlations : tuple of (str, str, float)
+        Correlations of the errors of the measured values: two responses and a coefficient.
     """
 
     # Keeps pytest from taking it for a class of tests.
@@ -59,6 +62,7 @@ class TestSpecification:
     options: Mapping[str, Any]
     targets: tuple[Target, ...]
     planned: Mapping[str, PlannedTarget] = field(default_factory=dict)
+    correlations: tuple[Correlation, ...] = ()
 
 
 @dataclass(frozen=True)

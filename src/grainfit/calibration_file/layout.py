@@ -26,6 +26,7 @@ from grainfit.options.kinds import Choice, Text
 from grainfit.options.places import Findings, Place
 from grainfit.options.tables import Key, Named, Table, Values
 from grainfit.problem import Parameter
+from grainfit.solvers.own_model.prime_seed import PRIME_SEEDS
 from grainfit.solvers.registry import types_of_test
 
 MATERIAL_SECTIONS = {
@@ -42,6 +43,7 @@ _KINDS: dict[Kind, str] = {
 #: Names that custom parameters cannot have: templates and decks of custom models already use them.
 _RESERVED = (
     "seed",
+    *PRIME_SEEDS,
     "parameters",
     *MATERIAL_SECTIONS,
     *(name.replace(".", "_") for name in MATERIAL_PARAMETERS),

@@ -205,8 +205,8 @@ class OwnParameter(Kind):
         return {"anyOf": [{"type": "number"}, self._interval(Quantity(None)).schema()]}
 
 
-def own_quantity(table: dict[str, Any], *, above_zero: bool = False) -> Quantity:
+def own_quantity(table: dict[str, Any]) -> Quantity:
     """Return the quantity that a table of the user's own model holds, by its key ``unit``."""
     unit = table.get("unit")
     known = isinstance(unit, str) and is_unit(unit)
-    return Quantity(unit if known else None, above_zero=above_zero)
+    return Quantity(unit if known else None)

@@ -4,11 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import chain
 
+from grainfit.calibration.readiness import Obstacle, obstacles
 from grainfit.calibration.verification import VERIFICATION_RUNS
 from grainfit.calibration_file.build import CalibrationSetup
 from grainfit.campaign.cluster.executor import describe_cluster, executed_by
 from grainfit.errors import GrainfitError, InputError
+from grainfit.formatting import in_a_row
 from grainfit.problem import Parameter, Problem, Target
 from grainfit.solvers.base import Solver
 from grainfit.strategies.budget import start_search
@@ -58,26 +61,31 @@ def describe_plan(setup: CalibrationSetup, *, call_scenes: bool = True) -> Plan:
     problems: list[str] = []
     lines: list[str] = []
     executes: list[str] = []
+    without_cost: list[Obstacle] = []
     for test, solver in setup.solvers.items():
         try:
             # Before the check, so that it is shown even if the check fails.
             executes += [f"test {test}: {line}" for line in solver.executes()]
-            faults = solver.interval_faults(setup.problem.intervals)
-            problems += [f"Test {test}: {fault}" for fault in faults]
             solver.check()
             lines.append(f"Test {test}: {solver.readiness()}")
+        except GrainfitError:
+            # One of the obstacles.
+            continue
+        try:
             if call_scenes or not _has_code(solver):
                 lines += _cost_lines(solver, setup.problem)
-        except InputError as error:
-            problems += [f"{setup.file.path}: test {test}, {fault}" for fault in error.faults]
         except GrainfitError as error:
-            problems.append(f"Test {test}: {error}")
+            without_cost.append(Obstacle(test, error))
+    found = [*obstacles(setup.problem, setup.solvers)]
+    refused = {obstacle.test for obstacle in found}
+    found += [obstacle for obstacle in without_cost if obstacle.test not in refused]
+    problems += chain(*(_words(setup, obstacle) for obstacle in found))
     if setup.file.contact_models:
         lines.append(
             f"Contact model instead of the usual one: {', '.join(setup.file.contact_models)}."
         )
     lines += setup.file.notes
-    lines += _rayleigh_lines(setup.problem)
+    lines += _rayleigh_lines(setup)
     cluster = setup.cluster or setup.file.cluster
     if cluster is not None:
         lines += describe_cluster(cluster)
@@ -98,10 +106,25 @@ def describe_plan(setup: CalibrationSetup, *, call_scenes: bool = True) -> Plan:
     )
 
 
-def _rayleigh_lines(problem: Problem) -> Iterator[str]:
+def _words(setup: CalibrationSetup, obstacle: Obstacle) -> list[str]:
+    test = f"test {obstacle.test}" if obstacle.test else ""
+    if isinstance(obstacle.error, InputError):
+        source = obstacle.error.source or f"{setup.file.path}"
+        where = f"{source}: {test}, " if test else f"{source}: "
+        return [f"{where}{fault}" for fault in obstacle.error.faults]
+    return [f"Test {obstacle.test}: {obstacle.error}"]
+
+
+def _rayleigh_lines(setup: CalibrationSetup) -> Iterator[str]:
+    problem = setup.problem
     if problem.rayleigh is not None:
         smallest, largest = problem.rayleigh.limits(problem.intervals)
         yield f"Rayleigh time step within the intervals: {smallest:.4g} to {largest:.4g} s."
+    elif missing := setup.missing_for_time_step:
+        yield (
+            "The Rayleigh time step is not known, so it plays no part in the choice of the answer: "
+            f"{in_a_row(missing)} {'is' if len(missing) == 1 else 'are'} not in the file."
+        )
 
 
 def _has_code(solver: Solver) -> bool:
@@ -127,11 +150,11 @@ def _run_lines(setup: CalibrationSetup) -> Iterator[str]:
         max_runs=strategy.max_runs,
         verification_runs=verification,
     )
-    design = search.design_runs
-    behind = max(search.expected_left - design, verification)
+    design = search.runs_of_design
+    behind = max(search.expected_left - design, verification * tests)
     yield (
-        f"DEM runs: {design * tests} for the design, then usually {behind * tests} to "
-        f"{4 * behind * tests}, more where a run scatters by more than the tolerance; the last "
+        f"DEM runs: {design} for the design, then usually {behind} to "
+        f"{4 * behind}, more where a run scatters by more than the tolerance; the last "
         f"{verification * tests} or more are fresh seeds at the answer. {setup.workers} at a time. "
         f"Strategy: {search.name}."
     )

@@ -15,7 +15,7 @@ from grainfit.formatting import plain
 from grainfit.options.kinds import Choice, Kind, ListOf, Quantity, Schema, Text, note_wrong_kind
 from grainfit.options.places import Place, show
 from grainfit.options.tables import Key, Table, Values
-from grainfit.problem import Statistic, Target
+from grainfit.problem import NO_DEFAULT_TOLERANCE, SHARE_OF_ZERO, Statistic, Target
 from grainfit.units import percentage
 
 #: Longer texts are not repeated in a remedy.
@@ -78,11 +78,11 @@ class TargetTable(Kind):
     def _table(self, value: dict[str, Any]) -> Table:
         if self.unit is not None:
             return Table(_target_keys(Quantity(self.unit, above_zero=True)), self._target)
-        return Table((*_target_keys(own_quantity(value, above_zero=True)), _OWN_UNIT), self._target)
+        return Table((*_target_keys(own_quantity(value)), _OWN_UNIT), self._target)
 
     def _target(self, values: Values, place: Place) -> Target | None:
         value, uncertainty = _measured(values, place)
-        if value is None or None in values.values():
+        if value is None or None in values.values() or _note_relative_to_zero(values, value, place):
             return None
         given = values.get("uncertainty")
         return Target(
@@ -181,7 +181,21 @@ def _absolute(deviation: tuple[float, bool] | None, value: float) -> float | Non
     if deviation is None:
         return None
     number, is_share = deviation
-    return number * value if is_share else number
+    return number * abs(value) if is_share else number
+
+
+def _note_relative_to_zero(values: Values, value: float, place: Place) -> bool:
+    """Note what a value of zero does not have: percentages, and a default tolerance."""
+    if value != 0:
+        return False
+    widths = {key: values[key] for key in ("uncertainty", "tolerance") if key in values}
+    for key, (number, is_share) in widths.items():
+        if is_share:
+            place.at(key).fault(f"is {100 * number:g} %.", SHARE_OF_ZERO)
+    if not widths and "measurements" not in values:
+        place.at("tolerance").fault(*NO_DEFAULT_TOLERANCE)
+        return True
+    return any(is_share for _, is_share in widths.values())
 
 
 def _as_toml(value: object) -> str:

@@ -9,6 +9,7 @@ from typing import Any
 
 from grainfit.bulk_tests.base import BulkTest
 from grainfit.calibration_file.content import TestSpecification
+from grainfit.calibration_file.correlations import CORRELATIONS, note_bad_correlations
 from grainfit.calibration_file.targets import PlannedTargetTable, TargetTable
 from grainfit.options.kinds import Choice, Kind, Name, Schema, note_wrong_kind
 from grainfit.options.places import Place, show
@@ -34,6 +35,7 @@ def layout_of_test(kind: TypeOfTest, *, planned: bool = False) -> Table:
                 required=not planned,
                 example=example,
             ),
+            CORRELATIONS,
         ),
         partial(_planned if planned else _specification, kind),
     )
@@ -58,8 +60,17 @@ def _specification(kind: TypeOfTest, values: Values, place: Place) -> TestSpecif
         place.at("targets").fault("are empty.", "Give at least one target.")
     if not targets or None in values.values() or None in targets.values():
         return None
+    correlations = values.pop(CORRELATIONS.name, ())
+    if note_bad_correlations(correlations, list(targets), place.at(CORRELATIONS.name)):
+        return None
     name = values.pop("name", values["type"])
-    return TestSpecification(name, values.pop("type"), values, tuple(targets.values()))
+    return TestSpecification(
+        name,
+        values.pop("type"),
+        values,
+        tuple(targets.values()),
+        correlations=correlations,
+    )
 
 
 def _planned(kind: TypeOfTest, values: Values, place: Place) -> TestSpecification | None:
@@ -68,8 +79,13 @@ def _planned(kind: TypeOfTest, values: Values, place: Place) -> TestSpecificatio
     targets = values.pop("targets", {})
     if targets is None or None in values.values() or None in targets.values():
         return None
+    # Checked alone: a plan compares tests by the errors of single responses.
+    correlations = values.pop(CORRELATIONS.name, ())
+    responses = targets or kind.bulk_test.responses if kind.bulk_test else targets
+    if note_bad_correlations(correlations, list(responses), place.at(CORRELATIONS.name)):
+        return None
     name = values.pop("name", values["type"])
-    return TestSpecification(name, values.pop("type"), values, (), targets)
+    return TestSpecification(name, values.pop("type"), values, (), planned=targets)
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from grainfit.campaign.campaign import Campaign, CampaignOptions
+from grainfit.campaign.keep import Keep
 from grainfit.campaign.open_campaign import open_campaign
+from grainfit.campaign.work_folder import run_folder
 from grainfit.evaluation import Evaluation, Proposal
 from grainfit.formatting import duration
 from grainfit.solvers.base import Solver
@@ -121,3 +123,52 @@ def _expected_work(campaign: Campaign, proposals: Sequence[Proposal], workers: i
     seconds = [cost for cost in costs.values() if cost is not None]
     is_estimated = len(seconds) == len(costs)
     return ExpectedWork(len(costs), len(known), sum(seconds) / workers if is_estimated else None)
+
+
+def simulate_once(
+    solvers: Mapping[str, Solver],
+    parameters: Mapping[str, float],
+    seed: int,
+    folder: Path,
+    timeouts: Mapping[str, float] | None = None,
+    keep: Keep = "all",
+) -> tuple[Evaluation, dict[str, Path]]:
+    """Run every test once, or find the run in the store of the folder.
+
+    Parameters
+    ----------
+    solvers : mapping of str to Solver
+        By name of the test.
+    parameters : mapping of str to float
+        Values of the free parameters.
+    seed : int
+        Insertion seed.
+    folder : Path
+        Work folder; it may be that of a calibration.
+    timeouts : mapping of str to float, optional
+        Longest wall time by name of the test, s.
+    keep : {"all", "results"}
+        Files of a run folder that are kept.
+
+    Returns
+    -------
+    evaluation : Evaluation
+        Responses and failures.
+    folders : dict of str to Path
+        Run folder by name of the test, for those solvers that use one.
+    """
+    options = CampaignOptions(len(solvers), timeouts or {}, keep=keep)
+    proposal = Proposal(dict(parameters), seed, "design")
+    [evaluation] = simulate_batch(solvers, [proposal], folder, options)
+    return evaluation, run_folders(solvers, evaluation, folder)
+
+
+def run_folders(
+    solvers: Mapping[str, Solver], evaluation: Evaluation, folder: Path
+) -> dict[str, Path]:
+    """Return the run folders of an evaluation by name of the test, for solvers that use one."""
+    return {
+        test: run_folder(folder.absolute(), identity)
+        for test, identity in evaluation.runs.items()
+        if solvers[test].uses_folder
+    }

@@ -124,7 +124,7 @@ class Campaign:
 
     @property
     def tests(self) -> int:
-        """Number of DEM runs per proposal."""
+        """Number of tests."""
         return len(self._solvers)
 
     @property
@@ -140,6 +140,7 @@ class Campaign:
         return {
             test: solver.definition(proposal.parameters, proposal.seed)
             for test, solver in self._solvers.items()
+            if proposal.asks_for(test)
         }
 
     @property
@@ -184,8 +185,7 @@ class Campaign:
         identities = {test: definition.identity for test, definition in definitions.items()}
         if note is not None:
             note(identities)
-        for test, solver in self._solvers.items():
-            identity = identities[test]
+        for test, identity in identities.items():
             known = self._find(identity, test)
             if known is not None:
                 entry.records[test] = known
@@ -195,7 +195,7 @@ class Campaign:
             entry.waiting.setdefault(identity, []).append(test)
             if identity not in self._under_way and identity not in self._elsewhere:
                 record = RunRecord(identity, test, "running", definitions[test])
-                self._begin(self._task(record, solver, proposal))
+                self._begin(self._task(record, self._solvers[test], proposal))
         self._pending.append(entry)
 
     def _task(self, record: RunRecord, solver: Solver, proposal: Proposal) -> RunTask:
@@ -258,7 +258,9 @@ class Campaign:
             self._receive(record)
         self._pending = [entry for entry in self._pending if entry.waiting]
         return [
-            evaluation_of(entry.proposal, entry.records, entry.reused, entry.reused_seconds)
+            evaluation_of(
+                entry.proposal, entry.records, self.tests, entry.reused, entry.reused_seconds
+            )
             for entry in complete
         ]
 
@@ -417,6 +419,7 @@ class Campaign:
 def evaluation_of(
     proposal: Proposal,
     records: Mapping[str, RunRecord],
+    tests: int,
     reused: int = 0,
     reused_seconds: float = 0.0,
 ) -> Evaluation:
@@ -428,13 +431,15 @@ def evaluation_of(
         The proposal.
     records : mapping of str to RunRecord
         Its runs by name of the test.
+    tests : int
+        Number of tests of the calibration.
     reused : int
         Number of runs that were already known.
     reused_seconds : float
         Sum of the wall times of the known runs, s.
     """
     responses = {
-        response_name(test, name, len(records)): response
+        response_name(test, name, tests): response
         for test, record in records.items()
         for name, response in record.responses.items()
     }
@@ -449,4 +454,5 @@ def evaluation_of(
         seconds,
         seconds - reused_seconds,
         bool(failed) and all(record.kind == "machine" for record in failed.values()),
+        {test: record.seconds for test, record in records.items()},
     )

@@ -193,7 +193,7 @@ def models_of(solvers: Mapping[str, Solver]) -> set[str]:
 def runs_of(
     problem: Problem, solvers: Mapping[str, Solver], records: Iterable[RunRecord]
 ) -> list[Evaluation]:
-    """Return the stored runs of a problem, joined to one evaluation per point.
+    """Return the stored runs of a problem, those of several tests joined to one evaluation.
 
     Parameters
     ----------
@@ -225,14 +225,36 @@ def runs_of(
             if run is not None and beyond(problem, run[0]) <= REACH:
                 found[test].append(_Point(*run, {test: record}))
     points = reduce(_together, (found[test] for test in solvers))
+    if problem.tests:
+        points += _alone(problem, found, points)
     names = [parameter.name for parameter in problem.parameters]
     return [
-        evaluation_of(
-            Proposal({name: point.values[name] for name in names}, point.seed, "design"),
-            point.runs,
-            reused=len(point.runs),
-        )
+        _evaluation(point, names, len(solvers))
         for point in sorted(points, key=lambda point: point.order(names))
+    ]
+
+
+def _evaluation(point: _Point, names: Sequence[str], tests: int) -> Evaluation:
+    some = None if len(point.runs) == tests else tuple(point.runs)
+    values = {name: point.values[name] for name in names}
+    proposal = Proposal(values, point.seed, "design", some)
+    return evaluation_of(proposal, point.runs, tests, reused=len(point.runs))
+
+
+def _alone(
+    problem: Problem, found: Mapping[str, Sequence[_Point]], joined: Iterable[_Point]
+) -> list[_Point]:
+    """Return the runs of a test that have none of the other tests at their point.
+
+    Parameters that the test does not depend on have the middle of their interval.
+    """
+    taken = {record.identity for point in joined for record in point.runs.values()}
+    middle = problem.from_unit([0.5] * problem.dimension)
+    return [
+        replace(point, values=middle | dict(point.values))
+        for points in found.values()
+        for point in points
+        if not taken.issuperset(record.identity for record in point.runs.values())
     ]
 
 
@@ -245,7 +267,7 @@ class _Point:
     runs: Mapping[str, RunRecord]
 
     def order(self, names: Sequence[str]) -> tuple[float, ...]:
-        return (*(self.values[name] for name in names), self.seed)
+        return (*(self.values[name] for name in names), self.seed, -len(self.runs))
 
 
 def _together(points: list[_Point], others: list[_Point]) -> list[_Point]:

@@ -50,6 +50,11 @@ def default_workdir(file: Path) -> Path:
     return Path(f"{file.stem}.grainfit")
 
 
+def simulations_folder(file: Path) -> Path:
+    """Default folder of single simulations: apart from the calibration, which starts cold."""
+    return Path(f"{file.stem}.simulated")
+
+
 @contextmanager
 def hold(folder: Path) -> Iterator[None]:
     """Lock a work folder for this process.

@@ -305,25 +305,89 @@ def simulate(
         ),
     ] = None,
     seed: Annotated[
-        int, typer.Option(metavar="N", min=1, max=900_000_000, help="Insertion seed.")
+        int,
+        typer.Option(
+            metavar="N", min=1, max=900_000_000, help="Insertion seed, the first with --repeat."
+        ),
     ] = 1,
-    workdir: Workdir = None,
+    repeat: Annotated[
+        int,
+        typer.Option(
+            metavar="N", min=1, max=100_000, help="Runs of each test, with seeds N, N+1 ..."
+        ),
+    ] = 1,
+    workers: Annotated[int | None, typer.Option(metavar="N", min=1, help="Runs at a time.")] = None,
+    workdir: Annotated[
+        Path | None,
+        typer.Option(
+            "--workdir",
+            metavar="DIR",
+            help="Where runs are kept, for example the work folder of the calibration. "
+            "Default: the file's name with .simulated, here.",
+        ),
+    ] = None,
 ) -> None:
     """Simulate every test once and show its responses and its folder.
 
+    With --repeat, simulate it with several seeds and show mean and scatter of the responses beside
+    the tolerances. Finished runs are kept: stop it with Ctrl-C, start it again, also with more
+    seeds, and only what is missing is simulated.
+
     Free parameters that are not set take the middle of their interval.
+
+    [bold]Example:[/bold]  grainfit simulate beads.toml --repeat 20
     """
-    from grainfit.campaign.simulate_once import simulate_once
-    from grainfit.campaign.work_folder import default_workdir
+    from grainfit.campaign.batch import run_folders
+    from grainfit.campaign.work_folder import simulations_folder
+    from grainfit.work_folder.repeat_runs import repeat_runs
 
     setup = _build(file)
-    folder = workdir or default_workdir(file)
-    values = setup.values(settings or [])
-    with _err.status("simulating"):
-        evaluation, folders = simulate_once(setup.solvers, values, seed, folder, setup.timeouts)
-    show.print_run(_out, evaluation, folders)
-    if evaluation.failures:
+    with _simulating() as report:
+        runs = repeat_runs(
+            setup,
+            repeat=repeat,
+            seed=seed,
+            settings=settings or (),
+            workdir=workdir,
+            workers=workers,
+            **(report if repeat > 1 else {}),
+        )
+    if repeat > 1:
+        show.print_parts(_out, runs.summary())
+    else:
+        [evaluation] = runs.evaluations
+        folder = workdir or simulations_folder(file)
+        show.print_run(_out, evaluation, run_folders(setup.solvers, evaluation, folder))
+    if runs.failures:
         raise typer.Exit(_BAD_INPUT)
+
+
+@app.command()
+def analyse(
+    file: CalibrationPath,
+    runs: Annotated[
+        list[str],
+        typer.Option(
+            "--runs",
+            metavar="TABLE",
+            help="Runs: a CSV file with a column for each free parameter and each target, with "
+            "several tests as TEST=TABLE; or a work folder. Repeat as needed.",
+            show_default=False,
+        ),
+    ],
+) -> None:
+    """Show what existing runs say, without any simulation.
+
+    Which parameter sets agree with the measurements, how well each parameter
+    is determined, and on which parameters the responses depend.
+
+    [bold]Example:[/bold]  grainfit analyse beads.toml --runs runs.csv
+    """
+    with _err.status("analysis"):
+        from grainfit.work_folder.analyse_runs import analyse_runs
+
+        found = analyse_runs(_build(file), runs)
+    show.print_parts(_out, found.summary())
 
 
 @app.command()
@@ -369,22 +433,16 @@ def stiffness(
     """
     from grainfit.work_folder.stiffness_study import stiffness_study
 
-    try:
-        with _err.status("simulating") as status:
-            study = stiffness_study(
-                path,
-                factors=show.read_numbers("factors", factors),
-                seeds=seeds,
-                settings=settings or (),
-                workdir=workdir,
-                workers=workers,
-                on_start=lambda work: _err.print(f"{work}.", highlight=False),
-                on_progress=lambda done, count: status.update(f"simulating: {done} of {count}"),
-            )
-    except KeyboardInterrupt:
-        # Typer would end it without a word.
-        _err.print(_STOPPED)
-        raise typer.Exit(_INTERRUPTED) from None
+    with _simulating() as report:
+        study = stiffness_study(
+            path,
+            factors=show.read_numbers("factors", factors),
+            seeds=seeds,
+            settings=settings or (),
+            workdir=workdir,
+            workers=workers,
+            **report,
+        )
     show.print_parts(_out, study.summary())
 
 
@@ -403,6 +461,21 @@ def measure(
 app.command()(export)
 app.command()(advise)
 app.command()(design)
+
+
+@contextmanager
+def _simulating() -> Iterator[dict[str, Any]]:
+    """Yield callbacks that show the progress of a batch of runs; Ctrl-C ends the command."""
+    try:
+        with _err.status("simulating") as status:
+            yield {
+                "on_start": lambda work: _err.print(f"{work}.", highlight=False),
+                "on_progress": lambda done, count: status.update(f"simulating: {done} of {count}"),
+            }
+    except KeyboardInterrupt:
+        # Typer would end it without a word.
+        _err.print(_STOPPED)
+        raise typer.Exit(_INTERRUPTED) from None
 
 
 def _write_report(workdir: Path, output: Path | None = None) -> Path:

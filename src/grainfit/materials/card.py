@@ -62,8 +62,9 @@ class CardResponse:
         Expected response by all runs.
     interval : pair of float
         95 % interval of the expected value.
-    deviation_percent : float
-        Of the expected value from the target.
+    deviation_percent : float, optional
+        Of the expected value from the target; None where that makes no sense: zero is within the
+        tolerance.
     verdict : {"met", "in doubt", "missed"}
         Whether the expected value is within its tolerance with the demanded probability, outside
         with that probability, or neither.
@@ -77,7 +78,7 @@ class CardResponse:
     tolerance: float
     expected: float
     interval: tuple[float, float]
-    deviation_percent: float
+    deviation_percent: float | None
     verdict: Literal["met", "in doubt", "missed"]
     verified_mean: float | None
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import textwrap
 from collections.abc import Iterator
 
-from grainfit.formatting import percentage_off, plain
+from grainfit.formatting import deviation_off, plain
 from grainfit.materials.card import CardParameter, CardResponse, MaterialCard
 
 _WIDTH = 96
@@ -92,8 +92,13 @@ def _response(found: CardResponse) -> str:
     check = "" if fresh is None else f"; fresh seeds {fresh:.5g}"
     return (
         f"{found.name}: {target}, {found.expected:.5g} ({low:.5g} to {high:.5g}), "
-        f"{percentage_off(found.deviation_percent)}, {_verdict(found)}{check}"
+        f"{_deviation(found)}, {_verdict(found)}{check}"
     )
+
+
+def _deviation(found: CardResponse) -> str:
+    difference = found.expected - found.target
+    return deviation_off(found.deviation_percent, difference, found.tolerance, found.unit)
 
 
 def _verdict(found: CardResponse) -> str:

@@ -6,6 +6,7 @@ residuals, and only where their ranks show that it is needed: outliers do not mo
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -43,6 +44,12 @@ class GrowingScatter:
         logarithm = self.level + (points - 0.5) @ self.slopes
         limit = np.log(_LARGEST_RATIO)
         return np.asarray(np.exp(np.clip(logarithm, -limit, limit)))
+
+    def embedded(self, axes: Sequence[int], dimension: int) -> GrowingScatter:
+        """Return the same over a larger unit cube, see `Kriging.embedded`."""
+        slopes = np.zeros(dimension)
+        slopes[list(axes)] = self.slopes
+        return GrowingScatter(slopes, self.level)
 
 
 def find_growing_scatter(points: FloatArray, residuals: FloatArray) -> GrowingScatter | None:

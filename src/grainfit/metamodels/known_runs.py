@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -143,7 +142,7 @@ def fit_where_possible(
     models: list[Kriging] = []
     outliers: list[Outliers] = []
     for target in problem.targets:
-        alone = replace(problem, targets=(target,))
+        alone = problem.with_targets([target])
         try:
             fitted = Metamodels.fit(alone, evaluations)
         except GrainfitError as error:
@@ -154,4 +153,4 @@ def fit_where_possible(
             outliers += fitted.outliers
     if not targets:
         return None, missing
-    return Metamodels(replace(problem, targets=tuple(targets)), models, outliers), missing
+    return Metamodels(problem.with_targets(targets), models, outliers), missing

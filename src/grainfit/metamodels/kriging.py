@@ -13,7 +13,7 @@ end differentiates the likelihood numerically and factorises again with every pr
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -563,6 +563,25 @@ class Kriging:
             scatter=self.scatter,
         )
 
+    def embedded(self, axes: Sequence[int], points: FloatArray) -> Kriging:
+        """Return the metamodel as one of more parameters, on the others of which nothing depends.
+
+        Parameters
+        ----------
+        axes : sequence of int
+            Axes of the larger unit cube that are those of this metamodel, in their order.
+        points : ndarray, shape (n, dimension)
+            Points of the runs in the larger unit cube.
+        """
+        dimension = points.shape[1]
+        return Kriging(
+            [component.embedded(axes, points) for component in self._components],
+            offset=self._offset,
+            scale=self._scale,
+            degrees_of_freedom=self._degrees_of_freedom,
+            scatter=None if self.scatter is None else self.scatter.embedded(axes, dimension),
+        )
+
     def reduced(self, components: int) -> Kriging:
         """Keep only the most probable sets of hyperparameters, for cheaper predictions.
 
@@ -680,11 +699,12 @@ class Kriging:
         return [text for text in found if text]
 
     def _warning_of_few_runs(self) -> str:
-        needed = 2 * (self.d + 1)
+        d = self._components[0].effective_dimension
+        needed = 2 * (d + 1)
         if self.n >= needed:
             return ""
         return (
-            f"Only {self.n} runs for {self.d} free parameters: at least {needed} are needed to "
+            f"Only {self.n} runs for {d} free parameters: at least {needed} are needed to "
             "tell a trend from chance."
         )
 

@@ -2,24 +2,29 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.special import ndtr
+from scipy.special import ndtr, ndtri
+from scipy.stats import qmc
 
+from grainfit.correlations import correlated_groups
 from grainfit.errors import RunFailedError
 from grainfit.evaluation import Evaluation
 from grainfit.metamodels.kriging import Kriging
 from grainfit.metamodels.outliers import NO_OUTLIERS, Outliers, fit_without_outliers
-from grainfit.problem import Problem
+from grainfit.problem import Problem, ScopeOfTest
 
 Array = NDArray[np.float64]
 
 _NO_NOISE = 1e-12
 #: A single outlying run may be the only one for long.
 _FEWEST_TORN = 2
+#: Outcomes by which the share that meets correlated targets together is counted.
+_OUTCOMES = 512
 
 
 class Metamodels:
@@ -62,6 +67,11 @@ class Metamodels:
         weights = np.array([target.weight for target in problem.targets])
         least = np.array([model.variance_of_scatter / model.n for model in self.models])
         self._units = np.sqrt(self._tolerances**2 + least) / weights
+        self.correlation = problem.correlation_matrix
+        self._groups = correlated_groups(self.correlation)
+        self._precision = np.linalg.inv(self.correlation)
+        # Of the Cholesky factor: as many combined deviations, which are not correlated.
+        self._decorrelation = np.linalg.inv(np.linalg.cholesky(self.correlation))
 
     @classmethod
     def fit(cls, problem: Problem, evaluations: Sequence[Evaluation]) -> Metamodels:
@@ -143,6 +153,15 @@ class Metamodels:
         off = (means - self._targets) / self._units
         return off, variances / self._units**2
 
+    @property
+    def precisions(self) -> Array:
+        """Weights of the variances of deviations in the misfit, 1 without correlations."""
+        return np.asarray(np.diagonal(self._precision))
+
+    def decorrelated(self, deviations: Array) -> Array:
+        """Combine deviations, shape (..., number of targets), whose squares sum to the misfit."""
+        return deviations if not self._groups else deviations @ self._decorrelation.T
+
     def slopes(self, points: ArrayLike) -> Array:
         """Slopes of the expected deviations, shape (m, number of targets, d)."""
         return np.asarray(self.gradients(points) / self._units[:, None])
@@ -150,21 +169,29 @@ class Metamodels:
     def misfit(self, points: ArrayLike) -> Array:
         """Expected sum of squared deviations at points, shape (m,).
 
-        Of two points with equal means, the less uncertain one has the smaller misfit. Parameters
-        with a measurement of their own add the squares of their deviations from it.
+        Of two points with equal means, the less uncertain one has the smaller misfit. Deviations of
+        correlated targets are decorrelated: the sum is that of Mahalanobis. Parameters with a
+        measurement of their own add the squares of their deviations from it.
         """
         means, variances = self.deviations(points)
         own = (self.problem.off_measured(points) ** 2).sum(axis=1)
-        return np.asarray((means**2 + variances).sum(axis=1) + own)
+        squares = self.decorrelated(means) ** 2
+        return np.asarray((squares + variances * self.precisions).sum(axis=1) + own)
 
     def residuals(self, points: ArrayLike) -> Array:
-        """Expected deviations of responses and of measured parameters, shape (m, k)."""
-        return np.hstack([self.deviations(points)[0], self.problem.off_measured(points)])
+        """Expected deviations whose squares sum to the misfit without variances, shape (m, k).
+
+        Those of the responses, decorrelated where targets are correlated, then those of parameters
+        from measurements of their own.
+        """
+        responses = self.decorrelated(self.deviations(points)[0])
+        return np.hstack([responses, self.problem.off_measured(points)])
 
     def residual_slopes(self, points: ArrayLike) -> Array:
         """Slopes of the residuals, shape (m, k, d)."""
+        responses = self.decorrelated(self.slopes(points).transpose(0, 2, 1)).transpose(0, 2, 1)
         own = self.problem.off_measured_slopes(points)
-        return np.concatenate([self.slopes(points), own], axis=1)
+        return np.concatenate([responses, own], axis=1)
 
     def shortfall(self, points: ArrayLike, standard_errors: float) -> Array:
         """Squared deviations beyond the tolerances and some standard errors, summed, shape (m,).
@@ -200,7 +227,9 @@ class Metamodels:
     def probability_all_met(self, points: ArrayLike) -> Array:
         """Probability that every expected response is within its tolerance, shape (m,).
 
-        The metamodels are fitted one by one, so their errors count as independent.
+        The metamodels are fitted one by one, so their errors count as independent. Correlated
+        targets are met together when, besides, the mean square of their decorrelated deviations is
+        at most one tolerance squared: without correlation the tolerances imply that.
         """
         return self._probability(*self.predict(points))
 
@@ -213,7 +242,24 @@ class Metamodels:
         return self._inside(*self.predict(points))
 
     def _probability(self, means: Array, variances: Array) -> Array:
-        return np.asarray(self._inside(means, variances).prod(axis=1))
+        each = self._inside(means, variances).prod(axis=1)
+        if not self._groups:
+            return np.asarray(each)
+        return np.asarray(each * self._share_together(means, variances))
+
+    def _share_together(self, means: Array, variances: Array) -> Array:
+        """Share of outcomes within every tolerance in which correlated targets go together."""
+        off = ((means - self._targets) / self._tolerances)[:, None]
+        error = np.sqrt(np.maximum(variances / self._tolerances**2, _NO_NOISE**2))[:, None]
+        low, high = ndtr((-1.0 - off) / error), ndtr((1.0 - off) / error)
+        outcomes = ndtri(low + _even_outcomes(len(self.models)) * (high - low))
+        drawn = np.clip(off + error * outcomes, -1.0, 1.0)
+        together = np.ones(drawn.shape[:2], dtype=bool)
+        for group in self._groups:
+            precision = self._precision[np.ix_(group, group)]
+            squares = np.einsum("msk,kl,msl->ms", drawn[..., group], precision, drawn[..., group])
+            together &= squares <= len(group)
+        return np.asarray(together.mean(axis=1))
 
     def _inside(self, means: Array, variances: Array) -> Array:
         off = means - self._targets
@@ -236,12 +282,79 @@ class Metamodels:
         enough = self._probability(np.tile(self._targets, (len(counts), 1)), left) >= confidence
         return int(counts[enough][0]) if enough.any() else int(counts[-1])
 
-    def condition_on_pending(self, points: Array) -> Metamodels:
-        """Add pending runs at points: means stay the same, variances shrink."""
+    def runs_by_worth(
+        self, point: Array, confidence: float, seconds: Mapping[str, float], most: int
+    ) -> tuple[str, ...]:
+        """Return the tests whose runs at a point would confirm soonest that it agrees, in order.
+
+        Each is the one that raises the probability most per second of computing. Assumes, as
+        `runs_needed`, that the search meets the targets and only the noise is left.
+
+        Parameters
+        ----------
+        point : ndarray, shape (d,)
+            Point of the unit cube.
+        confidence : float
+            Probability with which no more runs follow.
+        seconds : mapping of str to float
+            Cost of a run by name of the test, s.
+        most : int
+            Largest number of runs.
+        """
+        scopes = self.problem.scopes
+        yields = np.array([self.yields([scope.name]) for scope in scopes])
+        costs = np.array([seconds[scope.name] for scope in scopes])
+        counts = np.zeros(len(scopes), dtype=int)
+        order: list[str] = []
+        while len(order) < most:
+            then = [counts + one for one in np.eye(len(scopes), dtype=int)]
+            chances = self._chances(point, np.array([counts, *then]) @ yields)
+            if order and chances[0] >= confidence:
+                break
+            best = int(np.argmax(np.log(chances[1:] / chances[0]) / costs))
+            counts[best] += 1
+            order.append(scopes[best].name)
+        return tuple(order)
+
+    def _chances(self, point: Array, counts: NDArray[np.int_]) -> Array:
+        """Probability that a point agrees after some runs per target, shape (m, targets)."""
+        variances = self.predict(point)[1] - self._shift_variances
+        scatter = self.scatter_at(point)[0] * self._units**2
+        runs = np.array([found.runs for found in self.outliers])
+        left = variances / (1 + counts * variances / scatter)
+        left += self._shift_variances * runs / (runs + counts)
+        inside = self._probability(np.tile(self._targets, (len(counts), 1)), left)
+        return np.maximum(inside, np.finfo(float).tiny)
+
+    def yields(self, tests: Collection[str] | None) -> NDArray[np.bool_]:
+        """Whether runs of some tests yield each target, shape (targets,); None for all tests."""
+        targets = self.problem.targets
+        if tests is None:
+            return np.ones(len(targets), dtype=bool)
+        return np.array([self.problem.scope_of(target.name).name in tests for target in targets])
+
+    def condition_on_pending(
+        self, points: Array, yields: NDArray[np.bool_] | None = None
+    ) -> Metamodels:
+        """Add pending runs at points: means stay the same, variances shrink.
+
+        ``yields``, shape (m, targets), says which targets each of them yields; all by default.
+        """
         if not len(points):
             return self
-        models = [model.condition_on_pending(points) for model in self.models]
+        chosen = np.ones((len(points), len(self.models)), dtype=bool) if yields is None else yields
+        models = [
+            model.condition_on_pending(points[of_target]) if of_target.any() else model
+            for model, of_target in zip(self.models, chosen.T, strict=True)
+        ]
         return Metamodels(self.problem, models, self.outliers)
+
+
+@cache
+def _even_outcomes(responses: int) -> Array:
+    """Points spread evenly over the unit cube, shape (n, responses)."""
+    points = qmc.Sobol(responses, rng=1967).random(_OUTCOMES)
+    return np.asarray(np.clip(points, 1e-6, 1 - 1e-6))
 
 
 def runs_that_yield(evaluations: Sequence[Evaluation], name: str) -> list[Evaluation]:
@@ -252,24 +365,26 @@ def runs_that_yield(evaluations: Sequence[Evaluation], name: str) -> list[Evalua
 def can_be_fitted(problem: Problem, evaluations: Sequence[Evaluation]) -> bool:
     """Whether runs at enough different places yielded every response."""
     return all(
-        _places(runs_that_yield(evaluations, target.name)) >= _fewest_places(problem)
+        _places(scope, runs_that_yield(evaluations, target.name)) >= _fewest_places(scope)
         for target in problem.targets
+        for scope in [problem.scope_of(target.name)]
     )
 
 
-def _fewest_places(problem: Problem) -> int:
-    return problem.dimension + 2
+def _fewest_places(scope: ScopeOfTest) -> int:
+    return len(scope.parameters) + 2
 
 
-def _places(evaluations: Sequence[Evaluation]) -> int:
-    return len({tuple(e.proposal.parameters.values()) for e in evaluations})
+def _places(scope: ScopeOfTest, evaluations: Sequence[Evaluation]) -> int:
+    return len({tuple(e.proposal.parameters[n] for n in scope.parameters) for e in evaluations})
 
 
 def _fit(
     problem: Problem, evaluations: Sequence[Evaluation], name: str
 ) -> tuple[Kriging, Outliers]:
     known = runs_that_yield(evaluations, name)
-    needed, places = _fewest_places(problem), _places(known)
+    scope = problem.scope_of(name)
+    needed, places = _fewest_places(scope), _places(scope, known)
     if places < needed:
         reasons = sorted({reason for e in evaluations for reason in e.failures.values()})
         because = f" Failures: {'; '.join(reasons[:3])}." if reasons else ""
@@ -277,12 +392,15 @@ def _fit(
             f"only {len(known)} of {len(evaluations)} runs gave the response {name!r}, at "
             f"{places} different places, and {needed} are needed for its metamodel.{because}"
         )
+    axes = problem.axes_of(scope)
     points = np.array([problem.to_unit(e.proposal.parameters) for e in known])
     responses = [e.responses[name] for e in known]
     model, outliers = fit_without_outliers(
-        points,
+        points[:, axes],
         np.array([response.value for response in responses]),
         np.array([response.standard_error for response in responses]),
     )
     runs = tuple(known[index].proposal.seed for index in outliers.indices)
+    if len(axes) < problem.dimension:
+        model = model.embedded(axes, np.delete(points, outliers.indices, axis=0))
     return model, replace(outliers, seeds=runs)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from copy import copy
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
@@ -15,6 +16,8 @@ from scipy.spatial.distance import cdist
 FloatArray = NDArray[np.float64]
 #: Scale of the distance in the Matérn 5/2 correlation, 2 sqrt(5/2).
 _MATERN_SCALE = math.sqrt(10.0)
+#: Range of a parameter that a response does not depend on, in intervals.
+_NO_EFFECT = 1e9
 # A linear trend must leave as many degrees of freedom as it uses, and at least these. Otherwise the
 # trend is constant: with fewer runs, least-squares slopes predict worse than none.
 _FREE_CONTRASTS = 3
@@ -236,6 +239,21 @@ class Component:
         other = copy(self)
         other.hyperparameters = replace(self.hyperparameters, weight=weight)
         return other
+
+    def embedded(self, axes: Sequence[int], points: FloatArray) -> Component:
+        """Return the same over a larger unit cube, see `Kriging.embedded`."""
+        other = copy(self)
+        other.points = points
+        ranges = np.full(points.shape[1], _NO_EFFECT)
+        ranges[list(axes)] = self.hyperparameters.ranges
+        other.hyperparameters = replace(self.hyperparameters, ranges=ranges)
+        other.trend = Trend(tuple(axes[column] for column in self.trend.columns))
+        return other
+
+    @property
+    def effective_dimension(self) -> int:
+        """Number of parameters that the response can depend on."""
+        return int((self.hyperparameters.ranges < _NO_EFFECT).sum())
 
     def to_plain(self, factors: bool) -> dict[str, Any]:
         """Return the component's part of `Kriging.to_plain`."""

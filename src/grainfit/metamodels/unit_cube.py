@@ -27,6 +27,20 @@ def spread_points(count: int, dimension: int, random: np.random.Generator) -> Ar
     return np.asarray(sequence.random_base2(power)[:count], dtype=float)
 
 
+def spread_subset(points: Array, count: int) -> set[int]:
+    """Choose points far from each other, the first one nearest to their mean; return their places.
+
+    Farthest-first traversal (Gonzalez 1985).
+    """
+    chosen: list[int] = []
+    distances = -((points - points.mean(axis=0)) ** 2).sum(axis=1)
+    for _ in range(min(count, len(points))):
+        chosen.append(int(np.argmax(distances)))
+        from_new = ((points - points[chosen[-1]]) ** 2).sum(axis=1)
+        distances = from_new if len(chosen) == 1 else np.minimum(distances, from_new)
+    return set(chosen)
+
+
 def points_about(centres: Array, count: int, width: float, random: np.random.Generator) -> Array:
     """Normal moves of some coordinates of every centre, within the cube, shape (m * count, d)."""
     dimension = centres.shape[1]

@@ -16,7 +16,7 @@ from grainfit.plots.expectation import Expectation, expectations_at_answer
 from grainfit.plots.figure import Figure, no_figure
 from grainfit.plots.labels import label_of_response
 from grainfit.plots.style import GREEN, STAGES, VERMILION, tolerance_band, value_range
-from grainfit.problem import Target
+from grainfit.problem import Problem, Target
 from grainfit.work_folder.saved_calibration import SavedCalibration
 
 if TYPE_CHECKING:
@@ -53,8 +53,12 @@ def convergence_figures(saved: SavedCalibration) -> dict[str, Figure]:
     return figures
 
 
-def deviation_in_tolerances(targets: Sequence[Target], evaluation: Evaluation) -> float | None:
-    """Largest deviation of a run's responses in units of their tolerances; None if one lacks."""
+def deviation_in_tolerances(problem: Problem, evaluation: Evaluation) -> float | None:
+    """Largest deviation of a run's responses in units of their tolerances; None if one lacks.
+
+    The responses are those of the tests that were run.
+    """
+    targets = [target for target in problem.targets if _is_asked(problem, evaluation, target)]
     if any(target.name not in evaluation.responses for target in targets):
         return None
     return max(
@@ -63,12 +67,21 @@ def deviation_in_tolerances(targets: Sequence[Target], evaluation: Evaluation) -
     )
 
 
+def _is_asked(problem: Problem, evaluation: Evaluation, target: Target) -> bool:
+    """Whether the test of a target was to be run."""
+    return evaluation.proposal.asks_for(problem.scope_of(target.name).name)
+
+
 def _misfit_figure(saved: SavedCalibration) -> Figure:
     evaluations = saved.evaluations
-    targets = saved.problem.targets
-    found = [deviation_in_tolerances(targets, evaluation) for evaluation in evaluations]
+    found = [deviation_in_tolerances(saved.problem, evaluation) for evaluation in evaluations]
     drawn = [None if value is None else max(value, _SMALLEST) for value in found]
-    best = list(accumulate((np.inf if value is None else value for value in drawn), min))
+    # A run of one of several tests alone meets its targets easily.
+    whole = [
+        np.inf if value is None or evaluation.proposal.tests is not None else value
+        for value, evaluation in zip(drawn, evaluations, strict=True)
+    ]
+    best = list(accumulate(whole, min))
     traces = [
         *_points_by_stage(evaluations, drawn, "%{y:.3g} × tolerance"),
         {
@@ -80,7 +93,7 @@ def _misfit_figure(saved: SavedCalibration) -> Figure:
             "line": {"shape": "hv", "color": VERMILION, "width": 2},
             "hoverinfo": "skip",
         },
-        _failures(evaluations, drawn),
+        _failures(evaluations, drawn, [True] * len(evaluations)),
     ]
     known = [value for value in drawn if value is not None] or [1.0]
     low, high = np.log10(min(*known, 1.0)), np.log10(max(*known, 1.0))
@@ -125,7 +138,7 @@ def _response_figure(
     traces = [
         *_expectation_traces(index, expected),
         *_points_by_stage(evaluations, values, f"%{{y:.5g}} {escape(label.unit)}"),
-        _failures(evaluations, values),
+        _failures(evaluations, values, [_is_asked(saved.problem, e, target) for e in evaluations]),
     ]
     known = [value for value in values if value is not None]
     layout = {
@@ -164,9 +177,15 @@ def _points_by_stage(
             }
 
 
-def _failures(evaluations: Sequence[Evaluation], values: Sequence[float | None]) -> dict[str, Any]:
-    """Runs without a value, at the lower edge of the figure."""
-    numbers = [number for number, value in enumerate(values, 1) if value is None]
+def _failures(
+    evaluations: Sequence[Evaluation], values: Sequence[float | None], asked: Sequence[bool]
+) -> dict[str, Any]:
+    """Runs without a value that should have one, at the lower edge of the figure."""
+    numbers = [
+        number
+        for number, (value, wanted) in enumerate(zip(values, asked, strict=True), 1)
+        if value is None and wanted
+    ]
     reasons = [
         "; ".join(evaluations[number - 1].failures.values()) or "it did not give this response"
         for number in numbers

@@ -15,7 +15,7 @@ from __future__ import annotations
 
 import threading
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -93,6 +93,13 @@ class Solver(ABC):
             A value is missing or impossible.
         """
         return {name: float(value) for name, value in parameters.items()}
+
+    def depends_on(self, names: Sequence[str]) -> tuple[str, ...]:
+        """Return those of some free parameters that runs can depend on; all by default.
+
+        With several tests, a run is passed only these, and its responses get metamodels of these.
+        """
+        return tuple(names)
 
     @property
     def defaults(self) -> Mapping[str, float]:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from typing_extensions import override
@@ -15,6 +16,23 @@ from grainfit.solvers.base import Solver, Workspace
 if TYPE_CHECKING:
     # Imports NumPy, which the state of a calibration does without.
     from grainfit.bulk_tests.base import BulkTest
+
+
+@dataclass(frozen=True)
+class AllBut:
+    """Predicate of names: True for all but some. Other processes can be sent it.
+
+    Parameters
+    ----------
+    names : frozenset of str
+        The names for which it is False.
+    """
+
+    names: frozenset[str]
+
+    def __call__(self, name: str) -> bool:
+        """Return True if the name is none of these."""
+        return name not in self.names
 
 
 class ParametersFor(Solver):
@@ -62,6 +80,12 @@ class ParametersFor(Solver):
     def run_parameters(self, parameters: Mapping[str, float]) -> dict[str, float]:
         """Return the parameters that the solver takes."""
         return self.solver.run_parameters(self._taken(parameters))
+
+    @override
+    def depends_on(self, names: Sequence[str]) -> tuple[str, ...]:
+        """Return the parameters that the solver takes and depends on."""
+        takes = self._takes
+        return self.solver.depends_on([name for name in names if takes is None or takes(name)])
 
     @property
     @override

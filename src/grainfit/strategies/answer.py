@@ -17,11 +17,14 @@ from grainfit.metamodels.outliers import Outliers
 from grainfit.metamodels.two_states import has_two_states
 from grainfit.problem import Problem
 from grainfit.result import Bound, MetamodelQuality, OutOfReach
+from grainfit.strategies.run_costs import RunCosts
 
 #: Demanded probability that every expected response is within its tolerance.
 CONFIDENCE = 0.95
 #: A value nearer to a bound than this share of the interval counts as on it.
 _ON_BOUND = 0.01
+#: Most runs at an answer that are planned at once.
+_MOST_RUNS = 24
 #: Largest difference between two misfits that count as equal, in squared tolerances.
 _AS_GOOD, _WORSE = 1.0, 4.0
 
@@ -47,6 +50,9 @@ class Answer:
     runs_needed : int
         Estimated number of further runs at these parameters that would make it certain enough, if
         the expected responses are right.
+    runs_by_worth : tuple of str
+        Tests whose runs at these parameters would make it certain enough soonest, in order; at
+        least one, and empty for a single test.
     out_of_reach : tuple of OutOfReach
         Targets that no parameter set within the intervals meets.
     quality : mapping of str to MetamodelQuality
@@ -64,6 +70,7 @@ class Answer:
     probability_without_outliers: float = 1.0
     outliers: Mapping[str, Outliers] = field(default_factory=dict)
     runs_needed: int = 0
+    runs_by_worth: tuple[str, ...] = ()
     out_of_reach: tuple[OutOfReach, ...] = ()
     quality: Mapping[str, MetamodelQuality] = field(default_factory=dict)
     cut_off: Mapping[str, Bound] = field(default_factory=dict)
@@ -77,12 +84,13 @@ def make_answer(
     *,
     spread: bool = True,
     confidence: float = CONFIDENCE,
+    costs: RunCosts | None = None,
 ) -> Answer:
     """Make an answer from a parameter set and the metamodels' predictions for it.
 
     ``closest`` is the point of the unit cube where they meet the targets best; ``spread`` is True
     if the runs are spread by a design, see `Kriging.warnings`; ``confidence`` is the demanded
-    probability that every target is met.
+    probability that every target is met; ``costs`` are those of the runs of several tests.
     """
     point: NDArray[np.float64] = metamodels.problem.to_unit(parameters)
     means, variances = metamodels.predict(point)
@@ -100,10 +108,25 @@ def make_answer(
             if found.indices
         },
         runs_needed=metamodels.runs_needed(point, confidence),
+        runs_by_worth=_runs_by_worth(metamodels, point, confidence, costs),
         out_of_reach=tuple(out_of_reach),
         quality=_quality_at(metamodels, point, spread),
         cut_off=dict(_cut_off(metamodels, closest)),
     )
+
+
+def _runs_by_worth(
+    metamodels: Metamodels,
+    point: NDArray[np.float64],
+    confidence: float,
+    costs: RunCosts | None,
+) -> tuple[str, ...]:
+    problem = metamodels.problem
+    if len(problem.scopes) < 2:
+        return ()
+    costs = costs or RunCosts(problem, ())
+    seconds = {s.name: float(costs.seconds(s, point[None])[0]) for s in problem.scopes}
+    return metamodels.runs_by_worth(point, confidence, seconds, _MOST_RUNS)
 
 
 def bound_at(position: float) -> Bound | None:
@@ -198,4 +221,5 @@ def answer_from_runs(
         raise RunFailedError("no parameter set gave all responses, so none can be the answer")
     points = np.array([problem.to_unit(values) for values in tried])
     best = int(np.argmin(metamodels.misfit(points)))
-    return make_answer(metamodels, parameters or tried[best], (), points[best])
+    costs = RunCosts(problem, evaluations)
+    return make_answer(metamodels, parameters or tried[best], (), points[best], costs=costs)

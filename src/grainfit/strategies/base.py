@@ -95,7 +95,8 @@ class Strategy(ABC):
         seed : int
             Decides the design and all insertion seeds.
         max_evaluations : int, optional
-            Largest number of proposals.
+            Largest number of proposals; with several tests, of as many runs as proposals for all
+            of them have.
 
         Raises
         ------
@@ -159,6 +160,11 @@ class Search(ABC):
         return 0
 
     @property
+    def runs_of_design(self) -> int:
+        """Number of runs of these proposals: one in every test unless overridden."""
+        return self.design_runs * len(self.problem.scopes)
+
+    @property
     @abstractmethod
     def finished(self) -> bool:
         """Whether there is nothing more to ask."""
@@ -166,7 +172,7 @@ class Search(ABC):
     @property
     @abstractmethod
     def expected_left(self) -> int:
-        """Estimated number of outcomes still to be told; the time left is computed from it."""
+        """Estimated number of runs still to be told; the time left is computed from it."""
 
     @property
     def confidence(self) -> float:

@@ -13,8 +13,16 @@ def distinct_runs(evaluations: Iterable[Evaluation]) -> list[Evaluation]:
     A run that is both known from a warm start and proposed is one run. Counted twice, it would make
     the scatter of runs look small.
     """
-    seen: dict[tuple[float, ...], Evaluation] = {}
+    # Tests that were evaluated with some parameters and a seed; None stands for every test.
+    seen: dict[tuple[float, ...], set[str | None]] = {}
+    kept = []
     for evaluation in evaluations:
         proposal = evaluation.proposal
-        seen.setdefault((*proposal.parameters.values(), proposal.seed), evaluation)
-    return list(seen.values())
+        tests = set[str | None](proposal.tests or (None,))
+        earlier = seen.setdefault((*proposal.parameters.values(), proposal.seed), set())
+        if None in earlier or tests <= earlier:
+            continue
+        repeated = [test for test in earlier if test is not None]
+        kept.append(evaluation.without(repeated) if repeated else evaluation)
+        earlier |= tests
+    return kept

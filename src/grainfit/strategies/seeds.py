@@ -8,6 +8,8 @@ import numpy as np
 
 from grainfit.evaluation import Stage
 
+#: Some generators, such as that of LAMMPS, take no larger one.
+LARGEST_SEED = 900_000_000
 _STAGE_CODES: Mapping[Stage, int] = {"design": 0, "optimisation": 1, "verification": 2}
 
 
@@ -17,5 +19,4 @@ def insertion_seed(seed: int, stage: Stage, number: int) -> int:
     The same calibration seed gives the same insertion seeds.
     """
     state = np.random.SeedSequence([seed, _STAGE_CODES[stage], number]).generate_state(1)
-    # Some generators, such as that of LAMMPS, take no seed above 900,000,000.
-    return 1 + int(state[0]) % 899_999_999
+    return 1 + int(state[0]) % (LARGEST_SEED - 1)

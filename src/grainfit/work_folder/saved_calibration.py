@@ -16,10 +16,10 @@ from grainfit.campaign.store.store import STORE_NAME
 from grainfit.campaign.work_folder import RESULT_NAME, read_record, run_folder
 from grainfit.contact_models.registry import MATERIAL_PARAMETERS
 from grainfit.errors import Fault, GrainfitError, InputError, StoreError
-from grainfit.evaluation import ERROR_SUFFIX, Evaluation, Proposal, response_name
+from grainfit.evaluation import ERROR_SUFFIX, Evaluation, response_name
 from grainfit.formatting import counted
 from grainfit.materials.time_step import RayleighTimeStep
-from grainfit.problem import Parameter, Problem, Target
+from grainfit.problem import Parameter, Problem, ScopeOfTest, Target
 from grainfit.result import ParameterInterval, Result, Status, damaged_result
 from grainfit.strategies.distinct_runs import distinct_runs
 from grainfit.tables import TextTable, as_html, as_text
@@ -188,10 +188,11 @@ class SavedCalibration:
 
     def summary(self) -> tuple[str | TextTable, ...]:
         """Return the sentences and tables that `print` and a notebook show."""
-        failed = sum(bool(evaluation.failures) for evaluation in self.evaluations)
+        failed = sum(len(evaluation.failures) for evaluation in self.evaluations)
+        runs = sum(len(evaluation.runs) for evaluation in self.evaluations)
         progress = (
-            f"{counted(len(self.evaluations), 'parameter set')} simulated, {failed} with a failed "
-            f"run; {self.running} under way. Work folder: {self.folder}"
+            f"{counted(runs, 'run')} ended, {failed} of them failed; {self.running} under way. "
+            f"Work folder: {self.folder}"
         )
         faults = (f"Stopped by: {self.failure}" if self.failure else "", self.result_fault)
         answer = self.result.summary()[1:] if self.result else ()
@@ -239,7 +240,8 @@ def _saved(
 ) -> SavedCalibration:
     folder, state = opened.folder, opened.state
     ended = [request for request in opened.requests if _has_ended(request, records)]
-    evaluations = tuple(_evaluation(request, records) for request in ended)
+    tests = len(calibration.definition["tests"])
+    evaluations = tuple(_evaluation(request, records, tests) for request in ended)
     used = {run for request in ended for run in request.runs.values()}
     running = state == "running"
     definition, about = calibration.definition, calibration.about
@@ -260,7 +262,9 @@ def _saved(
         strategy=str(definition["strategy"]),
         seed=int(definition["seed"]),
         evaluations=evaluations,
-        learnt=tuple(_evaluation(run, records) for run in learnt if _has_ended(run, records)),
+        learnt=tuple(
+            _evaluation(run, records, tests) for run in learnt if _has_ended(run, records)
+        ),
         running=sum(r.status == "running" for r in records.values()) if running else 0,
         records={identity: record for identity, record in records.items() if identity in used},
         result=result,
@@ -309,6 +313,8 @@ def _problem(
         [Target(**data) for data in definition["targets"]],
         RayleighTimeStep(rayleigh["radius"], rayleigh["fixed"]) if rayleigh else None,
         float(definition.get("rayleigh_weight") or about.get("rayleigh_weight", 0.0)),
+        correlations=definition.get("correlations", ()),
+        tests=[ScopeOfTest(**data) for data in about.get("tests", [])],
     )
     # A strategy may move a bound that is in the way.
     return problem.holding([evaluation.proposal.parameters for evaluation in evaluations])
@@ -326,9 +332,9 @@ def _has_ended(request: RequestRecord, records: Mapping[str, RunRecord]) -> bool
     return all(run in records and records[run].status != "running" for run in request.runs.values())
 
 
-def _evaluation(request: RequestRecord, records: Mapping[str, RunRecord]) -> Evaluation:
-    proposal = Proposal(request.parameters, request.seed, request.stage)
-    return evaluation_of(proposal, {test: records[run] for test, run in request.runs.items()})
+def _evaluation(request: RequestRecord, records: Mapping[str, RunRecord], tests: int) -> Evaluation:
+    runs = {test: records[run] for test, run in request.runs.items()}
+    return evaluation_of(request.proposal(tests), runs, tests)
 
 
 def read_answer(reading: SavedCalibration) -> Result:

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field, fields
 from typing import Any, Literal, cast, get_args
 
-from grainfit.evaluation import Response, Stage
+from grainfit.evaluation import Proposal, Response, Stage
 from grainfit.run_definition import RunDefinition
 
 RunStatus = Literal["running", "finished", "failed"]
@@ -114,13 +114,18 @@ class CalibrationRecord:
 
 @dataclass(frozen=True)
 class RequestRecord:
-    """One parameter set that a calibration requested."""
+    """One parameter set that a calibration requested, in every test or in some of them."""
 
     position: int
     stage: Stage
     parameters: Mapping[str, float]
     seed: int
     runs: Mapping[str, str]
+
+    def proposal(self, tests: int) -> Proposal:
+        """Return the proposal of a calibration with this number of tests."""
+        some = None if len(self.runs) == tests else tuple(self.runs)
+        return Proposal(self.parameters, self.seed, self.stage, some)
 
     @classmethod
     def from_row(cls, row: Mapping[str, Any]) -> RequestRecord:

@@ -35,10 +35,12 @@
       1 - Math.floor(Math.log10(uncertainty)),
       MOST_DIGITS - 1 - magnitude
     );
-    if (!value || isPlain(value)) {
+    if (!value || isPlain(Math.max(Math.abs(value), uncertainty))) {
       const unit = 10 ** -decimals;
       const near = decimals < 0 ? unit * Math.round(value / unit) : value;
-      return near.toFixed(Math.max(decimals, 0)).replace("-", "−");
+      const places = Math.max(decimals, 0);
+      // Adding zero turns minus zero into zero.
+      return (Number(near.toFixed(places)) + 0).toFixed(places).replace("-", "−");
     }
     const digits = Math.max(magnitude + decimals, 0);
     const [mantissa, power] = value.toExponential(digits).split("e");

@@ -35,6 +35,7 @@ from grainfit.solvers.own_model.model_input import (
     template_context,
     write_parameters,
 )
+from grainfit.solvers.process.line_buffering import line_buffering
 from grainfit.solvers.process.process import LOG_NAME, recorded_faults, run_process
 
 RESPONSES_NAME = "responses.json"
@@ -54,7 +55,8 @@ class Command(Solver):
     evaluates the folder in a separate process.
 
     Templates and the command's arguments are Jinja2: ``{{ particle.density }}``, ``{{ seed }}``,
-    ``{{ parameters["any name"] }}``.
+    ``{{ parameters["any name"] }}``, and ``{{ prime_seed }}``
+    (`grainfit.solvers.own_model.prime_seed`).
 
     Parameters
     ----------
@@ -181,6 +183,15 @@ class Command(Solver):
         self._require_mentioned(parameters)
         return values
 
+    @override
+    def depends_on(self, names: Sequence[str]) -> tuple[str, ...]:
+        """Return the parameters that the model mentions; all if it cannot be read."""
+        try:
+            return tuple(name for name in names if self._mentions(name))
+        except InputError:
+            # `check` says why.
+            return tuple(names)
+
     def model(self) -> Mapping[str, Any]:
         """Return the command and the contents of all files."""
         return {
@@ -211,7 +222,7 @@ class Command(Solver):
         started = time.monotonic()
         with recorded_faults(workspace):
             command = self._prepare(values, int(seed), workspace.folder)
-            run_process(command, workspace)
+            run_process(command, workspace, line_buffering())
             evaluation = self._evaluation()
             if evaluation is not None:
                 self._measure(evaluation, workspace, started)
@@ -280,8 +291,6 @@ class Command(Solver):
 
     def _require_mentioned(self, parameters: Mapping[str, float]) -> None:
         """Raise `InputError` if the model does not use a parameter: it would be fitted to noise."""
-        if JSON_NAME.encode() in self._text:
-            return
         faults = [
             Fault(
                 name,
@@ -290,12 +299,15 @@ class Command(Solver):
                 f"{INCLUDE_NAME} and use the variable {variable_name(name)}, or read {JSON_NAME}.",
             )
             for name in parameters
-            # A template may use only the last part: {% set p = particle %}{{ p.density }}.
-            if name.rpartition(".")[2].encode() not in self._text
-            and variable_name(name).encode() not in self._text
+            if not self._mentions(name)
         ]
         if faults:
             raise InputError(faults, str(self._model.path))
+
+    def _mentions(self, name: str) -> bool:
+        # A template may use only the last part: {% set p = particle %}{{ p.density }}.
+        words = (JSON_NAME, name.rpartition(".")[2], variable_name(name))
+        return any(word.encode() in self._text for word in words)
 
     def _require_program(self) -> None:
         program = self._command[0]

@@ -15,8 +15,9 @@ from jinja2.sandbox import SandboxedEnvironment
 
 from grainfit.errors import Fault, InputError
 from grainfit.formatting import variable_name
+from grainfit.solvers.own_model.prime_seed import PRIME_SEEDS, prime_seeds
 
-#: File for programs that read JSON: values by dotted name, and ``seed``.
+#: File for programs that read JSON: values by dotted name, and the seeds.
 JSON_NAME = "parameters.json"
 #: File for LAMMPS and LIGGGHTS to ``include``: ``variable NAME equal VALUE`` in each line.
 INCLUDE_NAME = "parameters.inc"
@@ -24,16 +25,22 @@ INCLUDE_NAME = "parameters.inc"
 _Result = TypeVar("_Result")
 _SEED = "seed"
 _ALL = "parameters"
+_RESERVED = (_SEED, *PRIME_SEEDS, _ALL)
 
 
 def write_parameters(folder: Path, values: Mapping[str, float], seed: int) -> None:
     """Write the values and the seed as files for a model to read."""
+    seeds = _seeds(seed)
     (folder / JSON_NAME).write_text(
-        json.dumps({**values, _SEED: seed}, indent=1) + "\n", encoding="utf-8"
+        json.dumps({**values, **seeds}, indent=1) + "\n", encoding="utf-8"
     )
     lines = [f"variable {variable_name(name)} equal {value!r}" for name, value in values.items()]
-    lines.append(f"variable {_SEED} equal {seed}")
+    lines += [f"variable {name} equal {value}" for name, value in seeds.items()]
     (folder / INCLUDE_NAME).write_text("\n".join(lines) + "\n", encoding="utf-8")
+
+
+def _seeds(seed: int) -> dict[str, int]:
+    return {_SEED: seed, **prime_seeds(seed)}
 
 
 def template_context(values: Mapping[str, float], seed: int) -> dict[str, Any]:
@@ -52,7 +59,7 @@ def template_context(values: Mapping[str, float], seed: int) -> dict[str, Any]:
         for section in sections:
             table = vars(table).setdefault(section, SimpleNamespace())
         vars(table)[key] = value
-    return {**vars(root), _ALL: dict(values), _SEED: seed}
+    return {**vars(root), _ALL: dict(values), **_seeds(seed)}
 
 
 def require_distinct(values: Mapping[str, float]) -> None:
@@ -61,8 +68,11 @@ def require_distinct(values: Mapping[str, float]) -> None:
     seen: dict[str, str] = {}
     for name in values:
         root = name.split(".")[0]
-        if root in (_SEED, _ALL):
+        if root in _RESERVED:
             faults.append(Fault(name, f"{root!r} is reserved.", "Give it another name."))
+        elif variable_name(name) in _RESERVED:
+            words = f"is the solver variable {variable_name(name)}, which is reserved."
+            faults.append(Fault(name, words, "Give it another name."))
         other = seen.setdefault(variable_name(name), name)
         if other != name:
             faults.append(

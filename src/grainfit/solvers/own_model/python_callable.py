@@ -12,6 +12,7 @@ import textwrap
 import traceback
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
+from tokenize import TokenError
 from types import CodeType
 from typing import Any
 
@@ -223,7 +224,7 @@ def _declared_nonlocal(code: CodeType) -> set[str]:
     """Return enclosing variables that a function assigns to: state, not part of its identity."""
     try:
         tree = ast.parse(textwrap.dedent(inspect.getsource(code)))
-    except (OSError, SyntaxError):
+    except (OSError, SyntaxError, TokenError):
         # No source, or a lambda within a longer statement, which cannot assign variables.
         return set()
     found = (node.names for node in ast.walk(tree) if isinstance(node, ast.Nonlocal))
@@ -275,7 +276,8 @@ def _source_hash(function: Any) -> str | None:
         routine = type(routine).__call__
     try:
         return hashlib.sha256(inspect.getsource(routine).encode()).hexdigest()
-    except (OSError, TypeError):
+    except (OSError, TypeError, SyntaxError, TokenError):
+        # Also where the file has changed, or holds more than Python, since it was executed.
         code = getattr(routine, "__code__", None)
     return None if code is None else hashlib.sha256(repr(_instructions(code)).encode()).hexdigest()
 

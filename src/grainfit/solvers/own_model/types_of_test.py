@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
+from grainfit.errors import Fault, InputError
 from grainfit.options.functions import Function, find_function
 from grainfit.options.kinds import Flag, ListOf, Text
 from grainfit.options.paths import Located
@@ -14,7 +16,7 @@ from grainfit.solvers.own_model.command import Command
 from grainfit.solvers.own_model.model_folder import is_inside
 from grainfit.solvers.own_model.python_callable import PythonCallable
 from grainfit.solvers.own_model.recorded_table import RecordedTable
-from grainfit.solvers.parameters_for import ParametersFor
+from grainfit.solvers.parameters_for import AllBut, ParametersFor
 from grainfit.solvers.type_of_test import TIMEOUT_KEY, FileEntry, TypeOfTest
 
 
@@ -52,19 +54,52 @@ def _find_function_inside(reference: str, folder: Path, place: Place) -> str | N
 
 
 def _command(entry: FileEntry) -> Solver:
-    options = {key: value for key, value in entry.options.items() if key != TIMEOUT_KEY.name}
-    return Command(**options, parameters=entry.fixed, response_names=entry.responses)
+    options = _options_but(entry, TIMEOUT_KEY.name)
+    command = Command(**options, parameters=entry.fixed, response_names=entry.responses)
+    left_out = _left_out(entry)
+    return ParametersFor(command, takes=AllBut(left_out)) if left_out else command
 
 
 def _python(entry: FileEntry) -> Solver:
     function = PythonCallable.from_file(entry.options["function"], entry.responses)
-    return ParametersFor(function, entry.fixed)
+    return ParametersFor(function, entry.fixed, AllBut(_left_out(entry)))
 
 
 def _table(entry: FileEntry) -> Solver:
-    options = dict(entry.options)
-    return RecordedTable(options.pop("file"), entry.free, entry.responses, **options)
+    options = _options_but(entry, "file")
+    left_out = _left_out(entry)
+    columns = [name for name in entry.free if name not in left_out]
+    table = RecordedTable(entry.options["file"], columns, entry.responses, **options)
+    return ParametersFor(table, takes=AllBut(left_out)) if left_out else table
 
+
+def _options_but(entry: FileEntry, *names: str) -> dict[str, Any]:
+    """Return the given keys of the solver."""
+    others = {*names, _PARAMETERS.name}
+    return {key: value for key, value in entry.options.items() if key not in others}
+
+
+def _left_out(entry: FileEntry) -> frozenset[str]:
+    """Return the free parameters that the file says the test does not depend on."""
+    given = entry.options.get(_PARAMETERS.name)
+    if given is None:
+        return frozenset()
+    unknown = [name for name in given if name not in entry.free]
+    if unknown or not given:
+        named = ", ".join(map(repr, unknown)) or "nothing"
+        remedy = f"Name some of: {', '.join(entry.free)}."
+        message = f"name {named}, which is no free parameter of the file."
+        raise InputError(Fault(_PARAMETERS.name, message, remedy))
+    return frozenset(entry.free) - frozenset(given)
+
+
+_PARAMETERS = Key(
+    "parameters",
+    ListOf(Text()),
+    "Free parameters that the test depends on: it is passed no others, and its runs do not differ "
+    "in them. Needed only if there are several tests.",
+    example='["particle_wall.restitution"]',
+)
 
 COMMAND = TypeOfTest(
     "command",
@@ -103,6 +138,7 @@ COMMAND = TypeOfTest(
             example='"evaluate.py:measure"',
         ),
         TIMEOUT_KEY,
+        _PARAMETERS,
     ),
     _command,
     check=_check_command,
@@ -119,6 +155,7 @@ PYTHON = TypeOfTest(
             required=True,
             example='"model.py:simulate"',
         ),
+        _PARAMETERS,
     ),
     _python,
 )
@@ -138,6 +175,7 @@ TABLE = TypeOfTest(
             Flag(),
             "Whether to use the nearest recorded run for one that was not recorded; false.",
         ),
+        _PARAMETERS,
     ),
     _table,
 )

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from scipy.spatial.distance import cdist
 
 from grainfit.evaluation import Evaluation
-from grainfit.problem import Problem
+from grainfit.problem import Problem, ScopeOfTest
 
 Array = NDArray[np.float64]
 
@@ -25,7 +25,8 @@ class FeasibilityModel:
     """Probability that a run at a point succeeds: the share of successes among its neighbours.
 
     A kernel estimate with an optimistic prior: one failure halves the probability at its point,
-    each further one lowers it more. Runs that failed by a fault of the machine do not count.
+    each further one lowers it more. Runs that failed by a fault of the machine do not count. With
+    several tests, all have to succeed, each judged by its own runs and parameters.
 
     Parameters
     ----------
@@ -37,25 +38,50 @@ class FeasibilityModel:
 
     def __init__(self, problem: Problem, evaluations: Sequence[Evaluation]) -> None:
         telling = [e for e in evaluations if not e.failed_by_machine]
-        self._failed = np.array([bool(e.failures) for e in telling], dtype=float)
-        self._points = np.array([problem.to_unit(e.proposal.parameters) for e in telling])
+        self._tests = [_TestFeasibility(problem, scope, telling) for scope in problem.scopes]
 
     def success_probability(self, points: Array) -> Array:
         """Probability that a run at each of some points succeeds, shape (m,)."""
-        if not self._failed.any():
-            return np.ones(len(points))
-        reach = self._reach
-        nearness = np.exp(-0.5 * (cdist(points, self._points) / reach) ** 2)
-        return np.asarray(1.0 - nearness @ self._failed / (_PRIOR + nearness.sum(axis=1)))
+        chances = [test.success_probability(points) for test in self._tests]
+        return np.asarray(np.prod(chances, axis=0))
 
     def is_proven(self, point: Array) -> bool:
         """Whether a run has succeeded near a point, and nearer than any that failed.
 
         True everywhere as long as no run has failed.
         """
+        return all(test.is_proven(point) for test in self._tests)
+
+    def unproven(self, point: Array) -> list[str]:
+        """Return the names of the tests that are not proven at a point."""
+        return [test.name for test in self._tests if not test.is_proven(point)]
+
+
+class _TestFeasibility:
+    """The same of one test."""
+
+    def __init__(
+        self, problem: Problem, scope: ScopeOfTest, evaluations: Sequence[Evaluation]
+    ) -> None:
+        self.name = scope.name
+        self._axes = problem.axes_of(scope)
+        own = [e for e in evaluations if e.proposal.asks_for(scope.name)]
+        failed = [e.failed_in(scope.name) if problem.tests else bool(e.failures) for e in own]
+        self._failed = np.array(failed, dtype=float)
+        points = [problem.to_unit(e.proposal.parameters)[self._axes] for e in own]
+        self._points = np.array(points)
+
+    def success_probability(self, points: Array) -> Array:
+        if not self._failed.any():
+            return np.ones(len(points))
+        reach = self._reach
+        nearness = np.exp(-0.5 * (cdist(points[:, self._axes], self._points) / reach) ** 2)
+        return np.asarray(1.0 - nearness @ self._failed / (_PRIOR + nearness.sum(axis=1)))
+
+    def is_proven(self, point: Array) -> bool:
         if not self._failed.any():
             return True
-        distances = cdist(point[None], self._points)[0]
+        distances = cdist(point[None, self._axes], self._points)[0]
         nearest = int(np.argmin(distances))
         return bool(distances[nearest] <= _PROVEN * self._reach and not self._failed[nearest])
 

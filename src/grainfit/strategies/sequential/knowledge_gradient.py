@@ -34,6 +34,9 @@ class KnowledgeGradient:
     to follow the information from the run: with the slopes J of the deviations and a step of length
     L, ``m^T m`` becomes ``m^T (I + L^2 J J^T)^-1 m``.
 
+    With correlations R of the targets the misfit is ``m^T R^-1 m`` and the sum of the variances
+    times the diagonal of ``R^-1``; R takes the place of I.
+
     Parameters
     ----------
     metamodels : Metamodels
@@ -55,10 +58,12 @@ class KnowledgeGradient:
     def __init__(self, metamodels: Metamodels, points: Array, handicaps: Array) -> None:
         means, variances = metamodels.deviations(points)
         slopes = metamodels.slopes(points)
-        stiffness = np.eye(means.shape[1]) + _STEP**2 * slopes @ slopes.transpose(0, 2, 1)
+        stiffness = metamodels.correlation + _STEP**2 * slopes @ slopes.transpose(0, 2, 1)
         self._follows = np.linalg.inv(stiffness)
         self._pull = np.einsum("mkl,ml->mk", self._follows, means)
-        self._now = (means * self._pull).sum(axis=1) + variances.sum(axis=1) + handicaps
+        self._precisions = metamodels.precisions
+        unknown = (variances * self._precisions).sum(axis=1)
+        self._now = (means * self._pull).sum(axis=1) + unknown + handicaps
         self._covariance = metamodels.covariance_with(points)
         self._scatter_at = metamodels.scatter_at
         self._outcomes = _normal_outcomes(means.shape[1])
@@ -68,19 +73,24 @@ class KnowledgeGradient:
         """Smallest expected misfit of the possible answers now."""
         return float(self._now.min())
 
-    def __call__(self, points: Array) -> Array:
-        """Expected improvement by a run at each of some points, shape (m,); not negative."""
+    def __call__(self, points: Array, yields: NDArray[np.bool_] | None = None) -> Array:
+        """Expected improvement by a run at each of some points, shape (m,); not negative.
+
+        ``yields`` says which targets the run yields, see `Metamodels.yields`; all by default.
+        """
         per_block = max(1, _LARGEST_BLOCK // (len(self._now) * _OUTCOMES))
         blocks = [
-            self._of_block(points[start : start + per_block])
+            self._of_block(points[start : start + per_block], yields)
             for start in range(0, len(points), per_block)
         ]
         return np.concatenate(blocks)
 
-    def _of_block(self, points: Array) -> Array:
+    def _of_block(self, points: Array, yields: NDArray[np.bool_] | None) -> Array:
         covariance, variance = self._covariance(points)
         learnt = covariance / np.sqrt(variance + self._scatter_at(points).T)[:, None, :]
-        settled = self._now[:, None] - (learnt**2).sum(axis=0)
+        if yields is not None:
+            learnt = np.where(yields[:, None, None], learnt, 0.0)
+        settled = self._now[:, None] - (learnt**2 * self._precisions[:, None, None]).sum(axis=0)
         linear = 2.0 * self._pull.T[:, :, None] * learnt
         first, second = np.triu_indices(len(learnt))
         twice = np.where(first == second, 1.0, 2.0)[:, None, None]

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
+from operator import itemgetter
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,7 +13,8 @@ from scipy.spatial.distance import cdist
 from grainfit.evaluation import Evaluation
 from grainfit.metamodels.metamodels import Metamodels
 from grainfit.metamodels.unit_cube import points_about, shrinking_search, spread_points
-from grainfit.problem import Problem
+from grainfit.problem import Problem, ScopeOfTest
+from grainfit.strategies.run_costs import RunCosts
 from grainfit.strategies.sequential.belief import Belief
 from grainfit.strategies.sequential.feasibility import FeasibilityModel
 from grainfit.strategies.sequential.knowledge_gradient import KnowledgeGradient
@@ -52,32 +55,83 @@ def pending_is_enough(
     return pending >= belief.metamodels.runs_needed(belief.gain_point, confidence)
 
 
-def next_point(belief: Belief, conditioned: Metamodels, random: np.random.Generator) -> Array:
-    """Return the point of the unit cube for the next run."""
+@dataclass(frozen=True)
+class NextRun:
+    """Place of a run in the unit cube, and the test that is run there."""
+
+    point: Array
+    scope: ScopeOfTest
+
+
+def next_run(
+    belief: Belief, conditioned: Metamodels, costs: RunCosts, random: np.random.Generator
+) -> NextRun:
+    """Return the next run: point of the unit cube and test.
+
+    Parameters
+    ----------
+    belief : Belief
+        Belief from the runs known so far.
+    conditioned : Metamodels
+        Conditioned on the pending runs.
+    costs : RunCosts
+        Cost of a run of each test.
+    random : numpy.random.Generator
+        Draws the candidates.
+    """
+    scopes = belief.problem.scopes
     if belief.seems_missed:
         # The best point that the metamodels know is no answer: another basin, or none, has one.
-        return belief.hopeful
+        return _most_telling(belief.hopeful, conditioned, costs, scopes)
     if not belief.agrees:
-        return _most_improving_point(belief, conditioned, random)
-    return belief.gain_point if belief.is_proven else belief.answer
+        return _most_improving(belief, conditioned, costs, random)
+    if belief.is_proven:
+        return _most_telling(belief.gain_point, conditioned, costs, scopes)
+    unproven = belief.feasibility.unproven(belief.answer)
+    return _most_telling(
+        belief.answer, conditioned, costs, [s for s in scopes if s.name in unproven]
+    )
 
 
-def _most_improving_point(
-    belief: Belief, conditioned: Metamodels, random: np.random.Generator
-) -> Array:
+def _most_telling(
+    point: Array, conditioned: Metamodels, costs: RunCosts, scopes: Sequence[ScopeOfTest]
+) -> NextRun:
+    """Choose the test that narrows the expected deviations at a point most per second."""
+    variances = conditioned.deviations(point)[1][0]
+    narrowed = variances**2 / (variances + conditioned.scatter_at(point)[0])
+    narrowed = narrowed * conditioned.precisions
+
+    def worth(scope: ScopeOfTest) -> float:
+        gain = float(narrowed[conditioned.yields([scope.name])].sum())
+        return gain / float(costs.seconds(scope, point[None])[0])
+
+    return NextRun(point, max(scopes, key=worth) if len(scopes) > 1 else scopes[0])
+
+
+def _most_improving(
+    belief: Belief, conditioned: Metamodels, costs: RunCosts, random: np.random.Generator
+) -> NextRun:
     possible = belief.answers.candidates
     improvement = KnowledgeGradient(conditioned, possible, belief.handicaps(possible))
-
-    def lack(points: Array) -> Array:
-        unknown = conditioned.deviations(points)[1].sum(axis=1)
-        success = belief.feasibility.success_probability(points)
-        return np.asarray(-(improvement(points) + _TIE * unknown) * success**2)
-
     near = points_about(belief.answers.closest[:1], _NEAR_CANDIDATES, 0.25, random)
     everywhere = spread_points(_GLOBAL_CANDIDATES, belief.problem.dimension, random)
     starts = np.vstack([possible, near, everywhere])
-    points, _ = shrinking_search(lack, starts, random, rounds=2, width=0.08)
-    return np.asarray(points[0])
+    several = len(belief.problem.scopes) > 1
+
+    def best_of(scope: ScopeOfTest) -> tuple[float, NextRun]:
+        yields = conditioned.yields([scope.name]) if several else None
+
+        def lack(points: Array) -> Array:
+            variances = conditioned.deviations(points)[1]
+            unknown = (variances if yields is None else variances[:, yields]).sum(axis=1)
+            success = belief.feasibility.success_probability(points)
+            worth = (improvement(points, yields) + _TIE * unknown) * success**2
+            return np.asarray(-worth / costs.seconds(scope, points) if several else -worth)
+
+        points, values = shrinking_search(lack, starts, random, rounds=2, width=0.08)
+        return float(values[0]), NextRun(np.asarray(points[0]), scope)
+
+    return min(map(best_of, belief.problem.scopes), key=itemgetter(0))[1]
 
 
 def space_filling_point(

@@ -14,7 +14,7 @@ from __future__ import annotations
 import math
 from collections import deque
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from functools import cached_property
 from typing import Any
 
@@ -24,16 +24,18 @@ from numpy.typing import NDArray
 from grainfit.evaluation import Evaluation, Proposal, Stage
 from grainfit.metamodels.designs import maximin_latin_hypercube
 from grainfit.metamodels.metamodels import Metamodels, can_be_fitted
+from grainfit.metamodels.unit_cube import spread_subset
 from grainfit.problem import Problem
 from grainfit.strategies.answer import Answer, make_answer
 from grainfit.strategies.base import RESUMPTIONS, Search
 from grainfit.strategies.budget import design_size
 from grainfit.strategies.distinct_runs import distinct_runs
 from grainfit.strategies.out_of_reach import widened, widenings
+from grainfit.strategies.run_costs import RunCosts
 from grainfit.strategies.seeds import insertion_seed
 from grainfit.strategies.sequential.belief import LIKELY, Belief
 from grainfit.strategies.sequential.next_run import (
-    next_point,
+    next_run,
     pending_is_enough,
     space_filling_point,
 )
@@ -54,6 +56,11 @@ _USUAL_AFTER_DESIGN = 5
 #: The same before the scatter is known.
 _USUAL_BEFORE_ANY_RUN = 7
 _MOST_WIDENINGS = 4
+
+
+def usual_design(dimension: int) -> int:
+    """Return the usual number of runs of the design for some free parameters."""
+    return max(dimension + 3, math.ceil(DESIGN_RUNS * (dimension + 1)))
 
 
 class SequentialSearch(Search):
@@ -88,10 +95,15 @@ class SequentialSearch(Search):
     ) -> None:
         super().__init__(strategy, problem, seed, max_evaluations)
         self._options = strategy
-        usual = max(problem.dimension + 3, math.ceil(DESIGN_RUNS * (problem.dimension + 1)))
-        self._whole_design = self._design_size = design_size(
+        usual = usual_design(problem.dimension)
+        self._design_size = design_size(
             problem.dimension, strategy.design_runs, usual, max_evaluations
         )
+        self._design_sizes = {
+            scope.name: strategy.design_runs
+            or min(self._design_size, usual_design(len(scope.parameters)))
+            for scope in problem.scopes
+        }
         self._usual_design = strategy.design_runs or usual
         self._allowed = max_evaluations or (
             self._design_size + RUNS_PER_PARAMETER * problem.dimension
@@ -114,6 +126,11 @@ class SequentialSearch(Search):
     def design_runs(self) -> int:
         """Size of the Latin hypercube."""
         return self._design_size
+
+    @property
+    def runs_of_design(self) -> int:
+        """Runs of the design: tests that depend on few parameters need fewer."""
+        return sum(self._design_sizes.values())
 
     @property
     def confidence(self) -> float:
@@ -151,31 +168,44 @@ class SequentialSearch(Search):
     @property
     def expected_left(self) -> int:
         """Pending runs, or those that the answer still needs, with those of its verification."""
-        done = len(self._told) + len(self._others)
+        runs = self._expected_sets * len(self.problem.scopes)
+        if self._design_is_told:
+            return runs
+        spared = self._design_size * len(self.problem.scopes) - self.runs_of_design
+        return max(self._sets(self._pending_proposals), runs - spared)
+
+    @property
+    def _expected_sets(self) -> int:
+        """The same in parameter sets that are simulated in every test."""
+        told, pending = self._sets_told, self._sets(self._pending_proposals)
+        done = told + self._sets(evaluation.proposal for evaluation in self._others)
         if not self._design_is_told or self._belief is None:
             usual = self._design_size + _USUAL_BEFORE_ANY_RUN
-            return max(self._pending, min(self._allowed, usual) - len(self._told))
+            return max(pending, min(self._allowed, usual) - told)
         belief = self._belief
-        left = self._allowed - len(self._told)
+        left = self._allowed - told
         if belief.seems_missed:
             # Either it is soon established, or the budget is used.
-            return max(self._pending, left // 2)
+            return max(pending, left // 2)
         usual = max(self._design_size + _USUAL_AFTER_DESIGN, belief.usual_runs) - done
         needed = min(belief.runs_needed(self.confidence_to_stop), usual)
         if not belief.is_likely:
             needed = max(needed, _USUAL_AFTER_DESIGN)
-        return max(self._pending, min(left, needed))
+        return max(pending, min(left, needed))
 
     def warm_start(self, evaluations: Sequence[Evaluation]) -> None:
         """Use runs of other calibrations instead of a part of the design."""
         self._others += evaluations
-        names = {target.name for target in self.problem.targets}
-        places = {
-            tuple(evaluation.proposal.parameters.values())
-            for evaluation in evaluations
-            if names <= evaluation.responses.keys()
-        }
-        self._design_size = max(0, self._whole_design - len(places))
+        for scope in self.problem.scopes:
+            names = {t.name for t in self.problem.targets if t.name in scope.targets}
+            places = {
+                tuple(evaluation.proposal.parameters[name] for name in scope.parameters)
+                for evaluation in evaluations
+                if names <= evaluation.responses.keys()
+            }
+            left = self._design_sizes[scope.name] - len(places)
+            self._design_sizes[scope.name] = max(0, left)
+        self._design_size = max(self._design_sizes.values())
 
     def replay(self, proposals: Sequence[Proposal]) -> None:
         """Repeat these proposals before any new one."""
@@ -187,10 +217,11 @@ class SequentialSearch(Search):
             return self._note_asked(self._to_repeat.popleft())
         if self._budget_is_used:
             return None
-        if len(self._asked) < self._design_size:
-            return self._propose(self.problem.from_unit(self._design[len(self._asked)]), "design")
+        if (number := len(self._asked)) < self._design_size:
+            values = self.problem.from_unit(self._design[number])
+            return self._propose(values, "design", self._tests_of_design[number])
         if again := self._failed_by_machine():
-            return self._propose(again.parameters, again.stage)
+            return self._propose(again.parameters, again.stage, again.tests)
         if self.finished:
             return None
         if self._belief is None:
@@ -222,12 +253,13 @@ class SequentialSearch(Search):
             closest,
             spread=False,
             confidence=self.confidence_to_stop,
+            costs=RunCosts(belief.problem, self.known),
         )
 
     def resume_after_verification(self, affordable: int | None = None) -> bool:
         """Continue with the verification runs added, if doubt and budget are left."""
         if affordable is not None:
-            self._allowed = min(self._allowed, len(self._asked) + max(0, affordable))
+            self._allowed = min(self._allowed, self._sets(self._asked) + max(0, affordable))
         possible = (
             self._belief is not None
             and (affordable is None or affordable >= 0)
@@ -243,13 +275,40 @@ class SequentialSearch(Search):
     def _design(self) -> Array:
         return maximin_latin_hypercube(self._design_size, self.problem.dimension, self.seed)
 
+    @cached_property
+    def _tests_of_design(self) -> list[tuple[str, ...] | None]:
+        """Tests of each run of the design: those with few parameters need a part of it."""
+        sizes, points = self._design_sizes, self._design
+        chosen = {
+            scope.name: spread_subset(points[:, self.problem.axes_of(scope)], sizes[scope.name])
+            for scope in self.problem.scopes
+        }
+        return [
+            self._some([name for name, numbers in chosen.items() if number in numbers])
+            for number in range(len(points))
+        ]
+
+    def _some(self, tests: Sequence[str]) -> tuple[str, ...] | None:
+        """Return the tests of a proposal, None for all of them."""
+        return None if len(tests) == len(self.problem.scopes) else tuple(tests)
+
+    def _sets(self, proposals: Iterable[Proposal]) -> int:
+        """Number of parameter sets that take as many runs as some proposals, rounded up."""
+        tests = len(self.problem.scopes)
+        runs = sum(tests if p.tests is None else len(p.tests) for p in proposals)
+        return -(-runs // tests)
+
+    @property
+    def _sets_told(self) -> int:
+        return self._sets(self._asked[index] for index in self._told)
+
     @property
     def _pending(self) -> int:
         return len(self._asked) - len(self._told)
 
     @property
     def _budget_is_used(self) -> bool:
-        return len(self._asked) >= self._allowed
+        return self._sets(self._asked) >= self._allowed
 
     @property
     def _design_is_told(self) -> bool:
@@ -262,7 +321,7 @@ class SequentialSearch(Search):
             confidence=self.confidence_to_stop,
             demanded=self.confidence,
             is_confirmed=len(self._told) >= self._design_size + _RUNS_TO_CONFIRM,
-            runs_left=None if has_budget else self._allowed - len(self._told),
+            runs_left=None if has_budget else self._allowed - self._sets_told,
         )
 
     @property
@@ -296,10 +355,12 @@ class SequentialSearch(Search):
 
     # Proposals -------------------------------------------------------------------------------
 
-    def _propose(self, parameters: Mapping[str, float], stage: Stage) -> Proposal:
+    def _propose(
+        self, parameters: Mapping[str, float], stage: Stage, tests: tuple[str, ...] | None = None
+    ) -> Proposal:
         number = len(self._asked) + 1
         seed = insertion_seed(self.seed, stage, number)
-        return self._note_asked(Proposal(dict(parameters), seed, stage))
+        return self._note_asked(Proposal(dict(parameters), seed, stage, tests))
 
     def _note_asked(self, proposal: Proposal) -> Proposal:
         self._indices[proposal.seed] = len(self._asked)
@@ -309,13 +370,28 @@ class SequentialSearch(Search):
     def _failed_by_machine(self) -> Proposal | None:
         """Proposal to try again: its run failed by the machine, not by its parameters."""
         for index in sorted(self._told):
-            proposal = self._told[index].proposal
-            if not self._told[index].failed_by_machine:
+            evaluation = self._told[index]
+            if not evaluation.failed_by_machine:
                 continue
-            tries = [i for i, p in enumerate(self._asked) if p.parameters == proposal.parameters]
+            again = self._failed_part(evaluation)
+            tries = [
+                number
+                for number, asked in enumerate(self._asked)
+                if asked.parameters == again.parameters
+                and (again.tests is None or all(map(asked.asks_for, again.tests)))
+            ]
             if tries[-1] == index and len(tries) < _TRIES_OF_A_MACHINE:
-                return proposal
+                return again
         return None
+
+    def _failed_part(self, evaluation: Evaluation) -> Proposal:
+        """Return the proposal of the tests whose run failed."""
+        proposal = evaluation.proposal
+        if not self.problem.tests:
+            return proposal
+        asked = [s.name for s in self.problem.scopes if proposal.asks_for(s.name)]
+        failed = [name for name in asked if evaluation.failed_in(name)]
+        return replace(proposal, tests=self._some(failed))
 
     def _random(self) -> np.random.Generator:
         return np.random.default_rng([self.seed, len(self._asked)])
@@ -323,21 +399,35 @@ class SequentialSearch(Search):
     def _propose_space_filling(self) -> Proposal:
         tried = np.array([self.problem.to_unit(p.parameters) for p in self._asked])
         point = space_filling_point(self.problem, self.known, tried, self._random())
-        return self._propose(self.problem.from_unit(point), "optimisation")
+        values = self.problem.from_unit(point)
+        return self._propose(values, "optimisation", self._tests_without_metamodel())
+
+    def _tests_without_metamodel(self) -> tuple[str, ...] | None:
+        if not self.problem.tests:
+            return None
+        lacking = [
+            scope.name
+            for scope in self.problem.scopes
+            for targets in [[t for t in self.problem.targets if t.name in scope.targets]]
+            if not can_be_fitted(self.problem.with_targets(targets), self.known)
+        ]
+        return self._some(lacking)
 
     def _propose_most_useful(self, belief: Belief) -> Proposal | None:
-        pending = self._pending_points(belief.problem)
-        conditioned = belief.metamodels.condition_on_pending(pending)
+        pending = self._pending_proposals
+        points = [belief.problem.to_unit(proposal.parameters) for proposal in pending]
+        yields = [belief.metamodels.yields(proposal.tests) for proposal in pending]
+        conditioned = belief.metamodels.condition_on_pending(
+            np.array(points).reshape(-1, belief.problem.dimension), np.array(yields)
+        )
         confidence = self.confidence_to_stop
-        if len(pending) and pending_is_enough(belief, conditioned, len(pending), confidence):
+        if pending and pending_is_enough(belief, conditioned, len(pending), confidence):
             return None
-        point = next_point(belief, conditioned, self._random())
-        return self._propose(belief.problem.from_unit(point), "optimisation")
+        costs = RunCosts(belief.problem, self.known)
+        chosen = next_run(belief, conditioned, costs, self._random())
+        values = belief.problem.from_unit(chosen.point)
+        return self._propose(values, "optimisation", self._some([chosen.scope.name]))
 
-    def _pending_points(self, problem: Problem) -> Array:
-        points = [
-            problem.to_unit(proposal.parameters)
-            for index, proposal in enumerate(self._asked)
-            if index not in self._told
-        ]
-        return np.array(points).reshape(-1, problem.dimension)
+    @property
+    def _pending_proposals(self) -> list[Proposal]:
+        return [p for index, p in enumerate(self._asked) if index not in self._told]

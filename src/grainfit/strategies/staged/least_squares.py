@@ -11,6 +11,7 @@ from scipy.optimize import least_squares, lsq_linear
 from grainfit.metamodels.designs import maximin_latin_hypercube
 from grainfit.metamodels.metamodels import Metamodels
 from grainfit.strategies.staged.residuals import (
+    decorrelated,
     expected_misfit_at,
     relative_uncertainty,
     residuals,
@@ -66,14 +67,15 @@ def fit_on_metamodels(metamodels: Metamodels, seed: int) -> Array:
 def _jacobian(metamodels: Metamodels, point: Array) -> Array:
     """Derivatives of the residuals at a point, shape (number of residuals, d)."""
     problem = metamodels.problem
-    scale = np.array([target.weight / target.value for target in problem.targets])
+    scale = np.array([target.weight / target.misfit_unit for target in problem.targets])
     criterion = [
         problem.rayleigh_weight * _criterion_slope(metamodels, point, axis)
         for axis in range(problem.dimension)
     ]
     shares = [relative_uncertainty(p) for p in problem.measured]
     own = problem.off_measured_slopes(point)[0] * np.reshape(shares, (-1, 1))
-    return np.vstack([metamodels.gradients(point)[0] * scale[:, None], criterion, own])
+    slopes = decorrelated(problem, metamodels.gradients(point)[0] * scale[:, None])
+    return np.vstack([slopes, criterion, own])
 
 
 def _criterion_slope(metamodels: Metamodels, point: Array, axis: int) -> float:

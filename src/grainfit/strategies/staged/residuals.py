@@ -28,17 +28,21 @@ def residuals(problem: Problem, parameters: Mapping[str, float], responses: Vect
     Returns
     -------
     ndarray, shape (number of targets + 1 + number of measured parameters,)
-        Weighted relative deviations (equation 1), then the weighted Rayleigh criterion
-        (equation 2), then relative deviations of parameters from their own measurements.
+        Weighted deviations (equation 1), decorrelated where targets are correlated, then the
+        weighted Rayleigh criterion (equation 2), then relative deviations of parameters from their
+        own measurements.
 
     References
     ----------
     Rackl, Görnig, Hanley & Günthner (ECCOMAS 2016), equations 1 and 2.
     """
-    deviations = [
-        target.weight * target.relative_deviation(float(response))
-        for target, response in zip(problem.targets, responses, strict=True)
-    ]
+    deviations = np.array(
+        [
+            target.weight * target.misfit(float(response))
+            for target, response in zip(problem.targets, responses, strict=True)
+        ]
+    )
+    deviations = decorrelated(problem, deviations)
     criterion = problem.rayleigh_weight * problem.rayleigh_criterion(parameters)
     own = [
         p.off_measured(p.to_unit(parameters[p.name])) * relative_uncertainty(p)
@@ -54,6 +58,14 @@ def relative_uncertainty(parameter: Parameter) -> float:
     return parameter.uncertainty / abs(parameter.measured)
 
 
+def decorrelated(problem: Problem, deviations: Vector) -> Vector:
+    """Combine deviations, shape (targets, ...), so that their errors are not correlated."""
+    if not problem.correlations:
+        return deviations
+    factor = np.linalg.cholesky(problem.correlation_matrix)
+    return np.asarray(np.linalg.solve(factor, deviations))
+
+
 def expected_misfit(
     problem: Problem, parameters: Mapping[str, float], means: Vector, variances: Vector
 ) -> float:
@@ -61,9 +73,10 @@ def expected_misfit(
 
     Of two parameter sets that fit equally well, the less uncertain one has the smaller misfit.
     """
-    values = np.array([target.value for target in problem.targets])
+    units = np.array([target.misfit_unit for target in problem.targets])
     weights = np.array([target.weight for target in problem.targets])
-    spread = float(np.sum(variances * (weights / values) ** 2))
+    precisions = np.diagonal(np.linalg.inv(problem.correlation_matrix))
+    spread = float(np.sum(variances * (weights / units) ** 2 * precisions))
     return float(np.sum(residuals(problem, parameters, means) ** 2)) + spread
 
 
@@ -81,8 +94,5 @@ def expected_misfit_at(metamodels: Metamodels, point: Vector) -> float:
 
 
 def within_tolerance(problem: Problem, responses: Vector) -> bool:
-    """Whether every response deviates from its target by at most its tolerance."""
-    return all(
-        target.is_met_by(float(response))
-        for target, response in zip(problem.targets, responses, strict=True)
-    )
+    """Whether the targets are met: each within its tolerance, correlated ones also together."""
+    return problem.is_met_by(responses)

@@ -25,6 +25,7 @@ from grainfit.strategies.base import RESUMPTIONS
 from grainfit.strategies.batches import Batches, BatchSearch
 from grainfit.strategies.budget import design_size
 from grainfit.strategies.out_of_reach import out_of_reach
+from grainfit.strategies.run_costs import RunCosts
 from grainfit.strategies.seeds import insertion_seed
 from grainfit.strategies.staged.least_squares import (
     damped_step,
@@ -109,7 +110,11 @@ class StagedSearch(BatchSearch):
 
     @property
     def expected_left(self) -> int:
-        """Proposals of the current batch, and during the design those of a usual step 3."""
+        """Runs of the current batch, and during the design those of a usual step 3."""
+        return self._expected_proposals * len(self.problem.scopes)
+
+    @property
+    def _expected_proposals(self) -> int:
         if not self._begun:
             return self._design_runs + self.problem.dimension + 2
         open_now = len(self._batch) - len(self._told)
@@ -141,7 +146,9 @@ class StagedSearch(BatchSearch):
         metamodels = self._metamodels()
         closest = fit_on_metamodels(metamodels, self.seed)
         if parameters is not None:
-            return make_answer(metamodels, parameters, self._out_of_reach, closest)
+            return make_answer(
+                metamodels, parameters, self._out_of_reach, closest, costs=self._costs
+            )
         candidates = [dict(e.proposal.parameters) for e in self._successful()]
         if not candidates:
             raise RunFailedError("no parameter set gave all responses, so none can be the answer")
@@ -151,7 +158,11 @@ class StagedSearch(BatchSearch):
             for known in zip(candidates, means, variances, strict=True)
         ]
         best = candidates[int(np.argmin(misfits))]
-        return make_answer(metamodels, best, self._out_of_reach, closest)
+        return make_answer(metamodels, best, self._out_of_reach, closest, costs=self._costs)
+
+    @property
+    def _costs(self) -> RunCosts:
+        return RunCosts(self.problem, self.known)
 
     def _optimise(self) -> Batches:
         """Carry out steps 2 and 3 with all runs known so far."""

@@ -15,11 +15,12 @@ from grainfit.formatting import (
     counted,
     duration,
     number,
-    percentage_off,
     plain,
     plain_probability,
     probability,
     rounded,
+    unit_for_people,
+    with_unit,
 )
 from grainfit.materials.card import Determination
 from grainfit.plots.labels import Label
@@ -97,7 +98,8 @@ def answer(context: ReportContext) -> Section:
 def verdict(context: ReportContext) -> Verdict:
     """Return the outcome of the calibration in words, or its progress."""
     reading = context.reading
-    ended = f"Simulated so far: {counted(len(reading.evaluations), 'parameter set')}"
+    runs = sum(len(evaluation.runs) for evaluation in reading.evaluations)
+    ended = f"Simulated so far: {counted(runs, 'run')}"
     match reading.state:
         case "running":
             words = f"{ended}; under way: {counted(reading.running, 'run')}."
@@ -137,6 +139,10 @@ def _final_verdict(context: ReportContext) -> Verdict:
         for name, response in result.responses.items()
         if response.verdict != "met"
     )
+    if not missed:
+        # Correlated ones, which are met one by one: a notice says more.
+        line = "Not calibrated: the measurements are not met together."
+        return Verdict("bad", line, (*map(plain, result.notices), *sure))
     return Verdict("bad", f"Not calibrated: {missed}.", sure)
 
 
@@ -164,12 +170,11 @@ def _likelihood(response: ResponseResult) -> str:
 
 
 def _miss(words: str, response: ResponseResult) -> str:
-    accepted = number(100 * response.tolerance / response.target, 3)
-    deviation = _percent(response.deviation_percent)
+    accepted = _accepted(response)
     if response.verdict == "in doubt" and response.probability is not None:
         likely = probability(response.probability)
-        return f"{words} is within ±{accepted} % with a probability of {likely}"
-    return f"{words} deviates by {deviation}, and ±{accepted} % are accepted"
+        return f"{words} is within {accepted} with a probability of {likely}"
+    return f"{words} deviates by {_deviation(response)}, and {accepted} are accepted"
 
 
 def _sureness(result: Result) -> Iterator[str]:
@@ -255,7 +260,7 @@ def _response_row(context: ReportContext, target: Target) -> ResponseRow:
         expected=rounded(expected, half_width),
         half_width=rounded(half_width, half_width),
         fresh=_fresh(response),
-        deviation=_percent(response.deviation_percent),
+        deviation=_deviation(response),
         verdict=response.verdict,
     )
 
@@ -267,8 +272,14 @@ def _fresh(response: ResponseResult) -> str:
     return f"{rounded(mean, half_width)} ± {rounded(half_width, half_width)}"
 
 
-def _percent(value: float) -> str:
-    return percentage_off(value).replace("-", "−")
+def _deviation(response: ResponseResult) -> str:
+    return response.deviation_in_words(unit_for_people(response.unit)).replace("-", "−")
+
+
+def _accepted(response: ResponseResult) -> str:
+    if response.deviation_percent is None:
+        return f"±{with_unit(number(response.tolerance, 3), unit_for_people(response.unit))}"
+    return f"±{number(100 * response.tolerance / abs(response.target), 3)} %"
 
 
 def _time_step(result: Result) -> dict[str, str] | None:

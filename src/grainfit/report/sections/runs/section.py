@@ -71,7 +71,7 @@ def _row(context: ReportContext, count: int, evaluation: Evaluation) -> RunRow:
             responses[target.name].value if target.name in responses else None
             for target in context.targets
         ),
-        deviation_in_tolerances(context.targets, evaluation),
+        deviation_in_tolerances(context.reading.problem, evaluation),
         evaluation.seconds,
     ]
     cells = [Cell(number(value), value) for value in values[:-2]]

@@ -1,0 +1,223 @@
+"""Mean and scatter of responses over seeds at one parameter set."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from statistics import fmean, stdev
+
+from scipy import stats
+
+from grainfit.errors import Fault, InputError
+from grainfit.evaluation import Evaluation
+from grainfit.formatting import counted, in_a_row, number, plain_ends, plain_interval
+from grainfit.formatting import unit_for_people as shown_unit
+from grainfit.problem import Target
+from grainfit.tables import TextTable, as_html, as_text
+
+_LEVEL = 0.95
+#: Runs at one parameter set from which on a calibration becomes expensive: the budget of the
+#: sequential search is 20 runs per free parameter.
+_MANY_RUNS = 20
+
+
+@dataclass(frozen=True)
+class ResponseScatter:
+    """Mean and scatter of one response over seeds.
+
+    Parameters
+    ----------
+    name : str
+        Name of the response.
+    values : tuple of float
+        Responses of the runs, by rising seed.
+    target : Target, optional
+        Its target, if it has one.
+    unit : str
+        Unit of the response.
+    """
+
+    name: str
+    values: tuple[float, ...]
+    target: Target | None = None
+    unit: str = ""
+
+    @property
+    def mean(self) -> float:
+        """Mean of the runs."""
+        return fmean(self.values)
+
+    @property
+    def standard_deviation(self) -> float | None:
+        """Standard deviation of single runs; None for one run."""
+        return stdev(self.values) if len(self.values) > 1 else None
+
+    @property
+    def mean_interval(self) -> float | None:
+        """Half of the 95 % confidence interval of the mean (Student's t); None for one run."""
+        if self.standard_deviation is None:
+            return None
+        count = len(self.values)
+        quantile = float(stats.t.ppf((1 + _LEVEL) / 2, count - 1))
+        return quantile * self.standard_deviation / math.sqrt(count)
+
+    @property
+    def standard_deviation_interval(self) -> tuple[float, float] | None:
+        """95 % confidence interval of the standard deviation; None for one run.
+
+        By the chi-squared distribution, so for normal scatter: a response with outlying runs may be
+        farther away.
+        """
+        if self.standard_deviation is None:
+            return None
+        freedom = len(self.values) - 1
+        low, high = stats.chi2.ppf([(1 - _LEVEL) / 2, (1 + _LEVEL) / 2], freedom)
+        squares = freedom * self.standard_deviation**2
+        return math.sqrt(squares / high), math.sqrt(squares / low)
+
+    @property
+    def runs_for_tolerance(self) -> int | None:
+        """Runs whose mean is within the tolerance of the expected response in 95 % of all cases.
+
+        None without a target, and for one run.
+        """
+        if self.target is None or self.standard_deviation is None:
+            return None
+        quantile = float(stats.norm.ppf((1 + _LEVEL) / 2))
+        return max(1, math.ceil((quantile * self.standard_deviation / self.target.tolerance) ** 2))
+
+
+@dataclass(frozen=True)
+class RepeatedRuns:
+    """Runs of every test at one parameter set with several seeds.
+
+    Parameters
+    ----------
+    responses : tuple of ResponseScatter
+        Every response that a run gave.
+    parameters : mapping of str to float
+        Values of the free parameters.
+    evaluations : tuple of Evaluation
+        By rising seed.
+    """
+
+    responses: tuple[ResponseScatter, ...]
+    parameters: Mapping[str, float]
+    evaluations: tuple[Evaluation, ...]
+
+    def __getitem__(self, name: str) -> ResponseScatter:
+        return next(found for found in self.responses if found.name == name)
+
+    @property
+    def failures(self) -> tuple[tuple[int, str, str], ...]:
+        """Seed, test and reason of every failed run."""
+        return tuple(
+            (evaluation.proposal.seed, test, reason)
+            for evaluation in self.evaluations
+            for test, reason in evaluation.failures.items()
+        )
+
+    def summary(self) -> tuple[str | TextTable, ...]:
+        """Return the table and the sentences that `print` and a notebook show."""
+        table = (self._table(),) if self.responses else ()
+        failed = (f"Seed {seed}: {test} failed: {reason}" for seed, test, reason in self.failures)
+        return (*table, *self._advice(), *failed)
+
+    def __str__(self) -> str:
+        return as_text(self.summary())
+
+    def _repr_html_(self) -> str:
+        return as_html(self.summary())
+
+    def _table(self) -> TextTable:
+        header = ("response", "mean", "standard deviation", "target", "runs")
+        rows = tuple(_row(response) for response in self.responses)
+        caption = "Mean ± half of its 95 % interval; standard deviation of single runs with its own"
+        return TextTable(header, rows, caption)
+
+    def _advice(self) -> list[str]:
+        return [words for response in self.responses if (words := _advice(response))]
+
+
+def _row(found: ResponseScatter) -> tuple[str, ...]:
+    half, deviation = found.mean_interval, found.standard_deviation
+    ends = found.standard_deviation_interval
+    mean = number(found.mean) if half is None else plain_interval(found.mean, half)
+    spread = "-"
+    if deviation is not None and ends is not None:
+        spread = number(deviation, 3)
+        if deviation > 0:
+            spread += f" ({plain_ends(*ends)})"
+    target = found.target
+    wanted = "-" if target is None else plain_interval(target.value, target.tolerance)
+    name = f"{found.name} in {shown_unit(found.unit)}" if found.unit else found.name
+    return name, mean, spread, wanted, str(len(found.values))
+
+
+def _advice(found: ResponseScatter) -> str:
+    runs, target = found.runs_for_tolerance, found.target
+    if runs is None or target is None or runs <= 1:
+        return ""
+    ratio = (found.standard_deviation or 0.0) / target.tolerance
+    words = (
+        f"{found.name}: one run scatters by {number(ratio, 2)} times the tolerance; the mean of "
+        f"{counted(runs, 'run')} is within it (95 %)."
+    )
+    if runs <= _MANY_RUNS:
+        return words
+    return (
+        f"{words} A larger sample in the test, another response or a wider tolerance helps more "
+        "than that many runs."
+    )
+
+
+def scatter_over_seeds(
+    evaluations: Sequence[Evaluation],
+    targets: Sequence[Target] = (),
+    units: Mapping[str, str] | None = None,
+) -> RepeatedRuns:
+    """Compute mean and scatter of the responses of evaluations at one parameter set.
+
+    Parameters
+    ----------
+    evaluations : sequence of Evaluation
+        Runs with different seeds.
+    targets : sequence of Target
+        Targets with which the scatter is compared.
+    units : mapping of str to str, optional
+        Units of responses without a target.
+
+    Raises
+    ------
+    InputError
+        There are no evaluations, they are at several parameter sets, or a seed occurs twice.
+    """
+    _require_repeats(evaluations)
+    ordered = sorted(evaluations, key=lambda evaluation: evaluation.proposal.seed)
+    wanted = {target.name: target for target in targets}
+    names = dict.fromkeys(name for evaluation in ordered for name in evaluation.responses)
+    found = [
+        ResponseScatter(
+            name,
+            tuple(e.responses[name].value for e in ordered if name in e.responses),
+            wanted.get(name),
+            wanted[name].unit if name in wanted else (units or {}).get(name, ""),
+        )
+        for name in names
+    ]
+    return RepeatedRuns(tuple(found), dict(ordered[0].proposal.parameters), tuple(ordered))
+
+
+def _require_repeats(evaluations: Sequence[Evaluation]) -> None:
+    if not evaluations:
+        raise InputError(Fault("evaluations", "are empty.", "Give those of several seeds."))
+    points = {tuple(sorted(e.proposal.parameters.items())) for e in evaluations}
+    if len(points) > 1:
+        words = f"are at {len(points)} parameter sets."
+        raise InputError(Fault("evaluations", words, "Give those of one."))
+    seeds = [e.proposal.seed for e in evaluations]
+    repeated = sorted({seed for seed in seeds if seeds.count(seed) > 1})
+    if repeated:
+        words = f"have more than one run of seed {in_a_row(map(str, repeated))}."
+        raise InputError(Fault("evaluations", words, "Give every run once."))

@@ -1,0 +1,105 @@
+"""Check that a calibration can run, before its first run: `check` and `run` say the same."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+
+from grainfit.errors import Fault, GrainfitError, InputError
+from grainfit.evaluation import response_name
+from grainfit.problem import Problem
+from grainfit.solvers.base import Solver
+
+
+@dataclass(frozen=True)
+class Obstacle:
+    """Reason why a calibration cannot run.
+
+    Parameters
+    ----------
+    test : str
+        Name of the test; empty when it is none of a single test.
+    error : GrainfitError
+        The reason.
+    """
+
+    test: str
+    error: GrainfitError
+
+
+def require_ready(problem: Problem, solvers: Mapping[str, Solver]) -> None:
+    """Raise the first reason why a calibration cannot run, see `obstacles`."""
+    for obstacle in obstacles(problem, solvers):
+        error = obstacle.error
+        if isinstance(error, InputError) and len(solvers) > 1 and obstacle.test:
+            faults = [replace(f, key=f"{obstacle.test}.{f.key}") for f in error.faults]
+            raise InputError(faults, error.source) from error
+        raise error
+
+
+def obstacles(problem: Problem, solvers: Mapping[str, Solver]) -> Iterator[Obstacle]:
+    """Yield every reason why a calibration cannot run; starts no simulation.
+
+    Parameters
+    ----------
+    problem : Problem
+        Free parameters and targets.
+    solvers : mapping of str to Solver
+        By name of the test.
+    """
+    if faults := _faults_of_targets(problem, solvers):
+        yield Obstacle("", InputError(faults))
+    refused = False
+    for test, solver in solvers.items():
+        for obstacle in _of_solver(test, solver, problem):
+            refused = True
+            yield obstacle
+    if not refused and (faults := _faults_of_parameters(problem, solvers)):
+        yield Obstacle("", InputError(faults))
+
+
+def _of_solver(test: str, solver: Solver, problem: Problem) -> Iterator[Obstacle]:
+    if faults := solver.interval_faults(problem.intervals):
+        yield Obstacle(test, InputError(faults))
+    try:
+        solver.check()
+        # Every run reads its parameters like this; a solver refuses here what it cannot use.
+        solver.run_parameters(problem.from_unit([0.5] * problem.dimension))
+    except GrainfitError as error:
+        yield Obstacle(test, error)
+
+
+def _faults_of_targets(problem: Problem, solvers: Mapping[str, Solver]) -> list[Fault]:
+    known: set[str] = set()
+    for test, solver in solvers.items():
+        if solver.response_names is None:
+            return []
+        known |= {response_name(test, name, len(solvers)) for name in solver.response_names}
+    return [
+        Fault(
+            target.name,
+            "is a target, but no test yields such a response.",
+            f"There are: {', '.join(sorted(known))}.",
+        )
+        for target in problem.targets
+        if target.name not in known
+    ]
+
+
+def _faults_of_parameters(problem: Problem, solvers: Mapping[str, Solver]) -> list[Fault]:
+    names = [parameter.name for parameter in problem.parameters]
+    used = {test: solver.depends_on(names) for test, solver in solvers.items()}
+    idle = [test for test, found in used.items() if not found]
+    unused = set(names).difference(*used.values())
+    if not unused and idle:
+        remedy = "Remove the test, or free a parameter that it depends on."
+        return [Fault(test, "depends on no free parameter.", remedy) for test in idle]
+    return [
+        Fault(
+            name,
+            "is free, but no test depends on it.",
+            "Give it a value, or correct its name in the file or in your model.",
+        )
+        for name in names
+        if name in unused
+    ]

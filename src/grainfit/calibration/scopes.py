@@ -1,0 +1,118 @@
+"""Find out which free parameters each of several tests depends on, and pass it only these."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import replace
+
+from grainfit.errors import Fault, GrainfitError, InputError
+from grainfit.evaluation import response_name
+from grainfit.problem import Problem, ScopeOfTest
+from grainfit.solvers.base import Solver
+from grainfit.solvers.parameters_for import AllBut, ParametersFor
+
+
+def with_scopes(problem: Problem, solvers: Mapping[str, Solver]) -> Problem:
+    """Return the problem with the scope of each test; unchanged for a single test.
+
+    Parameters
+    ----------
+    problem : Problem
+        Free parameters and targets; a problem that has scopes is returned unchanged.
+    solvers : mapping of str to Solver
+        By name of the test.
+
+    Raises
+    ------
+    InputError
+        The scopes of the problem are not those of the tests.
+    """
+    if problem.tests:
+        _require_scopes(problem, solvers)
+    if problem.tests or len(solvers) < 2:
+        return problem
+    used = used_parameters(problem, solvers)
+    if not all(used.values()):
+        # The check before the first run refuses a test that depends on no free parameter.
+        return problem
+    targets: dict[str, list[str]] = {test: [] for test in solvers}
+    for target in problem.targets:
+        if test := _test_of(target.name, solvers):
+            targets[test].append(target.name)
+    return replace(
+        problem,
+        tests=[
+            ScopeOfTest(test, targets[test], used[test], _seconds(problem, solver))
+            for test, solver in solvers.items()
+            if targets[test]
+        ],
+    )
+
+
+def _require_scopes(problem: Problem, solvers: Mapping[str, Solver]) -> None:
+    unknown = [scope.name for scope in problem.tests if scope.name not in solvers]
+    if unknown:
+        remedy = f"There are solvers for: {', '.join(solvers)}."
+        raise InputError([Fault(name, "is a test without a solver.", remedy) for name in unknown])
+    known = {target for scope in problem.tests for target in scope.targets}
+    missing = [target.name for target in problem.targets if target.name not in known]
+    if missing:
+        remedy = "Name every target in the ScopeOfTest of its test."
+        raise InputError([Fault(name, "is a target of no test.", remedy) for name in missing])
+
+
+def used_parameters(problem: Problem, solvers: Mapping[str, Solver]) -> dict[str, Sequence[str]]:
+    """Return the free parameters that each test depends on, by its name.
+
+    A parameter that no test depends on counts for every test, so that each of them can say what
+    is wrong with it.
+    """
+    names = [parameter.name for parameter in problem.parameters]
+    stated = {scope.name: scope.parameters for scope in problem.tests}
+    used = {
+        test: solver.depends_on([name for name in names if name in stated.get(test, names)])
+        for test, solver in solvers.items()
+    }
+    unused = set(names).difference(*used.values())
+    return {
+        test: [name for name in names if name in found or name in unused]
+        for test, found in used.items()
+    }
+
+
+def restricted(problem: Problem, solvers: Mapping[str, Solver]) -> dict[str, Solver]:
+    """Return solvers that are passed none of the parameters that only other tests depend on.
+
+    So the runs of a test are the same, and have the same identity, at all values of these.
+    """
+    if len(solvers) < 2:
+        return dict(solvers)
+    names = {parameter.name for parameter in problem.parameters}
+    return {
+        test: _without(solvers[test], names.difference(used))
+        for test, used in used_parameters(problem, solvers).items()
+    }
+
+
+def _test_of(target: str, tests: Collection[str]) -> str:
+    """Return the test of a target, ``test.response``; empty if there is none."""
+    found = [test for test in tests if target.startswith(response_name(test, "", len(tests)))]
+    return max(found, key=len, default="")
+
+
+def _without(solver: Solver, unused: set[str]) -> Solver:
+    if not unused:
+        return solver
+    return ParametersFor(solver, takes=AllBut(frozenset(unused)))
+
+
+def _seconds(problem: Problem, solver: Solver) -> float | None:
+    if solver.bulk_test is not None and solver.bulk_test.executes():
+        # The cost is that of a scene of the user, and loading a file executes none of his code.
+        return None
+    try:
+        cost = solver.estimate_cost(problem.from_unit([0.5] * problem.dimension))
+    except GrainfitError:
+        # The check before the first run says what is wrong.
+        return None
+    return cost.wall_seconds if cost is not None and cost.wall_seconds > 0 else None

@@ -1,0 +1,214 @@
+"""Analyse runs without a calibration: what a table, or an earlier work folder, says."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from grainfit.analysis.analysis import Analysis, analyse
+from grainfit.analysis.posterior import Posterior, standard_uncertainty
+from grainfit.calibration_file.build import CalibrationSetup, load_calibration
+from grainfit.calibration_file.content import TestSpecification
+from grainfit.campaign.reuse import open_source, runs_of
+from grainfit.errors import Fault, InputError
+from grainfit.evaluation import Evaluation, Proposal, response_name
+from grainfit.formatting import counted, number, plain_ends, plain_interval, unit_for_people
+from grainfit.problem import Parameter, Problem, Target
+from grainfit.tables import TextTable, as_html, as_text
+from grainfit.work_folder.import_table import read_import_table
+
+#: Deviation of an expected response in standard deviations from which nothing agrees with it.
+_DISAGREES = 3.0
+
+
+@dataclass(frozen=True)
+class RunsAnalysis:
+    """Analysis of runs, in words.
+
+    Parameters
+    ----------
+    problem : Problem
+        Free parameters and targets.
+    analysis : Analysis
+        Posterior, intervals, sensitivities, and more.
+    runs : int
+        Number of runs.
+    ignored : tuple of str
+        Columns of tables that are not used.
+    """
+
+    problem: Problem
+    analysis: Analysis
+    runs: int
+    ignored: tuple[str, ...] = ()
+
+    @property
+    def disagreement(self) -> str:
+        """Reason why the intervals mean little: no parameter set agrees; "" where some do."""
+        metamodels, posterior = self.analysis.metamodels, self.analysis.posterior
+        if metamodels is None or posterior is None:
+            return ""
+        means, variances = metamodels.predict(posterior.points)
+        targets = metamodels.problem.targets
+        squares = np.array([standard_uncertainty(target) ** 2 for target in targets])
+        off = np.abs(means - [target.value for target in targets]) / np.sqrt(squares + variances)
+        best = int(off.max(axis=1).argmin())
+        worst = int(off[best].argmax())
+        if off[best, worst] <= _DISAGREES:
+            return ""
+        target = targets[worst]
+        return (
+            f"No parameter set within the intervals agrees with the measurements: where all are "
+            f"closest, {target.name} is {number(float(means[best, worst]))} instead of "
+            f"{number(target.value)}, {number(float(off[best, worst]), 2)} standard deviations "
+            "away. The intervals below are those of the least bad parameter sets."
+        )
+
+    def summary(self) -> tuple[str | TextTable, ...]:
+        """Return the tables and sentences that `print` and a notebook show."""
+        found = self.analysis
+        headline = f"{counted(self.runs, 'run')}, nothing was simulated."
+        tables = () if found.posterior is None else self._tables(found.posterior)
+        sensitivity = found.sensitivity.in_words() if found.sensitivity else ()
+        known = found.identifiability
+        verdicts = (*known.verdicts, *known.further_tests) if known else ()
+        warnings = (
+            f"Metamodel of {name}: {warning}"
+            for name, quality in found.quality.items()
+            for warning in quality.warnings
+        )
+        ignored = (f"Not used: {', '.join(self.ignored)}.",) if self.ignored else ()
+        about = filter(None, (self.disagreement,))
+        return (
+            headline,
+            *about,
+            *tables,
+            *verdicts,
+            *sensitivity,
+            *warnings,
+            *found.notes,
+            *ignored,
+        )
+
+    def __str__(self) -> str:
+        return as_text(self.summary())
+
+    def _repr_html_(self) -> str:
+        return as_html(self.summary())
+
+    def _tables(self, posterior: Posterior) -> Iterator[TextTable]:
+        yield TextTable(
+            ("parameter", "median", "95 % interval", ""),
+            tuple(self._parameter_row(posterior, p) for p in self.problem.parameters),
+        )
+        metamodels = self.analysis.metamodels
+        targets = () if metamodels is None else metamodels.problem.targets
+        yield TextTable(
+            ("response", "measured", "expected"),
+            tuple(_response_row(t, posterior.responses[:, i]) for i, t in enumerate(targets)),
+            "± standard uncertainty of the measured value, 95 % interval of the expected response",
+        )
+
+    def _parameter_row(self, posterior: Posterior, parameter: Parameter) -> tuple[str, ...]:
+        found = self.analysis.intervals[parameter.name]
+        unit = f" in {unit_for_people(parameter.unit)}" if parameter.unit else ""
+        return (
+            f"{parameter.name}{unit}",
+            f"{posterior.median(parameter.name):.4g}",
+            plain_ends(found.low, found.high),
+            found.determination,
+        )
+
+
+def _response_row(target: Target, expected: np.ndarray) -> tuple[str, ...]:
+    unit = f" in {unit_for_people(target.unit)}" if target.unit else ""
+    low, high = np.quantile(expected, [0.025, 0.975])
+    measured = plain_interval(target.value, standard_uncertainty(target))
+    return f"{target.name}{unit}", measured, plain_ends(float(low), float(high))
+
+
+def analyse_runs(
+    source: str | Path | CalibrationSetup,
+    runs: str | Path | Sequence[str | Path],
+    *,
+    seed: int = 1,
+) -> RunsAnalysis:
+    """Analyse the runs of tables or work folders; nothing is simulated.
+
+    Parameters
+    ----------
+    source : path or CalibrationSetup
+        The calibration file: free parameters with their intervals, and targets.
+    runs : path or sequence of path
+        Tables of runs (CSV), as ``grainfit runs import`` reads them: a column for each free
+        parameter and each target of a test, perhaps ``seed`` and standard errors. With several
+        tests a table is given as ``TEST=TABLE.csv``. A folder is a work folder, whose runs of the
+        same tests are used.
+    seed : int
+        The same seed gives the same analysis.
+
+    Returns
+    -------
+    RunsAnalysis
+        `print` shows it; ``.analysis`` has posterior, intervals and sensitivities.
+
+    Raises
+    ------
+    InputError
+        With every fault of the file or of a table, or because there are no runs.
+    StoreError
+        A work folder cannot be read.
+
+    Examples
+    --------
+    >>> import grainfit as gf
+    >>> print(gf.analyse_runs("beads.toml", "runs.csv"))  # doctest: +SKIP
+    """
+    setup = source if isinstance(source, CalibrationSetup) else load_calibration(source)
+    given = [runs] if isinstance(runs, str | Path) else list(runs)
+    if not given:
+        raise InputError(Fault("runs", "are not given.", "Name a table of runs."))
+    evaluations: list[Evaluation] = []
+    ignored: list[str] = []
+    for name in given:
+        if Path(name).is_dir() or "://" in str(name):
+            with open_source(name, "runs") as store:
+                evaluations += runs_of(setup.problem, setup.solvers, store.runs())
+        else:
+            found, unused = _of_table(setup, str(name))
+            evaluations += found
+            ignored += unused
+    if not evaluations:
+        words = f"{', '.join(map(str, given))} {'have' if len(given) > 1 else 'has'} no run of it."
+        raise InputError(Fault("runs", words, "Only runs of the tests of the file can be used."))
+    analysis = analyse(setup.problem, evaluations, seed=seed)
+    return RunsAnalysis(setup.problem, analysis, len(evaluations), tuple(ignored))
+
+
+def _of_table(setup: CalibrationSetup, given: str) -> tuple[list[Evaluation], list[str]]:
+    test, path = _test_of(setup, given)
+    rows, ignored = read_import_table(path, setup, test)
+    count = len(setup.file.tests)
+    evaluations = [
+        Evaluation(
+            Proposal(row.parameters, number if row.seed is None else row.seed, "design"),
+            {response_name(test.name, name, count): r for name, r in row.responses.items()},
+        )
+        for number, row in enumerate(rows, start=1)
+    ]
+    return evaluations, ignored
+
+
+def _test_of(setup: CalibrationSetup, given: str) -> tuple[TestSpecification, Path]:
+    tests = {test.name: test for test in setup.file.tests}
+    name, separator, path = given.partition("=")
+    if separator and name in tests:
+        return tests[name], Path(path)
+    if len(tests) == 1:
+        return next(iter(tests.values())), Path(given)
+    words = f"{given!r} does not name its test, and the file has several."
+    remedy = f"Write TEST=TABLE.csv with one of {', '.join(tests)}."
+    raise InputError(Fault("runs", words, remedy))

@@ -1,0 +1,141 @@
+"""`grainfit analyse` and `gf.analyse_runs`: what runs say without any simulation."""
+
+from __future__ import annotations
+
+import csv
+from pathlib import Path
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+import grainfit as gf
+from grainfit.cli.app import app
+
+MODEL = "def shear(parameters, seed):\n    raise RuntimeError('it was simulated')\n"
+FILE = """\
+name = "shear"
+[parameters]
+friction = { min = 0.1, max = 0.9 }
+[[test]]
+name = "shear"
+type = "python"
+function = "model.py:shear"
+targets.force = { value = "30 mN", uncertainty = 0.001, unit = "N" }
+"""
+SECOND = """\
+[[test]]
+name = "drop"
+type = "python"
+function = "model.py:shear"
+targets.height = { value = 0.5, uncertainty = 0.02 }
+"""
+
+
+@pytest.fixture
+def file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    (tmp_path / "model.py").write_text(MODEL)
+    path = tmp_path / "shear.toml"
+    path.write_text(FILE)
+    monkeypatch.chdir(tmp_path)
+    return path
+
+
+def write_table(name: str, header: list[str], slope: float, noise: float, runs: int = 14) -> None:
+    """Write a table of runs of a response that is proportional to the friction."""
+    random = np.random.default_rng(4)
+    with Path(name).open("w", newline="") as table:
+        writer = csv.writer(table)
+        writer.writerow(["friction", *header])
+        for friction in np.linspace(0.1, 0.9, runs):
+            writer.writerow([friction, slope * friction + random.normal(0, noise)])
+
+
+def test_the_posterior_is_that_of_the_runs_and_nothing_is_simulated(file: Path) -> None:
+    write_table("runs.csv", ["force [mN]"], 60.0, 0.1)
+    found = gf.analyse_runs("shear.toml", "runs.csv")
+    assert found.runs == 14
+    posterior = found.analysis.posterior
+    assert posterior is not None
+    # force = 0.06 friction, 30 ± 1 mN.
+    assert posterior.median("friction") == pytest.approx(0.5, abs=0.005)
+    assert np.std(posterior.values) == pytest.approx(0.001 / 0.06, rel=0.1)
+    assert found.analysis.intervals["friction"].determination == "determined"
+    assert found.disagreement == ""
+    text = str(found)
+    assert "0.0300 ± 0.0010" in text
+    assert "friction is determined to" in text
+    assert "force depends on friction" in text
+    assert not Path("shear.grainfit").exists()
+    done = CliRunner().invoke(app, ["analyse", "shear.toml", "--runs", "runs.csv"])
+    assert done.exit_code == 0, done.output
+    assert "friction is determined to" in done.output
+
+
+def test_tables_of_several_tests_are_named_and_combined(file: Path) -> None:
+    file.write_text(FILE.replace("uncertainty = 0.001", "uncertainty = 0.01") + SECOND)
+    write_table("force.csv", ["force"], 0.06, 0.0001)
+    write_table("height.csv", ["height"], 1.0, 0.001)
+    both = gf.analyse_runs("shear.toml", ["shear=force.csv", "drop=height.csv"])
+    assert both.runs == 28
+    assert both.analysis.posterior is not None
+    assert np.std(both.analysis.posterior.values) == pytest.approx(0.02, rel=0.15)
+    only = gf.analyse_runs("shear.toml", "shear=force.csv")
+    assert only.analysis.posterior is not None
+    assert np.std(only.analysis.posterior.values) > 0.1
+    assert any("drop.height" in note for note in only.analysis.notes)
+    with pytest.raises(gf.InputError, match=r"Write TEST=TABLE\.csv with one of shear, drop"):
+        gf.analyse_runs("shear.toml", "force.csv")
+
+
+def test_measurements_that_nothing_agrees_with_are_told(file: Path) -> None:
+    write_table("runs.csv", ["force"], 0.02, 0.0001)
+    found = gf.analyse_runs("shear.toml", "runs.csv")
+    assert found.disagreement.startswith("No parameter set within the intervals agrees")
+    # 0.9 · 0.02 = 18 mN instead of 30 ± 1.
+    assert "force is 0.01" in found.disagreement
+    assert found.disagreement in str(found)
+
+
+def test_the_runs_of_a_work_folder_can_be_analysed(file: Path) -> None:
+    (file.parent / "model.py").write_text(
+        "def shear(parameters, seed):\n"
+        "    return {'force': 0.06 * parameters['friction'] + 1e-5 * (seed % 7)}\n"
+    )
+    setup = gf.load("shear.toml")
+    for number in range(9):
+        gf.repeat_runs(
+            setup, repeat=1, seed=number + 1, settings=[f"friction={0.1 + 0.1 * number}"]
+        )
+    found = gf.analyse_runs(setup, "shear.simulated")
+    assert found.runs == 9
+    assert found.analysis.posterior is not None
+    assert found.analysis.posterior.median("friction") == pytest.approx(0.5, abs=0.01)
+
+
+@pytest.mark.parametrize(
+    ("table", "words"),
+    [
+        ("friction,forces\n0.3,1\n", "forces"),
+        ("friction,force\n0.3,much\n", "line 2"),
+        ("friction,force\n", "holds no runs"),
+    ],
+)
+def test_faults_of_a_table_are_named(file: Path, table: str, words: str) -> None:
+    Path("runs.csv").write_text(table)
+    done = CliRunner().invoke(app, ["analyse", "shear.toml", "--runs", "runs.csv"])
+    assert isinstance(done.exception, gf.InputError)
+    assert words in str(done.exception)
+
+
+def test_too_few_runs_are_told_and_no_runs_refused(file: Path) -> None:
+    Path("runs.csv").write_text("friction,force\n0.3,0.02\n")
+    found = gf.analyse_runs("shear.toml", "runs.csv")
+    assert found.analysis.posterior is None
+    assert "are needed" in str(found)
+    with pytest.raises(gf.InputError, match="runs: are not given"):
+        gf.analyse_runs("shear.toml", [])
+    gf.repeat_runs("shear.toml", repeat=1, workdir="other")
+    (file.parent / "model.py").write_text(f"# Another model.\n{MODEL}")
+    with pytest.raises(gf.InputError, match="has no run of it"):
+        gf.analyse_runs("shear.toml", "other")
