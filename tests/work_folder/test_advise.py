@@ -96,8 +96,8 @@ def test_a_packing_is_recommended_for_the_density_that_an_angle_leaves_open(
     )
     material = {n: v for n, v in GLASS_BEADS.items() if n not in (DENSITY, ROLLING)}
     problem = gf.Problem(
-        [gf.Parameter(DENSITY, 1500, 3000, unit="kg/m^3"), gf.Parameter(ROLLING, 0.02, 0.5)],
-        [gf.Target("angle_of_repose", 20.0, tolerance=1.0, unit="deg")],
+        [gf.Parameter(DENSITY, 1500, 3000, unit="kg/m^3"), gf.Parameter(ROLLING, 0.25, 0.9)],
+        [gf.Target("angle_of_repose", 21.0, tolerance=1.0, unit="deg")],
     )
     folder = tmp_path / "beads"
     solver = gf.solvers.Lammps(heap, material)
