@@ -584,19 +584,23 @@ def two_tests(sand: Path) -> Path:
     return sand
 
 
-def test_runs_of_several_tests_belong_together_when_all_are_imported(two_tests: Path) -> None:
+def test_runs_of_several_tests_at_equal_parameters_belong_together(two_tests: Path) -> None:
     with pytest.raises(InputError, match="--test: must be given: the file has several tests"):
         imported(two_tests, "friction,force\n0.3,2\n")
     with pytest.raises(InputError, match="There are: python, shear"):
         imported(two_tests, "friction,force\n0.3,2\n", test="heap")
-    assert imported(two_tests, "friction,force\n0.3,2\n0.3,2.1\n", test="shear").usable == 0
+    assert imported(two_tests, "friction,force\n0.3,2\n0.3,2.1\n", test="shear").usable == 2
     both = imported(two_tests, "friction,angle\n0.3,30\n0.3,31\n0.4,33\n", test="python")
-    assert both.usable == 2
+    assert both.usable == 3
     setup = assembly_of(two_tests)
     assert isinstance(setup.solvers["shear"], Command)
     found = runs_of(setup.problem, setup.solvers, stored(Path("work")))
-    assert [e.responses["shear.force"].value for e in found] == [2.0, 2.1]
-    assert [e.responses["python.angle"].value for e in found] == [30.0, 31.0]
+    values = [{name: r.value for name, r in e.responses.items()} for e in found]
+    assert values == [
+        {"python.angle": 30.0, "shear.force": 2.0},
+        {"python.angle": 31.0, "shear.force": 2.1},
+        {"python.angle": 33.0},
+    ]
 
 
 # --- prune ----------------------------------------------------------------------------------------
