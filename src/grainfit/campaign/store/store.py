@@ -39,6 +39,8 @@ _RENEW = (
 _CHUNK = 500
 #: Key of the lock under which the tables of a shared database are created.
 _SCHEMA_LOCK = 7_203_114
+#: Longest wait for another process that uses a SQLite file, and between two tries, s.
+_BUSY_SECONDS, _RETRY_SECONDS = 30, 0.05
 _RECORD_COLUMNS = [
     column
     for column in _runs.c
@@ -558,8 +560,22 @@ def _begin_sqlite(connection: sql.Connection) -> None:
 
 def _set_up_sqlite(connection: Any, _record: Any) -> None:
     cursor = connection.cursor()
-    cursor.execute("PRAGMA busy_timeout = 30000")
+    cursor.execute(f"PRAGMA busy_timeout = {1000 * _BUSY_SECONDS}")
     # Write-ahead logging with full synchronisation survives a kill and a power cut.
-    cursor.execute("PRAGMA journal_mode = WAL")
+    _write_ahead(cursor)
     cursor.execute("PRAGMA synchronous = FULL")
     cursor.close()
+
+
+def _write_ahead(cursor: sqlite3.Cursor) -> None:
+    # SQLite does not always wait here for another process that opens the same new file.
+    deadline = time.monotonic() + _BUSY_SECONDS
+    while True:
+        try:
+            cursor.execute("PRAGMA journal_mode = WAL")
+        except sqlite3.OperationalError as error:
+            if "locked" not in str(error) or time.monotonic() > deadline:
+                raise
+            time.sleep(_RETRY_SECONDS)
+        else:
+            return
