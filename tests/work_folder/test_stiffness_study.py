@@ -13,8 +13,10 @@ import grainfit as gf
 from grainfit.analysis.modulus_study import ModulusRow
 from grainfit.campaign.batch import ExpectedWork
 from grainfit.campaign.moduli import ModulusPlan, simulate_moduli
+from grainfit.campaign.store.records import RunRecord
 from grainfit.cli.app import app
 from grainfit.testing.materials import GLASS_BEADS
+from grainfit.work_folder.solvers_of_runs import solver_of_run
 
 MODEL = """\
 from pathlib import Path
@@ -265,3 +267,12 @@ def test_the_answer_of_a_calibration_is_simulated_with_stiffer_beads(tmp_path: P
     assert steps[1] is not None
     assert steps[0] / steps[1] == pytest.approx(8**0.5)
     assert gf.open(folder).result == result
+
+
+def test_tests_rebuilt_from_runs_keep_their_contact_models(tmp_path: Path) -> None:
+    heap = gf.tests.Heap(diameter="10 mm")
+    damping = "particle_particle.rolling_damping", "particle_wall.rolling_damping"
+    material = {name: value for name, value in GLASS_BEADS.items() if name not in damping}
+    solver = gf.solvers.Lammps(heap, material, contact_models=["epsd2"])
+    run = RunRecord("a", "heap", "finished", solver.definition({}, seed=1))
+    assert solver_of_run(run, set()).definition({}, seed=1) == run.definition

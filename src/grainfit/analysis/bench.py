@@ -8,12 +8,11 @@ from typing import Any
 
 from grainfit.bulk_tests.base import BulkTest
 from grainfit.bulk_tests.registry import bulk_tests
-from grainfit.contact_models.registry import MATERIAL_PARAMETERS
 from grainfit.errors import Fault, InputError
 from grainfit.options.kinds import suggest
 from grainfit.problem import Parameter
 from grainfit.solvers.base import Solver
-from grainfit.solvers.parameters_for import ParametersFor
+from grainfit.solvers.parameters_for import of_material
 from grainfit.solvers.registry import DEM_PROGRAMS
 
 
@@ -126,6 +125,4 @@ def _solver(
     models = program.model().get("contact_models", ())
     solver: Solver = DEM_PROGRAMS[program.name](test, fixed, contact_models=models)
     solver.check()
-    if set(free) <= MATERIAL_PARAMETERS.keys():
-        return solver
-    return ParametersFor(solver, takes=MATERIAL_PARAMETERS.__contains__)
+    return of_material(solver, free)

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from typing_extensions import override
 
 from grainfit.bulk_tests.run_cost import RunCost
+from grainfit.contact_models.registry import MATERIAL_PARAMETERS
 from grainfit.errors import Fault
 from grainfit.evaluation import Response
 from grainfit.solvers.base import Solver, Workspace
@@ -140,3 +141,10 @@ class ParametersFor(Solver):
         values = {**self._fixed, **parameters}
         takes = self._takes
         return {name: v for name, v in values.items() if takes is None or takes(name)}
+
+
+def of_material(solver: Solver, free: Iterable[str]) -> Solver:
+    """Return a solver of bulk tests that is passed only the material parameters among free ones."""
+    if MATERIAL_PARAMETERS.keys() >= set(free):
+        return solver
+    return ParametersFor(solver, takes=MATERIAL_PARAMETERS.__contains__)

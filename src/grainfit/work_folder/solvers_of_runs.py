@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from grainfit.bulk_tests.registry import recreate_test
 from grainfit.campaign.store.records import RunRecord
-from grainfit.contact_models.registry import MATERIAL_PARAMETERS
 from grainfit.errors import Fault, InputError
 from grainfit.solvers.base import Solver
-from grainfit.solvers.parameters_for import ParametersFor
+from grainfit.solvers.parameters_for import of_material
 from grainfit.solvers.registry import DEM_PROGRAMS
 from grainfit.work_folder.saved_calibration import SavedCalibration
 
@@ -23,11 +22,25 @@ def solvers_of(saved: SavedCalibration) -> dict[str, Solver]:
     first: dict[str, RunRecord] = {}
     for record in saved.records.values():
         first.setdefault(record.test, record)
-    return {test: _solver(record, saved) for test, record in first.items()}
+    free = {parameter.name for parameter in saved.problem.parameters}
+    return {test: solver_of_run(record, free) for test, record in first.items()}
 
 
-def _solver(record: RunRecord, saved: SavedCalibration) -> Solver:
-    """Rebuild the solver of a run from the definition of the run."""
+def solver_of_run(record: RunRecord, free: set[str]) -> Solver:
+    """Rebuild the solver of a run from the definition of the run.
+
+    Parameters
+    ----------
+    record : RunRecord
+        The run.
+    free : set of str
+        Names of the free parameters; the others keep the values of the run.
+
+    Raises
+    ------
+    InputError
+        The run was simulated by a model of the user.
+    """
     definition = record.definition
     test = recreate_test(definition)
     program = DEM_PROGRAMS.get(str(definition.model.get("solver")))
@@ -39,9 +52,6 @@ def _solver(record: RunRecord, saved: SavedCalibration) -> Solver:
                 "Give the calibration file, with --set NAME=VALUE for the answer.",
             )
         )
-    free = {parameter.name for parameter in saved.problem.parameters}
     fixed = {name: value for name, value in definition.parameters.items() if name not in free}
-    solver = program(test, fixed, int(definition.model.get("ranks", 1)))
-    if free <= MATERIAL_PARAMETERS.keys():
-        return solver
-    return ParametersFor(solver, takes=MATERIAL_PARAMETERS.__contains__)
+    ranks, models = definition.model.get("ranks", 1), definition.model.get("contact_models", ())
+    return of_material(program(test, fixed, int(ranks), contact_models=models), free)

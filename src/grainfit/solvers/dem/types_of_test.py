@@ -14,7 +14,7 @@ from grainfit.options.paths import Program
 from grainfit.options.tables import Key
 from grainfit.solvers.base import Solver
 from grainfit.solvers.dem.program import DeckSolver
-from grainfit.solvers.parameters_for import ParametersFor
+from grainfit.solvers.parameters_for import of_material
 from grainfit.solvers.type_of_test import TIMEOUT_KEY, FileEntry, TypeOfTest
 
 Programs = Mapping[str, type[DeckSolver]]
@@ -73,6 +73,4 @@ def _solver(test: type[BulkTest], programs: Programs, entry: FileEntry) -> Solve
         entry.options.get("executable"),
         entry.contact_models,
     )
-    if all(name in MATERIAL_PARAMETERS for name in entry.free):
-        return solver
-    return ParametersFor(solver, takes=MATERIAL_PARAMETERS.__contains__)
+    return of_material(solver, entry.free)
