@@ -2,23 +2,18 @@
 
 from __future__ import annotations
 
-import sys
+from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 from rich.console import Console
 
 from grainfit.cli import console as show
+from grainfit.cli.simulating import simulating
 from grainfit.errors import Fault, InputError
 
-if TYPE_CHECKING:
-    from grainfit.campaign.batch import ExpectedWork
-
-_INTERRUPTED = 130
-_STOPPED = "Interrupted. Finished runs are kept; start again to continue."
 _out = Console()
-_err = Console(stderr=True)
 
 Tests = Annotated[
     list[str] | None,
@@ -50,6 +45,8 @@ Seeds = Annotated[
 ]
 Workers = Annotated[int | None, typer.Option(metavar="N", min=1, help="Runs at a time.")]
 Yes = Annotated[bool, typer.Option("--yes", "-y", help="Do not ask before simulating.")]
+
+_comparing = partial(simulating, "reading the runs", "parameter sets")
 
 
 def advise(
@@ -86,7 +83,7 @@ def advise(
     from grainfit.calibration_file.accuracies import read_settings
     from grainfit.opened import open_calibration
 
-    with _Simulating(ask=not yes and max_time is None) as simulating:
+    with _comparing(ask=not yes and max_time is None) as report:
         found = open_calibration(folder).advise(
             tests=tests or (),
             accuracies=read_settings(accuracies or []),
@@ -94,8 +91,7 @@ def advise(
             max_seconds=_seconds(max_time),
             workers=workers,
             workdir=workdir,
-            on_start=simulating.begin,
-            on_progress=simulating.show,
+            **report,
         )
     show.print_parts(_out, found.summary())
 
@@ -148,7 +144,7 @@ def design(
     from grainfit.calibration_file.accuracies import read_settings
     from grainfit.work_folder.design import design as plan
 
-    with _Simulating(ask=not yes and max_time is None) as simulating:
+    with _comparing(ask=not yes and max_time is None) as report:
         found = plan(
             file,
             wanted=_share(wanted),
@@ -159,42 +155,9 @@ def design(
             max_seconds=_seconds(max_time),
             workers=workers,
             workdir=workdir,
-            on_start=simulating.begin,
-            on_progress=simulating.show,
+            **report,
         )
     show.print_parts(_out, found.summary())
-
-
-class _Simulating:
-    """Progress of simulations that are confirmed first; Ctrl-C ends them with a word."""
-
-    def __init__(self, *, ask: bool) -> None:
-        self._asks = ask and sys.stdin.isatty()
-        self._status = _err.status("reading the runs")
-
-    def __enter__(self) -> _Simulating:
-        self._status.start()
-        return self
-
-    def begin(self, work: ExpectedWork) -> None:
-        """Say the work, and ask whether to go on."""
-        self._status.stop()
-        _err.print(f"{work}.", highlight=False)
-        if self._asks and work.runs:
-            typer.confirm("Simulate?", default=True, abort=True, err=True)
-        self._status.update("simulating")
-        self._status.start()
-
-    def show(self, done: int, count: int) -> None:
-        """Show the number of parameter sets that have ended."""
-        self._status.update(f"simulating: {done} of {count} parameter sets")
-
-    def __exit__(self, kind: type[BaseException] | None, *_: object) -> None:
-        self._status.stop()
-        if kind is not None and issubclass(kind, KeyboardInterrupt):
-            # Typer would end it without a word.
-            _err.print(_STOPPED)
-            raise typer.Exit(_INTERRUPTED) from None
 
 
 def _seconds(text: str | None) -> float | None:

@@ -19,10 +19,11 @@ import typer
 from rich.console import Console
 
 from grainfit.cli import console as show
-from grainfit.cli.advice import advise, design
+from grainfit.cli.advice import Workers, advise, design
 from grainfit.cli.export import export
 from grainfit.cli.runs import runs_app
 from grainfit.cli.search_options import with_search_options
+from grainfit.cli.simulating import INTERRUPTED, STOPPED, simulating
 from grainfit.errors import Fault, GrainfitError, InputError, RunFailedError
 from grainfit.strategies.registry import strategies
 
@@ -37,9 +38,7 @@ EXIT_CODES = {
     "interrupted": 130,
 }
 _BAD_INPUT = 1
-_INTERRUPTED = 130
 _USAGE_ERROR = 2
-_STOPPED = "Interrupted. Finished runs are kept; start again to continue."
 
 app = typer.Typer(
     name="grainfit",
@@ -316,7 +315,7 @@ def simulate(
             metavar="N", min=1, max=100_000, help="Runs of each test, with seeds N, N+1 ..."
         ),
     ] = 1,
-    workers: Annotated[int | None, typer.Option(metavar="N", min=1, help="Runs at a time.")] = None,
+    workers: Workers = None,
     workdir: Annotated[
         Path | None,
         typer.Option(
@@ -342,7 +341,7 @@ def simulate(
     from grainfit.work_folder.repeat_runs import repeat_runs
 
     setup = _build(file)
-    with _simulating() as report:
+    with simulating() as report:
         runs = repeat_runs(
             setup,
             repeat=repeat,
@@ -415,7 +414,7 @@ def stiffness(
             help="For a file: a parameter's value, units allowed. Repeat as needed.",
         ),
     ] = None,
-    workers: Annotated[int | None, typer.Option(metavar="N", min=1, help="Runs at a time.")] = None,
+    workers: Workers = None,
     workdir: Workdir = None,
 ) -> None:
     """Show what the stiffness of the particles changes, and the smallest modulus that will do.
@@ -433,7 +432,7 @@ def stiffness(
     """
     from grainfit.work_folder.stiffness_study import stiffness_study
 
-    with _simulating() as report:
+    with simulating() as report:
         study = stiffness_study(
             path,
             factors=show.read_numbers("factors", factors),
@@ -461,21 +460,6 @@ def measure(
 app.command()(export)
 app.command()(advise)
 app.command()(design)
-
-
-@contextmanager
-def _simulating() -> Iterator[dict[str, Any]]:
-    """Yield callbacks that show the progress of a batch of runs; Ctrl-C ends the command."""
-    try:
-        with _err.status("simulating") as status:
-            yield {
-                "on_start": lambda work: _err.print(f"{work}.", highlight=False),
-                "on_progress": lambda done, count: status.update(f"simulating: {done} of {count}"),
-            }
-    except KeyboardInterrupt:
-        # Typer would end it without a word.
-        _err.print(_STOPPED)
-        raise typer.Exit(_INTERRUPTED) from None
 
 
 def _write_report(workdir: Path, output: Path | None = None) -> Path:
@@ -530,7 +514,7 @@ def main() -> None:
     """Run the command line; every error that grainfit knows ends in one clear message."""
     signal.signal(signal.SIGTERM, _stop)
     code = _exit_code()
-    if code == _INTERRUPTED:
+    if code == INTERRUPTED:
         # A user's function that still runs in a thread would delay the exit of Python.
         sys.stdout.flush()
         sys.stderr.flush()
@@ -545,8 +529,8 @@ def _exit_code() -> int:
         code = stop.code if isinstance(stop.code, int) else 0
         return _BAD_INPUT if code == _USAGE_ERROR else code
     except KeyboardInterrupt:
-        _err.print(_STOPPED)
-        return _INTERRUPTED
+        _err.print(STOPPED)
+        return INTERRUPTED
     except GrainfitError as error:
         show.print_error(_err, error)
         return _BAD_INPUT
