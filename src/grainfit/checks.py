@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from numbers import Real
+
+from grainfit.errors import Fault
 
 
 def as_number(value: object) -> float:
@@ -22,3 +25,18 @@ def as_number(value: object) -> float:
         return float(value)
     except OverflowError:
         return math.nan
+
+
+def count_faults(given: Mapping[str, object]) -> list[Fault]:
+    """Return a fault for every value that is not a whole number from 1 on.
+
+    Parameters
+    ----------
+    given : mapping of str to object
+        Values by name of the argument.
+    """
+    return [
+        Fault(name, f"is {value!r}.", "Give a whole number from 1 on.")
+        for name, value in given.items()
+        if not isinstance(value, int) or isinstance(value, bool) or value < 1
+    ]

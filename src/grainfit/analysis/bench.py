@@ -49,6 +49,15 @@ class Bench:
         return [*chosen, *(f"Not compared: {test}. {why}" for test, why in self.refused.items())]
 
 
+def material_of(solvers: Mapping[str, Solver], values: Mapping[str, float]) -> dict[str, float]:
+    """Return all material parameters, given the free ones, by the first solver of a bulk test.
+
+    The free ones alone where there is no bulk test.
+    """
+    found = (solver.run_parameters(values) for solver in solvers.values() if solver.bulk_test)
+    return next(found, dict(values))
+
+
 def other_tests(
     parameters: Sequence[Parameter],
     solvers: Mapping[str, Solver],

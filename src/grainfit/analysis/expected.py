@@ -13,6 +13,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from grainfit.analysis.bench import material_of
 from grainfit.analysis.further_tests import (
     BETTER_FIXED,
     DIRECT,
@@ -103,11 +104,7 @@ def expected_narrowing(problem: Problem, solvers: Mapping[str, Solver]) -> Expec
 
 def middle_material(problem: Problem, solvers: Mapping[str, Solver]) -> dict[str, float]:
     """Return the material in the middle of the intervals, fixed parameters included."""
-    values = problem.from_unit([0.5] * problem.dimension)
-    for solver in solvers.values():
-        if solver.bulk_test is not None:
-            return solver.run_parameters(values)
-    return values
+    return material_of(solvers, problem.from_unit([0.5] * problem.dimension))
 
 
 def _observations(

@@ -12,6 +12,7 @@ from grainfit.bulk_tests.sensitivities import MODULUS
 from grainfit.campaign.batch import ExpectedWork, simulate_batch
 from grainfit.campaign.campaign import CampaignOptions
 from grainfit.campaign.reuse import needed_responses
+from grainfit.checks import count_faults
 from grainfit.contact_models.registry import MATERIAL_PARAMETERS
 from grainfit.errors import Fault, InputError
 from grainfit.evaluation import Evaluation, Proposal
@@ -55,11 +56,7 @@ class ModulusPlan:
     timeouts: Mapping[str, float] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        faults = [
-            Fault(key, f"is {value!r}.", "Give a whole number from 1 on.")
-            for key, value in (("seeds", self.seeds), ("workers", self.workers))
-            if not isinstance(value, int) or isinstance(value, bool) or value < 1
-        ]
+        faults = count_faults({"seeds": self.seeds, "workers": self.workers})
         wrong = [f for f in self.factors if not (math.isfinite(f) and f > 0)]
         if wrong:
             faults.append(Fault("factors", f"{wrong[0]:g} is no factor.", "Give numbers above 0."))

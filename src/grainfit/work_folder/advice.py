@@ -9,14 +9,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from grainfit.analysis.advice import Advice, OpenParameters, advice
-from grainfit.analysis.bench import other_tests
+from grainfit.analysis.bench import material_of, other_tests
 from grainfit.analysis.information import Knowledge
 from grainfit.analysis.slopes import Cloud
 from grainfit.calibration_file.accuracies import accuracy_of, read_accuracies
 from grainfit.campaign.batch import ExpectedWork
 from grainfit.errors import Fault, InputError
 from grainfit.solvers.base import Solver
-from grainfit.work_folder.candidates import Simulation, candidate_tests, failure_remarks, seconds_of
+from grainfit.work_folder.candidates import Simulation, seconds_of
 from grainfit.work_folder.saved_calibration import SavedCalibration
 from grainfit.work_folder.solvers_of_runs import solvers_of
 
@@ -92,23 +92,15 @@ def advise(
     today = _today(saved, cloud.knowledge, medians, solvers)
     if not today.parameters:
         return Advice(today)
-    material = _material(solvers, medians)
+    material = material_of(solvers, medians)
     bench = other_tests(saved.problem.parameters, solvers, material, tests)
     if not bench.solvers:
         return Advice(today, remarks=tuple(bench.remarks()))
     points = [dict(zip(cloud.names, values[i].tolist(), strict=True)) for i in cloud.spread()]
-    evaluations = simulation.run(bench.solvers, points)
-    candidates, failed = candidate_tests(
-        bench.solvers,
-        cloud,
-        points,
-        evaluations,
-        lambda test, name, info: accuracy_of(test, name, info.unit, given),
+    compared = simulation.compare(
+        bench, cloud, points, lambda test, name, info: accuracy_of(test, name, info.unit, given)
     )
-    count = simulation.seeds_for(bench.solvers, points)
-    usable = bench.without(failed)
-    remarks = [*usable.remarks(), *failure_remarks(usable.solvers, evaluations)]
-    return advice(today, candidates, remarks, len(points), count)
+    return advice(today, compared.candidates, compared.remarks, len(points), compared.seeds)
 
 
 def _posterior_values(saved: SavedCalibration) -> NDArray[np.float64]:
@@ -123,12 +115,6 @@ def _posterior_values(saved: SavedCalibration) -> NDArray[np.float64]:
         why = " ".join(analysis.notes) or "There are too few runs."
         raise InputError(Fault("", why, "Let the calibration make more runs first."), folder)
     return analysis.posterior.values
-
-
-def _material(solvers: Mapping[str, Solver], values: Mapping[str, float]) -> dict[str, float]:
-    """Return all material parameters, from the first solver of a bulk test."""
-    found = (solver.run_parameters(values) for solver in solvers.values() if solver.bulk_test)
-    return next(found, dict(values))
 
 
 def _today(

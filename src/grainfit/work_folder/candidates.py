@@ -7,12 +7,13 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from grainfit.analysis.advice import CandidateTest
+from grainfit.analysis.bench import Bench
 from grainfit.analysis.slopes import Cloud, Run, simulated_measurable
 from grainfit.bulk_tests.accuracy import Accuracy
 from grainfit.bulk_tests.base import ResponseInfo
 from grainfit.campaign.batch import ExpectedWork, simulate_batch
 from grainfit.campaign.campaign import CampaignOptions
-from grainfit.checks import as_number
+from grainfit.checks import as_number, count_faults
 from grainfit.errors import Fault, InputError
 from grainfit.evaluation import Evaluation, Proposal, response_name
 from grainfit.formatting import counted
@@ -57,12 +58,10 @@ class Simulation:
     on_progress: Callable[[int, int], None] | None = None
 
     def __post_init__(self) -> None:
-        faults = [
-            Fault(key, f"is {value!r}.", "Give a whole number from 1 on.")
-            for key, value in (("seeds", self.seeds), ("workers", self.workers))
-            if value is not None
-            and (not isinstance(value, int) or isinstance(value, bool) or value < 1)
-        ]
+        counts = {"workers": self.workers}
+        if self.seeds is not None:
+            counts = {"seeds": self.seeds, **counts}
+        faults = count_faults(counts)
         if self.max_seconds is not None and not as_number(self.max_seconds) > 0:
             words = f"is {self.max_seconds!r}."
             faults.append(Fault("max_seconds", words, "Give a time above 0 s."))
@@ -97,6 +96,51 @@ class Simulation:
             self.on_progress,
             self.max_seconds,
         )
+
+    def compare(
+        self,
+        bench: Bench,
+        cloud: Cloud,
+        points: Sequence[Mapping[str, float]],
+        accuracy_of: AccuracyOf,
+    ) -> Compared:
+        """Simulate the tests of a bench and find the slopes of their responses.
+
+        Parameters
+        ----------
+        bench : Bench
+            The tests.
+        cloud : Cloud
+            Parameter sets among which they are to decide.
+        points : sequence of mapping of str to float
+            Parameter sets to simulate.
+        accuracy_of : callable
+            Accuracies of the responses.
+        """
+        evaluations = self.run(bench.solvers, points)
+        found, failed = candidate_tests(bench.solvers, cloud, points, evaluations, accuracy_of)
+        usable = bench.without(failed)
+        remarks = [*usable.remarks(), *failure_remarks(usable.solvers, evaluations)]
+        return Compared(found, remarks, self.seeds_for(bench.solvers, points))
+
+
+@dataclass(frozen=True)
+class Compared:
+    """Simulated tests with their slopes.
+
+    Parameters
+    ----------
+    candidates : list of CandidateTest
+        The tests.
+    remarks : list of str
+        Sentences about other options than the usual ones, refused tests and failed runs.
+    seeds : int
+        Seeds of each parameter set.
+    """
+
+    candidates: list[CandidateTest]
+    remarks: list[str]
+    seeds: int
 
 
 def _timeout(solver: Solver, points: Sequence[Mapping[str, float]]) -> float | None:
@@ -170,10 +214,9 @@ def failure_remarks(tests: Collection[str], evaluations: Sequence[Evaluation]) -
     for test in tests:
         reasons = [e.failures[test] for e in evaluations if test in e.failures]
         if reasons:
-            first = reasons[0].rstrip(".")
             share = f"{len(reasons)} of {counted(len(evaluations), 'run')}"
             remarks.append(
-                f"{test}: {share} failed and do not count. The first: {first.rstrip('.')}."
+                f"{test}: {share} failed and do not count. The first: {reasons[0].rstrip('.')}."
             )
     return remarks
 

@@ -10,7 +10,7 @@ import numpy as np
 from scipy.stats import qmc
 
 from grainfit.analysis.advice import CandidateTest
-from grainfit.analysis.bench import Bench, other_tests
+from grainfit.analysis.bench import Bench, material_of, other_tests
 from grainfit.analysis.information import Knowledge, recorded_measurable
 from grainfit.analysis.slopes import Cloud, corners
 from grainfit.analysis.test_plan import TestPlan, plan_tests
@@ -22,13 +22,7 @@ from grainfit.checks import as_number
 from grainfit.errors import Fault, InputError
 from grainfit.formatting import counted
 from grainfit.problem import Parameter
-from grainfit.work_folder.candidates import (
-    AccuracyOf,
-    Simulation,
-    candidate_tests,
-    failure_remarks,
-    seconds_of,
-)
+from grainfit.work_folder.candidates import AccuracyOf, Simulation, seconds_of
 
 #: Positions in the intervals that are simulated, on each side of the middle.
 _SIDE = 0.35
@@ -109,21 +103,16 @@ def design(
     folder = Path(workdir or default_workdir(planned.file.path))
     number = planned.workers if workers is None else workers
     simulation = Simulation(folder, number, seeds, max_seconds, on_start, on_progress)
-    evaluations = simulation.run(bench.solvers, points)
-    found, failed = candidate_tests(bench.solvers, cloud, points, evaluations, accuracy)
-    count = simulation.seeds_for(bench.solvers, points)
-    source_words = (
-        f"Slopes from {len(points)} points of the intervals, {counted(count, 'seed')} each."
-    )
-    usable = bench.without(failed)
-    remarks = [*usable.remarks(), *failure_remarks(usable.solvers, evaluations)]
-    return plan_tests(found, cloud.knowledge, wanted, remarks, source_words)
+    compared = simulation.compare(bench, cloud, points, accuracy)
+    seeds_of_each = counted(compared.seeds, "seed")
+    source_words = f"Slopes from {len(points)} points of the intervals, {seeds_of_each} each."
+    return plan_tests(compared.candidates, cloud.knowledge, wanted, compared.remarks, source_words)
 
 
 def _bench(planned: PlannedFile, middle: Mapping[str, float], tests: Sequence[str]) -> Bench:
     """Return the tests of the file, then the others of the bench."""
     own = {name: s for name, s in planned.solvers.items() if s.bulk_test is not None}
-    material = next((s.run_parameters(middle) for s in own.values()), dict(middle))
+    material = material_of(own, middle)
     others = other_tests(planned.file.parameters, planned.solvers, material, tests)
     models = dict.fromkeys(
         planned.solvers.keys() - own.keys(),

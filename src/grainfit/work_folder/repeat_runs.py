@@ -10,6 +10,7 @@ from grainfit.calibration_file.build import CalibrationSetup, load_calibration
 from grainfit.campaign.batch import ExpectedWork, simulate_batch
 from grainfit.campaign.campaign import CampaignOptions
 from grainfit.campaign.work_folder import simulations_folder
+from grainfit.checks import count_faults
 from grainfit.errors import Fault, InputError
 from grainfit.evaluation import Proposal, response_name
 from grainfit.strategies.seeds import LARGEST_SEED
@@ -95,11 +96,7 @@ def _units(setup: CalibrationSetup) -> dict[str, str]:
 
 
 def _require_counts(**given: int) -> None:
-    faults = [
-        Fault(key, f"is {value!r}.", "Give a whole number from 1 on.")
-        for key, value in given.items()
-        if not isinstance(value, int) or isinstance(value, bool) or value < 1
-    ]
+    faults = count_faults(given)
     if not faults and given["seed"] + given["repeat"] - 1 > LARGEST_SEED:
         words = (
             f"{given['seed']} and the {given['repeat']} seeds from it on go beyond {LARGEST_SEED}."
