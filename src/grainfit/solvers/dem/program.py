@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import re
 import shlex
+import shutil
 import subprocess
 import tempfile
 from abc import abstractmethod
@@ -69,6 +70,10 @@ class DeckSolver(Solver):
         one.
     """
 
+    #: Name of the program for people, its usual name on the search path, and how to install it.
+    _title: ClassVar[str]
+    _usual: ClassVar[str]
+    _install: ClassVar[str]
     #: Log that the program itself writes into the run folder.
     _own_log: ClassVar[str] = LOG_NAME
     #: Beginning of a line with an error message of the program.
@@ -249,6 +254,18 @@ class DeckSolver(Solver):
         self.executes()
         if self.executable is None:
             self.version()
+
+    def _program(self) -> str:
+        """Return the path of the program; raise `SolverNotFoundError` if it is not found."""
+        found = self._find(self.executable or self._usual)
+        if found is None:
+            name = self.executable or self._usual
+            raise SolverNotFoundError(f"{self._title} ({name}) is not found. {self._install}")
+        return str(Path(found).absolute())
+
+    def _find(self, program: str) -> str | None:
+        """Return the path of a program on the search path; None if it is not found."""
+        return shutil.which(program)
 
     @override
     def executes(self) -> tuple[str, ...]:

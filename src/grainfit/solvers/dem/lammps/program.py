@@ -26,6 +26,9 @@ class Lammps(DeckSolver):
     """
 
     name = "lammps"
+    _title: ClassVar[str] = "LAMMPS"
+    _usual: ClassVar[str] = "lmp"
+    _install: ClassVar[str] = _INSTALL
     _own_log: ClassVar[str] = "log.lammps"
     deck: ClassVar[type[SceneDeck]] = LammpsSceneDeck
     missing: ClassVar[Mapping[str, str]] = MISSING
@@ -45,13 +48,10 @@ class Lammps(DeckSolver):
             )
         return found.group(1).strip()
 
-    def _program(self) -> str:
-        found = _find(self.executable or "lmp")
-        if found is None:
-            raise SolverNotFoundError(
-                f"LAMMPS ({self.executable or 'lmp'}) is not found. {_INSTALL}"
-            )
-        return str(Path(found).absolute())
+    @override
+    def _find(self, program: str) -> str | None:
+        beside_python = sysconfig.get_path("scripts")
+        return super()._find(program) or shutil.which(program, path=beside_python)
 
     def _launcher(self, program: str) -> str:
         # The MPI that LAMMPS was built with is next to it; another MPI would start n single runs.
@@ -73,7 +73,3 @@ class Lammps(DeckSolver):
         if self.ranks == 1:
             return command
         return [self._launcher(program), "-n", str(self.ranks), *command]
-
-
-def _find(name: str) -> str | None:
-    return shutil.which(name) or shutil.which(name, path=sysconfig.get_path("scripts"))

@@ -24,6 +24,9 @@ class Liggghts(DeckSolver):
     """LIGGGHTS-PUBLIC, ``liggghts`` on the PATH; see `DeckSolver`."""
 
     name = "liggghts"
+    _title: ClassVar[str] = "LIGGGHTS"
+    _usual: ClassVar[str] = "liggghts"
+    _install: ClassVar[str] = _INSTALL
     _own_log: ClassVar[str] = "log.liggghts"
     deck: ClassVar[type[SceneDeck]] = LiggghtsSceneDeck
     missing: ClassVar[Mapping[str, str]] = MISSING
@@ -52,14 +55,6 @@ class Liggghts(DeckSolver):
         if found is None:
             raise SolverNotFoundError(f"{program} does not run as LIGGGHTS does. {_INSTALL}")
         return found.group(1).strip()
-
-    def _program(self) -> str:
-        found = shutil.which(self.executable or "liggghts")
-        if found is None:
-            raise SolverNotFoundError(
-                f"LIGGGHTS ({self.executable or 'liggghts'}) is not found. {_INSTALL}"
-            )
-        return str(Path(found).absolute())
 
     def _launcher(self) -> str:
         found = shutil.which("mpiexec.openmpi") or shutil.which("mpiexec")

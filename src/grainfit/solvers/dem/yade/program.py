@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-import shutil
 from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import ClassVar
@@ -30,6 +29,9 @@ class Yade(DeckSolver):
     """
 
     name = "yade"
+    _title: ClassVar[str] = "YADE"
+    _usual: ClassVar[str] = "yade"
+    _install: ClassVar[str] = _INSTALL
     deck: ClassVar[type[SceneDeck]] = YadeSceneDeck
     missing: ClassVar[Mapping[str, str]] = MISSING
     #: The last line of a traceback.
@@ -71,14 +73,6 @@ class Yade(DeckSolver):
         if found is None:
             raise SolverNotFoundError(f"{program} does not run as YADE does. {_INSTALL}")
         return found.group(1)
-
-    def _program(self) -> str:
-        found = shutil.which(self.executable or "yade")
-        if found is None:
-            raise SolverNotFoundError(
-                f"YADE ({self.executable or 'yade'}) is not found. {_INSTALL}"
-            )
-        return str(Path(found).absolute())
 
     def _command(self, deck: Path) -> list[str]:
         # No window, one thread, and an end after the script instead of a prompt.
