@@ -14,16 +14,14 @@ from grainfit.bulk_tests.shared.filling import (
     particles_to_fill,
     strike_off_faults,
 )
+from grainfit.bulk_tests.shared.stress import scaled_stress, softness_faults
 from grainfit.errors import Fault, InputError
 from grainfit.materials.sizes import ParticleSizes
 from grainfit.scenes.packing import Round, column_height
 from grainfit.scenes.scene import Load, natural_speed, natural_time
 
-#: The default stress for particles of 10 mm on Earth. It is proportional to diameter and gravity,
-#: as the weight of the bed is, so that the test is the same test at every size.
+#: The default stress for particles of 10 mm on Earth.
 _REFERENCE_STRESS = 10e3
-_REFERENCE_DIAMETER = 0.010
-_REFERENCE_GRAVITY = 9.81
 _SEATING_SHARE = 0.05
 
 #: Lowest bed, in diameters of the largest particles.
@@ -123,16 +121,13 @@ class CompressionSetup:
 
     def material_faults(self, material: Mapping[str, float]) -> Iterator[Fault]:
         """Yield why the test means nothing with a material, of which not all need be known."""
-        modulus = material.get("particle.youngs_modulus")
-        if modulus is not None and modulus < (1 - 1e-9) * SMALLEST_STIFFNESS * self.stress:
-            yield Fault(
-                "stress",
-                f"{self.stress:g} Pa is too much for a Young's modulus of {modulus:g} Pa: E / "
-                f"stress is {modulus / self.stress:.3g}, and below {SMALLEST_STIFFNESS:g} overlaps "
-                "of the particles are compressed, not the bed.",
-                f"Use a Young's modulus of at least {SMALLEST_STIFFNESS * self.stress:g} Pa, or a "
-                f"stress of at most {modulus / SMALLEST_STIFFNESS:g} Pa.",
-            )
+        yield from softness_faults(
+            "stress",
+            self.stress,
+            material,
+            SMALLEST_STIFFNESS,
+            "are compressed, not the bed.",
+        )
         density = material.get("particle.density")
         if density is not None:
             weight = _SOLID_FRACTION * density * self.gravity * self.strike_off_height
@@ -171,8 +166,7 @@ def plan_setup(sizes: ParticleSizes, options: Mapping[str, float | None]) -> Com
     gravity = given["gravity"]
     radius = given.get("cylinder_radius", max(5 * diameter, least_radius(sizes)))
     fill = given.get("strike_off_height", max(8 * diameter, _SHALLOWEST_BED * largest))
-    scale = diameter / _REFERENCE_DIAMETER * gravity / _REFERENCE_GRAVITY
-    stress = given.get("stress", _REFERENCE_STRESS * scale)
+    stress = given.get("stress", scaled_stress(_REFERENCE_STRESS, sizes, gravity))
     seating = given.get("seating_stress", _SEATING_SHARE * stress)
     count = int(given.get("particle_count", particles_to_fill(sizes, radius, fill)))
     faults = [*_shape_faults(sizes, radius, fill)]

@@ -15,11 +15,11 @@ from grainfit.bulk_tests.shared.options import LENGTH
 from grainfit.bulk_tests.shared.validity import require_separate
 from grainfit.bulk_tests.shear.flow import (
     COLUMNS,
-    BlockMean,
     Frame,
     Profile,
     Record,
     block_mean,
+    plate_speed,
     read_frame,
     velocity_profile,
 )
@@ -287,14 +287,12 @@ class Shear(BulkTest):
         density = block_mean([frame.density(self.setup) for frame in frames])
         angle = math.degrees(math.atan(friction.value))
         error = math.degrees(friction.standard_error / (1 + friction.value**2))
+        found = Response(angle, error)
         view = self._view(frames[-1], profile)
         transient = Record.of_stage(run, "transient", self.setup)
         picture = run.folder / _PICTURE
-        draw_shear(picture, view, [transient, *records], 1, Response(angle, error))
-        return {
-            "internal_friction_angle": Response(angle, error),
-            "shear_density": Response(density.value, density.standard_error),
-        }
+        draw_shear(picture, view, [transient, *records], 1, found)
+        return {"internal_friction_angle": found, "shear_density": density}
 
     def _read(self, run: RunOutput) -> tuple[list[Frame], list[Record], Profile]:
         """Read snapshots and records of the blocks."""
@@ -304,7 +302,7 @@ class Shear(BulkTest):
             raise NotMeasurableError("stages.csv: stages are missing")
         frames = [read_frame(run, *pair) for pair in zip(names, times, strict=True)]
         records = [Record.of_stage(run, name, self.setup) for name in self._blocks]
-        speed = _speed(records)
+        speed = plate_speed(records)
         return frames, records, velocity_profile(frames, self.setup.length, speed)
 
     @property
@@ -329,12 +327,6 @@ class Shear(BulkTest):
         return ShearView.of(frame, profile, self.setup.length, self.setup.depth)
 
 
-def _speed(records: list[Record]) -> float:
-    """Return the velocity of the upper plate over all records, m/s."""
-    first, last = records[0], records[-1]
-    return float((last.travels[-1] - first.travels[0]) / (last.times[-1] - first.times[0]))
-
-
-def _friction(records: list[Record]) -> BlockMean:
+def _friction(records: list[Record]) -> Response:
     """Return shear stress over normal stress."""
     return block_mean([float(r.shear_stresses.mean() / r.normal_stresses.mean()) for r in records])

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from grainfit.bulk_tests.shear.setup import ShearSetup
 from grainfit.errors import NotMeasurableError, RunFailedError
+from grainfit.evaluation import Response
 from grainfit.measurement.bulk_density import masses_between
 from grainfit.measurement.particles import Particles
 from grainfit.scenes.records import Force, Recorded, Travel
@@ -76,24 +77,17 @@ class Record:
         )
 
 
-@dataclass(frozen=True)
-class BlockMean:
-    """Mean over blocks of a series that are as long as its correlations.
-
-    Parameters
-    ----------
-    value, standard_error : float
-        Of the mean; neighbouring blocks that resemble each other count less.
-    """
-
-    value: float
-    standard_error: float
+def plate_speed(records: Sequence[Record]) -> float:
+    """Return the velocity of the upper plate over all records, m/s."""
+    first, last = records[0], records[-1]
+    return float((last.travels[-1] - first.travels[0]) / (last.times[-1] - first.times[0]))
 
 
-def block_mean(blocks: Sequence[float]) -> BlockMean:
+def block_mean(blocks: Sequence[float]) -> Response:
     """Return the mean of blocks and its standard error.
 
-    The error is that of independent blocks times sqrt((1 + r) / (1 - r)), where r is the
+    Blocks are as long as the correlations of the series; neighbours that resemble each other count
+    less. The error is that of independent blocks times sqrt((1 + r) / (1 - r)), where r is the
     correlation of neighbours, if that is positive (as of an autoregressive series of order 1).
     """
     values = np.array(blocks, dtype=float)
@@ -105,7 +99,7 @@ def block_mean(blocks: Sequence[float]) -> BlockMean:
     # A correlation beyond that cannot be told from a drift with so few blocks.
     r = min(max(r, 0.0), 0.8)
     error = math.sqrt(variance / len(values) * (1 + r) / (1 - r))
-    return BlockMean(float(values.mean()), error)
+    return Response(float(values.mean()), error)
 
 
 @dataclass(frozen=True)

@@ -6,17 +6,15 @@ import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
+from grainfit.bulk_tests.shared.stress import scaled_stress, softness_faults
 from grainfit.bulk_tests.shear.plates import PlateLayout, plate_layout
 from grainfit.errors import Fault, InputError
 from grainfit.materials.sizes import ParticleSizes
 from grainfit.scenes.packing import mean_particle_volume
 from grainfit.scenes.scene import Load, Velocity
 
-#: The default stress for particles of 10 mm on Earth. It is proportional to diameter and gravity,
-#: so that the test is the same test at every size.
+#: The default stress for particles of 10 mm on Earth.
 _REFERENCE_STRESS = 500.0
-_REFERENCE_DIAMETER = 0.010
-_REFERENCE_GRAVITY = 9.81
 #: Young's modulus over stress, below which overlaps change the angle by more than two degrees.
 SMALLEST_STIFFNESS = 700.0
 #: Smallest gap, in diameters of the largest particles, and smallest periods.
@@ -121,17 +119,14 @@ class ShearSetup:
         )
 
     def material_faults(self, material: Mapping[str, float]) -> Iterator[Fault]:
-        """Yield why the test means nothing with a material, of which not all need be known."""
-        modulus, stress = material.get("particle.youngs_modulus"), self.normal_stress
-        if modulus is not None and modulus < (1 - 1e-9) * SMALLEST_STIFFNESS * stress:
-            yield Fault(
-                "normal_stress",
-                f"{stress:g} Pa is too much for a Young's modulus of {modulus:g} Pa: E / stress is "
-                f"{modulus / stress:.3g}, and below {SMALLEST_STIFFNESS:g} overlaps of the "
-                "particles change the angle of internal friction.",
-                f"Use a Young's modulus of at least {SMALLEST_STIFFNESS * stress:g} Pa, or a "
-                f"stress of at most {modulus / SMALLEST_STIFFNESS:g} Pa.",
-            )
+        """Iterate over why the test means nothing with a material, not all of which is known."""
+        return softness_faults(
+            "normal_stress",
+            self.normal_stress,
+            material,
+            SMALLEST_STIFFNESS,
+            "change the angle of internal friction.",
+        )
 
 
 def plan_setup(sizes: ParticleSizes, options: Mapping[str, float | None]) -> ShearSetup:
@@ -151,7 +146,7 @@ def plan_setup(sizes: ParticleSizes, options: Mapping[str, float | None]) -> She
     """
     given = {name: value for name, value in options.items() if value is not None}
     diameter, largest = sizes.sauter_diameter, max(sizes.diameters)
-    scale = diameter / _REFERENCE_DIAMETER * given["gravity"] / _REFERENCE_GRAVITY
+    usual = scaled_stress(_REFERENCE_STRESS, sizes, given["gravity"])
     length = given.get("length", max(10 * diameter, _SMALLEST_LENGTH * largest))
     depth = given.get("depth", max(5 * diameter, _SMALLEST_DEPTH * largest))
     gap = given.get("gap", max(8.5 * diameter, _SMALLEST_GAP * largest))
@@ -171,7 +166,7 @@ def plan_setup(sizes: ParticleSizes, options: Mapping[str, float | None]) -> She
             )
         )
     return ShearSetup(
-        normal_stress=given.get("normal_stress", _REFERENCE_STRESS * scale),
+        normal_stress=given.get("normal_stress", usual),
         inertial_number=given["inertial_number"],
         length=length,
         depth=depth,

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from grainfit.bulk_tests.shear.flow import Frame, Profile, Record
+from grainfit.bulk_tests.shear.flow import Frame, Profile, Record, plate_speed
 from grainfit.bulk_tests.shear.setup import ShearSetup
 from grainfit.errors import RunFailedError
 
@@ -65,8 +65,7 @@ def _require_no_leak(frames: Sequence[Frame], diameter: float) -> None:
 def _require_inertial_number(
     setup: ShearSetup, frame: Frame, records: Sequence[Record], gap: float
 ) -> None:
-    first, last = records[0], records[-1]
-    speed = (last.travels[-1] - first.travels[0]) / (last.times[-1] - first.times[0])
+    speed = plate_speed(records)
     density = frame.bed.masses.sum() / (4 / 3 * math.pi * (frame.bed.radii**3).sum())
     found = speed / gap * setup.diameter / math.sqrt(setup.normal_stress / density)
     if not abs(found / setup.inertial_number - 1) <= _INERTIAL:

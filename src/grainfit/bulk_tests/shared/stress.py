@@ -1,0 +1,58 @@
+"""Stresses of plates and pistons: defaults that follow the particles, limits by their stiffness."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+
+from grainfit.errors import Fault
+from grainfit.materials.sizes import ParticleSizes
+
+_REFERENCE_DIAMETER = 0.010
+_REFERENCE_GRAVITY = 9.81
+
+
+def scaled_stress(reference: float, sizes: ParticleSizes, gravity: float) -> float:
+    """Return a stress that is proportional to diameter and gravity, Pa.
+
+    The weight of a bed is, too, so that the test is the same test at every size.
+
+    Parameters
+    ----------
+    reference : float
+        The stress for particles of 10 mm on Earth, Pa.
+    sizes : ParticleSizes
+        With the Sauter diameter.
+    gravity : float
+        m/s^2.
+    """
+    scale = sizes.sauter_diameter / _REFERENCE_DIAMETER * gravity / _REFERENCE_GRAVITY
+    return reference * scale
+
+
+def softness_faults(
+    key: str, stress: float, material: Mapping[str, float], smallest: float, otherwise: str
+) -> Iterator[Fault]:
+    """Yield why particles are too soft for a stress.
+
+    Parameters
+    ----------
+    key : str
+        Option of the stress.
+    stress : float
+        Pa.
+    material : mapping of str to float
+        Material parameters by dotted name: those that are known.
+    smallest : float
+        Smallest Young's modulus over stress.
+    otherwise : str
+        Consequence of softer particles, as the end of a sentence.
+    """
+    modulus = material.get("particle.youngs_modulus")
+    if modulus is not None and modulus < (1 - 1e-9) * smallest * stress:
+        yield Fault(
+            key,
+            f"{stress:g} Pa is too much for a Young's modulus of {modulus:g} Pa: E / stress is "
+            f"{modulus / stress:.3g}, and below {smallest:g} overlaps of the particles {otherwise}",
+            f"Use a Young's modulus of at least {smallest * stress:g} Pa, or a stress of at most "
+            f"{modulus / smallest:g} Pa.",
+        )
