@@ -30,6 +30,17 @@ def with_unit(shown: str, unit: str) -> str:
     return f"{shown}{unit}" if unit in ("", "°") else f"{shown} {unit}"
 
 
+def in_unit(name: str, unit: str) -> str:
+    """Return a name with its unit, as the head of a row or a column of values.
+
+    Examples
+    --------
+    >>> in_unit("angle_of_repose", "deg"), in_unit("share", "")
+    ('angle_of_repose in °', 'share')
+    """
+    return f"{name} in {unit_for_people(unit)}" if unit else name
+
+
 def probability(value: float) -> str:
     """Return a probability in percent: no metamodel makes anything certain."""
     if value > 0.995:

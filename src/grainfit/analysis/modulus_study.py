@@ -11,7 +11,14 @@ from grainfit.bulk_tests.sensitivities import MODULUS
 from grainfit.campaign.moduli import ModulusPlan
 from grainfit.errors import RunFailedError
 from grainfit.evaluation import Evaluation
-from grainfit.formatting import in_a_row, number, plain_interval, unit_for_people, with_unit
+from grainfit.formatting import (
+    in_a_row,
+    in_unit,
+    number,
+    plain_interval,
+    unit_for_people,
+    with_unit,
+)
 from grainfit.problem import Target
 from grainfit.tables import TextTable, as_html, as_text
 
@@ -164,7 +171,7 @@ class ModulusStudy:
             )
             for row in self.rows
         )
-        units = [f"{t.name} in {unit_for_people(t.unit)}" for t in self.targets if t.unit]
+        units = [in_unit(t.name, t.unit) for t in self.targets if t.unit]
         errors = [f"± standard error of the mean of {self.seeds} seeds"] if self.seeds > 1 else []
         return TextTable(header, rows, ", ".join([*units, *errors]))
 

@@ -11,8 +11,7 @@ from scipy import stats
 
 from grainfit.errors import Fault, InputError
 from grainfit.evaluation import Evaluation
-from grainfit.formatting import counted, in_a_row, number, plain_ends, plain_interval
-from grainfit.formatting import unit_for_people as shown_unit
+from grainfit.formatting import counted, in_a_row, in_unit, number, plain_ends, plain_interval
 from grainfit.problem import Target
 from grainfit.tables import TextTable, as_html, as_text
 
@@ -151,8 +150,7 @@ def _row(found: ResponseScatter) -> tuple[str, ...]:
             spread += f" ({plain_ends(*ends)})"
     target = found.target
     wanted = "-" if target is None else plain_interval(target.value, target.tolerance)
-    name = f"{found.name} in {shown_unit(found.unit)}" if found.unit else found.name
-    return name, mean, spread, wanted, str(len(found.values))
+    return in_unit(found.name, found.unit), mean, spread, wanted, str(len(found.values))
 
 
 def _advice(found: ResponseScatter) -> str:

@@ -244,8 +244,13 @@ def _centred(geometry: Geometry) -> Geometry:
     shift = -(points.min(axis=0) + points.max(axis=0)) / 2
     shift[2] = -points[:, 2].min()
     walls = tuple(
-        DrawnWall(w.name, w.state, w.triangles + shift, w.edges + shift, w.arrows + shift)
-        for w in geometry.walls
+        replace(
+            wall,
+            triangles=wall.triangles + shift,
+            edges=wall.edges + shift,
+            arrows=wall.arrows + shift,
+        )
+        for wall in geometry.walls
     )
     glued = tuple(
         replace(body, positions=body.positions + shift, arrows=body.arrows + shift)

@@ -15,7 +15,7 @@ from grainfit.calibration_file.content import TestSpecification
 from grainfit.campaign.reuse import open_source, runs_of
 from grainfit.errors import Fault, InputError
 from grainfit.evaluation import Evaluation, Proposal, response_name
-from grainfit.formatting import counted, number, plain_ends, plain_interval, unit_for_people
+from grainfit.formatting import counted, in_unit, number, plain_ends, plain_interval
 from grainfit.problem import Parameter, Problem, Target
 from grainfit.tables import TextTable, as_html, as_text
 from grainfit.work_folder.import_table import read_import_table
@@ -114,9 +114,8 @@ class RunsAnalysis:
 
     def _parameter_row(self, posterior: Posterior, parameter: Parameter) -> tuple[str, ...]:
         found = self.analysis.intervals[parameter.name]
-        unit = f" in {unit_for_people(parameter.unit)}" if parameter.unit else ""
         return (
-            f"{parameter.name}{unit}",
+            in_unit(parameter.name, parameter.unit),
             f"{posterior.median(parameter.name):.4g}",
             plain_ends(found.low, found.high),
             found.determination,
@@ -124,10 +123,9 @@ class RunsAnalysis:
 
 
 def _response_row(target: Target, expected: np.ndarray) -> tuple[str, ...]:
-    unit = f" in {unit_for_people(target.unit)}" if target.unit else ""
     low, high = np.quantile(expected, [0.025, 0.975])
     measured = plain_interval(target.value, standard_uncertainty(target))
-    return f"{target.name}{unit}", measured, plain_ends(float(low), float(high))
+    return in_unit(target.name, target.unit), measured, plain_ends(float(low), float(high))
 
 
 def analyse_runs(

@@ -38,7 +38,7 @@ from grainfit.scenes.duration import expected_duration
 from grainfit.scenes.faults import scene_faults
 from grainfit.scenes.packing import Column
 from grainfit.scenes.run_output import RunOutput, snapshot_file
-from grainfit.scenes.scene import SCENES_REVISION, Scene, Wall
+from grainfit.scenes.scene import Scene, Wall
 from grainfit.scenes.shapes import Mesh, Shape
 
 #: Name of the snapshot of the last stage, which every run leaves.
@@ -172,14 +172,9 @@ class OwnScene(BulkTest):
 
     # --- identity ------------------------------------------------------------------------------
 
-    def definition(self) -> dict[str, Any]:
+    def resolved_options(self) -> dict[str, Any]:
         """Return the contents of the functions' files, the options, and what all tests have."""
         return {
-            "type": self.type,
-            "revision": self.revision,
-            "scenes": SCENES_REVISION,
-            "diameters": list(self.sizes.diameters),
-            "mass_fractions": list(self.sizes.mass_fractions),
             **self._identities(),
             "options": dict(self.options),
             "gravity": self.gravity,
@@ -416,11 +411,6 @@ class OwnScene(BulkTest):
         return ParticlesView.of(particles)
 
     # --- tests that fill a container by themselves have these ----------------------------------
-
-    @property
-    def footprint(self) -> NoReturn:
-        """The scene places its particles itself."""
-        raise AttributeError("a scene of the user places its particles itself")
 
     def scene_of(self, column: Column, material: Mapping[str, float]) -> NoReturn:  # noqa: ARG002
         """The scene places its particles itself."""
