@@ -564,6 +564,19 @@ class Problem:
         """Correlations of the errors of the measured values, shape (targets, targets)."""
         return correlation_matrix([target.name for target in self.targets], self.correlations)
 
+    @cached_property
+    def precision_matrix(self) -> NDArray[np.float64]:
+        """Inverse of the correlation matrix."""
+        return np.asarray(np.linalg.inv(self.correlation_matrix))
+
+    @cached_property
+    def decorrelation(self) -> NDArray[np.float64]:
+        """Matrix that combines deviations into as many that are not correlated.
+
+        The inverse of the Cholesky factor of the correlation matrix.
+        """
+        return np.asarray(np.linalg.inv(np.linalg.cholesky(self.correlation_matrix)))
+
     def is_met_by(self, responses: Sequence[float] | NDArray[np.float64]) -> bool:
         """Return True if responses, in the order of the targets, meet them.
 
@@ -574,7 +587,7 @@ class Problem:
         if not all(target.is_met_by(response) for target, response in pairs):
             return False
         off = np.array([(response - target.value) / target.tolerance for target, response in pairs])
-        precision = np.linalg.inv(self.correlation_matrix)
+        precision = self.precision_matrix
         return all(
             float(off[group] @ precision[np.ix_(group, group)] @ off[group]) <= len(group)
             for group in correlated_groups(self.correlation_matrix)

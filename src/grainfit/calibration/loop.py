@@ -334,7 +334,7 @@ class CalibrationLoop:
             return None
         if not self._problem.tests:
             return self._left()
-        return self._options.max_runs - sum(len(e.runs) for e in self._evaluations)
+        return self._options.max_runs - _runs(self._evaluations)
 
     def _left(self) -> int | None:
         """Return the number of parameter sets left in the budget."""

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import ExitStack, suppress
 from dataclasses import dataclass, replace
@@ -89,7 +88,7 @@ class CalibrationSetup:
         cluster = self.file.cluster
         if cluster is None or self.local or not is_available(cluster):
             return None
-        return replace(cluster, cores_per_run=cluster.cores_per_run or self._ranks)
+        return replace(cluster, cores_per_run=cluster.cores_per_run or self.file.ranks)
 
     @property
     def workers(self) -> int:
@@ -98,12 +97,7 @@ class CalibrationSetup:
             return self.cluster.workers
         if self.strategy.workers is not None:
             return self.strategy.workers
-        return max(1, len(os.sched_getaffinity(0)) // self._ranks)
-
-    @property
-    def _ranks(self) -> int:
-        ranks: int = max(test.options.get("ranks", 1) for test in self.file.tests)
-        return ranks
+        return self.file.runs_at_once
 
     @property
     def provenance(self) -> Provenance:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -122,3 +123,13 @@ class CalibrationFile:
     cluster: ClusterOptions | None = None
     contact_models: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
+
+    @property
+    def ranks(self) -> int:
+        """Largest number of MPI ranks of a run."""
+        return max(int(test.options.get("ranks", 1)) for test in self.tests)
+
+    @property
+    def runs_at_once(self) -> int:
+        """Number of runs that this machine has cores for."""
+        return max(1, len(os.sched_getaffinity(0)) // self.ranks)

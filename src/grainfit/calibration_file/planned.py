@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -36,8 +35,8 @@ class PlannedFile:
 
     @property
     def workers(self) -> int:
-        """Runs at a time: as the file says, or as many as there are cores."""
-        return self.file.strategy.workers or len(os.sched_getaffinity(0))
+        """Runs at a time: as the file says, or as many as there are cores for."""
+        return self.file.strategy.workers or self.file.runs_at_once
 
     def accuracy(
         self, given: Accuracies, test: str, name: str, info: ResponseInfo

@@ -69,9 +69,6 @@ class Metamodels:
         self._units = np.sqrt(self._tolerances**2 + least) / weights
         self.correlation = problem.correlation_matrix
         self._groups = correlated_groups(self.correlation)
-        self._precision = np.linalg.inv(self.correlation)
-        # Of the Cholesky factor: as many combined deviations, which are not correlated.
-        self._decorrelation = np.linalg.inv(np.linalg.cholesky(self.correlation))
 
     @classmethod
     def fit(cls, problem: Problem, evaluations: Sequence[Evaluation]) -> Metamodels:
@@ -156,11 +153,11 @@ class Metamodels:
     @property
     def precisions(self) -> Array:
         """Weights of the variances of deviations in the misfit, 1 without correlations."""
-        return np.asarray(np.diagonal(self._precision))
+        return np.asarray(np.diagonal(self.problem.precision_matrix))
 
     def decorrelated(self, deviations: Array) -> Array:
         """Combine deviations, shape (..., number of targets), whose squares sum to the misfit."""
-        return deviations if not self._groups else deviations @ self._decorrelation.T
+        return deviations if not self._groups else deviations @ self.problem.decorrelation.T
 
     def slopes(self, points: ArrayLike) -> Array:
         """Slopes of the expected deviations, shape (m, number of targets, d)."""
@@ -256,7 +253,7 @@ class Metamodels:
         drawn = np.clip(off + error * outcomes, -1.0, 1.0)
         together = np.ones(drawn.shape[:2], dtype=bool)
         for group in self._groups:
-            precision = self._precision[np.ix_(group, group)]
+            precision = self.problem.precision_matrix[np.ix_(group, group)]
             squares = np.einsum("msk,kl,msl->ms", drawn[..., group], precision, drawn[..., group])
             together &= squares <= len(group)
         return np.asarray(together.mean(axis=1))

@@ -62,8 +62,7 @@ def decorrelated(problem: Problem, deviations: Vector) -> Vector:
     """Combine deviations, shape (targets, ...), so that their errors are not correlated."""
     if not problem.correlations:
         return deviations
-    factor = np.linalg.cholesky(problem.correlation_matrix)
-    return np.asarray(np.linalg.solve(factor, deviations))
+    return np.asarray(problem.decorrelation @ deviations)
 
 
 def expected_misfit(
@@ -75,7 +74,7 @@ def expected_misfit(
     """
     units = np.array([target.misfit_unit for target in problem.targets])
     weights = np.array([target.weight for target in problem.targets])
-    precisions = np.diagonal(np.linalg.inv(problem.correlation_matrix))
+    precisions = np.diagonal(problem.precision_matrix)
     spread = float(np.sum(variances * (weights / units) ** 2 * precisions))
     return float(np.sum(residuals(problem, parameters, means) ** 2)) + spread
 
@@ -91,8 +90,3 @@ def expected_misfit_at(metamodels: Metamodels, point: Vector) -> float:
     means, variances = metamodels.predict(point)
     parameters = metamodels.problem.from_unit(point)
     return expected_misfit(metamodels.problem, parameters, means[0], variances[0])
-
-
-def within_tolerance(problem: Problem, responses: Vector) -> bool:
-    """Whether the targets are met: each within its tolerance, correlated ones also together."""
-    return problem.is_met_by(responses)

@@ -38,7 +38,6 @@ from grainfit.strategies.staged.residuals import (
     expected_misfit,
     expected_misfit_at,
     residuals_at,
-    within_tolerance,
 )
 
 Array = NDArray[np.float64]
@@ -182,7 +181,7 @@ class StagedSearch(BatchSearch):
         yield from self._runs_at([point, *moved])
         while self._left > 0:
             metamodels = self._metamodels()
-            if within_tolerance(self.problem, metamodels.predict(point)[0][0]):
+            if self.problem.is_met_by(metamodels.predict(point)[0][0]):
                 return
             jacobian = difference_jacobian(metamodels, point, moved)
             step = damped_step(jacobian, residuals_at(metamodels, point), damping, point)
@@ -194,7 +193,7 @@ class StagedSearch(BatchSearch):
             if expected_misfit_at(metamodels, trial) < expected_misfit_at(metamodels, point):
                 point, damping = trial, damping / 10
                 moved = difference_points(metamodels, point)
-                if not within_tolerance(self.problem, metamodels.predict(point)[0][0]):
+                if not self.problem.is_met_by(metamodels.predict(point)[0][0]):
                     yield from self._runs_at(list(moved), reserve=1)
             else:
                 damping = max(damping, 1e-3) * 10
