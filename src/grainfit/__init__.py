@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from grainfit.calibration.progress import Progress
     from grainfit.calibration_file.build import CalibrationSetup
     from grainfit.calibration_file.build import load_calibration as load
+    from grainfit.curve_target import CurveTarget
     from grainfit.errors import (
         GrainfitError,
         InputError,
@@ -25,7 +26,7 @@ if TYPE_CHECKING:
         SolverNotFoundError,
         StoreError,
     )
-    from grainfit.evaluation import Evaluation, Proposal, Response
+    from grainfit.evaluation import Curve, Evaluation, Proposal, Response
     from grainfit.materials.sizes import ParticleSizes
     from grainfit.materials.time_step import RayleighTimeStep, rayleigh_time_step
     from grainfit.materials.wall_friction import friction_of_angle
@@ -49,6 +50,8 @@ __all__ = [
     "Analysis",
     "Answer",
     "CalibrationSetup",
+    "Curve",
+    "CurveTarget",
     "Evaluation",
     "ExpectedNarrowing",
     "GrainfitError",
@@ -114,7 +117,8 @@ _HOMES = {
     "stiffness_study": "work_folder.stiffness_study",
     "write_report": "report.page",
     **dict.fromkeys(("Parameter", "Problem", "ScopeOfTest", "Target"), "problem"),
-    **dict.fromkeys(("Evaluation", "Proposal", "Response"), "evaluation"),
+    **dict.fromkeys(("Curve", "Evaluation", "Proposal", "Response"), "evaluation"),
+    "CurveTarget": "curve_target",
     "Answer": "strategies.answer",
     **dict.fromkeys(("Search", "Strategy"), "strategies.base"),
     "Sequential": "strategies.sequential.strategy",

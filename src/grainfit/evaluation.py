@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from itertools import pairwise
 from numbers import Real
 from typing import Literal, TypeAlias
 
@@ -69,6 +70,8 @@ class Evaluation:
         about the parameters, and the point can be tried again.
     test_seconds : mapping of str to float
         Wall time of the run by name of the test, s.
+    curves : mapping of str to Curve
+        Responses that are curves, of all tests whose run succeeded.
     """
 
     proposal: Proposal
@@ -80,6 +83,12 @@ class Evaluation:
     simulated_seconds: float = 0.0
     failed_by_machine: bool = False
     test_seconds: Mapping[str, float] = field(default_factory=dict)
+    curves: Mapping[str, Curve] = field(default_factory=dict)
+
+    @property
+    def yields(self) -> set[str]:
+        """Names of all responses, curves included."""
+        return {*self.responses, *self.curves}
 
     def failed_in(self, test: str) -> bool:
         """Return True if the run of a test failed, or a run whose test is not known."""
@@ -93,6 +102,7 @@ class Evaluation:
             self,
             proposal=replace(self.proposal, tests=left),
             responses={n: r for n, r in self.responses.items() if not n.startswith(prefixes)},
+            curves={n: c for n, c in self.curves.items() if not n.startswith(prefixes)},
             failures={n: why for n, why in self.failures.items() if n not in tests},
             runs={n: run for n, run in self.runs.items() if n not in tests},
             test_seconds={n: s for n, s in self.test_seconds.items() if n not in tests},
@@ -106,7 +116,7 @@ class Evaluation:
         ----------
         proposal : Proposal
             The parameter set and its seed.
-        outcome : mapping of str to float or Response, RunFailedError, or Evaluation
+        outcome : mapping of str to float, Response or Curve, RunFailedError, or Evaluation
             Responses by name, the failure, or an evaluation, which is returned unchanged.
 
         Raises
@@ -124,7 +134,9 @@ class Evaluation:
         if not isinstance(outcome, Mapping):
             remedy = 'Give responses by name, {"angle": 31.2}, or RunFailedError("why it failed").'
             raise InputError(Fault("outcome", f"is {outcome!r}.", remedy))
-        return cls(proposal, {name: _response(name, value) for name, value in outcome.items()})
+        curves = {name: found for name, found in outcome.items() if isinstance(found, Curve)}
+        numbers = {n: _response(n, found) for n, found in outcome.items() if n not in curves}
+        return cls(proposal, numbers, curves=curves)
 
 
 def _response(name: str, value: object) -> Response:
@@ -154,8 +166,65 @@ class Response:
     standard_error: float = 0.0
 
 
+@dataclass(frozen=True)
+class Curve:
+    """A response over a coordinate, such as stress over strain, of one run.
+
+    Parameters
+    ----------
+    coordinates, values : sequence of float
+        Points, at least two, coordinates increasing; in SI units.
+    stays : bool
+        Whether the last value holds for all larger coordinates, as the mass that has left a
+        container does.
+
+    Raises
+    ------
+    InputError
+        The points are fewer than two, not finite, or not in order.
+
+    Examples
+    --------
+    >>> Curve([0.0, 0.5, 1.0], [0.0, 2.0, 3.0]).values
+    (0.0, 2.0, 3.0)
+    """
+
+    coordinates: Sequence[float]
+    values: Sequence[float]
+    stays: bool = False
+
+    def __post_init__(self) -> None:
+        for key in ("coordinates", "values"):
+            given = getattr(self, key)
+            try:
+                numbers = tuple(map(float, given))
+            except (TypeError, ValueError):
+                numbers = ()
+            if len(numbers) < 2 or not all(map(math.isfinite, numbers)):
+                raise InputError(Fault(key, "are not finite numbers.", "Give at least two."))
+            object.__setattr__(self, key, numbers)
+        places = self.coordinates
+        if len(places) != len(self.values):
+            words = f"are {len(places)}, and there are {len(self.values)} values."
+            raise InputError(Fault("coordinates", words, "Give one for each value."))
+        if any(later <= earlier for earlier, later in pairwise(places)):
+            raise InputError(Fault("coordinates", "do not increase.", "Sort the points."))
+
+
+#: A response as a run yields it: one number, or a curve.
+Measured: TypeAlias = Response | Curve
 #: Outcome of a run: responses by name, the failure, or an evaluation.
-Outcome: TypeAlias = Mapping[str, "float | Response"] | RunFailedError | Evaluation
+Outcome: TypeAlias = Mapping[str, "float | Response | Curve"] | RunFailedError | Evaluation
+
+
+def scalars(found: Mapping[str, Measured]) -> dict[str, Response]:
+    """Return the responses that are one number."""
+    return {name: one for name, one in found.items() if isinstance(one, Response)}
+
+
+def curves(found: Mapping[str, Measured]) -> dict[str, Curve]:
+    """Return the responses that are curves."""
+    return {name: one for name, one in found.items() if isinstance(one, Curve)}
 
 
 def response_name(test: str, name: str, tests: int) -> str:

@@ -10,11 +10,11 @@ from typing import Any
 
 from grainfit.checks import as_number
 from grainfit.errors import Fault, InputError, RunFailedError
-from grainfit.evaluation import Response
+from grainfit.evaluation import Curve, Measured, Response
 
 _RESPONSE_FORMS = (
-    "A response is a number, a pair of value and standard error, or "
-    '{"value": ..., "standard_error": ...}.'
+    "A response is a number, a pair of value and standard error, "
+    '{"value": ..., "standard_error": ...}, or a curve: {"coordinates": [...], "values": [...]}.'
 )
 
 
@@ -38,14 +38,15 @@ def finite_parameters(parameters: Mapping[str, float]) -> dict[str, float]:
 
 def read_responses(
     found: Any, expected: Sequence[str] | None = None, origin: str = "the model"
-) -> dict[str, Response]:
+) -> dict[str, Measured]:
     """Check and convert the responses of a custom model.
 
     Parameters
     ----------
     found : object
         Expected is a mapping of response name to a number, a pair of value and standard error, a
-        mapping with ``value`` and optionally ``standard_error``, or a `Response`.
+        mapping with ``value`` and optionally ``standard_error``, or a `Response`; for a curve a
+        mapping with ``coordinates`` and ``values``, or a `Curve`.
     expected : sequence of str, optional
         Responses that must be present; others are kept if they are valid. None: all must be valid.
     origin : str
@@ -69,9 +70,9 @@ def read_responses(
     return responses | _others(found, responses)
 
 
-def _others(found: Mapping[Any, Any], expected: Mapping[str, Response]) -> dict[str, Response]:
+def _others(found: Mapping[Any, Any], expected: Mapping[str, Measured]) -> dict[str, Measured]:
     """Return other valid responses of the model: they may become targets later."""
-    others = {}
+    others: dict[str, Measured] = {}
     for name in found:
         if isinstance(name, str) and name and name not in expected:
             with suppress(RunFailedError):
@@ -85,7 +86,11 @@ def _response_name(name: Any, origin: str) -> str:
     return name
 
 
-def _response(name: str, found: Any, origin: str) -> Response:
+def _response(name: str, found: Any, origin: str) -> Measured:
+    if isinstance(found, Curve):
+        return found
+    if isinstance(found, Mapping) and "coordinates" in found:
+        return _curve(name, found, origin)
     value, standard_error = _value_and_error(name, found, origin)
     for number, words in ((value, ""), (standard_error, "standard error of ")):
         if not isfinite(as_number(number)):
@@ -93,6 +98,14 @@ def _response(name: str, found: Any, origin: str) -> Response:
     if standard_error < 0:
         raise _unusable(f"standard error of response {name} from {origin} is {standard_error}")
     return Response(float(value), float(standard_error))
+
+
+def _curve(name: str, found: Mapping[str, Any], origin: str) -> Curve:
+    try:
+        stays = bool(found.get("stays", False))
+        return Curve(found["coordinates"], found.get("values", ()), stays)
+    except InputError as error:
+        raise _unusable(f"curve {name} from {origin}: {error}") from error
 
 
 def _value_and_error(name: str, found: Any, origin: str) -> tuple[Any, Any]:

@@ -20,6 +20,7 @@ from grainfit.correlations import (
     correlation_matrix,
     split_covariance,
 )
+from grainfit.curve_target import CurveTarget
 from grainfit.errors import Fault, InputError
 from grainfit.materials.time_step import RayleighTimeStep
 from grainfit.materials.wall_friction import MEASURED_BY_ANGLE, friction_about
@@ -501,12 +502,14 @@ class Problem:
     tests : sequence of ScopeOfTest
         The tests, when there are several: then a proposal may be for some of them. Empty when
         every run yields all targets.
+    curves : sequence of CurveTarget
+        Measured curves to meet.
 
     Raises
     ------
     InputError
-        No parameters or no targets, a name given twice, a Rayleigh time step that lacks a value, or
-        correlations that name no targets or contradict each other.
+        No parameters, neither targets nor curves, a name given twice, a Rayleigh time step that
+        lacks a value, or correlations that name no targets or contradict each other.
 
     Examples
     --------
@@ -521,21 +524,26 @@ class Problem:
     rayleigh_weight: float = 0.0
     correlations: Sequence[Correlation] = ()
     tests: Sequence[ScopeOfTest] = ()
+    curves: Sequence[CurveTarget] = ()
 
     def __post_init__(self) -> None:
-        _require_sequence("parameters", self.parameters, Parameter)
-        _require_sequence("targets", self.targets, Target)
-        _require_sequence("tests", self.tests, ScopeOfTest)
-        for key in ("parameters", "targets", "tests"):
+        kinds = {
+            "parameters": Parameter,
+            "targets": Target,
+            "tests": ScopeOfTest,
+            "curves": CurveTarget,
+        }
+        for key, kind in kinds.items():
+            _require_sequence(key, getattr(self, key), kind)
             object.__setattr__(self, key, tuple(getattr(self, key)))
         faults = []
-        for words, items in (("parameter", self.parameters), ("target", self.targets)):
-            names = [item.name for item in items]
+        named = {"parameter": [p.name for p in self.parameters], "target": self.responses}
+        for words, names in named.items():
             if not names:
                 faults.append(Fault(f"{words}s", "are empty.", f"Give at least one {words}."))
             faults += [
                 Fault(name, f"is given as a {words} more than once.", "Keep one of them.")
-                for name in sorted({name for name in names if names.count(name) > 1})
+                for name in sorted({name for name in names if list(names).count(name) > 1})
             ]
         if not 0 <= as_number(self.rayleigh_weight) < math.inf:
             given = _shown(self.rayleigh_weight)
@@ -558,6 +566,11 @@ class Problem:
             return [Fault("correlations", f"are {_shown(given)}.", remedy)]
         object.__setattr__(self, "correlations", pairs)
         return correlation_faults([target.name for target in self.targets], pairs)
+
+    @property
+    def responses(self) -> tuple[str, ...]:
+        """Names of all responses that were measured: those of the targets, then the curves."""
+        return (*(t.name for t in self.targets), *(curve.name for curve in self.curves))
 
     @cached_property
     def correlation_matrix(self) -> NDArray[np.float64]:
@@ -622,11 +635,13 @@ class Problem:
         ]
         return replace(self, targets=targets, correlations=correlations)
 
-    def with_targets(self, targets: Sequence[Target]) -> Problem:
-        """Return the problem with some of its targets, and the correlations among these."""
+    def with_targets(
+        self, targets: Sequence[Target], curves: Sequence[CurveTarget] = ()
+    ) -> Problem:
+        """Return the problem with some targets and curves, and the correlations among these."""
         names = {target.name for target in targets}
         kept = [pair for pair in self.correlations if {pair[0], pair[1]} <= names]
-        return replace(self, targets=tuple(targets), correlations=tuple(kept))
+        return replace(self, targets=tuple(targets), correlations=tuple(kept), curves=tuple(curves))
 
     @property
     def dimension(self) -> int:
@@ -643,8 +658,7 @@ class Problem:
         """The tests; one of all targets and parameters when no tests are given."""
         if self.tests:
             return tuple(self.tests)
-        targets = [target.name for target in self.targets]
-        return (ScopeOfTest("", targets, [parameter.name for parameter in self.parameters]),)
+        return (ScopeOfTest("", self.responses, [parameter.name for parameter in self.parameters]),)
 
     def axes_of(self, scope: ScopeOfTest) -> list[int]:
         """Return the axes of the unit cube that a test depends on."""

@@ -113,6 +113,49 @@ class ResponseResult:
 
 
 @dataclass(frozen=True)
+class CurveResult:
+    """A curve at the answer, compared with the measured one.
+
+    Parameters
+    ----------
+    coordinate, coordinate_unit, unit : str
+        Name and unit of the coordinate, and unit of the values.
+    coordinates, measured, uncertainties : tuple of float
+        Measured points, with standard uncertainties.
+    expected, standard_errors : tuple of float
+        Expected curve at these points by the metamodels, and its standard errors.
+    components : int
+        Number of principal components in which simulated curves differ.
+    deviation : float
+        Root mean square deviation of the expected curve, in standard uncertainties.
+    probability : float
+        Probability, by all runs, that the component in doubt most is within its tolerance.
+    shape_probability : float
+        Probability of the part of the measured curve that no simulated curve has, if its errors are
+        as stated.
+    verdict : {"met", "in doubt", "missed"}
+        As of a response; ``missed`` also when no simulated curve has the measured shape.
+    verified_runs : int
+        Number of fresh seeds at, or very near, the answer.
+    """
+
+    coordinate: str
+    coordinate_unit: str
+    unit: str
+    coordinates: tuple[float, ...]
+    measured: tuple[float, ...]
+    uncertainties: tuple[float, ...]
+    expected: tuple[float, ...]
+    standard_errors: tuple[float, ...]
+    components: int
+    deviation: float
+    probability: float
+    shape_probability: float
+    verdict: Verdict
+    verified_runs: int = 0
+
+
+@dataclass(frozen=True)
 class ParameterInterval:
     """95 % interval of a parameter, which holds the answer, and a word for its width.
 
@@ -235,6 +278,8 @@ class Result:
     intervals : mapping of str to ParameterInterval
         95 % intervals of the parameters, given all runs. Empty when these are too few, when no
         parameter set agrees with the measurements, or in a file of an older version.
+    curves : mapping of str to CurveResult
+        By name of the measured curve.
     """
 
     status: Status
@@ -258,6 +303,7 @@ class Result:
     notices: tuple[str, ...] = ()
     history: tuple[RunSummary, ...] = ()
     intervals: Mapping[str, ParameterInterval] = field(default_factory=dict)
+    curves: Mapping[str, CurveResult] = field(default_factory=dict)
 
     @property
     def headline(self) -> str:
@@ -289,6 +335,31 @@ class Result:
         caption = "± tolerance of the target, 95 % confidence of the expected response"
         return TextTable(("response", "target", "expected", "deviation", ""), tuple(rows), caption)
 
+    def curve_table(self) -> TextTable:
+        """Return each curve: measured points, components, deviation and verdict."""
+        rows = (
+            (
+                name,
+                f"{counted(len(found.measured), 'point')}",
+                counted(found.components, "component"),
+                f"{found.deviation:.2f} σ",
+                found.verdict,
+            )
+            for name, found in self.curves.items()
+        )
+        caption = (
+            "root mean square deviation of the expected curve, in standard uncertainties σ of the "
+            "measured points"
+        )
+        return TextTable(("curve", "measured", "simulated", "deviation", ""), tuple(rows), caption)
+
+    def tables(self) -> list[TextTable]:
+        """Return the tables of parameters, responses and curves, without empty ones."""
+        tables = [self.parameter_table()]
+        if self.responses or not self.curves:
+            tables.append(self.response_table())
+        return [*tables, self.curve_table()] if self.curves else tables
+
     def fresh_seeds(self) -> str:
         """Return the means of the verification runs in one sentence; "" without any."""
         means = [
@@ -311,7 +382,7 @@ class Result:
         """Return the sentences and tables that `print` and a notebook show."""
         parts: list[str | TextTable] = [self.headline, *self.notices]
         if self.parameters:
-            parts += [self.parameter_table(), self.response_table()]
+            parts += self.tables()
         if check := self.fresh_seeds():
             parts.append(check)
         if self.probability_all_met is not None:

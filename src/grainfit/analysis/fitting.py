@@ -81,8 +81,7 @@ def _usable(
     problem: Problem, evaluations: Sequence[Evaluation], notes: list[str]
 ) -> list[Evaluation]:
     """Runs within the intervals, or not far beyond them, that yielded a response."""
-    names = [target.name for target in problem.targets]
-    telling = [e for e in evaluations if any(name in e.responses for name in names)]
+    telling = [e for e in evaluations if not e.yields.isdisjoint(problem.responses)]
     near = [e for e in telling if _is_near(problem, e.proposal.parameters)]
     if not telling:
         notes.append(
@@ -137,4 +136,4 @@ def _reduced(metamodels: Metamodels) -> Metamodels:
     effort = sum(model.n**2 + _EFFORT_OF_ASKING for model in metamodels.models)
     components = max(_LARGEST_EFFORT // effort, _FEWEST_COMPONENTS)
     models = [model.reduced(components) for model in metamodels.models]
-    return Metamodels(metamodels.problem, models, metamodels.outliers)
+    return Metamodels(metamodels.problem, models, metamodels.outliers, metamodels.reduction)

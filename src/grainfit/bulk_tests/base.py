@@ -24,7 +24,7 @@ from grainfit.bulk_tests.stiffness import UNDER_OWN_WEIGHT, OverlapLaw
 from grainfit.bulk_tests.view import RunView, Shown
 from grainfit.contact_models.registry import MATERIAL_PARAMETERS
 from grainfit.errors import Fault, InputError
-from grainfit.evaluation import Response
+from grainfit.evaluation import Measured
 from grainfit.materials.diameters import Diameters
 from grainfit.materials.sizes import ParticleSizes
 from grainfit.options.fields import Amount, option, option_keys, read_options
@@ -88,6 +88,30 @@ class ResponseInfo:
 
 
 @dataclass(frozen=True)
+class CurveInfo:
+    """A response of a bulk test over a coordinate.
+
+    Parameters
+    ----------
+    unit, symbol, description : str
+        Of the values, as of a `ResponseInfo`.
+    coordinate, coordinate_unit : str
+        Name and SI unit of the coordinate.
+    """
+
+    unit: str
+    symbol: str
+    description: str
+    coordinate: str
+    coordinate_unit: str
+
+    @property
+    def words(self) -> str:
+        """The description as the beginning of a sentence."""
+        return self.description[:1].upper() + self.description[1:]
+
+
+@dataclass(frozen=True)
 class Conditions:
     """Conditions under which a test uses a material: a material card states them."""
 
@@ -122,6 +146,8 @@ class BulkTest(ABC):
     title: ClassVar[str]
     #: Responses by name.
     responses: ClassVar[Mapping[str, ResponseInfo]]
+    #: Responses that are curves, by name.
+    curves: ClassVar[Mapping[str, CurveInfo]] = {}
     #: Material parameters that its runs depend on, by dotted name.
     material_parameters: ClassVar[tuple[str, ...]] = tuple(MATERIAL_PARAMETERS)
     #: View of its runs in a report; None when there is none.
@@ -206,7 +232,7 @@ class BulkTest(ABC):
     @property
     def response_names(self) -> tuple[str, ...] | None:
         """Names of the responses; None if they are known only after a run."""
-        return tuple(self.responses)
+        return (*self.responses, *self.curves)
 
     def with_targets(self, names: Sequence[str]) -> Self:  # noqa: ARG002
         """Return the test for a calibration with targets for these responses."""
@@ -318,7 +344,7 @@ class BulkTest(ABC):
         return self.scene_of(empty, _ANY_MATERIAL).concepts()
 
     @abstractmethod
-    def measure(self, run: RunOutput) -> dict[str, Response]:
+    def measure(self, run: RunOutput) -> Mapping[str, Measured]:
         """Measure the responses on the output of a run.
 
         Raises

@@ -6,11 +6,22 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from importlib.metadata import version
 
-from grainfit.calibration.verdict import Outcome, reasons
+import numpy as np
+
+from grainfit.calibration.verdict import Outcome, has_other_shape, reasons
 from grainfit.calibration.verification import Verified
 from grainfit.evaluation import Evaluation
+from grainfit.metamodels.curve_reduction import ComponentTarget, CurveBasis
 from grainfit.problem import Problem, Target
-from grainfit.result import ResponseResult, Result, RunCounts, RunSummary, Status, Verdict
+from grainfit.result import (
+    CurveResult,
+    ResponseResult,
+    Result,
+    RunCounts,
+    RunSummary,
+    Status,
+    Verdict,
+)
 from grainfit.strategies.answer import Answer, bound_at
 from grainfit.strategies.base import Search
 
@@ -49,6 +60,8 @@ def make_result(
         Number of earlier runs used for the warm start.
     """
     problem = strategy.current_problem
+    if outcome:
+        problem, _ = outcome.answer.reduced(problem, ())
     rayleigh = problem.rayleigh
     middle = strategy.problem.from_unit([0.5] * problem.dimension)
     answer = outcome.answer if outcome else None
@@ -62,6 +75,7 @@ def make_result(
         status=about.status,
         parameters=parameters,
         responses=_responses(problem, outcome) if outcome else {},
+        curves=_curves(outcome) if outcome else {},
         runs=_counts(evaluations, known),
         rayleigh_time_step=problem.rayleigh_time_step(parameters) if answer else None,
         rayleigh_time_step_before=problem.rayleigh_time_step(middle),
@@ -90,7 +104,41 @@ def _responses(problem: Problem, outcome: Outcome) -> dict[str, ResponseResult]:
             target, outcome, verified.get(target.name), target.name in contradicted
         )
         for target in problem.targets
+        if not isinstance(target, ComponentTarget)
     }
+
+
+def _curves(outcome: Outcome) -> dict[str, CurveResult]:
+    bases = outcome.answer.reduction.bases if outcome.answer.reduction else ()
+    return {basis.target.name: _curve(basis, outcome) for basis in bases}
+
+
+def _curve(basis: CurveBasis, outcome: Outcome) -> CurveResult:
+    answer, measured = outcome.answer, basis.target
+    scores = np.array([answer.predicted[name] for name in basis.names])
+    errors = np.array([answer.standard_errors[name] for name in basis.names])
+    expected, standard_errors = basis.expected(scores, errors**2)
+    uncertainties = measured.standard_uncertainties
+    off = (expected - np.asarray(measured.values)) / uncertainties
+    probability = min(answer.probabilities[name] for name in basis.names)
+    contradicted = {one.target.name for one in outcome.contradictions}
+    verdict = _verdict(probability, outcome.confidence, not contradicted.isdisjoint(basis.names))
+    return CurveResult(
+        coordinate=measured.coordinate,
+        coordinate_unit=measured.coordinate_unit,
+        unit=measured.unit,
+        coordinates=tuple(measured.coordinates),
+        measured=tuple(measured.values),
+        uncertainties=tuple(uncertainties.tolist()),
+        expected=tuple(expected.tolist()),
+        standard_errors=tuple(standard_errors.tolist()),
+        components=len(basis.names),
+        deviation=float(np.sqrt((off**2).mean())),
+        probability=probability,
+        shape_probability=basis.shape_probability,
+        verdict="missed" if has_other_shape(basis) else verdict,
+        verified_runs=len(outcome.fresh.values[basis.names[0]]),
+    )
 
 
 def _response(

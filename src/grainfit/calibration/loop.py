@@ -112,6 +112,7 @@ class CalibrationLoop:
             "options": self._strategy.definition,
             **self._rayleigh(),
             **({"correlations": list(problem.correlations)} if problem.correlations else {}),
+            **({"curves": [one.to_json() for one in problem.curves]} if problem.curves else {}),
         }
 
     def _rayleigh(self) -> dict[str, Any]:
@@ -190,9 +191,10 @@ class CalibrationLoop:
         return self._judge(self._strategy.answer(self._recorded_answer()))
 
     def _judge(self, answer: Answer) -> Outcome:
-        fresh = runs_near(self._problem, answer, self._evaluations, self._strategy.answer)
+        problem, evaluations = answer.reduced(self._problem, self._evaluations)
+        fresh = runs_near(problem, answer, evaluations, self._strategy.answer)
         return judge(
-            self._problem,
+            problem,
             answer,
             fresh,
             self._strategy.confidence,
@@ -311,11 +313,12 @@ class CalibrationLoop:
             lacking = fewest - fresh.count
             count = max(lacking, min(answer.runs_needed, workers), 1)
             return [None] * (count if left is None else min(count, max(left, 1)))
-        missing = lacking_runs(self._problem, answer, fresh, fewest)
+        problem, _ = answer.reduced(self._problem, ())
+        missing = lacking_runs(problem, answer, fresh, fewest)
         wanted = [test for test, count in missing.items() for _ in range(count)]
-        found = contradictions(self._problem, fresh.verified(), answer)
+        found = contradictions(problem, fresh.verified(), answer)
         # More runs of a test tell whether its fresh seeds contradict all runs by chance.
-        doubted = {self._problem.scope_of(one.target.name).name for one in found}
+        doubted = {problem.scope_of(one.target.name).name for one in found}
         wanted += [test for test, count in missing.items() if test in doubted and not count]
         if not wanted or answer.probability_all_met < self._strategy.confidence_to_stop:
             # Of those that make the answer certain, the first: the next verdict may need no more.
@@ -366,8 +369,8 @@ class CalibrationLoop:
 
     def _stop_when_hopeless(self) -> None:
         """Stop when no run has given a target and none is likely to."""
-        given = {name for evaluation in self._evaluations for name in evaluation.responses}
-        missing = [target.name for target in self._problem.targets if target.name not in given]
+        given = {name for evaluation in self._evaluations for name in evaluation.yields}
+        missing = [name for name in self._problem.responses if name not in given]
         tests = {self._problem.scope_of(name).name for name in missing}
         tried = [e for e in self._evaluations if any(map(e.proposal.asks_for, tests))]
         count = len(tried)
@@ -377,7 +380,7 @@ class CalibrationLoop:
             return
         last = tried[-1]
         why = "; ".join(last.failures.values()) or (
-            f"there was only {', '.join(sorted(last.responses)) or 'nothing'}"
+            f"there was only {', '.join(sorted(last.yields)) or 'nothing'}"
         )
         failed = [self._store.find(last.runs[test]) for test in last.failures]
         self._campaign.forget_failures(self._evaluations)
@@ -433,9 +436,9 @@ class CalibrationLoop:
     def _deviations(self) -> list[float]:
         """Return the largest relative deviation of each evaluation that has all responses.
 
-        None where a target has no relative deviations.
+        None where a target has no relative deviations, or is a curve.
         """
-        if not all(target.is_relative for target in self._problem.targets):
+        if self._problem.curves or not all(target.is_relative for target in self._problem.targets):
             return []
         names = {target.name for target in self._problem.targets}
         return [

@@ -77,12 +77,12 @@ def _faults_of_targets(problem: Problem, solvers: Mapping[str, Solver]) -> list[
         known |= {response_name(test, name, len(solvers)) for name in solver.response_names}
     return [
         Fault(
-            target.name,
+            name,
             "is a target, but no test yields such a response.",
             f"There are: {', '.join(sorted(known))}.",
         )
-        for target in problem.targets
-        if target.name not in known
+        for name in problem.responses
+        if name not in known
     ]
 
 

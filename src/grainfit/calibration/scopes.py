@@ -36,9 +36,9 @@ def with_scopes(problem: Problem, solvers: Mapping[str, Solver]) -> Problem:
         # The check before the first run refuses a test that depends on no free parameter.
         return problem
     targets: dict[str, list[str]] = {test: [] for test in solvers}
-    for target in problem.targets:
-        if test := _test_of(target.name, solvers):
-            targets[test].append(target.name)
+    for name in problem.responses:
+        if test := _test_of(name, solvers):
+            targets[test].append(name)
     return replace(
         problem,
         tests=[
@@ -55,7 +55,7 @@ def _require_scopes(problem: Problem, solvers: Mapping[str, Solver]) -> None:
         remedy = f"There are solvers for: {', '.join(solvers)}."
         raise InputError([Fault(name, "is a test without a solver.", remedy) for name in unknown])
     known = {target for scope in problem.tests for target in scope.targets}
-    missing = [target.name for target in problem.targets if target.name not in known]
+    missing = [name for name in problem.responses if name not in known]
     if missing:
         remedy = "Name every target in the ScopeOfTest of its test."
         raise InputError([Fault(name, "is a target of no test.", remedy) for name in missing])

@@ -19,6 +19,7 @@ from grainfit.formatting import (
     unit_for_people,
     with_unit,
 )
+from grainfit.metamodels.curve_reduction import CurveBasis
 from grainfit.metamodels.outliers import Outliers
 from grainfit.problem import Problem, Target
 from grainfit.result import MetamodelQuality, Status
@@ -26,6 +27,8 @@ from grainfit.strategies.answer import Answer
 
 #: Most seeds of outlying runs in one sentence.
 _MOST_SHOWN = 5
+#: Probability of the shape of a measured curve below which no simulated curve is said to have it.
+_OTHER_SHAPE = 1e-3
 
 
 @dataclass(frozen=True)
@@ -96,10 +99,21 @@ def judge(
 def _status(answer: Answer, confidence: float, in_doubt: bool) -> Status:
     if answer.out_of_reach:
         return "unreachable"
+    if any(map(has_other_shape, _bases(answer))):
+        return "out_of_tolerance"
     both = (answer.probability_all_met, answer.probability_without_outliers)
     if min(both) >= confidence and not in_doubt:
         return "calibrated"
     return "out_of_tolerance" if max(both) <= 1 - confidence else "undecided"
+
+
+def has_other_shape(basis: CurveBasis) -> bool:
+    """Return whether a measured curve has a shape that no simulated curve has."""
+    return basis.shape_probability < _OTHER_SHAPE
+
+
+def _bases(answer: Answer) -> Sequence[CurveBasis]:
+    return answer.reduction.bases if answer.reduction else ()
 
 
 # Words --------------------------------------------------------------------------------------
@@ -119,6 +133,7 @@ def reasons(problem: Problem, outcome: Outcome) -> Iterator[str]:
     answer = outcome.answer
     if apart := _not_together(problem, outcome):
         yield apart
+    yield from (_about_shape(basis) for basis in _bases(answer) if has_other_shape(basis))
     for target in problem.targets:
         if found := answer.outliers.get(target.name):
             yield _about_outliers(target, found)
@@ -156,6 +171,16 @@ def _not_together(problem: Problem, outcome: Outcome) -> str:
     return (
         f"{in_a_row(names)} are each within their tolerances, but deviate as their correlation "
         "makes unlikely. Look for an error that they do not share, or lower the coefficient."
+    )
+
+
+def _about_shape(basis: CurveBasis) -> str:
+    chance = plain_probability(basis.shape_probability)
+    return (
+        f"{basis.target.name}: no simulated curve has the shape of the measured one. Errors as "
+        f"they are stated leave such a rest with a probability of {chance}. Look at both curves: "
+        "correct the data, leave out a part that the test does not show, or state the uncertainty "
+        "that the model itself has."
     )
 
 

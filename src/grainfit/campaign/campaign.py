@@ -21,7 +21,7 @@ from grainfit.campaign.store.shared import SharedRuns
 from grainfit.campaign.store.store import RunStore
 from grainfit.campaign.worker import RunTask, execute, failed_record
 from grainfit.errors import ExecutorError, StoreError
-from grainfit.evaluation import Evaluation, Proposal, response_name
+from grainfit.evaluation import Evaluation, Proposal, curves, response_name, scalars
 from grainfit.run_definition import RunDefinition
 from grainfit.solvers.base import Solver
 
@@ -438,7 +438,7 @@ def evaluation_of(
     reused_seconds : float
         Sum of the wall times of the known runs, s.
     """
-    responses = {
+    found = {
         response_name(test, name, tests): response
         for test, record in records.items()
         for name, response in record.responses.items()
@@ -447,7 +447,7 @@ def evaluation_of(
     seconds = sum(record.seconds for record in records.values())
     return Evaluation(
         proposal,
-        responses,
+        scalars(found),
         {test: record.reason for test, record in failed.items()},
         reused,
         {test: record.identity for test, record in records.items()},
@@ -455,4 +455,5 @@ def evaluation_of(
         seconds - reused_seconds,
         bool(failed) and all(record.kind == "machine" for record in failed.values()),
         {test: record.seconds for test, record in records.items()},
+        curves(found),
     )

@@ -28,7 +28,16 @@ from grainfit.campaign.store.records import RunRecord
 from grainfit.campaign.store.store import STORE_NAME, RunStore, not_a_work_folder
 from grainfit.contact_models.registry import MATERIAL_PARAMETERS
 from grainfit.errors import GrainfitError, InputError
-from grainfit.evaluation import Evaluation, Proposal, Response, response_name
+from grainfit.evaluation import (
+    Curve,
+    Evaluation,
+    Measured,
+    Proposal,
+    Response,
+    curves,
+    response_name,
+    scalars,
+)
 from grainfit.metamodels.known_runs import REACH, beyond
 from grainfit.problem import Problem
 from grainfit.run_definition import RunDefinition, identity_of
@@ -141,11 +150,18 @@ class ScaledRunMatcher:
         here = natural_run(definition)
         if here is None or not here.is_same(run):
             return None
-        responses = {
-            name: _scaled(response, here.scale.of(unit) / run.scale.of(unit))
-            for name, response in record.responses.items()
-            for unit in [run.test.responses[name].unit]
+
+        def factor(unit: str) -> float:
+            return here.scale.of(unit) / run.scale.of(unit)
+
+        responses: dict[str, Measured] = {
+            name: _scaled(response, factor(run.test.responses[name].unit))
+            for name, response in scalars(record.responses).items()
         }
+        for name, curve in curves(record.responses).items():
+            info = run.test.curves[name]
+            scales = factor(info.coordinate_unit), factor(info.unit)
+            responses[name] = _scaled_curve(curve, *scales)
         return replace(
             record, identity=definition.identity, definition=definition, responses=responses
         )
@@ -169,12 +185,17 @@ def _scaled(response: Response, factor: float) -> Response:
     return Response(response.value * factor, response.standard_error * factor)
 
 
+def _scaled_curve(curve: Curve, of_coordinates: float, of_values: float) -> Curve:
+    coordinates = [of_coordinates * value for value in curve.coordinates]
+    return Curve(coordinates, [of_values * value for value in curve.values], curve.stays)
+
+
 def needed_responses(problem: Problem, solvers: Mapping[str, Solver]) -> dict[str, set[str]]:
     """Return the responses that have a target, by name of the test.
 
     A test whose responses are known only after a run is left out.
     """
-    targets = {target.name for target in problem.targets}
+    targets = set(problem.responses)
     return {
         test: {n for n in solver.response_names if response_name(test, n, len(solvers)) in targets}
         for test, solver in solvers.items()

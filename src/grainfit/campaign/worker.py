@@ -20,7 +20,7 @@ from grainfit.campaign.keep import Keep
 from grainfit.campaign.store.records import RunRecord
 from grainfit.campaign.work_folder import close_run_folder, open_run_folder, run_folder
 from grainfit.errors import GrainfitError, RunFailedError
-from grainfit.evaluation import Response
+from grainfit.evaluation import Measured, scalars
 from grainfit.solvers.base import Solver, Workspace
 from grainfit.solvers.process.faults import machine_error
 
@@ -127,7 +127,8 @@ def failed_record(record: RunRecord, reason: str, kind: str, log_tail: str = "")
     return replace(record, status="failed", reason=one_line, kind=kind, log_tail=log_tail)
 
 
-def _refuse_non_finite(responses: Mapping[str, Response]) -> None:
-    for name, response in responses.items():
+def _refuse_non_finite(responses: Mapping[str, Measured]) -> None:
+    # The points of a curve are finite: it cannot be made of others.
+    for name, response in scalars(responses).items():
         if not (math.isfinite(response.value) and math.isfinite(response.standard_error)):
             raise RunFailedError(f"response {name} is {response.value}", kind="evaluation")

@@ -13,11 +13,12 @@ from rich.table import Table
 from rich.text import Text
 
 from grainfit.errors import Fault, GrainfitError, InputError, RunFailedError
+from grainfit.evaluation import Curve, Measured, curves, scalars
 from grainfit.formatting import duration, plain, probability
 
 if TYPE_CHECKING:
     from grainfit.calibration_file.plan import Plan
-    from grainfit.evaluation import Evaluation, Response
+    from grainfit.evaluation import Evaluation
     from grainfit.preview.previewed_test import PreviewedTest
     from grainfit.result import Result
     from grainfit.tables import TextTable
@@ -68,7 +69,7 @@ def print_result(console: Console, result: Result, folder: Path) -> None:
         for warning in quality.warnings:
             console.print(_text(f"  metamodel of {name}: {warning}", "yellow"))
     if result.parameters:
-        for shown in (result.parameter_table(), result.response_table()):
+        for shown in result.tables():
             console.print(_rich_table(shown))
             if shown.caption:
                 # As the caption of a table it would be centred and cut to its width.
@@ -175,11 +176,9 @@ def print_status(console: Console, status: WorkdirStatus) -> None:
 
 def print_run(console: Console, evaluation: Evaluation, folders: Mapping[str, Path]) -> None:
     """Print the responses of a single run."""
-    table = _table("response", "value", "standard error of this run")
-    for name, response in evaluation.responses.items():
-        table.add_row(_text(name), _number(response.value), _number(response.standard_error))
-    if evaluation.responses:
-        console.print(table)
+    found: dict[str, Measured] = {**evaluation.responses, **evaluation.curves}
+    if found:
+        console.print(_measured_table(found, "standard error of this run"))
     for test, reason in evaluation.failures.items():
         console.print(_text(f"{test} failed: {reason}", "red"))
     words = "known already" if evaluation.reused else f"{duration(evaluation.seconds)}"
@@ -230,12 +229,24 @@ def print_preview(
         console.print(f"{name}: {path}", highlight=False, markup=False, soft_wrap=True)
 
 
-def print_measurement(console: Console, responses: Mapping[str, Response]) -> None:
+def print_measurement(console: Console, responses: Mapping[str, Measured]) -> None:
     """Print measured responses."""
-    table = _table("response", "value", "standard error")
-    for name, response in responses.items():
+    console.print(_measured_table(responses, "standard error"))
+
+
+def _measured_table(responses: Mapping[str, Measured], error: str) -> Table:
+    table = _table("response", "value", error)
+    for name, response in scalars(responses).items():
         table.add_row(_text(name), _number(response.value), _number(response.standard_error))
-    console.print(table)
+    for name, curve in curves(responses).items():
+        table.add_row(_text(name), *_ends(curve))
+    return table
+
+
+def _ends(curve: Curve) -> tuple[str, str]:
+    low, high = (_number(curve.values[end]) for end in (0, -1))
+    first, last = (_number(curve.coordinates[end]) for end in (0, -1))
+    return f"{low} to {high}", f"(over {first} to {last})"
 
 
 def print_warning(console: Console, words: str) -> None:

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from grainfit.errors import NotMeasurableError
-from grainfit.evaluation import Response
+from grainfit.evaluation import Curve, Response
 
 #: The flow is measured between these shares of the discharged mass: it starts before, and slows
 #: down as the bed above the orifice gets low.
@@ -17,6 +17,8 @@ _WINDOW = (0.1, 0.5)
 #: Parts of the window whose flows are compared, and the fewest records in one.
 _PARTS = 5
 _FEWEST_RECORDS = 3
+#: Points of a curve that is kept of every run.
+_CURVE_POINTS = 100
 
 
 @dataclass(frozen=True)
@@ -42,6 +44,21 @@ class FlowRate:
     def response(self) -> Response:
         """Value and standard error, kg/s."""
         return Response(self.value, self.standard_error)
+
+
+def discharged_mass(time: NDArray[np.float64], remaining: NDArray[np.float64]) -> Curve:
+    """Return the mass that has left a container over the time since its orifice was opened.
+
+    Parameters
+    ----------
+    time : ndarray of shape (n,)
+        s, increasing.
+    remaining : ndarray of shape (n,)
+        Mass in the container, kg; the flow has ended at the end of the series.
+    """
+    left = np.maximum.accumulate(remaining[0] - remaining)
+    times = np.linspace(0.0, time[-1] - time[0], _CURVE_POINTS)
+    return Curve(times.tolist(), np.interp(times, time - time[0], left).tolist(), stays=True)
 
 
 def flow_rate(time: NDArray[np.float64], remaining: NDArray[np.float64]) -> FlowRate:

@@ -14,9 +14,8 @@ from numpy.typing import NDArray
 
 from grainfit.errors import GrainfitError
 from grainfit.evaluation import Evaluation
-from grainfit.metamodels.kriging import Kriging
+from grainfit.metamodels.curve_reduction import Reduction
 from grainfit.metamodels.metamodels import Metamodels
-from grainfit.metamodels.outliers import Outliers
 from grainfit.metamodels.unit_cube import spread_points
 from grainfit.problem import Parameter, Problem
 
@@ -138,19 +137,29 @@ def fit_where_possible(
     missing : dict of str to str
         The other targets by name, and why they have no metamodel.
     """
-    targets, missing = [], {}
-    models: list[Kriging] = []
-    outliers: list[Outliers] = []
-    for target in problem.targets:
-        alone = problem.with_targets([target])
+    missing: dict[str, str] = {}
+    fits: dict[str, Metamodels] = {}
+    for name in problem.responses:
         try:
-            fitted = Metamodels.fit(alone, evaluations)
+            fits[name] = Metamodels.fit(_alone(problem, name), evaluations)
         except GrainfitError as error:
-            missing[target.name] = str(error)
-        else:
-            targets.append(target)
-            models += fitted.models
-            outliers += fitted.outliers
-    if not targets:
+            missing[name] = str(error)
+    if not fits:
         return None, missing
-    return Metamodels(problem.with_targets(targets), models, outliers), missing
+    known = problem.with_targets(
+        [target for target in problem.targets if target.name in fits],
+        [curve for curve in problem.curves if curve.name in fits],
+    )
+    bases = [basis for fitted in fits.values() for basis in fitted.reduction.bases]
+    reduction = Reduction(known, tuple(bases))
+    models = [model for fitted in fits.values() for model in fitted.models]
+    outliers = [found for fitted in fits.values() for found in fitted.outliers]
+    return Metamodels(reduction.problem, models, outliers, reduction), missing
+
+
+def _alone(problem: Problem, name: str) -> Problem:
+    """Return the problem with one of its responses."""
+    return problem.with_targets(
+        [target for target in problem.targets if target.name == name],
+        [curve for curve in problem.curves if curve.name == name],
+    )

@@ -14,6 +14,7 @@ from scipy.stats import qmc
 from grainfit.correlations import correlated_groups
 from grainfit.errors import RunFailedError
 from grainfit.evaluation import Evaluation
+from grainfit.metamodels.curve_reduction import Reduction, runs_with_curve
 from grainfit.metamodels.kriging import Kriging
 from grainfit.metamodels.outliers import NO_OUTLIERS, Outliers, fit_without_outliers
 from grainfit.problem import Problem, ScopeOfTest
@@ -45,6 +46,8 @@ class Metamodels:
     outliers : sequence of Outliers, optional
         Outlying runs, one object per target. Expected responses are those over all seeds: the
         outliers shift them.
+    reduction : Reduction, optional
+        Reduction of the curves whose components are among the targets.
     """
 
     def __init__(
@@ -52,8 +55,10 @@ class Metamodels:
         problem: Problem,
         models: Sequence[Kriging],
         outliers: Sequence[Outliers] | None = None,
+        reduction: Reduction | None = None,
     ) -> None:
         self.problem = problem
+        self.reduction = reduction or Reduction(problem)
         self.models = list(models)
         self.outliers = list(outliers or [NO_OUTLIERS] * len(self.models))
         counted = [
@@ -79,15 +84,21 @@ class Metamodels:
         problem : Problem
             Parameters and targets.
         evaluations : sequence of Evaluation
-            For each response, the evaluations that yielded it are used.
+            For each response, the evaluations that yielded it are used. Curves are replaced by
+            their principal components in the metamodels' problem.
 
         Raises
         ------
         RunFailedError
             Too few runs yielded a response to fit a metamodel.
         """
-        fits = [_fit(problem, evaluations, target.name) for target in problem.targets]
-        return cls(problem, [model for model, _ in fits], [outliers for _, outliers in fits])
+        for name in problem.responses:
+            _require_runs(problem, evaluations, name)
+        reduction = Reduction.of(problem, evaluations)
+        reduced, runs = reduction.problem, reduction.evaluations(evaluations)
+        fits = [_fit(reduced, runs, target.name) for target in reduced.targets]
+        models, outliers = [model for model, _ in fits], [found for _, found in fits]
+        return cls(reduced, models, outliers, reduction)
 
     @property
     def is_torn(self) -> bool:
@@ -344,7 +355,7 @@ class Metamodels:
             model.condition_on_pending(points[of_target]) if of_target.any() else model
             for model, of_target in zip(self.models, chosen.T, strict=True)
         ]
-        return Metamodels(self.problem, models, self.outliers)
+        return Metamodels(self.problem, models, self.outliers, self.reduction)
 
 
 @cache
@@ -354,17 +365,24 @@ def _even_outcomes(responses: int) -> Array:
     return np.asarray(np.clip(points, 1e-6, 1 - 1e-6))
 
 
-def runs_that_yield(evaluations: Sequence[Evaluation], name: str) -> list[Evaluation]:
-    """Evaluations that have a response."""
+def runs_that_yield(
+    problem: Problem, evaluations: Sequence[Evaluation], name: str
+) -> list[Evaluation]:
+    """Evaluations that have a response; if it is a curve, at all measured coordinates."""
+    for curve in problem.curves:
+        if curve.name == name:
+            return runs_with_curve(curve, evaluations)
     return [e for e in evaluations if name in e.responses]
 
 
-def can_be_fitted(problem: Problem, evaluations: Sequence[Evaluation]) -> bool:
-    """Whether runs at enough different places yielded every response."""
+def can_be_fitted(
+    problem: Problem, evaluations: Sequence[Evaluation], names: Collection[str] | None = None
+) -> bool:
+    """Whether runs at enough different places yielded every response, or those of some names."""
     return all(
-        _places(scope, runs_that_yield(evaluations, target.name)) >= _fewest_places(scope)
-        for target in problem.targets
-        for scope in [problem.scope_of(target.name)]
+        _places(scope, runs_that_yield(problem, evaluations, name)) >= _fewest_places(scope)
+        for name in (problem.responses if names is None else names)
+        for scope in [problem.scope_of(name)]
     )
 
 
@@ -376,20 +394,41 @@ def _places(scope: ScopeOfTest, evaluations: Sequence[Evaluation]) -> int:
     return len({tuple(e.proposal.parameters[n] for n in scope.parameters) for e in evaluations})
 
 
+def _require_runs(problem: Problem, evaluations: Sequence[Evaluation], name: str) -> None:
+    """Raise `RunFailedError` if too few runs yielded a response to fit a metamodel."""
+    known, scope = runs_that_yield(problem, evaluations, name), problem.scope_of(name)
+    needed, places = _fewest_places(scope), _places(scope, known)
+    if places >= needed:
+        return
+    reasons = sorted({reason for e in evaluations for reason in e.failures.values()})
+    because = f" Failures: {'; '.join(reasons[:3])}." if reasons else ""
+    raise RunFailedError(
+        f"only {len(known)} of {len(evaluations)} runs gave the response {name!r}, at "
+        f"{places} different places, and {needed} are needed for its metamodel.{because}"
+        f"{_about_short_curves(problem, evaluations, name)}"
+    )
+
+
+def _about_short_curves(problem: Problem, evaluations: Sequence[Evaluation], name: str) -> str:
+    """Say between which coordinates the simulated curves are, if that is the reason."""
+    found = [e.curves[name] for e in evaluations if name in e.curves]
+    for curve in problem.curves:
+        if curve.name == name and found:
+            low = max(one.coordinates[0] for one in found)
+            high = min(one.coordinates[-1] for one in found)
+            return (
+                f" Simulated curves hold {low:.4g} to {high:.4g}, the measured one "
+                f"{curve.coordinates[0]:g} to {curve.coordinates[-1]:g}: leave out what the test "
+                "does not reach, or change its options."
+            )
+    return ""
+
+
 def _fit(
     problem: Problem, evaluations: Sequence[Evaluation], name: str
 ) -> tuple[Kriging, Outliers]:
-    known = runs_that_yield(evaluations, name)
-    scope = problem.scope_of(name)
-    needed, places = _fewest_places(scope), _places(scope, known)
-    if places < needed:
-        reasons = sorted({reason for e in evaluations for reason in e.failures.values()})
-        because = f" Failures: {'; '.join(reasons[:3])}." if reasons else ""
-        raise RunFailedError(
-            f"only {len(known)} of {len(evaluations)} runs gave the response {name!r}, at "
-            f"{places} different places, and {needed} are needed for its metamodel.{because}"
-        )
-    axes = problem.axes_of(scope)
+    known = [e for e in evaluations if name in e.responses]
+    axes = problem.axes_of(problem.scope_of(name))
     points = np.array([problem.to_unit(e.proposal.parameters) for e in known])
     responses = [e.responses[name] for e in known]
     model, outliers = fit_without_outliers(

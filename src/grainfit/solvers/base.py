@@ -22,7 +22,7 @@ from typing import TYPE_CHECKING, Any
 
 from grainfit.bulk_tests.run_cost import RunCost
 from grainfit.errors import Fault
-from grainfit.evaluation import Response
+from grainfit.evaluation import Measured
 from grainfit.run_definition import RunDefinition, without_defaults
 
 if TYPE_CHECKING:
@@ -122,7 +122,7 @@ class Solver(ABC):
     @abstractmethod
     def run(
         self, parameters: Mapping[str, float], seed: int, workspace: Workspace
-    ) -> dict[str, Response]:
+    ) -> Mapping[str, Measured]:
         """Run one simulation.
 
         Raises

@@ -11,7 +11,7 @@ from typing_extensions import override
 from grainfit.bulk_tests.run_cost import RunCost
 from grainfit.contact_models.registry import MATERIAL_PARAMETERS
 from grainfit.errors import Fault
-from grainfit.evaluation import Response
+from grainfit.evaluation import Measured
 from grainfit.solvers.base import Solver, Workspace
 
 if TYPE_CHECKING:
@@ -97,7 +97,7 @@ class ParametersFor(Solver):
     @override
     def run(
         self, parameters: Mapping[str, float], seed: int, workspace: Workspace
-    ) -> dict[str, Response]:
+    ) -> Mapping[str, Measured]:
         return self.solver.run(self._taken(parameters), seed, workspace)
 
     @override

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from grainfit.errors import RunFailedError
 from grainfit.evaluation import Evaluation
+from grainfit.metamodels.curve_reduction import Reduction
 from grainfit.metamodels.kriging import Kriging
 from grainfit.metamodels.metamodels import Metamodels
 from grainfit.metamodels.outliers import Outliers
@@ -60,6 +61,9 @@ class Answer:
     cut_off : mapping of str to {"min", "max"}
         Parameters with a bound that cuts off the parameter sets that agree with the measurements:
         more may agree beyond it.
+    reduction : Reduction, optional
+        Reduction of the measured curves, whose components are among the targets; None when there
+        are no curves.
     """
 
     parameters: Mapping[str, float]
@@ -74,6 +78,15 @@ class Answer:
     out_of_reach: tuple[OutOfReach, ...] = ()
     quality: Mapping[str, MetamodelQuality] = field(default_factory=dict)
     cut_off: Mapping[str, Bound] = field(default_factory=dict)
+    reduction: Reduction | None = None
+
+    def reduced(
+        self, problem: Problem, evaluations: Sequence[Evaluation]
+    ) -> tuple[Problem, list[Evaluation]]:
+        """Return a problem and its runs with components, which the answer has, for curves."""
+        if self.reduction is None:
+            return problem, list(evaluations)
+        return self.reduction.problem, self.reduction.evaluations(evaluations)
 
 
 def make_answer(
@@ -112,6 +125,7 @@ def make_answer(
         out_of_reach=tuple(out_of_reach),
         quality=_quality_at(metamodels, point, spread),
         cut_off=dict(_cut_off(metamodels, closest)),
+        reduction=metamodels.reduction if metamodels.reduction.bases else None,
     )
 
 
@@ -215,8 +229,8 @@ def answer_from_runs(
         Too few runs have succeeded to fit metamodels.
     """
     metamodels = Metamodels.fit(problem, evaluations)
-    names = {target.name for target in problem.targets}
-    tried = [e.proposal.parameters for e in evaluations if names <= e.responses.keys()]
+    names = set(problem.responses)
+    tried = [e.proposal.parameters for e in evaluations if names <= e.yields]
     if not tried:
         raise RunFailedError("no parameter set gave all responses, so none can be the answer")
     points = np.array([problem.to_unit(values) for values in tried])

@@ -245,7 +245,7 @@ class Search(ABC):
         ----------
         proposal : Proposal
             As `ask` returned it, or the proposal of a run from elsewhere.
-        outcome : mapping of str to float or Response, RunFailedError, or Evaluation
+        outcome : mapping of str to float, Response or Curve, RunFailedError, or Evaluation
             The responses by name, the reason why the run failed, or an evaluation of a campaign.
 
         Raises
@@ -262,7 +262,7 @@ class Search(ABC):
         >>> search.tell(search.ask(), RunFailedError("the particles flew away"))
         """
         evaluation = Evaluation.of(proposal, outcome)
-        names = [target.name for target in self.problem.targets]
+        names = self.problem.responses
         if isinstance(outcome, Mapping) and not any(name in outcome for name in names):
             given = ", ".join(map(repr, outcome)) or "nothing"
             raise InputError(

@@ -39,7 +39,7 @@ from grainfit.errors import (
     RunFailedError,
     SolverNotFoundError,
 )
-from grainfit.evaluation import Response
+from grainfit.evaluation import Measured, curves, scalars
 from grainfit.materials.sizes import ParticleSizes
 from grainfit.options.kinds import Quantity, Whole
 from grainfit.options.tables import Key
@@ -55,7 +55,7 @@ from grainfit.units import is_unit
 _SEED = 5
 _TIMEOUT = 600.0
 _PNG = b"\x89PNG"
-_FINISHED: dict[BulkTest, tuple[Path, dict[str, Response]]] = {}
+_FINISHED: dict[BulkTest, tuple[Path, Mapping[str, Measured]]] = {}
 
 
 class BulkTestContract:
@@ -261,7 +261,7 @@ class BulkTestContract:
     @pytest.fixture
     def finished(
         self, bulk_test: BulkTest, tmp_path_factory: pytest.TempPathFactory
-    ) -> tuple[Path, dict[str, Response]]:
+    ) -> tuple[Path, Mapping[str, Measured]]:
         """Folder and responses of a real run, which all tests share."""
         if bulk_test not in _FINISHED:
             folder = tmp_path_factory.mktemp(bulk_test.type)
@@ -272,12 +272,13 @@ class BulkTestContract:
 
     @pytest.mark.slow
     def test_run_gives_every_response(
-        self, bulk_test: BulkTest, finished: tuple[Path, dict[str, Response]]
+        self, bulk_test: BulkTest, finished: tuple[Path, Mapping[str, Measured]]
     ) -> None:
         folder, responses = finished
 
-        assert set(responses) == set(bulk_test.responses)
-        for response in responses.values():
+        assert set(responses) == {*bulk_test.responses, *bulk_test.curves}
+        assert set(curves(responses)) == set(bulk_test.curves)
+        for response in scalars(responses).values():
             assert math.isfinite(response.value)
             assert math.isfinite(response.standard_error)
             assert response.standard_error >= 0
@@ -285,12 +286,12 @@ class BulkTestContract:
 
     @pytest.mark.slow
     def test_run_can_be_shown(
-        self, bulk_test: BulkTest, finished: tuple[Path, dict[str, Response]], tmp_path: Path
+        self, bulk_test: BulkTest, finished: tuple[Path, Mapping[str, Measured]], tmp_path: Path
     ) -> None:
         folder, responses = finished
         if bulk_test.shown is None:
             pytest.skip("the test shows nothing")
-        value = responses[bulk_test.shown.response].value
+        value = scalars(responses)[bulk_test.shown.response].value
         view = bulk_test.view(RunOutput(folder))
 
         assert (folder / bulk_test.shown.picture).read_bytes().startswith(_PNG)
@@ -302,7 +303,7 @@ class BulkTestContract:
 
     @pytest.mark.slow
     def test_truncated_run_is_refused_with_a_reason(
-        self, bulk_test: BulkTest, finished: tuple[Path, dict[str, Response]], tmp_path: Path
+        self, bulk_test: BulkTest, finished: tuple[Path, Mapping[str, Measured]], tmp_path: Path
     ) -> None:
         """A truncated file is refused, unless nothing is measured on it."""
         folder, responses = finished
@@ -335,7 +336,7 @@ def _solvers(bulk_test: BulkTest, material: Mapping[str, float]) -> list[str]:
     return [name for name, program in DEM_PROGRAMS.items() if not concepts & set(program.missing)]
 
 
-def _refusal(bulk_test: BulkTest, folder: Path, whole: dict[str, Response]) -> str | None:
+def _refusal(bulk_test: BulkTest, folder: Path, whole: Mapping[str, Measured]) -> str | None:
     """Reason why a folder is refused; None when it gives the same responses as the complete one."""
     try:
         responses = bulk_test.measure(RunOutput(folder))

@@ -34,6 +34,7 @@ from grainfit.campaign.store.records import RunRecord
 from grainfit.campaign.store.store import STORE_NAME, RunStore
 from grainfit.campaign.work_folder import PARTIAL_SUFFIX, read_record
 from grainfit.errors import GrainfitError, StoreError
+from grainfit.evaluation import scalars
 from grainfit.problem import Parameter, Problem, Target
 from grainfit.result import Result
 from grainfit.solvers.own_model.command import Command
@@ -855,4 +856,4 @@ def _key_of(record: RunRecord) -> Key:
 
 
 def _agree(record: RunRecord, key: Key) -> bool:
-    return abs(record.responses["angle"].value - expected(key)) < 1e-9
+    return abs(scalars(record.responses)["angle"].value - expected(key)) < 1e-9

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 
@@ -11,7 +12,7 @@ from grainfit.bulk_tests.base import BulkTest
 from grainfit.bulk_tests.registry import recreate_test
 from grainfit.campaign.work_folder import RECORD_NAME, read_record
 from grainfit.errors import Fault, InputError, NotMeasurableError
-from grainfit.evaluation import Response
+from grainfit.evaluation import Measured
 from grainfit.measurement.angle_of_repose import angle_of_repose, heap_silhouettes, on_plate
 from grainfit.measurement.heap_size import base_radius, heap_height
 from grainfit.measurement.particles import read_dump
@@ -21,7 +22,7 @@ from grainfit.scenes.run_output import RunOutput
 _VIEWS = 12
 
 
-def measure_path(path: Path) -> dict[str, Response]:
+def measure_path(path: Path) -> Mapping[str, Measured]:
     """Measure the responses in a run folder, or the heap in a dump of particles.
 
     Parameters

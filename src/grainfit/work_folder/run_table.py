@@ -13,7 +13,7 @@ from grainfit.campaign.store.records import RunRecord
 from grainfit.campaign.store.store import RunStore
 from grainfit.contact_models.registry import MATERIAL_PARAMETERS
 from grainfit.errors import Fault, InputError
-from grainfit.evaluation import ERROR_SUFFIX
+from grainfit.evaluation import ERROR_SUFFIX, scalars
 
 #: Columns that every table of runs has, before those of parameters and responses. The first one is
 #: the index.
@@ -54,7 +54,8 @@ def runs_table(records: Iterable[RunRecord]) -> pd.DataFrame:
     taken = set(COMMON_COLUMNS)
     parameters = {name: _free(name, "parameter", taken) for name in _distinct(inputs)}
     responses = {
-        name: _free(name, "response", taken) for name in _distinct(r.responses for r in records)
+        name: _free(name, "response", taken)
+        for name in _distinct(scalars(record.responses) for record in records)
     }
     columns = _common_columns(records)
     for name, column in parameters.items():
@@ -69,7 +70,7 @@ def runs_table(records: Iterable[RunRecord]) -> pd.DataFrame:
     }
     for name, column in responses.items():
         error = _free(f"{column}{ERROR_SUFFIX}", "response", taken)
-        found = [record.responses.get(name) for record in records]
+        found = [scalars(record.responses).get(name) for record in records]
         columns[column] = _numbers(response.value if response else None for response in found)
         columns[error] = _numbers(
             response.standard_error if response else None for response in found

@@ -15,6 +15,7 @@ from grainfit.campaign.store.records import CalibrationRecord, RequestRecord, Ru
 from grainfit.campaign.store.store import STORE_NAME
 from grainfit.campaign.work_folder import RESULT_NAME, read_record, run_folder
 from grainfit.contact_models.registry import MATERIAL_PARAMETERS
+from grainfit.curve_target import CurveTarget
 from grainfit.errors import Fault, GrainfitError, InputError, StoreError
 from grainfit.evaluation import ERROR_SUFFIX, Evaluation, response_name
 from grainfit.formatting import counted
@@ -286,12 +287,13 @@ def _why_unusable(result: Result, problem: Problem, state: str) -> str:
     if state in get_args(Status) and state not in ("interrupted", result.status):
         # The result of the last start could not be written.
         return f"it says {result.status!r} of a calibration that has ended as {state!r}"
-    if not (result.parameters or result.responses):
+    if not (result.parameters or result.responses or result.curves):
         return ""
     targets = {target.name: target.value for target in problem.targets}
     fits = (
         result.parameters.keys() == {parameter.name for parameter in problem.parameters}
         and {name: found.target for name, found in result.responses.items()} == targets
+        and result.curves.keys() == {curve.name for curve in problem.curves}
         and all(p.scale != "log" or result.parameters[p.name] > 0 for p in problem.parameters)
         and all(map(partial(_holds_its_answer, result), result.intervals))
     )
@@ -315,6 +317,7 @@ def _problem(
         float(definition.get("rayleigh_weight") or about.get("rayleigh_weight", 0.0)),
         correlations=definition.get("correlations", ()),
         tests=[ScopeOfTest(**data) for data in about.get("tests", [])],
+        curves=[CurveTarget(**data) for data in definition.get("curves", [])],
     )
     # A strategy may move a bound that is in the way.
     return problem.holding([evaluation.proposal.parameters for evaluation in evaluations])

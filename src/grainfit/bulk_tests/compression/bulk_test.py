@@ -7,8 +7,14 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import ClassVar
 
-from grainfit.bulk_tests.base import BulkTest, ResponseInfo
-from grainfit.bulk_tests.compression.curve import COLUMNS, Curve, Modulus, fit_modulus
+from grainfit.bulk_tests.base import BulkTest, CurveInfo, ResponseInfo
+from grainfit.bulk_tests.compression.curve import (
+    COLUMNS,
+    Curve,
+    Modulus,
+    fit_modulus,
+    loading_curves,
+)
 from grainfit.bulk_tests.compression.picture import draw_compression
 from grainfit.bulk_tests.compression.setup import CompressionSetup, plan_setup
 from grainfit.bulk_tests.compression.view import CompressionView
@@ -27,7 +33,7 @@ from grainfit.bulk_tests.shared.validity import require_held, require_separate
 from grainfit.bulk_tests.stiffness import UNDER_A_STRESS, OverlapLaw
 from grainfit.bulk_tests.view import Shown
 from grainfit.errors import Fault, NotMeasurableError, RunFailedError
-from grainfit.evaluation import Response
+from grainfit.evaluation import Measured, Response
 from grainfit.measurement.bulk_density import bulk_density
 from grainfit.measurement.particles import Particles, write_vtk
 from grainfit.options.fields import Amount, option
@@ -141,6 +147,25 @@ class Compression(BulkTest):
             "lateral stress ratio: stress on the pot's wall over the mean of floor and piston",
             '{ value = 0.4, uncertainty = "0.02" }',
             Sensitivities({SLIDING: -0.19, ROLLING: -0.17}, scatter=0.04),
+        ),
+    }
+
+    curves: ClassVar[Mapping[str, CurveInfo]] = {
+        "stress": CurveInfo(
+            "Pa",
+            "σ",
+            "stress over strain: stress on the bed while it is loaded, over its compressive strain "
+            "from the seating stress",
+            "strain",
+            "",
+        ),
+        "strain": CurveInfo(
+            "",
+            "ε",
+            "strain over stress: the same curve the other way round, for beds of any stiffness: "
+            "every run holds the stresses up to that of the piston",
+            "stress",
+            "Pa",
         ),
     }
 
@@ -277,7 +302,7 @@ class Compression(BulkTest):
         weight = material["particle.density"] * math.pi / 6 * diameter**3 * self.setup.gravity
         return self.setup.stress * diameter**2 / weight
 
-    def measure(self, run: RunOutput) -> dict[str, Response]:
+    def measure(self, run: RunOutput) -> dict[str, Measured]:
         """Measure all responses; leave a picture and a VTK file of the loaded bed.
 
         Raises
@@ -307,6 +332,7 @@ class Compression(BulkTest):
             **{name: self._modulus(name, fit, len(bed)) for name, fit in moduli.items()},
             "bulk_density": self._density(bed, float(load.heights[-1])),
             "lateral_stress_ratio": self._ratio(load.last(setup.check_interval / 2), len(bed)),
+            **loading_curves(load, height, setup.seating_stress, setup.stress),
         }
 
     def _require_valid(self, seat: Curve, load: Curve) -> None:

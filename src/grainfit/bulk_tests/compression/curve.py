@@ -9,6 +9,7 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
+from grainfit import evaluation
 from grainfit.bulk_tests.compression.setup import CompressionSetup
 from grainfit.errors import NotMeasurableError
 from grainfit.scenes.records import Force, RadialForce, Recorded, Travel
@@ -25,6 +26,8 @@ COLUMNS: dict[str, Recorded] = {
 #: the piston slows down.
 FITTED = (0.50, 0.98)
 _FEWEST_RECORDS = 5
+#: Points of a curve that is kept of every run.
+_CURVE_POINTS = 60
 
 Array = NDArray[np.float64]
 
@@ -104,6 +107,44 @@ class Modulus:
     value: float
     standard_error: float
     stress_at_zero: float
+
+
+def loading_curves(
+    curve: Curve, height: float, seating_stress: float, stress: float
+) -> dict[str, evaluation.Curve]:
+    """Return stress over strain, and strain over stress, of loading up to a stress.
+
+    Both rise: where the stress drops for a moment, what was reached before counts.
+
+    Parameters
+    ----------
+    curve : Curve
+        Of loading.
+    height : float
+        Height of the bed at zero strain, m.
+    seating_stress, stress : float
+        Stresses of the piston, Pa, at which both begin and end.
+
+    Raises
+    ------
+    NotMeasurableError
+        There are too few records.
+    """
+    strains = np.maximum.accumulate([0.0, *curve.strains(height)])
+    stresses = np.maximum.accumulate([seating_stress, *curve.stresses])
+    rising = np.flatnonzero(
+        (np.diff(strains, prepend=-1.0) > 0) & (np.diff(stresses, prepend=-1.0) > 0)
+    )
+    if len(rising) < _FEWEST_RECORDS:
+        words = "stress over strain: there are too few records; use a lower piston_speed."
+        raise NotMeasurableError(words)
+    strains, stresses = strains[rising], stresses[rising]
+    at_stress = np.linspace(seating_stress, min(stress, float(stresses[-1])), _CURVE_POINTS)
+    at_strain = np.interp(at_stress, stresses, strains)
+    return {
+        "stress": evaluation.Curve(at_strain.tolist(), at_stress.tolist()),
+        "strain": evaluation.Curve(at_stress.tolist(), at_strain.tolist()),
+    }
 
 
 def fit_modulus(curve: Curve, height: float, stress: float, name: str) -> Modulus:

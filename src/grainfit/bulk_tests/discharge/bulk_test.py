@@ -8,7 +8,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from grainfit.bulk_tests.base import BulkTest, ResponseInfo
+from grainfit.bulk_tests.base import BulkTest, CurveInfo, ResponseInfo
 from grainfit.bulk_tests.discharge.setup import ROUND, SLOT, DischargeSetup, plan_setup
 from grainfit.bulk_tests.discharge.view import DischargeView
 from grainfit.bulk_tests.sensitivities import DENSITY, MODULUS, ROLLING, SLIDING, Sensitivities
@@ -24,9 +24,9 @@ from grainfit.bulk_tests.shared.slot_scene import BED, END, FLOW, INSIDE, Flow, 
 from grainfit.bulk_tests.shared.validity import require_emptied, require_separate
 from grainfit.bulk_tests.view import Shown
 from grainfit.errors import NotMeasurableError, RunFailedError
-from grainfit.evaluation import Response
+from grainfit.evaluation import Measured, Response
 from grainfit.measurement.bulk_density import bulk_density, bulk_density_in_box
-from grainfit.measurement.flow_rate import flow_rate
+from grainfit.measurement.flow_rate import discharged_mass, flow_rate
 from grainfit.measurement.particles import Particles, write_vtk
 from grainfit.options.fields import Amount, option
 from grainfit.options.kinds import Choice
@@ -92,6 +92,17 @@ class Discharge(BulkTest):
             Sensitivities(
                 {DENSITY: 1.0, MODULUS: -0.066, SLIDING: -0.068, ROLLING: -0.022}, scatter=0.004
             ),
+        ),
+    }
+
+    curves: ClassVar[Mapping[str, CurveInfo]] = {
+        "discharged_mass": CurveInfo(
+            "kg",
+            "m",
+            "mass over time: mass that has left the container since the orifice was opened, of the "
+            "whole simulated depth of a slot",
+            "time",
+            "s",
         ),
     }
 
@@ -165,7 +176,7 @@ class Discharge(BulkTest):
         flow = Flow(setup.shortest_flow, setup.settling_time_limit)
         return fill_and_flow(setup.filling, flow, setup.underside)
 
-    def measure(self, run: RunOutput) -> dict[str, Response]:
+    def measure(self, run: RunOutput) -> dict[str, Measured]:
         """Measure mass flow and bulk density; leave a picture and a VTK file of the end.
 
         Raises
@@ -190,7 +201,11 @@ class Discharge(BulkTest):
             view.picture(run.folder / _PICTURE, str(error))
             raise
         view.picture(run.folder / _PICTURE, (flow, density))
-        return {"mass_flow": flow.response, "bulk_density": density}
+        return {
+            "mass_flow": flow.response,
+            "bulk_density": density,
+            "discharged_mass": discharged_mass(view.time, view.mass),
+        }
 
     @property
     def _is_slot(self) -> bool:

@@ -24,7 +24,7 @@ from grainfit.bulk_tests.run_cost import RunCost
 from grainfit.bulk_tests.view import Shown
 from grainfit.contact_models.registry import with_defaults
 from grainfit.errors import Fault, InputError, NotMeasurableError, RunFailedError
-from grainfit.evaluation import Response
+from grainfit.evaluation import Measured, scalars
 from grainfit.exchange import read_responses
 from grainfit.files import write_atomically
 from grainfit.materials.sizes import ParticleSizes
@@ -352,7 +352,7 @@ class OwnScene(BulkTest):
 
     # --- the measurement -----------------------------------------------------------------------
 
-    def measure(self, run: RunOutput) -> dict[str, Response]:
+    def measure(self, run: RunOutput) -> Mapping[str, Measured]:
         """Measure the responses with the user's function; leave a picture, and the functions.
 
         Raises
@@ -380,7 +380,8 @@ class OwnScene(BulkTest):
         words = f"{function.function}() in {function.path.name}"
         responses = read_responses(found, self.targets, words)
         if len(particles):
-            draw_particles(run.folder / _PICTURE, particles, function.path.stem, responses)
+            numbers = scalars(responses)
+            draw_particles(run.folder / _PICTURE, particles, function.path.stem, numbers)
         return responses
 
     def _keep_functions(self, folder: Path) -> None:

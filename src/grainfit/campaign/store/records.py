@@ -6,7 +6,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field, fields
 from typing import Any, Literal, cast, get_args
 
-from grainfit.evaluation import Proposal, Response, Stage
+from grainfit.errors import InputError
+from grainfit.evaluation import Curve, Measured, Proposal, Response, Stage
 from grainfit.run_definition import RunDefinition
 
 RunStatus = Literal["running", "finished", "failed"]
@@ -24,7 +25,7 @@ class RunRecord:
         Status; a run without a record was never started, or it was interrupted.
     definition : RunDefinition
         Everything that determines the outcome, from `Solver.definition`.
-    responses : mapping of str to Response
+    responses : mapping of str to Response or Curve
         Responses by name; empty unless finished.
     reason, kind, log_tail : str
         Reason of the failure, its kind, and the last lines of the log.
@@ -40,7 +41,7 @@ class RunRecord:
     test: str
     status: RunStatus
     definition: RunDefinition
-    responses: Mapping[str, Response] = field(default_factory=dict)
+    responses: Mapping[str, Measured] = field(default_factory=dict)
     reason: str = ""
     kind: str = ""
     log_tail: str = ""
@@ -71,7 +72,7 @@ class RunRecord:
         if data["status"] not in get_args(RunStatus):
             raise ValueError(f"{data['status']!r} is not the status of a run")
         responses = {
-            str(name): Response(float(found["value"]), float(found["standard_error"]))
+            str(name): _measured(_mapping(found))
             for name, found in _mapping(data["responses"]).items()
         }
         read = {
@@ -150,6 +151,15 @@ def _stage(value: Any) -> Stage:
         if value == stage:
             return cast(Stage, stage)
     raise ValueError(f"{value!r} is no stage of a calibration")
+
+
+def _measured(found: Mapping[str, Any]) -> Measured:
+    if "coordinates" not in found:
+        return Response(float(found["value"]), float(found["standard_error"]))
+    try:
+        return Curve(found["coordinates"], found["values"], bool(found["stays"]))
+    except InputError as error:
+        raise ValueError(str(error)) from error
 
 
 def _mapping(value: Any) -> Mapping[str, Any]:

@@ -33,7 +33,7 @@ from grainfit.errors import (
     RunFailedError,
     SolverNotFoundError,
 )
-from grainfit.evaluation import Response
+from grainfit.evaluation import Measured
 from grainfit.files import log_tail
 from grainfit.scenes.run_output import RunOutput
 from grainfit.scenes.scene import Scene
@@ -166,7 +166,7 @@ class DeckSolver(Solver):
     @override
     def run(
         self, parameters: Mapping[str, float], seed: int, workspace: Workspace
-    ) -> dict[str, Response]:
+    ) -> Mapping[str, Measured]:
         """Write the deck, run the program, and measure the responses.
 
         Raises

@@ -19,7 +19,7 @@ from typing import Any
 from typing_extensions import override
 
 from grainfit.errors import Fault, GrainfitError, InputError, RunFailedError, SolverNotFoundError
-from grainfit.evaluation import Response
+from grainfit.evaluation import Measured
 from grainfit.exchange import finite_parameters, read_responses
 from grainfit.files import log_tail
 from grainfit.formatting import variable_name
@@ -205,7 +205,7 @@ class Command(Solver):
     @override
     def run(
         self, parameters: Mapping[str, float], seed: int, workspace: Workspace
-    ) -> dict[str, Response]:
+    ) -> Mapping[str, Measured]:
         """Copy the model, fill in templates, run the command, and read its responses.
 
         Raises
@@ -384,7 +384,9 @@ class Command(Solver):
                 f"{file.name}:{evaluation.function} failed: {what}", error.log_tail, "evaluation"
             ) from error
 
-    def _read_responses(self, folder: Path, evaluation: PythonFile | None) -> dict[str, Response]:
+    def _read_responses(
+        self, folder: Path, evaluation: PythonFile | None
+    ) -> Mapping[str, Measured]:
         name = self._responses_name
         origin = name if evaluation is None else f"{evaluation.path.name}:{evaluation.function}"
         tail = log_tail(folder / LOG_NAME)

@@ -13,11 +13,13 @@ from typing import Any
 
 
 def _plain(found: Any) -> Any:
-    """Convert NumPy numbers and `Response` objects to types that JSON supports."""
-    if hasattr(found, "item"):
-        return found.item()
+    """Convert NumPy numbers and arrays, `Response` and `Curve` to types that JSON supports."""
+    if hasattr(found, "tolist"):
+        return found.tolist()
     if hasattr(found, "value") and hasattr(found, "standard_error"):
         return {"value": found.value, "standard_error": found.standard_error}
+    if hasattr(found, "coordinates") and hasattr(found, "values"):
+        return {key: getattr(found, key) for key in ("coordinates", "values", "stays")}
     raise TypeError(f"a response cannot be of type {type(found).__name__}")
 
 

@@ -20,7 +20,7 @@ import numpy as np
 from typing_extensions import override
 
 from grainfit.errors import Fault, GrainfitError, InputError, RunFailedError
-from grainfit.evaluation import Response
+from grainfit.evaluation import Measured
 from grainfit.exchange import finite_parameters, read_responses
 from grainfit.options.python_file import PythonFile
 from grainfit.solvers.base import Solver, Workspace
@@ -144,7 +144,7 @@ class PythonCallable(Solver):
     @override
     def run(
         self, parameters: Mapping[str, float], seed: int, workspace: Workspace
-    ) -> dict[str, Response]:
+    ) -> Mapping[str, Measured]:
         """Call the function once.
 
         Raises

@@ -34,7 +34,8 @@ class Belief:
     Parameters
     ----------
     problem : Problem
-        Problem with the intervals searched now.
+        Problem with the intervals searched now. The attribute of that name has components instead
+        of curves.
     known : sequence of Evaluation
         The runs.
     seed : int
@@ -53,8 +54,8 @@ class Belief:
         options: SequentialOptions,
         confidence_to_stop: float,
     ) -> None:
-        self.problem = problem
         self.metamodels = Metamodels.fit(problem, known)
+        self.problem = problem = self.metamodels.problem
         self.feasibility = FeasibilityModel(problem, known)
         self._seed = seed
         self._options = options

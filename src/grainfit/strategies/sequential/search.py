@@ -197,11 +197,11 @@ class SequentialSearch(Search):
         """Use runs of other calibrations instead of a part of the design."""
         self._others += evaluations
         for scope in self.problem.scopes:
-            names = {t.name for t in self.problem.targets if t.name in scope.targets}
+            names = set(scope.targets).intersection(self.problem.responses)
             places = {
                 tuple(evaluation.proposal.parameters[name] for name in scope.parameters)
                 for evaluation in evaluations
-                if names <= evaluation.responses.keys()
+                if names <= evaluation.yields
             }
             left = self._design_sizes[scope.name] - len(places)
             self._design_sizes[scope.name] = max(0, left)
@@ -408,8 +408,8 @@ class SequentialSearch(Search):
         lacking = [
             scope.name
             for scope in self.problem.scopes
-            for targets in [[t for t in self.problem.targets if t.name in scope.targets]]
-            if not can_be_fitted(self.problem.with_targets(targets), self.known)
+            for names in [set(scope.targets).intersection(self.problem.responses)]
+            if not can_be_fitted(self.problem, self.known, names)
         ]
         return self._some(lacking)
 

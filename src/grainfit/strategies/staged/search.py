@@ -153,7 +153,7 @@ class StagedSearch(BatchSearch):
             raise RunFailedError("no parameter set gave all responses, so none can be the answer")
         means, variances = metamodels.predict([self.problem.to_unit(p) for p in candidates])
         misfits = [
-            expected_misfit(self.problem, *known)
+            expected_misfit(metamodels.problem, *known)
             for known in zip(candidates, means, variances, strict=True)
         ]
         best = candidates[int(np.argmin(misfits))]
@@ -181,7 +181,7 @@ class StagedSearch(BatchSearch):
         yield from self._runs_at([point, *moved])
         while self._left > 0:
             metamodels = self._metamodels()
-            if self.problem.is_met_by(metamodels.predict(point)[0][0]):
+            if metamodels.problem.is_met_by(metamodels.predict(point)[0][0]):
                 return
             jacobian = difference_jacobian(metamodels, point, moved)
             step = damped_step(jacobian, residuals_at(metamodels, point), damping, point)
@@ -193,7 +193,7 @@ class StagedSearch(BatchSearch):
             if expected_misfit_at(metamodels, trial) < expected_misfit_at(metamodels, point):
                 point, damping = trial, damping / 10
                 moved = difference_points(metamodels, point)
-                if not self.problem.is_met_by(metamodels.predict(point)[0][0]):
+                if not metamodels.problem.is_met_by(metamodels.predict(point)[0][0]):
                     yield from self._runs_at(list(moved), reserve=1)
             else:
                 damping = max(damping, 1e-3) * 10
@@ -221,5 +221,5 @@ class StagedSearch(BatchSearch):
         return self._fitted[1]
 
     def _successful(self) -> Iterator[Evaluation]:
-        names = {target.name for target in self.problem.targets}
-        return (e for e in self.known if names <= e.responses.keys())
+        names = set(self.problem.responses)
+        return (e for e in self.known if names <= e.yields)

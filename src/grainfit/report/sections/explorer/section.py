@@ -7,7 +7,7 @@ from typing import Any
 
 from markupsafe import escape
 
-from grainfit.metamodels.metamodels import Metamodels, runs_that_yield
+from grainfit.metamodels.metamodels import Metamodels
 from grainfit.problem import Parameter
 from grainfit.report.rendering import render
 from grainfit.report.section import ReportContext, Section, waiting, without_metamodel
@@ -86,7 +86,8 @@ def _parameter(context: ReportContext, parameter: Parameter, held: float) -> Map
 def _response(context: ReportContext, metamodels: Metamodels, index: int) -> Mapping[str, Any]:
     target, model = metamodels.problem.targets[index], metamodels.models[index]
     label = context.response_label(target.name)
-    runs = runs_that_yield(context.reading.known, target.name)
+    runs = metamodels.reduction.evaluations(context.reading.known)
+    values = [run.responses[target.name].value for run in runs if target.name in run.responses]
     return {
         "name": target.name,
         "words": label.words,
@@ -97,7 +98,7 @@ def _response(context: ReportContext, metamodels: Metamodels, index: int) -> Map
         "target": target.value,
         "tolerance": target.tolerance,
         # Half of the gauge: all runs are on it.
-        "reach": max(abs(run.responses[target.name].value - target.value) for run in runs),
+        "reach": max(abs(value - target.value) for value in values),
         # The page computes the factors: the factors of 150 runs would be some megabytes.
         "model": model.to_plain(factors=False),
     }

@@ -1,0 +1,185 @@
+"""Measured curves: targets over a coordinate, such as stress over strain."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from grainfit.checks import as_number
+from grainfit.errors import Fault, InputError
+from grainfit.units import percentage
+
+Array = NDArray[np.float64]
+
+#: Most points of a measured curve: the effort grows with their cube, and more say hardly more.
+MOST_POINTS = 400
+#: Smallest eigenvalue of a matrix of correlations that can be inverted.
+_SMALLEST_EIGENVALUE = 1e-9
+
+
+@dataclass(frozen=True)
+class CurveTarget:
+    """A measured curve that the simulated curve of the same name has to meet.
+
+    Its errors have two parts: one that is independent from point to point (noise of a sensor), and
+    one that all points share (its calibration, the filling of the cell). With the second part, more
+    points do not promise more than the measurement knows.
+
+    Parameters
+    ----------
+    name : str
+        Name of the response.
+    coordinates, values : sequence of float, shape (n,)
+        The measured points in SI units, coordinates increasing.
+    uncertainty : float, str or sequence of float, optional
+        Standard uncertainty of the values that is independent from point to point, same unit;
+        ``"2 %"`` is a share of each value.
+    common_uncertainty : float, str or sequence of float
+        Standard uncertainty that all points share: they are all too high, or all too low.
+    covariance : array_like, shape (n, n), optional
+        Covariance of the errors, instead of both.
+    unit, coordinate_unit : str
+        SI units, for display.
+    coordinate : str
+        Name of the coordinate, for display.
+
+    Raises
+    ------
+    InputError
+        The points are too few or too many, not finite or not in order, or the uncertainty is
+        missing or not positive.
+
+    Examples
+    --------
+    >>> stress = CurveTarget("stress", [0.01, 0.02], [2e3, 5e3], "2 %", common_uncertainty="1 %")
+    >>> stress.covariance_matrix.round().tolist()
+    [[2000.0, 1000.0], [1000.0, 12500.0]]
+    """
+
+    name: str
+    coordinates: Sequence[float]
+    values: Sequence[float]
+    uncertainty: float | str | Sequence[float] | None = None
+    common_uncertainty: float | str | Sequence[float] = 0.0
+    covariance: ArrayLike | None = None
+    unit: str = ""
+    coordinate_unit: str = ""
+    coordinate: str = ""
+
+    def __post_init__(self) -> None:
+        if not self.name or not isinstance(self.name, str):
+            raise InputError(Fault("curve", "has no name.", "Give it the name of its response."))
+        for key in ("coordinates", "values"):
+            object.__setattr__(self, key, self._numbers(key, getattr(self, key)))
+        self._raise(self._point_faults())
+        if self.covariance is not None:
+            self._read_covariance(self.covariance)
+            return
+        for key in ("uncertainty", "common_uncertainty"):
+            object.__setattr__(self, key, self._deviations(key))
+        if not all(as_number(error) > 0 for error in self.uncertainty or [0.0]):  # type: ignore[union-attr]
+            remedy = 'Give a number above 0, or a percentage such as "2 %" where no value is 0.'
+            self._raise([Fault(f"{self.name}.uncertainty", "is not above 0 everywhere.", remedy)])
+
+    def _raise(self, faults: Sequence[Fault]) -> None:
+        if faults:
+            raise InputError(faults)
+
+    def _numbers(self, key: str, given: Any) -> tuple[float, ...]:
+        try:
+            numbers = tuple(as_number(number) for number in given)
+        except TypeError:
+            numbers = (math.nan,)
+        if not all(map(math.isfinite, numbers)):
+            words = "are not all finite numbers."
+            self._raise([Fault(f"{self.name}.{key}", words, "Give a list of finite numbers.")])
+        return numbers
+
+    def _point_faults(self) -> list[Fault]:
+        places, count = self.coordinates, len(self.coordinates)
+        if count != len(self.values):
+            words = f"has {count} coordinates and {len(self.values)} values."
+            return [Fault(self.name, words, "Give one value for each coordinate.")]
+        if not 2 <= count <= MOST_POINTS:
+            remedy = f"Give 2 to {MOST_POINTS}; average neighbours of a longer curve."
+            return [Fault(self.name, f"has {count} points.", remedy)]
+        if any(later <= earlier for earlier, later in pairwise(places)):
+            remedy = "Sort the points, and keep one for each coordinate."
+            return [Fault(f"{self.name}.coordinates", "do not increase.", remedy)]
+        return []
+
+    def _deviations(self, key: str) -> tuple[float, ...]:
+        """Return an uncertainty at every point."""
+        given = getattr(self, key)
+        if given is None:
+            remedy = 'Give the standard uncertainty of the values, such as "2 %", or a covariance.'
+            self._raise([Fault(f"{self.name}.{key}", "is missing.", remedy)])
+        if isinstance(given, str):
+            share = percentage(given)
+            if share is None:
+                words = f"is {given!r}."
+                remedy = 'Give a number in the unit of the values, or a percentage such as "2 %".'
+                self._raise([Fault(f"{self.name}.{key}", words, remedy)])
+            return tuple(float(share or 0.0) * abs(value) for value in self.values)
+        numbers = self._numbers(key, given if isinstance(given, Sequence) else [given])
+        numbers = numbers * len(self.values) if len(numbers) == 1 else numbers
+        if len(numbers) != len(self.values) or min(numbers) < 0:
+            remedy = "Give one number for all points, or one of at least 0 for each."
+            self._raise([Fault(f"{self.name}.{key}", "does not fit the points.", remedy)])
+        return numbers
+
+    def _read_covariance(self, given: ArrayLike) -> None:
+        key, count = f"{self.name}.covariance", len(self.values)
+        if self.uncertainty is not None or np.any(np.asarray(self.common_uncertainty) != 0):
+            remedy = "The covariance says it: remove the uncertainties."
+            self._raise([Fault(key, "is given beside uncertainties.", remedy)])
+        try:
+            matrix = np.asarray(given, dtype=float)
+        except (TypeError, ValueError):
+            matrix = np.empty(0)
+        if matrix.shape != (count, count):
+            remedy = f"Give {count} rows of {count} numbers, one for each point."
+            self._raise([Fault(key, f"has the shape {matrix.shape}.", remedy)])
+        if not np.isfinite(matrix).all() or not np.allclose(matrix, matrix.T, rtol=1e-9, atol=0.0):
+            words = "is not symmetric."
+            self._raise([Fault(key, words, "Row i, column j is that of row j, column i.")])
+        deviations = np.sqrt(np.maximum(np.diagonal(matrix), 0.0))
+        scaled = matrix / np.outer(deviations, deviations) if (deviations > 0).all() else -np.eye(2)
+        if float(np.linalg.eigvalsh(scaled).min()) < _SMALLEST_EIGENVALUE:
+            words = "is not positive definite."
+            remedy = "Add the variance of the errors that differ from point to point."
+            self._raise([Fault(key, words, remedy)])
+        object.__setattr__(self, "uncertainty", None)
+        object.__setattr__(self, "common_uncertainty", 0.0)
+        object.__setattr__(self, "covariance", tuple(map(tuple, matrix.tolist())))
+
+    def to_json(self) -> dict[str, Any]:
+        """Return plain data, from which the constructor makes the same curve."""
+        data = {key: list(getattr(self, key)) for key in ("coordinates", "values")}
+        if self.covariance is not None:
+            errors: dict[str, Any] = {"covariance": np.asarray(self.covariance).tolist()}
+        else:
+            keys = ("uncertainty", "common_uncertainty")
+            errors = {key: list(getattr(self, key)) for key in keys}
+        words = {key: getattr(self, key) for key in ("name", "unit", "coordinate_unit")}
+        return {**words, "coordinate": self.coordinate, **data, **errors}
+
+    @cached_property
+    def covariance_matrix(self) -> Array:
+        """Covariance of the errors of the measured values, shape (n, n)."""
+        if self.covariance is not None:
+            return np.asarray(self.covariance, dtype=float)
+        common = np.asarray(self.common_uncertainty, dtype=float)
+        return np.diag(np.asarray(self.uncertainty, dtype=float) ** 2) + np.outer(common, common)
+
+    @cached_property
+    def standard_uncertainties(self) -> Array:
+        """Standard uncertainty of each measured value, both parts together, shape (n,)."""
+        return np.sqrt(np.diagonal(self.covariance_matrix))

@@ -1,0 +1,230 @@
+"""Reduction of curves to a few numbers: principal components, each a target of its own.
+
+The errors of the points of a measured curve are correlated, and simulated curves differ from each
+other in a few ways only. Divided by the root of the measurement's covariance, every curve is a
+vector whose measured entries have independent errors of 1. The principal components of the
+simulated vectors are orthogonal directions, so the coordinates of the measured curve along them are
+a few independent numbers with errors of 1: targets like any other. Nothing else of the measurement
+depends on the parameters; the rest tells whether any simulated curve has the measured shape.
+
+References
+----------
+Higdon, Gattiker, Williams & Rightley (2008), J. Am. Stat. Assoc. 103, 570-583, sections 2.2 and
+2.3.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import linalg
+from scipy.stats import chi2
+
+from grainfit.curve_target import CurveTarget
+from grainfit.evaluation import Curve, Evaluation, Response
+from grainfit.problem import DEFAULT_RELATIVE_TOLERANCE, Problem, ScopeOfTest, Target
+
+Array = NDArray[np.float64]
+
+#: Standard deviation of the runs, in standard uncertainties of the measurement, up to which a
+#: component is left out: it could tell hardly anything of the parameters.
+_TRUNCATED = 0.5
+_MOST_COMPONENTS = 6
+#: Deviation along a component that is accepted, in standard uncertainties. A curve has more
+#: components than the material can follow, so that one standard uncertainty would often be missed.
+COMPONENT_TOLERANCE = 2.0
+
+
+@dataclass(frozen=True)
+class ComponentTarget(Target):
+    """Coordinate of a measured curve along a principal component, in standard uncertainties."""
+
+    @property
+    def is_relative(self) -> bool:
+        """False: the value is a distance from the mean of the runs."""
+        return False
+
+    @property
+    def misfit_unit(self) -> float:
+        """Deviation that counts as 1 in the misfit: as if 1 % of it were the uncertainty."""
+        return self.tolerance / DEFAULT_RELATIVE_TOLERANCE
+
+
+def component_name(curve: str, number: int) -> str:
+    """Return the name of the response along a principal component, numbered from 1."""
+    return f"{curve}, component {number}"
+
+
+def values_at(curve: Curve, coordinates: Sequence[float]) -> Array | None:
+    """Interpolate a simulated curve at the measured coordinates; None where it has no values."""
+    there = np.asarray(curve.coordinates, dtype=float)
+    wanted = np.asarray(coordinates, dtype=float)
+    # Roundings of the last digits do not end a curve.
+    slack = 1e-9 * (there[-1] - there[0])
+    if wanted[0] < there[0] - slack or (not curve.stays and wanted[-1] > there[-1] + slack):
+        return None
+    return np.asarray(np.interp(wanted, there, np.asarray(curve.values, dtype=float)))
+
+
+@dataclass(frozen=True)
+class CurveBasis:
+    """Principal components of the simulated curves of one measured curve.
+
+    Parameters
+    ----------
+    target : CurveTarget
+        The measured curve, of n points.
+    root : ndarray, shape (n, n)
+        Lower Cholesky factor of the covariance of the measurement.
+    mean : ndarray, shape (n,)
+        Mean of the simulated curves less the measured one, whitened by the root.
+    components : ndarray, shape (k, n)
+        Orthonormal directions of the whitened curves.
+    left_out : ndarray, shape (m, n)
+        Further directions in which the runs differ, each times its standard deviation.
+    """
+
+    target: CurveTarget
+    root: Array
+    mean: Array
+    components: Array
+    left_out: Array
+
+    @classmethod
+    def of(cls, target: CurveTarget, curves: Array) -> CurveBasis:
+        """Find the components of simulated curves at the measured coordinates, shape (runs, n)."""
+        root = np.asarray(np.linalg.cholesky(target.covariance_matrix), dtype=np.float64)
+        off = linalg.solve_triangular(root, (curves - np.asarray(target.values)).T, lower=True).T
+        mean = off.mean(axis=0)
+        _, sizes, directions = np.linalg.svd(off - mean, full_matrices=False)
+        deviations = sizes / np.sqrt(max(len(curves) - 1, 1))
+        telling = int((deviations > _TRUNCATED).sum())
+        kept = min(max(telling, 1), _MOST_COMPONENTS, len(directions))
+        left_out = deviations[kept:, None] * directions[kept:]
+        return cls(target, root, mean, directions[:kept], left_out)
+
+    @property
+    def names(self) -> list[str]:
+        """Names of the components."""
+        return [component_name(self.target.name, j + 1) for j in range(len(self.components))]
+
+    @cached_property
+    def targets(self) -> list[ComponentTarget]:
+        """The measured curve along the components."""
+        return [
+            ComponentTarget(name, float(value), uncertainty=1.0, tolerance=COMPONENT_TOLERANCE)
+            for name, value in zip(self.names, -self.components @ self.mean, strict=True)
+        ]
+
+    def scores(self, curve: Curve) -> dict[str, Response] | None:
+        """Return a simulated curve along the components; None if it lacks measured points."""
+        values = values_at(curve, self.target.coordinates)
+        if values is None:
+            return None
+        off = values - np.asarray(self.target.values)
+        off = linalg.solve_triangular(self.root, off, lower=True) - self.mean
+        return dict(zip(self.names, map(Response, (self.components @ off).tolist()), strict=True))
+
+    def expected(self, scores: Array, variances: Array) -> tuple[Array, Array]:
+        """Return the expected curve and its standard errors, shape (n,) each.
+
+        Parameters
+        ----------
+        scores, variances : ndarray, shape (k,)
+            Expected coordinates along the components, and their variances. Components that are left
+            out add the variance that the runs have along them.
+        """
+        curve = np.asarray(self.target.values) + self.root @ (self.mean + scores @ self.components)
+        errors = np.sqrt(variances)[:, None] * self.components
+        spread = np.vstack([errors, self.left_out]) @ self.root.T
+        return curve, np.sqrt((spread**2).sum(axis=0))
+
+    @cached_property
+    def shape_probability(self) -> float:
+        """Probability of a rest as large as that of the measured curve, if its errors are as said.
+
+        The rest is what no combination of the components gives. Where it is tiny, no simulated
+        curve has the measured shape.
+        """
+        rest = -self.mean - self._on_components(-self.mean)
+        deviations = np.linalg.norm(self.left_out, axis=1)
+        seen = deviations > 0
+        directions = self.left_out[seen] / deviations[seen, None]
+        along = directions @ rest
+        square = float(rest @ rest - (along**2 * (1 - 1 / (1 + deviations[seen] ** 2))).sum())
+        degrees = len(rest) - len(self.components)
+        return float(chi2.sf(square, degrees)) if degrees else 1.0
+
+    def _on_components(self, vector: Array) -> Array:
+        return np.asarray((self.components @ vector) @ self.components)
+
+
+@dataclass(frozen=True)
+class Reduction:
+    """Problem whose curves are replaced by their components.
+
+    Parameters
+    ----------
+    whole : Problem
+        The problem with its curves.
+    bases : tuple of CurveBasis
+        One for each curve.
+    """
+
+    whole: Problem
+    bases: tuple[CurveBasis, ...] = ()
+
+    @classmethod
+    def of(cls, problem: Problem, evaluations: Sequence[Evaluation]) -> Reduction:
+        """Find the components of all curves in some runs, of which each has one run at least."""
+        return cls(problem, tuple(_basis(target, evaluations) for target in problem.curves))
+
+    @cached_property
+    def problem(self) -> Problem:
+        """The problem with components instead of curves."""
+        if not self.bases:
+            return self.whole
+        names = {basis.target.name: basis.names for basis in self.bases}
+        return replace(
+            self.whole,
+            targets=[*self.whole.targets, *(t for basis in self.bases for t in basis.targets)],
+            tests=[_with_components(scope, names) for scope in self.whole.tests],
+            curves=(),
+        )
+
+    def evaluations(self, evaluations: Sequence[Evaluation]) -> list[Evaluation]:
+        """Return runs with the components of their curves among their responses."""
+        if not self.bases:
+            return list(evaluations)
+        return [replace(e, responses={**e.responses, **self._scores(e)}) for e in evaluations]
+
+    def _scores(self, evaluation: Evaluation) -> dict[str, Response]:
+        found: dict[str, Response] = {}
+        for basis in self.bases:
+            curve = evaluation.curves.get(basis.target.name)
+            found |= (basis.scores(curve) if curve else None) or {}
+        return found
+
+
+def runs_with_curve(target: CurveTarget, evaluations: Sequence[Evaluation]) -> list[Evaluation]:
+    """Return the runs whose curve covers the measured coordinates."""
+    return [e for e in evaluations if _values(target, e) is not None]
+
+
+def _values(target: CurveTarget, evaluation: Evaluation) -> Array | None:
+    curve = evaluation.curves.get(target.name)
+    return None if curve is None else values_at(curve, target.coordinates)
+
+
+def _basis(target: CurveTarget, evaluations: Sequence[Evaluation]) -> CurveBasis:
+    found = [values for e in evaluations if (values := _values(target, e)) is not None]
+    return CurveBasis.of(target, np.array(found))
+
+
+def _with_components(scope: ScopeOfTest, names: Mapping[str, Sequence[str]]) -> ScopeOfTest:
+    targets = [part for target in scope.targets for part in names.get(target, [target])]
+    return replace(scope, targets=targets)
