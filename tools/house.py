@@ -21,7 +21,7 @@ PACKAGE = "grainfit"
 FLOORS: tuple[tuple[str, ...], ...] = (
     ("errors",),
     ("checks", "units", "formatting", "files"),
-    ("options", "tables", "correlations"),
+    ("options", "tables", "correlations", "curve_target"),
     ("materials",),
     ("contact_models",),
     ("evaluation", "problem", "run_definition"),

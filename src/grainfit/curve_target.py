@@ -20,6 +20,9 @@ Array = NDArray[np.float64]
 
 #: Most points of a measured curve: the effort grows with their cube, and more say hardly more.
 MOST_POINTS = 400
+#: Share of a measured value below which the value that its percentages refer to never falls.
+_LEAST_SHARE = 0.1
+_ERRORS = ("uncertainty", "common_uncertainty")
 #: Smallest eigenvalue of a matrix of correlations that can be inverted.
 _SMALLEST_EIGENVALUE = 1e-9
 
@@ -59,7 +62,7 @@ class CurveTarget:
     Examples
     --------
     >>> stress = CurveTarget("stress", [0.01, 0.02], [2e3, 5e3], "2 %", common_uncertainty="1 %")
-    >>> stress.covariance_matrix.round().tolist()
+    >>> stress.covariance_about([2e3, 5e3]).round().tolist()
     [[2000.0, 1000.0], [1000.0, 12500.0]]
     """
 
@@ -82,9 +85,9 @@ class CurveTarget:
         if self.covariance is not None:
             self._read_covariance(self.covariance)
             return
-        for key in ("uncertainty", "common_uncertainty"):
-            object.__setattr__(self, key, self._deviations(key))
-        if not all(as_number(error) > 0 for error in self.uncertainty or [0.0]):  # type: ignore[union-attr]
+        for key in _ERRORS:
+            object.__setattr__(self, key, self._read_error(key))
+        if not (self._deviations("uncertainty", np.asarray(self.values)) > 0).all():
             remedy = 'Give a number above 0, or a percentage such as "2 %" where no value is 0.'
             self._raise([Fault(f"{self.name}.uncertainty", "is not above 0 everywhere.", remedy)])
 
@@ -115,25 +118,30 @@ class CurveTarget:
             return [Fault(f"{self.name}.coordinates", "do not increase.", remedy)]
         return []
 
-    def _deviations(self, key: str) -> tuple[float, ...]:
-        """Return an uncertainty at every point."""
+    def _read_error(self, key: str) -> str | tuple[float, ...]:
+        """Return an uncertainty as a percentage, or as one number for each point."""
         given = getattr(self, key)
         if given is None:
             remedy = 'Give the standard uncertainty of the values, such as "2 %", or a covariance.'
             self._raise([Fault(f"{self.name}.{key}", "is missing.", remedy)])
         if isinstance(given, str):
-            share = percentage(given)
-            if share is None:
-                words = f"is {given!r}."
+            if percentage(given) is None:
                 remedy = 'Give a number in the unit of the values, or a percentage such as "2 %".'
-                self._raise([Fault(f"{self.name}.{key}", words, remedy)])
-            return tuple(float(share or 0.0) * abs(value) for value in self.values)
-        numbers = self._numbers(key, given if isinstance(given, Sequence) else [given])
+                self._raise([Fault(f"{self.name}.{key}", f"is {given!r}.", remedy)])
+            return given
+        numbers = self._numbers(key, [given] if np.ndim(given) == 0 else given)
         numbers = numbers * len(self.values) if len(numbers) == 1 else numbers
         if len(numbers) != len(self.values) or min(numbers) < 0:
             remedy = "Give one number for all points, or one of at least 0 for each."
             self._raise([Fault(f"{self.name}.{key}", "does not fit the points.", remedy)])
         return numbers
+
+    def _deviations(self, key: str, values: Array) -> Array:
+        """Return an uncertainty at every point; a percentage is a share of some values."""
+        given = getattr(self, key)
+        if isinstance(given, str):
+            return np.asarray((percentage(given) or 0.0) * np.abs(values))
+        return np.asarray(given, dtype=float)
 
     def _read_covariance(self, given: ArrayLike) -> None:
         key, count = f"{self.name}.covariance", len(self.values)
@@ -162,24 +170,39 @@ class CurveTarget:
 
     def to_json(self) -> dict[str, Any]:
         """Return plain data, from which the constructor makes the same curve."""
-        data = {key: list(getattr(self, key)) for key in ("coordinates", "values")}
-        if self.covariance is not None:
-            errors: dict[str, Any] = {"covariance": np.asarray(self.covariance).tolist()}
-        else:
-            keys = ("uncertainty", "common_uncertainty")
-            errors = {key: list(getattr(self, key)) for key in keys}
-        words = {key: getattr(self, key) for key in ("name", "unit", "coordinate_unit")}
-        return {**words, "coordinate": self.coordinate, **data, **errors}
+        keys = ("covariance",) if self.covariance is not None else _ERRORS
+        data = {key: _plain(getattr(self, key)) for key in ("coordinates", "values", *keys)}
+        words = ("name", "unit", "coordinate_unit", "coordinate")
+        return {**{key: getattr(self, key) for key in words}, **data}
 
-    @cached_property
-    def covariance_matrix(self) -> Array:
-        """Covariance of the errors of the measured values, shape (n, n)."""
+    def covariance_about(self, values: ArrayLike) -> Array:
+        """Return the covariance of the errors if the true values are these, shape (n, n).
+
+        Percentages are shares of the true values. Taken of the measured ones, a point that happens
+        to be low counts as more certain than its neighbours, and drags the whole curve down as far
+        as a common error allows: by n times its square, 1.2 % for 30 points and 2 %.
+
+        Parameters
+        ----------
+        values : array_like, shape (n,)
+            Smooth values, such as those of a simulated curve.
+
+        References
+        ----------
+        D'Agostini (1994), Nucl. Instrum. Methods A 346, 306-311, on Peelle's puzzle.
+        """
         if self.covariance is not None:
             return np.asarray(self.covariance, dtype=float)
-        common = np.asarray(self.common_uncertainty, dtype=float)
-        return np.diag(np.asarray(self.uncertainty, dtype=float) ** 2) + np.outer(common, common)
+        measured = np.abs(np.asarray(self.values))
+        true = np.maximum(np.abs(np.asarray(values, dtype=float)), _LEAST_SHARE * measured)
+        common = self._deviations("common_uncertainty", true)
+        return np.diag(self._deviations("uncertainty", true) ** 2) + np.outer(common, common)
 
     @cached_property
     def standard_uncertainties(self) -> Array:
         """Standard uncertainty of each measured value, both parts together, shape (n,)."""
-        return np.sqrt(np.diagonal(self.covariance_matrix))
+        return np.sqrt(np.diagonal(self.covariance_about(self.values)))
+
+
+def _plain(value: Any) -> Any:
+    return value if isinstance(value, str) else np.asarray(value).tolist()

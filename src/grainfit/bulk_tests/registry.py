@@ -12,7 +12,7 @@ from importlib.metadata import entry_points
 from typing import Any
 
 from grainfit.bulk_tests import own_scene
-from grainfit.bulk_tests.base import BulkTest, ResponseInfo
+from grainfit.bulk_tests.base import BulkTest, CurveInfo, ResponseInfo
 from grainfit.bulk_tests.compression import Compression as Compression
 from grainfit.bulk_tests.discharge import Discharge as Discharge
 from grainfit.bulk_tests.draw_down import DrawDown as DrawDown
@@ -106,6 +106,11 @@ def recreate_test(definition: RunDefinition) -> BulkTest | None:
             "It was edited, or written by another version of grainfit.",
         )
     )
+
+
+def curve_info(name: str) -> CurveInfo | None:
+    """Return unit, coordinate and description of a curve; None when no installed test has it."""
+    return next((test.curves[name] for test in bulk_tests().values() if name in test.curves), None)
 
 
 def response_info(name: str) -> ResponseInfo | None:

@@ -34,9 +34,10 @@ Array = NDArray[np.float64]
 #: component is left out: it could tell hardly anything of the parameters.
 _TRUNCATED = 0.5
 _MOST_COMPONENTS = 6
-#: Deviation along a component that is accepted, in standard uncertainties. A curve has more
-#: components than the material can follow, so that one standard uncertainty would often be missed.
-COMPONENT_TOLERANCE = 2.0
+#: Accepted deviations along components, in standard uncertainties: along the leading ones, as many
+#: as there are parameters, and along the others, which the material can hardly follow. So errors
+#: as they are stated are seldom called out of reach.
+_LEADING_TOLERANCE, _OTHER_TOLERANCE = 2.0, 3.0
 
 
 @dataclass(frozen=True)
@@ -86,6 +87,8 @@ class CurveBasis:
         Orthonormal directions of the whitened curves.
     left_out : ndarray, shape (m, n)
         Further directions in which the runs differ, each times its standard deviation.
+    parameters : int
+        Number of free parameters that the curve depends on.
     """
 
     target: CurveTarget
@@ -93,11 +96,23 @@ class CurveBasis:
     mean: Array
     components: Array
     left_out: Array
+    parameters: int
 
     @classmethod
-    def of(cls, target: CurveTarget, curves: Array) -> CurveBasis:
-        """Find the components of simulated curves at the measured coordinates, shape (runs, n)."""
-        root = np.asarray(np.linalg.cholesky(target.covariance_matrix), dtype=np.float64)
+    def of(cls, target: CurveTarget, curves: Array, parameters: int) -> CurveBasis:
+        """Find the components of simulated curves at the measured coordinates, shape (runs, n).
+
+        Percentages are shares of the sum of components that is nearest to the measured curve.
+        """
+        rough = cls._about(target, curves, parameters, np.asarray(target.values))
+        nearest, _ = rough.expected(-rough.components @ rough.mean, np.zeros(len(rough.components)))
+        return cls._about(target, curves, parameters, nearest)
+
+    @classmethod
+    def _about(cls, target: CurveTarget, curves: Array, parameters: int, true: Array) -> CurveBasis:
+        """Find the components with the errors of the measurement about some true values."""
+        covariance = target.covariance_about(true)
+        root = np.asarray(np.linalg.cholesky(covariance), dtype=np.float64)
         off = linalg.solve_triangular(root, (curves - np.asarray(target.values)).T, lower=True).T
         mean = off.mean(axis=0)
         _, sizes, directions = np.linalg.svd(off - mean, full_matrices=False)
@@ -105,7 +120,7 @@ class CurveBasis:
         telling = int((deviations > _TRUNCATED).sum())
         kept = min(max(telling, 1), _MOST_COMPONENTS, len(directions))
         left_out = deviations[kept:, None] * directions[kept:]
-        return cls(target, root, mean, directions[:kept], left_out)
+        return cls(target, root, mean, directions[:kept], left_out, parameters)
 
     @property
     def names(self) -> list[str]:
@@ -115,9 +130,15 @@ class CurveBasis:
     @cached_property
     def targets(self) -> list[ComponentTarget]:
         """The measured curve along the components."""
+        values = (-self.components @ self.mean).tolist()
+        tolerances = [
+            _LEADING_TOLERANCE if number < self.parameters else _OTHER_TOLERANCE
+            for number in range(len(values))
+        ]
         return [
-            ComponentTarget(name, float(value), uncertainty=1.0, tolerance=COMPONENT_TOLERANCE)
-            for name, value in zip(self.names, -self.components @ self.mean, strict=True)
+            # The typical curve: far runs of a small component are nonlinear rather than outlying.
+            ComponentTarget(name, value, 1.0, tolerance, statistic="median")
+            for name, value, tolerance in zip(self.names, values, tolerances, strict=True)
         ]
 
     def scores(self, curve: Curve) -> dict[str, Response] | None:
@@ -181,7 +202,15 @@ class Reduction:
     @classmethod
     def of(cls, problem: Problem, evaluations: Sequence[Evaluation]) -> Reduction:
         """Find the components of all curves in some runs, of which each has one run at least."""
-        return cls(problem, tuple(_basis(target, evaluations) for target in problem.curves))
+        return cls(
+            problem, tuple(_basis(problem, target, evaluations) for target in problem.curves)
+        )
+
+    @classmethod
+    def where_possible(cls, problem: Problem, evaluations: Sequence[Evaluation]) -> Reduction:
+        """Find the components of those curves that some runs have; leave out the others."""
+        known = [curve for curve in problem.curves if runs_with_curve(curve, evaluations)]
+        return cls.of(problem.with_targets(problem.targets, known), evaluations)
 
     @cached_property
     def problem(self) -> Problem:
@@ -220,9 +249,10 @@ def _values(target: CurveTarget, evaluation: Evaluation) -> Array | None:
     return None if curve is None else values_at(curve, target.coordinates)
 
 
-def _basis(target: CurveTarget, evaluations: Sequence[Evaluation]) -> CurveBasis:
+def _basis(problem: Problem, target: CurveTarget, evaluations: Sequence[Evaluation]) -> CurveBasis:
     found = [values for e in evaluations if (values := _values(target, e)) is not None]
-    return CurveBasis.of(target, np.array(found))
+    parameters = len(problem.scope_of(target.name).parameters)
+    return CurveBasis.of(target, np.array(found), parameters)
 
 
 def _with_components(scope: ScopeOfTest, names: Mapping[str, Sequence[str]]) -> ScopeOfTest:

@@ -11,6 +11,7 @@ import numpy as np
 
 from grainfit.evaluation import Evaluation
 from grainfit.formatting import plain, with_unit
+from grainfit.metamodels.curve_reduction import Reduction
 from grainfit.plots.arrange import arrange
 from grainfit.plots.expectation import Expectation, expectations_at_answer
 from grainfit.plots.figure import Figure, no_figure
@@ -56,10 +57,10 @@ def convergence_figures(saved: SavedCalibration) -> dict[str, Figure]:
 def deviation_in_tolerances(problem: Problem, evaluation: Evaluation) -> float | None:
     """Largest deviation of a run's responses in units of their tolerances; None if one lacks.
 
-    The responses are those of the tests that were run.
+    The responses are those of the tests that were run, with components instead of curves.
     """
     targets = [target for target in problem.targets if _is_asked(problem, evaluation, target)]
-    if any(target.name not in evaluation.responses for target in targets):
+    if not targets or any(target.name not in evaluation.responses for target in targets):
         return None
     return max(
         abs(evaluation.responses[target.name].value - target.value) / target.tolerance
@@ -73,8 +74,9 @@ def _is_asked(problem: Problem, evaluation: Evaluation, target: Target) -> bool:
 
 
 def _misfit_figure(saved: SavedCalibration) -> Figure:
-    evaluations = saved.evaluations
-    found = [deviation_in_tolerances(saved.problem, evaluation) for evaluation in evaluations]
+    reduction = Reduction.where_possible(saved.problem, saved.known)
+    evaluations = reduction.evaluations(saved.evaluations)
+    found = [deviation_in_tolerances(reduction.problem, evaluation) for evaluation in evaluations]
     drawn = [None if value is None else max(value, _SMALLEST) for value in found]
     # A run of one of several tests alone meets its targets easily.
     whole = [

@@ -105,7 +105,7 @@ def _names(
 ) -> list[str]:
     """Names of runs, by their place and response."""
     known: dict[tuple[float, ...], list[tuple[float, str]]] = {}
-    for name, evaluation in named_runs(saved):
+    for name, evaluation in named_runs(saved, metamodels.reduction):
         if target.name in evaluation.responses:
             point = tuple(metamodels.problem.to_unit(evaluation.proposal.parameters).tolist())
             value = evaluation.responses[target.name].value

@@ -11,6 +11,7 @@ from math import isfinite
 from typing import Any
 
 from grainfit.evaluation import Evaluation
+from grainfit.metamodels.curve_reduction import Reduction
 from grainfit.problem import Target
 from grainfit.work_folder.saved_calibration import SavedCalibration
 
@@ -27,9 +28,12 @@ STAGES: Mapping[str, tuple[str, str]] = {
 }
 
 
-def named_runs(reading: SavedCalibration) -> Iterator[tuple[str, Evaluation]]:
-    """Yield all known runs with their names: their numbers, as in the table of runs."""
-    for number, evaluation in enumerate(reading.known, start=1):
+def named_runs(reading: SavedCalibration, reduction: Reduction) -> Iterator[tuple[str, Evaluation]]:
+    """Yield all known runs with their names: their numbers, as in the table of runs.
+
+    Their responses include the components of curves.
+    """
+    for number, evaluation in enumerate(reduction.evaluations(reading.known), start=1):
         is_own = number <= len(reading.evaluations)
         yield f"run {number}" if is_own else "a run of another calibration", evaluation
 

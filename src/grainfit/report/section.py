@@ -9,12 +9,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any
 
 from markupsafe import Markup
 
 from grainfit.analysis import Analysis, Posterior
 from grainfit.formatting import plain
+from grainfit.metamodels.curve_reduction import Reduction
 from grainfit.plots.figure import Figure
 from grainfit.plots.labels import Label, label_of_parameter, label_of_response
 from grainfit.problem import Parameter, Target
@@ -100,6 +102,11 @@ class ReportContext:
     def targets(self) -> tuple[Target, ...]:
         """The targets."""
         return tuple(self.reading.problem.targets)
+
+    @cached_property
+    def reduction(self) -> Reduction:
+        """Components of the curves, by all runs."""
+        return Reduction.where_possible(self.reading.problem, self.reading.known)
 
     def parameter_label(self, name: str) -> Label:
         """Return the label of a free or fixed parameter on the page."""

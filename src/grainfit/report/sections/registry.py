@@ -7,6 +7,7 @@ from collections.abc import Callable, Sequence
 from grainfit.report.section import ReportContext, Section
 from grainfit.report.sections.answer.section import answer
 from grainfit.report.sections.convergence.section import convergence
+from grainfit.report.sections.curves.section import curves
 from grainfit.report.sections.explorer.section import explorer
 from grainfit.report.sections.particles.section import particles
 from grainfit.report.sections.predicted.section import predicted
@@ -21,6 +22,7 @@ from grainfit.report.sections.verification.section import verification
 #: Each returns its section, or None when it has no content.
 SECTIONS: Sequence[Callable[[ReportContext], Section | None]] = (
     answer,
+    curves,
     particles,
     convergence,
     surfaces,

@@ -10,6 +10,7 @@ from typing import Any, Literal
 
 from grainfit.analysis.stiffness_notes import stiffness_notes
 from grainfit.bulk_tests.registry import recreate_test
+from grainfit.curve_target import CurveTarget
 from grainfit.errors import InputError
 from grainfit.formatting import (
     counted,
@@ -77,6 +78,7 @@ def answer(context: ReportContext) -> Section:
     """Verdict, parameters with their intervals, responses against measurements, cost."""
     result = context.reading.result
     responses = [_response_row(context, target) for target in context.targets]
+    responses += [_curve_row(context, target) for target in context.reading.problem.curves]
     html = render(
         "answer/page",
         verdict=verdict(context),
@@ -262,6 +264,22 @@ def _response_row(context: ReportContext, target: Target) -> ResponseRow:
         fresh=_fresh(response),
         deviation=_deviation(response),
         verdict=response.verdict,
+    )
+
+
+def _curve_row(context: ReportContext, target: CurveTarget) -> ResponseRow:
+    result = context.reading.result
+    found = result.curves.get(target.name) if result else None
+    label = Label(target.name, target.name, "", "")
+    return ResponseRow(
+        label,
+        measured=counted(len(target.values), "point"),
+        tolerance="",
+        expected="see the curve",
+        half_width="",
+        fresh=str(found.verified_runs) if found and found.verified_runs else "",
+        deviation=f"{number(found.deviation, 2)} σ" if found else "–",
+        verdict=found.verdict if found else "",
     )
 
 

@@ -71,7 +71,9 @@ def _row(context: ReportContext, count: int, evaluation: Evaluation) -> RunRow:
             responses[target.name].value if target.name in responses else None
             for target in context.targets
         ),
-        deviation_in_tolerances(context.reading.problem, evaluation),
+        deviation_in_tolerances(
+            context.reduction.problem, context.reduction.evaluations([evaluation])[0]
+        ),
         evaluation.seconds,
     ]
     cells = [Cell(number(value), value) for value in values[:-2]]

@@ -78,7 +78,7 @@ def _runs(context: ReportContext, metamodels: Metamodels) -> list[Mapping[str, A
                 for t in metamodels.problem.targets
             ],
         }
-        for name, evaluation in named_runs(context.reading)
+        for name, evaluation in named_runs(context.reading, metamodels.reduction)
         if evaluation.responses
     ]
 
