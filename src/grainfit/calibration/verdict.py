@@ -19,7 +19,7 @@ from grainfit.formatting import (
     unit_for_people,
     with_unit,
 )
-from grainfit.metamodels.curve_reduction import CurveBasis
+from grainfit.metamodels.curve_reduction import ComponentTarget, CurveBasis
 from grainfit.metamodels.outliers import Outliers
 from grainfit.problem import Problem, Target
 from grainfit.result import MetamodelQuality, Status
@@ -135,6 +135,8 @@ def reasons(problem: Problem, outcome: Outcome) -> Iterator[str]:
         yield apart
     yield from (_about_shape(basis) for basis in _bases(answer) if has_other_shape(basis))
     for target in problem.targets:
+        if isinstance(target, ComponentTarget):
+            continue
         if found := answer.outliers.get(target.name):
             yield _about_outliers(target, found)
         if quality := answer.quality.get(target.name):

@@ -1,0 +1,178 @@
+"""Calibration on measured curves, from Python."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import grainfit as gf
+from grainfit.report.page import write_report
+from grainfit.result import Result
+
+STRAINS = np.linspace(0.002, 0.04, 15)
+TRUTH = {"modulus": 2.4e5, "stiffening": 0.6}
+
+
+def stress(parameters: Mapping[str, float], strains: np.ndarray) -> np.ndarray:
+    """Stress of a bed that stiffens, Pa."""
+    bend = 1 + 20 * parameters["stiffening"] * strains
+    return np.asarray(parameters["modulus"] * strains * bend)
+
+
+def press(parameters: Mapping[str, float], seed: int) -> dict[str, gf.Curve]:
+    """One run: the whole curve scatters by 2 %, its points by 0.5 %."""
+    random = np.random.default_rng([seed, 3])
+    strains = np.linspace(0.0, 0.05, 40)
+    factors = (1 + 0.02 * random.normal()) * (1 + 0.005 * random.normal(size=40))
+    return {"stress": gf.Curve(strains.tolist(), (stress(parameters, strains) * factors).tolist())}
+
+
+def measured(values: np.ndarray | None = None, common: str = "2 %") -> gf.CurveTarget:
+    """A laboratory's curve of the true material, by default without error."""
+    shown = stress(TRUTH, STRAINS) if values is None else values
+    return gf.CurveTarget(
+        "stress", STRAINS.tolist(), shown.tolist(), "2 %", common, unit="Pa", coordinate="strain"
+    )
+
+
+def problem(curve: gf.CurveTarget) -> gf.Problem:
+    return gf.Problem(
+        [gf.Parameter("modulus", 1e5, 4e5), gf.Parameter("stiffening", 0.0, 1.0)],
+        [],
+        curves=[curve],
+    )
+
+
+@pytest.fixture(scope="module")
+def finished(tmp_path_factory: pytest.TempPathFactory) -> tuple[Result, Path]:
+    folder = tmp_path_factory.mktemp("curves") / "work"
+    return gf.calibrate(
+        problem(measured()), gf.solvers.PythonCallable(press), workdir=folder
+    ), folder
+
+
+def test_curve_calibrates_two_parameters(finished: tuple[Result, Path]) -> None:
+    result, _ = finished
+
+    assert result.status == "calibrated"
+    for name, interval in result.intervals.items():
+        assert interval.low < TRUTH[name] < interval.high
+        assert interval.determination == "determined"
+
+
+def test_curve_at_the_answer_is_in_the_result(finished: tuple[Result, Path]) -> None:
+    result, folder = finished
+    curve = result.curves["stress"]
+
+    assert curve.verdict == "met"
+    assert curve.expected == pytest.approx(stress(TRUTH, STRAINS), rel=0.05)
+    assert curve.deviation < 1.5
+    assert "15 points" in str(result)
+    assert Result.from_json(folder / "result.json").curves == result.curves
+
+
+def test_curve_calibration_opens_again_with_figures_and_report(
+    finished: tuple[Result, Path],
+) -> None:
+    saved = gf.open(finished[1])
+    page = write_report(finished[1]).read_text()
+
+    assert saved.problem.curves[0].values == pytest.approx(stress(TRUTH, STRAINS))
+    names = {trace.name for trace in gf.plots.curves(saved).data}
+    assert {"measured, with 95 % intervals", "expected at the answer", "fresh seeds"} <= names
+    assert "Do the simulated curves follow the measured ones?" in page
+
+
+def test_curve_calibration_repeats_no_run(finished: tuple[Result, Path]) -> None:
+    result, folder = finished
+    again = gf.calibrate(problem(measured()), gf.solvers.PythonCallable(press), workdir=folder)
+
+    assert again.runs.reused == again.runs.total == result.runs.total
+    assert again.parameters == result.parameters
+
+
+def test_more_points_do_not_promise_more_than_common_errors_allow() -> None:
+    def half_width(points: int, common: str) -> float:
+        strains = np.linspace(0.002, 0.04, points)
+        curve = gf.CurveTarget(
+            "stress", strains.tolist(), stress(TRUTH, strains).tolist(), "1 %", common
+        )
+        known = gf.Problem([gf.Parameter("modulus", 1e5, 4e5)], [], curves=[curve])
+
+        def exact(parameters: Mapping[str, float], seed: int) -> dict[str, gf.Curve]:
+            del seed
+            fine = np.linspace(0.0, 0.05, 60)
+            found = stress({**TRUTH, **parameters}, fine)
+            return {"stress": gf.Curve(fine.tolist(), found.tolist())}
+
+        interval = gf.calibrate(known, gf.solvers.PythonCallable(exact)).intervals["modulus"]
+        return (interval.high - interval.low) / 2 / TRUTH["modulus"]
+
+    # 1.96 times the root of 5 % squared, and 1 % squared over the points.
+    assert half_width(3, "5 %") == pytest.approx(1.96 * np.hypot(0.05, 0.01 / 3**0.5), rel=0.15)
+    assert half_width(40, "5 %") == pytest.approx(1.96 * np.hypot(0.05, 0.01 / 40**0.5), rel=0.15)
+    assert half_width(40, "0 %") == pytest.approx(1.96 * 0.01 / 40**0.5, rel=0.15)
+
+
+def test_curve_of_a_shape_that_no_run_has_is_out_of_tolerance() -> None:
+    wave = stress(TRUTH, STRAINS) * (1 + 0.15 * np.sin(np.arange(len(STRAINS))))
+    result = gf.calibrate(problem(measured(wave)), gf.solvers.PythonCallable(press))
+
+    assert result.status in ("out_of_tolerance", "unreachable")
+    assert result.curves["stress"].verdict == "missed"
+    if result.status == "out_of_tolerance":
+        assert any("no simulated curve has the shape" in words for words in result.notices)
+
+
+def test_curve_beyond_the_simulated_ones_says_what_they_hold() -> None:
+    strains = np.linspace(0.002, 0.08, 10)
+    curve = gf.CurveTarget("stress", strains.tolist(), stress(TRUTH, strains).tolist(), "2 %")
+
+    with pytest.raises(gf.RunFailedError, match=r"hold 0 to 0\.05, the measured one 0\.002 to"):
+        gf.calibrate(problem(curve), gf.solvers.PythonCallable(press), max_runs=12)
+
+
+def test_staged_search_calibrates_on_a_curve() -> None:
+    result = gf.calibrate(
+        problem(measured()), gf.solvers.PythonCallable(press), strategy=gf.Staged(design_runs=12)
+    )
+
+    assert result.status == "calibrated"
+
+
+def test_curve_and_number_of_two_tests_calibrate_together() -> None:
+    def weigh(parameters: Mapping[str, float], seed: int) -> dict[str, float]:
+        noise = 3.0 * np.random.default_rng([seed, 8]).normal()
+        return {"density": 1500.0 + 100.0 * parameters["stiffening"] + noise}
+
+    both = gf.Problem(
+        problem(measured()).parameters,
+        [gf.Target("weighing.density", 1560.0, uncertainty=5.0)],
+        curves=[gf.CurveTarget(**{**measured().to_json(), "name": "pressing.stress"})],
+        tests=[
+            gf.ScopeOfTest("pressing", ["pressing.stress"], ["modulus", "stiffening"], 10.0),
+            gf.ScopeOfTest("weighing", ["weighing.density"], ["stiffening"], 1.0),
+        ],
+    )
+    solvers = {
+        "pressing": gf.solvers.PythonCallable(press),
+        "weighing": gf.solvers.PythonCallable(weigh),
+    }
+    result = gf.calibrate(both, solvers)
+
+    assert result.status == "calibrated"
+    assert set(result.responses) == {"weighing.density"}
+    assert set(result.curves) == {"pressing.stress"}
+
+
+def test_search_learns_curves_by_ask_and_tell() -> None:
+    search = gf.Sequential().start(problem(measured()), seed=1)
+    while not search.finished:
+        proposal = search.ask()
+        assert proposal is not None
+        search.tell(proposal, press(proposal.parameters, proposal.seed))
+
+    assert search.answer().parameters["modulus"] == pytest.approx(TRUTH["modulus"], rel=0.1)

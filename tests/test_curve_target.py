@@ -1,0 +1,85 @@
+"""Measured curves: points, errors, and what is refused."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from grainfit.curve_target import CurveTarget
+from grainfit.errors import InputError
+from grainfit.evaluation import Curve
+
+POINTS: dict[str, Any] = {"coordinates": [0.1, 0.2, 0.3], "values": [1.0, 2.0, 4.0]}
+
+
+def test_common_errors_are_the_same_at_all_points() -> None:
+    curve = CurveTarget("stress", **POINTS, uncertainty=0.1, common_uncertainty=0.2)
+
+    assert curve.covariance_about(curve.values) == pytest.approx(0.01 * np.eye(3) + 0.04)
+
+
+def test_percentage_is_a_share_of_the_true_values() -> None:
+    curve = CurveTarget("stress", **POINTS, uncertainty="10 %")
+
+    assert np.sqrt(np.diagonal(curve.covariance_about([2.0, 2.0, 2.0]))) == pytest.approx(0.2)
+    assert curve.standard_uncertainties == pytest.approx([0.1, 0.2, 0.4])
+
+
+@pytest.mark.parametrize(
+    "errors",
+    [
+        {"uncertainty": "2 %", "common_uncertainty": "1 %"},
+        {"uncertainty": [0.1, 0.2, 0.3]},
+        {"covariance": np.diag([1.0, 2.0, 3.0]) + 0.5},
+    ],
+)
+def test_curve_target_survives_json(errors: dict[str, Any]) -> None:
+    curve = CurveTarget("stress", **POINTS, **errors, unit="Pa", coordinate="strain")
+
+    assert CurveTarget(**curve.to_json()) == curve
+
+
+@pytest.mark.parametrize(
+    ("changed", "words"),
+    [
+        ({"coordinates": [0.1, 0.2]}, "has 2 coordinates and 3 values"),
+        ({"coordinates": [0.1, 0.3, 0.2]}, "do not increase"),
+        ({"coordinates": [0.1, 0.2, 0.2]}, "do not increase"),
+        ({"values": [1.0, float("nan"), 2.0]}, "not all finite"),
+        ({"values": "abc"}, "not all finite"),
+        ({"coordinates": [0.1], "values": [1.0]}, "has 1 points"),
+        ({"coordinates": range(500), "values": range(500)}, "has 500 points"),
+        ({"uncertainty": None}, "is missing"),
+        ({"uncertainty": 0.0}, "not above 0"),
+        ({"values": [0.0, 1.0, 2.0]}, "not above 0"),
+        ({"uncertainty": "much"}, "is 'much'"),
+        ({"uncertainty": [0.1, 0.2]}, "does not fit"),
+        ({"common_uncertainty": -1.0}, "does not fit"),
+        ({"covariance": np.eye(3)}, "beside uncertainties"),
+        ({"uncertainty": None, "covariance": np.eye(2)}, "has the shape"),
+        ({"uncertainty": None, "covariance": np.ones((3, 3))}, "not positive definite"),
+        ({"uncertainty": None, "covariance": np.triu(np.ones((3, 3)))}, "not symmetric"),
+        ({"uncertainty": None, "covariance": "abc"}, "has the shape"),
+        ({"name": ""}, "has no name"),
+    ],
+)
+def test_impossible_curve_targets_are_refused(changed: dict[str, Any], words: str) -> None:
+    with pytest.raises(InputError, match=words):
+        CurveTarget(**{"name": "stress", **POINTS, "uncertainty": "2 %", **changed})
+
+
+@pytest.mark.parametrize(
+    ("coordinates", "values", "words"),
+    [
+        ([0.0, 1.0], [1.0], "at least two"),
+        ([0.0, 1.0], [1.0, 2.0, 3.0], "are 2, and there are 3"),
+        ([1.0, 0.0], [1.0, 2.0], "do not increase"),
+        ([0.0, float("inf")], [1.0, 2.0], "not finite"),
+        (None, [1.0, 2.0], "not finite"),
+    ],
+)
+def test_impossible_curves_are_refused(coordinates: Any, values: Any, words: str) -> None:
+    with pytest.raises(InputError, match=words):
+        Curve(coordinates, values)
