@@ -15,6 +15,7 @@ from grainfit.campaign.work_folder import hold, is_held, recover
 from grainfit.errors import FailureKind, RunFailedError, StoreError
 from grainfit.evaluation import Proposal, Response
 from grainfit.solvers.base import Solver, Workspace
+from grainfit.solvers.own_model.python_callable import PythonCallable
 
 
 class Counting(Solver):
@@ -191,3 +192,29 @@ def test_what_is_asked_for_is_noted_before_any_of_its_runs_starts(tmp_path: Path
     [evaluation] = campaign.wait()
     campaign.close()
     assert noted == [(evaluation.runs, {})]
+
+
+def test_worker_that_has_ended_one_of_several_tests_is_free_for_another_proposal(
+    tmp_path: Path,
+) -> None:
+    goes_on = threading.Event()
+
+    def slow(parameters: Mapping[str, float], seed: int) -> dict[str, float]:
+        del parameters, seed
+        assert goes_on.wait(30.0)
+        return {"value": 1.0}
+
+    def quick(parameters: Mapping[str, float], seed: int) -> dict[str, float]:
+        del seed
+        return {"value": parameters["x"]}
+
+    solvers = {"slow": PythonCallable(slow), "quick": PythonCallable(quick)}
+    campaign = Campaign(solvers, RunStore.in_folder(tmp_path), None, CampaignOptions(2))
+    campaign.start(proposal(3.0))
+    assert campaign.wait() == []
+    assert campaign.has_free_worker
+    goes_on.set()
+    [evaluation] = campaign.wait()
+    campaign.close()
+
+    assert evaluation.responses == {"slow.value": Response(1.0), "quick.value": Response(3.0)}

@@ -10,12 +10,13 @@ from pathlib import Path
 import pytest
 
 import grainfit as gf
+from grainfit.bulk_tests.discharge import Discharge
 from grainfit.bulk_tests.heap import Heap
 from grainfit.bulk_tests.natural_units import Scale, natural_run
 from grainfit.campaign.reuse import take_runs
 from grainfit.campaign.store.records import RunRecord
 from grainfit.campaign.store.store import RunStore
-from grainfit.evaluation import Response
+from grainfit.evaluation import Curve, Measured, Response
 from grainfit.solvers.base import Workspace
 from grainfit.solvers.dem.lammps.program import Lammps
 from grainfit.solvers.own_model.python_callable import PythonCallable
@@ -59,7 +60,7 @@ BEADS = Material(0.010, 2000.0)
 FINE = Material(0.002, 1000.0)
 
 
-def stored(solver: Lammps, responses: Mapping[str, Response], seed: int = 3) -> RunStore:
+def stored(solver: Lammps, responses: Mapping[str, Measured], seed: int = 3) -> RunStore:
     store = RunStore("sqlite://")
     run = solver.definition({}, seed)
     store.save(RunRecord(run.identity, "heap", "finished", run, responses))
@@ -110,6 +111,30 @@ def test_a_run_of_one_size_serves_every_other(diameter: float) -> None:
     assert run.responses["bulk_density"].standard_error == pytest.approx(4.0)
     assert run.responses["angle_of_repose"] == Response(22.0, 1.0)
     assert run.origin
+
+
+def test_a_curve_of_one_size_serves_another() -> None:
+    def silo(material: Material, free: Iterable[str] = ()) -> Lammps:
+        fixed = {name: v for name, v in material.values.items() if name not in free}
+        return Lammps(Discharge(diameter=material.diameter), fixed)
+
+    curve = Curve([0.0, 1.0], [0.0, 0.8], stays=True)
+    store = stored(silo(BEADS), {"discharged_mass": curve, "mass_flow": Response(1.0)})
+    here, other = RunStore("sqlite://"), Material(0.040, 2000.0)
+    problem = gf.Problem(
+        [gf.Parameter(FRICTION, 0.1, 1.0)],
+        [],
+        curves=[gf.CurveTarget("discharged_mass", [0.5, 1.0], [10.0, 50.0], "2 %")],
+    )
+    take_runs(store, problem, {"silo": silo(other, [FRICTION])}, here)
+    [run] = here.runs("finished")
+    found = run.responses["discharged_mass"]
+
+    # Times grow with the root of the diameter, masses with its cube.
+    assert isinstance(found, Curve)
+    assert found.coordinates == pytest.approx([0.0, 2.0])
+    assert found.values == pytest.approx([0.0, 0.8 * 64])
+    assert found.stays
 
 
 def test_a_free_density_follows_from_a_fixed_stiffness_and_the_other_way_round() -> None:

@@ -18,7 +18,7 @@ from grainfit.campaign.work_folder import (
     run_folder,
 )
 from grainfit.errors import StoreError
-from grainfit.evaluation import Response
+from grainfit.evaluation import Curve, Response
 from grainfit.run_definition import RunDefinition, identity_of
 
 RUN = RunDefinition({"solver": "drum"}, {"friction": 0.3}, 1)
@@ -32,6 +32,16 @@ def test_a_run_is_found_again_after_reopening(tmp_path: Path) -> None:
     again = RunStore.in_folder(tmp_path)
     assert again.find("abc") == record
     assert again.find("other") is None
+
+
+def test_a_curve_of_a_run_is_found_again_after_reopening(tmp_path: Path) -> None:
+    found = {"mass": Curve([0.0, 1.0, 2.0], [0.0, 0.5, 0.6], stays=True), "angle": Response(22.0)}
+    record = RunRecord("abc", "silo", "finished", RUN, found)
+    store = RunStore.in_folder(tmp_path)
+    store.save(record)
+    store.close()
+
+    assert RunStore.in_folder(tmp_path).find("abc") == record
 
 
 def test_saving_again_replaces(tmp_path: Path) -> None:
@@ -83,6 +93,8 @@ def test_identity_depends_on_content_not_on_order() -> None:
         ("runs", "responses", '{"angle": {"value"'),
         ("runs", "responses", "[1, 2]"),
         ("runs", "responses", '{"angle": {"value": "high", "standard_error": 0}}'),
+        ("runs", "responses", '{"mass": {"coordinates": [0, 0], "values": [1, 2]}}'),
+        ("runs", "responses", '{"mass": {"coordinates": [0, 1], "values": 3, "stays": false}}'),
         ("runs", "definition", "null"),
         ("runs", "status", "sleeping"),
         ("runs", "seconds", "long"),

@@ -238,13 +238,15 @@ class Campaign:
         return record.status == "failed" and not record.may_succeed_next_time
 
     def wait(self, poll: Callable[[], None] | None = None) -> list[Evaluation]:
-        """Wait until at least one proposal is complete, and return all that are.
+        """Wait until a proposal is complete or a worker is free; return the complete ones.
 
-        Meanwhile ``poll`` is called a few times per second, to redraw the progress.
+        A worker that has ended one of several tests is free for another proposal. Meanwhile
+        ``poll`` is called a few times per second, to redraw the progress.
         """
         if not self._pending:
             raise RuntimeError("nothing has been started that could be waited for")
-        while not (complete := [entry for entry in self._pending if not entry.waiting]):
+        has_ended = False
+        while not self.has_complete and not (has_ended and self.has_free_worker):
             self._start_postponed()
             self._look_elsewhere()
             try:
@@ -256,6 +258,8 @@ class Campaign:
             if isinstance(record, BaseException):
                 raise record
             self._receive(record)
+            has_ended = True
+        complete = [entry for entry in self._pending if not entry.waiting]
         self._pending = [entry for entry in self._pending if entry.waiting]
         return [
             evaluation_of(
