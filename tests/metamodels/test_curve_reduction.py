@@ -52,8 +52,7 @@ def test_curve_of_two_shapes_has_two_components() -> None:
 def test_curve_is_the_sum_of_its_components() -> None:
     basis = CurveBasis.of(target(bent(1.0, 1.0)), simulated(), 2)
     wanted = bent(0.7, 1.2)
-    scores = basis.scores(Curve(PLACES.tolist(), wanted.tolist()))
-    assert scores is not None
+    scores = basis.scores(wanted)
     found, errors = basis.expected(np.array([s.value for s in scores.values()]), np.zeros(2))
 
     assert found == pytest.approx(wanted, abs=1e-9)
@@ -67,8 +66,7 @@ def test_errors_along_components_are_independent_and_of_size_one() -> None:
     curves, off = simulated(), []
     for errors in random.multivariate_normal(np.zeros(len(PLACES)), covariance, 2000):
         basis = CurveBasis.of(target(truth + errors), curves, 2)
-        true = basis.scores(Curve(PLACES.tolist(), truth.tolist()))
-        assert true is not None
+        true = basis.scores(truth)
         sign = np.sign(basis.components[:, -1])
         found = np.array([t.value - true[t.name].value for t in basis.targets])
         off.append(found * sign)
@@ -141,6 +139,18 @@ def test_runs_with_short_curves_do_not_count_for_a_metamodel() -> None:
 
     assert can_be_fitted(problem, [*whole, short])
     assert not can_be_fitted(problem, [*whole[:2], short])
+
+
+def test_curve_that_has_blown_up_bends_no_metamodel() -> None:
+    problem = problem_with(target(bent(1.0, 0.0)))
+    runs = [
+        evaluation(rise, Curve([0.0, *PLACES], [0.0, *bent(rise, 0.0)]), seed)
+        for seed, rise in enumerate(np.linspace(0.5, 1.5, 7).tolist())
+    ]
+    blown = evaluation(1.1, Curve([0.0, *PLACES], [0.0, *np.full(12, 1e200)]), 9)
+    usual = Metamodels.fit(problem, runs).predict([[0.3]])
+
+    assert Metamodels.fit(problem, [*runs, blown]).predict([[0.3]])[0] == pytest.approx(usual[0])
 
 
 def test_metamodels_of_a_curve_and_a_number_predict_both() -> None:

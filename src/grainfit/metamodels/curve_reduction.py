@@ -34,6 +34,9 @@ Array = NDArray[np.float64]
 #: component is left out: it could tell hardly anything of the parameters.
 _TRUNCATED = 0.5
 _MOST_COMPONENTS = 6
+#: A simulated value this many times the largest measured one is no physical answer; a single such
+#: curve would be the first component.
+_BLOWN_UP = 1e4
 #: Accepted deviations along components, in standard uncertainties: along the leading ones, as many
 #: as there are parameters, and along the others, which the material can hardly follow. So errors
 #: as they are stated are seldom called out of reach.
@@ -141,11 +144,8 @@ class CurveBasis:
             for name, value, tolerance in zip(self.names, values, tolerances, strict=True)
         ]
 
-    def scores(self, curve: Curve) -> dict[str, Response] | None:
-        """Return a simulated curve along the components; None if it lacks measured points."""
-        values = values_at(curve, self.target.coordinates)
-        if values is None:
-            return None
+    def scores(self, values: Array) -> dict[str, Response]:
+        """Return a simulated curve, at the measured coordinates, along the components."""
         off = values - np.asarray(self.target.values)
         off = linalg.solve_triangular(self.root, off, lower=True) - self.mean
         return dict(zip(self.names, map(Response, (self.components @ off).tolist()), strict=True))
@@ -234,19 +234,22 @@ class Reduction:
     def _scores(self, evaluation: Evaluation) -> dict[str, Response]:
         found: dict[str, Response] = {}
         for basis in self.bases:
-            curve = evaluation.curves.get(basis.target.name)
-            found |= (basis.scores(curve) if curve else None) or {}
+            values = _values(basis.target, evaluation)
+            found |= {} if values is None else basis.scores(values)
         return found
 
 
 def runs_with_curve(target: CurveTarget, evaluations: Sequence[Evaluation]) -> list[Evaluation]:
-    """Return the runs whose curve covers the measured coordinates."""
+    """Return the runs whose curve covers the measured coordinates, and has not blown up."""
     return [e for e in evaluations if _values(target, e) is not None]
 
 
 def _values(target: CurveTarget, evaluation: Evaluation) -> Array | None:
     curve = evaluation.curves.get(target.name)
-    return None if curve is None else values_at(curve, target.coordinates)
+    values = None if curve is None else values_at(curve, target.coordinates)
+    if values is None or np.abs(values).max() > _BLOWN_UP * np.abs(target.values).max():
+        return None
+    return values
 
 
 def _basis(problem: Problem, target: CurveTarget, evaluations: Sequence[Evaluation]) -> CurveBasis:
