@@ -72,7 +72,7 @@ class TestSpecification:
     @property
     def responses(self) -> tuple[str, ...]:
         """Names of the responses that were measured, curves last."""
-        return tuple(measured.name for measured in (*self.targets, *self.curves))
+        return (*(target.name for target in self.targets), *(curve.name for curve in self.curves))
 
 
 @dataclass(frozen=True)

@@ -163,12 +163,12 @@ class OwnTarget(Kind):
     ----------
     number : TargetTable
         Kind of a target that is one number.
-    curve : Kind
+    curve : CurveTable or RefusedCurve
         Kind of a target with the key ``curve``.
     """
 
     number: TargetTable
-    curve: Kind
+    curve: CurveTable | RefusedCurve
 
     def read(self, value: Any, place: Place) -> Target | CurveTarget | None:
         """Read a curve if the table has the key ``curve``, or else one number."""
@@ -178,6 +178,8 @@ class OwnTarget(Kind):
 
     def schema(self) -> Schema:
         """Return the JSON Schema of both forms."""
+        if isinstance(self.curve, RefusedCurve):
+            return self.number.schema()
         return {"oneOf": [self.number.schema(), self.curve.schema()]}
 
 
@@ -292,21 +294,21 @@ def _errors(values: Values, points: Points, y: Column, place: Place) -> dict[str
         )
     if "uncertainty" not in values:
         return None
-    found = {}
-    for key in (key for key in _ERRORS if key in values):
-        number, is_share = values[key]
-        found[key] = [number * abs(value) if is_share else number for value in points.values]
-    at_zero = [
-        line for line, error in zip(points.lines, found["uncertainty"], strict=True) if error == 0
-    ]
-    if not at_zero:
-        return found
-    place.at("uncertainty").fault(
-        f"is {100 * values['uncertainty'][0]:g} %, and the value in line {at_zero[0]} of "
-        f"{values[CURVE].name} is 0.",
-        f"Give an absolute one{_such_as(y.unit)}, or leave the point out.",
-    )
-    return None
+    number, is_share = values["uncertainty"]
+    zeros = [line for line, v in zip(points.lines, points.values, strict=True) if v == 0]
+    if is_share and zeros:
+        place.at("uncertainty").fault(
+            f"is {100 * number:g} %, and the value in line {zeros[0]} of {values[CURVE].name} "
+            "is 0.",
+            f"Give an absolute one{_such_as(y.unit)}, or leave the point out.",
+        )
+        return None
+    return {key: _error(*values[key]) for key in _ERRORS if key in values}
+
+
+def _error(number: float, is_share: bool) -> float | str:
+    """Return an uncertainty as the target takes it: its percentages are not of measured values."""
+    return f"{100 * number:.15g} %" if is_share else number
 
 
 def _such_as(unit: str) -> str:

@@ -16,6 +16,7 @@ from grainfit.calibration_file.curves import (
     PLANNED_CURVE,
     CurveTable,
     OwnTarget,
+    RefusedCurve,
 )
 from grainfit.calibration_file.targets import PlannedTargetTable, TargetTable
 from grainfit.curve_target import CurveTarget
@@ -54,7 +55,8 @@ def _targets(kind: TypeOfTest, *, planned: bool) -> tuple[Kind, str]:
     test, table = kind.bulk_test, PlannedTargetTable if planned else TargetTable
     if test is None or not test.responses:
         refused = PLANNED_CURVE if planned else CURVE_OF_TABLE
-        curve = CurveTable() if kind.has_curves and not planned else refused
+        allowed = kind.has_curves and not planned
+        curve: CurveTable | RefusedCurve = CurveTable() if allowed else refused
         return Named(OwnTarget(table(), curve), shortest=1), _OWN_EXAMPLE
     keys = tuple(
         Key(name, table(info.unit), f"{info.words}.", example=info.example)
