@@ -176,8 +176,8 @@ def test_curve_without_a_file(fault_of: Callable[..., str]) -> None:
 def test_large_file_of_a_curve_is_refused(write: Callable[..., Path], tmp_path: Path) -> None:
     path = write()
     with (tmp_path / "curve.csv").open("wb") as file:
-        # Sparse: it would fill the memory if it were read.
-        file.truncate(10**12)
+        # Sparse: it takes no room on the disk.
+        file.truncate(10**9)
     with pytest.raises(InputError, match=r"curve\.csv is larger than 10 MB"):
         load_calibration_file(path)
 
@@ -302,6 +302,18 @@ def test_stiffness_study_needs_single_numbers(tmp_path: Path) -> None:
     path.write_text(compression_file(TARGET.format(ERRORS)))
     with pytest.raises(InputError, match="targets: are curves only"):
         stiffness_study(path, workdir=tmp_path / "work")
+
+
+def test_stiffness_study_names_the_curves_that_it_leaves_out(
+    write: Callable[..., Path], tmp_path: Path
+) -> None:
+    head = HEAD.replace("[parameters]", "[particle]\nyoungs_modulus = 1e6\n[parameters]")
+    path = write(head=head, test=TEST + "targets.density = { value = 20, uncertainty = 1 }\n")
+    model = MODEL.replace('return {"stress"', 'return {"density": 2 * stiffness, "stress"')
+    (tmp_path / "model.py").write_text(model)
+    study = stiffness_study(path, factors=[1, 4], seeds=1, workdir=tmp_path / "work", workers=1)
+    assert [list(row.responses) for row in study.rows] == [["density"], ["density"]]
+    assert "Not compared: stress, which is a curve." in str(study)
 
 
 def test_expected_narrowing_is_not_known_of_curves(tmp_path: Path) -> None:
