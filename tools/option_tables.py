@@ -56,10 +56,14 @@ def _heading(name: str) -> str:
 
 def _test_tables(kind: TypeOfTest) -> str:
     assert kind.bulk_test is not None
-    responses = (
+    responses = [
         (f"`{name}`", unit_for_people(info.unit) or _NONE, f"{info.words}.")
         for name, info in kind.bulk_test.responses.items()
-    )
+    ]
+    responses += [
+        (f"`{name}`", unit_for_people(info.unit) or _NONE, f"Curve: {info.description}.")
+        for name, info in kind.bulk_test.curves.items()
+    ]
     options = (
         (
             f"`{key.name}`",

@@ -312,7 +312,8 @@ def test_the_file_knows_every_bulk_test() -> None:
         assert options == {key.name for key in test.option_keys()}
         assert options <= set(keys)
         targets = {key.name: key.kind.unit for key in keys["targets"].kind.keys}
-        assert targets == {response: info.unit for response, info in test.responses.items()}
+        measurable = {**test.responses, **test.curves}
+        assert targets == {response: info.unit for response, info in measurable.items()}
 
 
 def test_the_file_knows_every_material_parameter() -> None:

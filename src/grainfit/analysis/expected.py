@@ -75,7 +75,7 @@ def expected_narrowing(problem: Problem, solvers: Mapping[str, Solver]) -> Expec
     Returns
     -------
     ExpectedNarrowing
-        Empty if the sensitivities of a target are not known.
+        Empty if the sensitivities of a target are not known; those of curves never are.
 
     Examples
     --------
@@ -91,7 +91,7 @@ def expected_narrowing(problem: Problem, solvers: Mapping[str, Solver]) -> Expec
     """
     material = middle_material(problem, solvers)
     seen = _observations(problem, solvers, material)
-    if seen is None:
+    if not seen:
         return ExpectedNarrowing()
     free = [p for p in problem.parameters if p.name in VARIED]
     spreads = {p.name: even_deviation(p) for p in free}
@@ -111,6 +111,8 @@ def _observations(
     problem: Problem, solvers: Mapping[str, Solver], material: Mapping[str, float]
 ) -> list[Observation] | None:
     """Return what the targets tell; None if the sensitivities of one are not known."""
+    if problem.curves:
+        return None
     infos = {
         response_name(test, name, len(solvers)): info
         for test, solver in solvers.items()

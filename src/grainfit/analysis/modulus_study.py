@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from statistics import fmean, stdev
 
@@ -82,12 +82,15 @@ class ModulusStudy:
         Values of the other free parameters.
     seeds : int
         Runs of each modulus.
+    curves : tuple of str
+        Measured curves, which are not compared.
     """
 
     rows: tuple[ModulusRow, ...]
     targets: tuple[Target, ...]
     parameters: Mapping[str, float]
     seeds: int
+    curves: tuple[str, ...] = ()
 
     @property
     def stiffest(self) -> ModulusRow:
@@ -137,13 +140,19 @@ class ModulusStudy:
     def summary(self) -> tuple[str | TextTable, ...]:
         """Return the table and the sentences that `print` and a notebook show."""
         failures = dict.fromkeys(reason for row in self.rows for reason in row.failures)
-        return (self._table(), *self._verdict(), *(f"A run failed: {why}" for why in failures))
+        failed = (f"A run failed: {why}" for why in failures)
+        return (self._table(), *self._verdict(), *self._left_out(), *failed)
 
     def __str__(self) -> str:
         return as_text(self.summary())
 
     def _repr_html_(self) -> str:
         return as_html(self.summary())
+
+    def _left_out(self) -> Iterator[str]:
+        if self.curves:
+            verb = "is a curve" if len(self.curves) == 1 else "are curves"
+            yield f"Not compared: {in_a_row(self.curves)}, which {verb}."
 
     def _is_complete(self, row: ModulusRow) -> bool:
         return all(target.name in row.responses for target in self.targets)
@@ -258,7 +267,13 @@ def modulus_study(plan: ModulusPlan, evaluations: Sequence[Evaluation]) -> Modul
     rows = tuple(
         _row(plan, factor, by_factor[factor], values, scatter) for factor in sorted(by_factor)
     )
-    study = ModulusStudy(rows, tuple(plan.problem.targets), dict(plan.parameters), plan.seeds)
+    study = ModulusStudy(
+        rows,
+        tuple(plan.problem.targets),
+        dict(plan.parameters),
+        plan.seeds,
+        tuple(curve.name for curve in plan.problem.curves),
+    )
     if not any(len(row.responses) == len(plan.problem.targets) for row in rows):
         reasons = [reason for row in rows for reason in row.failures]
         raise RunFailedError(reasons[0] if reasons else "the runs give none of the responses")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from statistics import fmean, stdev
 
@@ -121,7 +121,7 @@ class RepeatedRuns:
         """Return the table and the sentences that `print` and a notebook show."""
         table = (self._table(),) if self.responses else ()
         failed = (f"Seed {seed}: {test} failed: {reason}" for seed, test, reason in self.failures)
-        return (*table, *self._advice(), *failed)
+        return (*table, *self._advice(), *self._about_curves(), *failed)
 
     def __str__(self) -> str:
         return as_text(self.summary())
@@ -134,6 +134,12 @@ class RepeatedRuns:
         rows = tuple(_row(response) for response in self.responses)
         caption = "Mean ± half of its 95 % interval; standard deviation of single runs with its own"
         return TextTable(header, rows, caption)
+
+    def _about_curves(self) -> Iterator[str]:
+        curves = dict.fromkeys(name for run in self.evaluations for name in run.curves)
+        if curves:
+            words = "is a curve" if len(curves) == 1 else "are curves"
+            yield f"{in_a_row(curves)} {words}: scatter is shown of single numbers only."
 
     def _advice(self) -> list[str]:
         return [words for response in self.responses if (words := _advice(response))]

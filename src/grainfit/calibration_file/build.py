@@ -350,6 +350,9 @@ def _problem(file: CalibrationFile) -> Problem:
         for test in file.tests
         for target in test.targets
     ]
+    curves = [
+        replace(curve, name=named(test, curve.name)) for test in file.tests for curve in test.curves
+    ]
     return Problem(
         file.parameters,
         targets,
@@ -360,6 +363,7 @@ def _problem(file: CalibrationFile) -> Problem:
             for test in file.tests
             for first, second, coefficient in test.correlations
         ],
+        curves=curves,
     )
 
 
@@ -374,7 +378,7 @@ def _rayleigh(file: CalibrationFile) -> RayleighTimeStep | None:
 def _entry(file: CalibrationFile, test: TestSpecification) -> FileEntry:
     return FileEntry(
         test.options,
-        tuple(target.name for target in test.targets),
+        test.responses,
         tuple(parameter.name for parameter in file.parameters),
         file.fixed,
         file.sizes,

@@ -12,6 +12,7 @@ from grainfit.bulk_tests.accuracy import Accuracy
 from grainfit.calibration.options import CalibrationOptions
 from grainfit.campaign.cluster.options import ClusterOptions
 from grainfit.correlations import Correlation
+from grainfit.curve_target import CurveTarget
 from grainfit.materials.sizes import ParticleSizes
 from grainfit.problem import Parameter, Target
 from grainfit.strategies.base import Strategy
@@ -53,6 +54,8 @@ class TestSpecification:
         laboratory; none means all of the test.
     correlations : tuple of (str, str, float)
         Correlations of the errors of the measured values: two responses and a coefficient.
+    curves : tuple of CurveTarget
+        Measured curves, named by response.
     """
 
     # Keeps pytest from taking it for a class of tests.
@@ -64,6 +67,12 @@ class TestSpecification:
     targets: tuple[Target, ...]
     planned: Mapping[str, PlannedTarget] = field(default_factory=dict)
     correlations: tuple[Correlation, ...] = ()
+    curves: tuple[CurveTarget, ...] = ()
+
+    @property
+    def responses(self) -> tuple[str, ...]:
+        """Names of the responses that were measured, curves last."""
+        return (*(target.name for target in self.targets), *(curve.name for curve in self.curves))
 
 
 @dataclass(frozen=True)

@@ -10,8 +10,9 @@ from grainfit.calibration.readiness import Obstacle, obstacles
 from grainfit.calibration.verification import VERIFICATION_RUNS
 from grainfit.calibration_file.build import CalibrationSetup
 from grainfit.campaign.cluster.executor import describe_cluster, executed_by
+from grainfit.curve_target import CurveTarget
 from grainfit.errors import GrainfitError, InputError
-from grainfit.formatting import in_a_row
+from grainfit.formatting import counted, in_a_row
 from grainfit.problem import Parameter, Problem, Target
 from grainfit.solvers.base import Solver
 from grainfit.strategies.budget import start_search
@@ -25,8 +26,8 @@ class Plan:
     ----------
     name : str
         Name of the calibration.
-    parameters, targets : sequence
-        Free parameters, and targets to meet.
+    parameters, targets, curves : sequence
+        Free parameters, and targets and measured curves to meet.
     lines : tuple of str
         Solvers, time step, and cost.
     executes : tuple of str
@@ -41,6 +42,7 @@ class Plan:
     name: str
     parameters: Sequence[Parameter]
     targets: Sequence[Target]
+    curves: Sequence[CurveTarget]
     lines: tuple[str, ...]
     executes: tuple[str, ...]
     notes: tuple[str, ...]
@@ -99,6 +101,7 @@ def describe_plan(setup: CalibrationSetup, *, call_scenes: bool = True) -> Plan:
         setup.name,
         problem.parameters,
         problem.targets,
+        problem.curves,
         tuple(lines),
         tuple(executes),
         setup.notes(),
@@ -159,8 +162,17 @@ def _run_lines(setup: CalibrationSetup) -> Iterator[str]:
         f"Strategy: {search.name}."
     )
     dimension -= len(setup.problem.measured)
-    if dimension > len(setup.problem.targets):
+    measured = len(setup.problem.responses)
+    if dimension > measured:
+        targets = counted(measured, "target")
+        if setup.problem.curves:
+            yield (
+                f"Note: {dimension} free parameters and {targets}, curves included. A curve can "
+                "determine several parameters if its shape depends on them: the intervals of the "
+                "result will show how many."
+            )
+            return
         yield (
-            f"Note: {dimension} free parameters and {len(setup.problem.targets)} targets: many "
+            f"Note: {dimension} free parameters and {targets}: many "
             "parameter sets will fit equally well. Fix a parameter or measure another response."
         )

@@ -7,10 +7,19 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
-from grainfit.bulk_tests.base import BulkTest
+from grainfit.bulk_tests.base import CurveInfo
 from grainfit.calibration_file.content import TestSpecification
 from grainfit.calibration_file.correlations import CORRELATIONS, note_bad_correlations
+from grainfit.calibration_file.curves import (
+    CURVE_EXAMPLE,
+    CURVE_OF_TABLE,
+    PLANNED_CURVE,
+    CurveTable,
+    OwnTarget,
+    RefusedCurve,
+)
 from grainfit.calibration_file.targets import PlannedTargetTable, TargetTable
+from grainfit.curve_target import CurveTarget
 from grainfit.options.kinds import Choice, Kind, Name, Schema, note_wrong_kind
 from grainfit.options.places import Place, show
 from grainfit.options.tables import Key, Named, Table, Values
@@ -22,7 +31,7 @@ _OWN_EXAMPLE = '{ angle = { value = 36.0, uncertainty = 0.5, unit = "deg" } }'
 
 def layout_of_test(kind: TypeOfTest, *, planned: bool = False) -> Table:
     """Return the layout of a ``[[test]]`` of one type; planned tests need no measured values."""
-    targets, example = _targets(kind.bulk_test, PlannedTargetTable if planned else TargetTable)
+    targets, example = _targets(kind, planned=planned)
     return Table(
         (
             Key("type", Choice((kind.name,)), "Type of the test.", required=True),
@@ -41,15 +50,32 @@ def layout_of_test(kind: TypeOfTest, *, planned: bool = False) -> Table:
     )
 
 
-def _targets(test: type[BulkTest] | None, table: type[TargetTable]) -> tuple[Kind, str]:
+def _targets(kind: TypeOfTest, *, planned: bool) -> tuple[Kind, str]:
     """Return the layout of a test's targets, and an example."""
+    test, table = kind.bulk_test, PlannedTargetTable if planned else TargetTable
     if test is None or not test.responses:
-        return Named(table(), shortest=1), _OWN_EXAMPLE
+        refused = PLANNED_CURVE if planned else CURVE_OF_TABLE
+        allowed = kind.has_curves and not planned
+        curve: CurveTable | RefusedCurve = CurveTable() if allowed else refused
+        return Named(OwnTarget(table(), curve), shortest=1), _OWN_EXAMPLE
     keys = tuple(
         Key(name, table(info.unit), f"{info.words}.", example=info.example)
         for name, info in test.responses.items()
     )
-    return Table(keys), f"{{ {keys[-1].name} = {keys[-1].example} }}"
+    curves = tuple(
+        Key(
+            name,
+            PLANNED_CURVE if planned else _curve_table(info),
+            f"{info.words}.",
+            example=CURVE_EXAMPLE,
+        )
+        for name, info in test.curves.items()
+    )
+    return Table(keys + curves), f"{{ {keys[-1].name} = {keys[-1].example} }}"
+
+
+def _curve_table(info: CurveInfo) -> CurveTable:
+    return CurveTable(info.unit, info.coordinate_unit, info.coordinate)
 
 
 def _specification(kind: TypeOfTest, values: Values, place: Place) -> TestSpecification | None:
@@ -61,15 +87,19 @@ def _specification(kind: TypeOfTest, values: Values, place: Place) -> TestSpecif
     if not targets or None in values.values() or None in targets.values():
         return None
     correlations = values.pop(CORRELATIONS.name, ())
-    if note_bad_correlations(correlations, list(targets), place.at(CORRELATIONS.name)):
+    curves = [target for target in targets.values() if isinstance(target, CurveTarget)]
+    numbers = [target for target in targets.values() if not isinstance(target, CurveTarget)]
+    names = [target.name for target in numbers]
+    if note_bad_correlations(correlations, names, place.at(CORRELATIONS.name)):
         return None
     name = values.pop("name", values["type"])
     return TestSpecification(
         name,
         values.pop("type"),
         values,
-        tuple(targets.values()),
+        tuple(numbers),
         correlations=correlations,
+        curves=tuple(curves),
     )
 
 

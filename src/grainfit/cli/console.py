@@ -18,6 +18,7 @@ from grainfit.formatting import duration, plain, probability
 
 if TYPE_CHECKING:
     from grainfit.calibration_file.plan import Plan
+    from grainfit.curve_target import CurveTarget
     from grainfit.evaluation import Evaluation
     from grainfit.preview.previewed_test import PreviewedTest
     from grainfit.result import Result
@@ -133,6 +134,8 @@ def print_plan(console: Console, plan: Plan) -> None:
             _text(_number(target.value, target.unit)),
             _text(f"± {_number(target.tolerance, target.unit)}"),
         )
+    for curve in plan.curves:
+        targets.add_row(_text(curve.name), *map(_text, _words_on_curve(curve)))
     console.print(targets)
     for line in plan.lines:
         console.print(_text(line))
@@ -143,6 +146,17 @@ def print_plan(console: Console, plan: Plan) -> None:
         console.print(_text(f"  {line}"), soft_wrap=True)
     for problem in plan.problems:
         console.print(_text(problem, "red"))
+
+
+def _words_on_curve(curve: CurveTarget) -> tuple[str, str]:
+    """Return the extent of a measured curve, and its largest standard uncertainty."""
+    first, last = (_number(curve.coordinates[end]) for end in (0, -1))
+    unit = f" {curve.coordinate_unit}".rstrip()
+    largest = float(curve.standard_uncertainties.max())
+    return (
+        f"{len(curve.values)} points over {curve.coordinate}, {first} to {last}{unit}",
+        f"uncertainty up to {_number(largest, curve.unit)}",
+    )
 
 
 def _execution_heading(plan: Plan) -> str:

@@ -62,6 +62,8 @@ class TypeOfTest:
         The bulk test that is simulated; None for custom models.
     check : callable, optional
         Checks combinations of keys, and may complete values.
+    has_curves : bool
+        Whether custom models of this type can yield curves.
     """
 
     name: str
@@ -69,3 +71,4 @@ class TypeOfTest:
     make_solver: Callable[[FileEntry], Solver]
     bulk_test: type[BulkTest] | None = None
     check: Callable[[Values, Place], None] | None = None
+    has_curves: bool = True

@@ -16,6 +16,7 @@ from grainfit.campaign.reuse import open_source, runs_of
 from grainfit.errors import Fault, InputError
 from grainfit.evaluation import Evaluation, Proposal, response_name
 from grainfit.formatting import counted, in_unit, number, plain_ends, plain_interval
+from grainfit.metamodels.curve_reduction import ComponentTarget
 from grainfit.problem import Parameter, Problem, Target
 from grainfit.tables import TextTable, as_html, as_text
 from grainfit.work_folder.import_table import read_import_table
@@ -53,6 +54,8 @@ class RunsAnalysis:
             return ""
         means, variances = metamodels.predict(posterior.points)
         targets = metamodels.problem.targets
+        if not targets:
+            return ""
         squares = np.array([standard_uncertainty(target) ** 2 for target in targets])
         off = np.abs(means - [target.value for target in targets]) / np.sqrt(squares + variances)
         best = int(off.max(axis=1).argmin())
@@ -60,11 +63,14 @@ class RunsAnalysis:
         if off[best, worst] <= _DISAGREES:
             return ""
         target = targets[worst]
+        found = f"is {number(float(means[best, worst]))} instead of {number(target.value)}, "
+        if isinstance(target, ComponentTarget):
+            # Its values are distances from the mean curve of the runs, which nobody knows.
+            found = "is "
         return (
             f"No parameter set within the intervals agrees with the measurements: where all are "
-            f"closest, {target.name} is {number(float(means[best, worst]))} instead of "
-            f"{number(target.value)}, {number(float(off[best, worst]), 2)} standard deviations "
-            "away. The intervals below are those of the least bad parameter sets."
+            f"closest, {target.name} {found}{number(float(off[best, worst]), 2)} standard "
+            "deviations away. The intervals below are those of the least bad parameter sets."
         )
 
     def summary(self) -> tuple[str | TextTable, ...]:
@@ -106,9 +112,16 @@ class RunsAnalysis:
         )
         metamodels = self.analysis.metamodels
         targets = () if metamodels is None else metamodels.problem.targets
+        rows = tuple(
+            _response_row(target, posterior.responses[:, i])
+            for i, target in enumerate(targets)
+            if not isinstance(target, ComponentTarget)
+        )
+        if not rows:
+            return
         yield TextTable(
             ("response", "measured", "expected"),
-            tuple(_response_row(t, posterior.responses[:, i]) for i, t in enumerate(targets)),
+            rows,
             "± standard uncertainty of the measured value, 95 % interval of the expected response",
         )
 

@@ -103,6 +103,7 @@ class _Reader:
         self._columns: dict[int, _Column] = {}
 
     def read(self) -> tuple[list[TableRow], list[str]]:
+        self._require_numbers()
         (number, header), *lines = read_csv(self._path)
         ignored = self._read_header(number, header, [cells for _, cells in lines])
         if not lines:
@@ -121,6 +122,18 @@ class _Reader:
         )
         self._raise()
         return rows, ignored
+
+    def _require_numbers(self) -> None:
+        for curve in self._test.curves:
+            self._faults.append(
+                Fault(
+                    curve.name,
+                    "is a curve, and a table of runs holds single numbers only.",
+                    f"Leave it out of the targets of test {self._test.name!r}, or use a work "
+                    "folder instead of the table.",
+                )
+            )
+        self._raise()
 
     # --- the header --------------------------------------------------------------------------
 

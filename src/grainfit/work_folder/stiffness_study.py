@@ -88,6 +88,10 @@ def stiffness_study(
     plan = ModulusPlan(**{**given, "factors": tuple(factors), "seeds": seeds})
     if workers is not None:
         plan = replace(plan, workers=workers)
+    if not plan.problem.targets:
+        remedy = "Give a target that is one number, such as a bulk density, as well."
+        words = "are curves only, and the study compares single numbers."
+        raise InputError(Fault("targets", words, remedy))
     evaluations = simulate_moduli(plan, Path(workdir or folder), on_start, on_progress)
     return modulus_study(plan, evaluations)
 

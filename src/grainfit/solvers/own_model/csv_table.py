@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import csv
+import io
 from collections.abc import Iterable, Iterator
 from pathlib import Path
+from typing import TextIO
 
 from grainfit.errors import Fault, InputError
 from grainfit.evaluation import ERROR_SUFFIX
@@ -15,16 +17,30 @@ SEED_COLUMN = "seed"
 OLD_ERROR_SUFFIX = "_std_error"
 
 
-def read_csv(path: Path) -> list[tuple[int, list[str]]]:
+def read_csv(
+    path: Path,
+    *,
+    largest: int | None = None,
+    content: str = "a header and one line per run",
+) -> list[tuple[int, list[str]]]:
     """Return the header and the nonblank lines of a CSV file, with their numbers.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+    largest : int, optional
+        Bytes above which a file is refused, without reading all of it.
+    content : str
+        What an empty file should hold.
 
     Raises
     ------
     InputError
-        The file cannot be read, is not a CSV file in UTF-8, or is empty.
+        The file cannot be read, is not a CSV file in UTF-8, is empty or too large.
     """
     try:
-        with path.open(newline="", encoding="utf-8-sig") as file:
+        with _opened(path, largest) as file:
             reader = csv.reader(file, strict=True)
             lines = [
                 (reader.line_num, [cell.strip() for cell in line])
@@ -41,8 +57,20 @@ def read_csv(path: Path) -> list[tuple[int, list[str]]]:
             Fault("", f"is not a CSV file: {error}.", "Save the table as CSV in UTF-8."), str(path)
         ) from error
     if not lines:
-        raise InputError(Fault("", "is empty.", "Give a header and one line per run."), str(path))
+        raise InputError(Fault("", "is empty.", f"Give {content}."), str(path))
     return lines
+
+
+def _opened(path: Path, largest: int | None) -> TextIO:
+    if largest is None:
+        return path.open(newline="", encoding="utf-8-sig")
+    with path.open("rb") as file:
+        # Not by its size: a device has none.
+        data = file.read(largest + 1)
+    if len(data) > largest:
+        words = f"is larger than {largest / 1e6:g} MB."
+        raise InputError(Fault("", words, "Is it the right file?"), str(path))
+    return io.StringIO(data.decode("utf-8-sig"), newline="")
 
 
 def note_old_error_column(name: str, responses: Iterable[str], where: str) -> Fault | None:

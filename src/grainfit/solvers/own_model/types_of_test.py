@@ -178,4 +178,5 @@ TABLE = TypeOfTest(
         _PARAMETERS,
     ),
     _table,
+    has_curves=False,
 )

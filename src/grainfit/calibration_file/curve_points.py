@@ -1,0 +1,285 @@
+"""Read the points of a measured curve, and the covariance of their errors, from CSV files."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from pathlib import Path
+
+from grainfit.curve_target import MOST_POINTS
+from grainfit.errors import InputError
+from grainfit.options.kinds import Quantity
+from grainfit.options.places import Findings, Place, show
+from grainfit.solvers.own_model.csv_table import read_csv
+from grainfit.units import UnitError, to_unit
+
+_LARGEST_FILE = 10_000_000
+_MOST_FAULTS = 20
+_MOST_NAMED = 10
+_POINTS = "a header, and one line for each point"
+_MATRIX = "a row of numbers for each point of the curve, without a header"
+
+Cells = list[str]
+Lines = Sequence[tuple[int, Cells]]
+
+
+@dataclass(frozen=True)
+class Column:
+    """A column of the CSV file of a curve.
+
+    Parameters
+    ----------
+    key : str
+        Key of the calibration file that names it.
+    position : int
+        Its position when the calibration file does not name it.
+    name : str or None
+        Name in the header.
+    written : str
+        Unit of its numbers; empty when there is nothing to convert.
+    unit : str
+        Unit to convert to.
+    """
+
+    key: str
+    position: int
+    name: str | None
+    written: str
+    unit: str
+
+    def convert(self, number: float) -> float:
+        """Return a number of the column in the unit of the response."""
+        return to_unit(f"{number!r} {self.written}", self.unit) if self.written else number
+
+    @property
+    def scale(self) -> float:
+        """Factor of conversion of a difference."""
+        return self.convert(1.0) - self.convert(0.0)
+
+
+@dataclass(frozen=True)
+class Points:
+    """Points of a curve, coordinates increasing.
+
+    Parameters
+    ----------
+    coordinate : str
+        Name of the column of the coordinates.
+    coordinates, values : tuple of float
+        The points.
+    lines : tuple of int
+        Their lines in the file.
+    order : tuple of int
+        Their positions in the file, counted from 0.
+    """
+
+    coordinate: str
+    coordinates: tuple[float, ...]
+    values: tuple[float, ...]
+    lines: tuple[int, ...]
+    order: tuple[int, ...]
+
+
+def read_points(path: Path, x: Column, y: Column, place: Place) -> Points | None:
+    """Read the points of a curve; None after noting every fault at a place.
+
+    Parameters
+    ----------
+    path : Path
+        CSV file with a header.
+    x, y : Column
+        Columns of coordinates and values.
+    place : Place
+        Of the file in the calibration file.
+    """
+    lines = _read(path, _POINTS, place)
+    if lines is None:
+        return None
+    notes = _Notes(path, place)
+    header, rows = lines[0][1], lines[1:]
+    columns = _find_columns(header, (x, y), notes)
+    if columns is None:
+        return None
+    if not 2 <= len(rows) <= MOST_POINTS:
+        remedy = f"Give 2 to {MOST_POINTS}; average neighbours of a longer curve."
+        notes.note("", f"has {len(rows)} points.", remedy)
+        return None
+    found = [
+        [_number(notes, line, cells, len(header), place_of, column) for place_of, column in columns]
+        for line, cells in rows
+    ]
+    numbers = [(a, b) for a, b in found if a is not None and b is not None]
+    if len(numbers) < len(rows):
+        notes.finish()
+        return None
+    order = sorted(range(len(rows)), key=lambda i: numbers[i][0])
+    name = header[columns[0][0]]
+    points = Points(
+        name,
+        tuple(numbers[i][0] for i in order),
+        tuple(numbers[i][1] for i in order),
+        tuple(rows[i][0] for i in order),
+        tuple(order),
+    )
+    _note_repeated(points, notes)
+    return None if notes.finish() else points
+
+
+def read_covariance(
+    path: Path, points: Points, scale: float, place: Place
+) -> list[list[float]] | None:
+    """Read the covariance of the errors of a curve; None after noting every fault at a place.
+
+    Parameters
+    ----------
+    path : Path
+        CSV file without a header, its rows and columns in the order of the lines of the curve.
+    points : Points
+        Points of the curve.
+    scale : float
+        Factor to the square of the unit of the values.
+    place : Place
+        Of the file in the calibration file.
+    """
+    lines = _read(path, _MATRIX, place)
+    if lines is None:
+        return None
+    notes, count = _Notes(path, place), len(points.values)
+    remedy = f"Give {count} rows of {count} numbers, one for each point of the curve."
+    if len(lines) != count:
+        notes.note("", f"has {len(lines)} rows, and the curve {count} points.", remedy)
+    matrix = []
+    for line, cells in lines:
+        if len(cells) != count:
+            notes.note(f"line {line}", f"has {len(cells)} numbers.", remedy)
+            continue
+        matrix.append([_parse(text) for text in cells])
+        for position, (text, number) in enumerate(zip(cells, matrix[-1], strict=True), start=1):
+            if not math.isfinite(number):
+                where = f"line {line}, column {position}"
+                notes.note(where, f"is {show(text)}, not a number.", "Use a decimal point.")
+    if notes.finish():
+        return None
+    return [[scale * matrix[i][j] for j in points.order] for i in points.order]
+
+
+class _Notes:
+    """Faults of one file; of many, the first ones are noted."""
+
+    def __init__(self, path: Path, place: Place) -> None:
+        self._name = path.name
+        self._place = place
+        self._count = 0
+
+    def note(self, where: str, message: str, remedy: str = "") -> None:
+        self._count += 1
+        if self._count <= _MOST_FAULTS:
+            separator = ", " if where else ""
+            self._place.fault(f"{self._name}{separator}{where} {message}", remedy)
+
+    def finish(self) -> bool:
+        """Note the number of further faults; return True if there are faults."""
+        if self._count > _MOST_FAULTS:
+            self._place.fault(f"{self._name} has {self._count - _MOST_FAULTS} more faults.")
+        return self._count > 0
+
+
+def _read(path: Path, content: str, place: Place) -> Lines | None:
+    try:
+        return read_csv(path, largest=_LARGEST_FILE, content=content)
+    except InputError as error:
+        for fault in error.faults:
+            place.fault(f"{path.name} {fault.message}", fault.remedy)
+        return None
+
+
+def _find_columns(
+    header: Cells, columns: Sequence[Column], notes: _Notes
+) -> list[tuple[int, Column]] | None:
+    """Return the columns with their positions."""
+    if all(math.isfinite(_parse(name)) for name in header):
+        notes.note("line 1", "has no names of columns.", "Name the columns in the first line.")
+        return None
+    if len(header) == 1:
+        remedy = "Separate columns by commas." if any(s in header[0] for s in ";\t") else ""
+        notes.note("", f"has one column, {show(header[0])}.", remedy or f"Give {_POINTS}.")
+        return None
+    found = [_position(header, column, notes) for column in columns]
+    if None in found:
+        return None
+    if len(set(found)) < len(found):
+        name = show(header[found[0] or 0])
+        notes.note(f"column {name}", "is both x and y.", 'Name two: x = "...", y = "...".')
+        return None
+    return [(at, column) for at, column in zip(found, columns, strict=True) if at is not None]
+
+
+def _position(header: Cells, column: Column, notes: _Notes) -> int | None:
+    if column.name is None:
+        return column.position
+    count = header.count(column.name)
+    if count == 1:
+        return header.index(column.name)
+    where = f"column {show(column.name)}"
+    if count:
+        notes.note(where, "is there more than once.", "Keep one of them.")
+        return None
+    there = ", ".join(show(name) for name in header[:_MOST_NAMED])
+    notes.note(where, "is missing.", f"{column.key} can be one of: {there}.")
+    return None
+
+
+def _number(
+    notes: _Notes, line: int, cells: Cells, width: int, position: int, column: Column
+) -> float | None:
+    """Return the number in a cell, converted; None after noting its fault."""
+    if len(cells) > width:
+        if column.key == "x":
+            message = f"has {len(cells)} cells, and the header {width}."
+            notes.note(f"line {line}", message, "Use decimal points, and a comma between cells.")
+        return None
+    where = f"line {line}, column {column.name or position + 1}"
+    text = cells[position] if position < len(cells) else ""
+    if not text:
+        notes.note(where, "has no value.", "Leave the point out, or complete it.")
+        return None
+    number = _parse(text)
+    if math.isnan(number):
+        notes.note(where, f"is {show(text)}, not a number.", "Use a decimal point.")
+        return None
+    for message, remedy in _faults_of_size(number, column):
+        notes.note(where, message, remedy)
+        return None
+    return column.convert(number)
+
+
+def _faults_of_size(number: float, column: Column) -> Iterator[tuple[str, str]]:
+    findings = Findings(Path())
+    try:
+        value = column.convert(number) if math.isfinite(number) else number
+    except UnitError as error:
+        yield error.message, error.remedy
+        return
+    Quantity(column.unit).read(value, Place(findings))
+    for fault in findings.faults:
+        yield fault.message, fault.remedy
+
+
+def _note_repeated(points: Points, notes: _Notes) -> None:
+    neighbours = pairwise(zip(points.coordinates, points.lines, strict=True))
+    for (low, first), (high, second) in neighbours:
+        if low == high:
+            message = f"has the same {points.coordinate} as line {first}, {high:g}."
+            remedy = f"Give one point for each {points.coordinate}, such as the mean of several."
+            notes.note(f"line {second}", message, remedy)
+
+
+def _parse(text: str) -> float:
+    """Return the number that a text is; NaN for none."""
+    # Python reads 1_000 as a thousand; in a table it means something else.
+    try:
+        return math.nan if "_" in text else float(text)
+    except ValueError:
+        return math.nan

@@ -1,0 +1,326 @@
+"""Measured curves in the calibration file: units, faults with their places, a calibration."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from io import StringIO
+from pathlib import Path
+
+import numpy as np
+import pytest
+from rich.console import Console
+
+import grainfit as gf
+from grainfit.calibration_file.build import CalibrationSetup, load_calibration
+from grainfit.calibration_file.load import load_calibration_file
+from grainfit.calibration_file.plan import describe_plan
+from grainfit.cli.console import print_plan
+from grainfit.curve_target import CurveTarget
+from grainfit.errors import InputError
+from grainfit.work_folder.analyse_runs import analyse_runs
+from grainfit.work_folder.repeat_runs import repeat_runs
+from grainfit.work_folder.stiffness_study import stiffness_study
+
+MODEL = """
+def simulate(parameters, seed):
+    stiffness, noise = parameters["stiffness"], 1 + 0.002 * (seed % 7 - 3)
+    strains = [i / 50 for i in range(11)]
+    stresses = [1000 * stiffness * x * (1 + 3 * x) * noise for x in strains]
+    return {"stress": {"coordinates": strains, "values": stresses}}
+"""
+HEAD = 'name = "piston"\n[parameters]\nstiffness = { min = 2, max = 20 }\n'
+TEST = '[[test]]\nname = "press"\ntype = "python"\nfunction = "model.py:simulate"\n'
+#: In SI units, with a stiffness of 10.
+CURVE = "strain,stress\n0.05,575\n0.01,103\n0.1,1300\n0.15,2175\n"
+TARGET = 'targets.stress = {{ curve = "curve.csv"{} }}\n'
+ERRORS = ', uncertainty = "2 %", common_uncertainty = "1 %"'
+
+
+@pytest.fixture
+def write(tmp_path: Path) -> Callable[..., Path]:
+    def file(options: str = ERRORS, curve: str = CURVE, test: str = TEST, head: str = HEAD) -> Path:
+        (tmp_path / "model.py").write_text(MODEL)
+        (tmp_path / "curve.csv").write_text(curve)
+        path = tmp_path / "piston.toml"
+        path.write_text(head + test + TARGET.format(options))
+        return path
+
+    return file
+
+
+@pytest.fixture
+def curve_of(write: Callable[..., Path]) -> Callable[..., CurveTarget]:
+    def read(*arguments: str, **given: str) -> CurveTarget:
+        (test,) = load_calibration_file(write(*arguments, **given)).tests
+        assert test.targets == ()
+        (curve,) = test.curves
+        return curve
+
+    return read
+
+
+@pytest.fixture
+def fault_of(write: Callable[..., Path]) -> Callable[..., str]:
+    def read(*arguments: str, **given: str) -> str:
+        with pytest.raises(InputError) as caught:
+            load_calibration_file(write(*arguments, **given))
+        return "\n".join(map(str, caught.value.faults))
+
+    return read
+
+
+def test_curve_is_sorted_by_its_first_column(curve_of: Callable[..., CurveTarget]) -> None:
+    curve = curve_of()
+    assert (curve.name, curve.coordinate) == ("stress", "strain")
+    assert curve.coordinates == (0.01, 0.05, 0.1, 0.15)
+    assert curve.values == (103, 575, 1300, 2175)
+    assert (curve.uncertainty, curve.common_uncertainty) == ("2 %", "1 %")
+
+
+def test_curve_in_other_units_and_columns(curve_of: Callable[..., CurveTarget]) -> None:
+    curve = curve_of(
+        ', x = "strain", y = "load", x_unit = "%", y_unit = "kPa", uncertainty = "0.02 kPa"',
+        "load,number,strain\n0.103,1,1\n0.575,2,5\n\n1.3,3,10\n",
+    )
+    assert curve.coordinates == (0.01, 0.05, 0.1)
+    assert curve.values == (103, 575, 1300)
+    assert curve.uncertainty == (20, 20, 20)
+    assert (curve.unit, curve.coordinate_unit) == ("Pa", "")
+
+
+def test_curve_of_a_model_in_its_own_unit(curve_of: Callable[..., CurveTarget]) -> None:
+    own = ', unit = "kPa", y_unit = "Pa", coordinate_unit = "%", uncertainty = "20 Pa"'
+    curve = curve_of(own)
+    assert curve.values == (0.103, 0.575, 1.3, 2.175)
+    assert curve.uncertainty == pytest.approx([0.02] * 4)
+    assert (curve.unit, curve.coordinate_unit) == ("kPa", "%")
+
+
+def test_covariance_follows_the_order_of_the_lines(
+    curve_of: Callable[..., CurveTarget], tmp_path: Path
+) -> None:
+    (tmp_path / "covariance.csv").write_text("4,1,0\n1,9,2\n0,2,16\n")
+    curve = curve_of(
+        ', y_unit = "kPa", covariance = "covariance.csv"', "x,y\n0.2,2\n0.1,1\n0.3,3\n"
+    )
+    kilopascal_squared = np.array([[9, 1, 2], [1, 4, 0], [2, 0, 16]])
+    assert np.array(curve.covariance) == pytest.approx(1e6 * kilopascal_squared)
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        (', x = "strian"' + ERRORS, ["column 'strian' is missing", "'strain', 'stress'"]),
+        (', x = "stress"' + ERRORS, ["column 'stress' is both x and y"]),
+        (', y_unit = "mm"' + ERRORS + ', unit = "Pa"', ["stress.y_unit", "Pa"]),
+        (', y_unit = "widgets"' + ERRORS, ["stress.y_unit", "not a known unit"]),
+        (', y_unit = "kPa", uncertainty = 0.02', ["stress.uncertainty", '"0.02 kPa"']),
+        ("", ["stress.uncertainty", "is missing", "covariance"]),
+        (', common_uncertainty = "1 %"', ["stress.uncertainty", "is missing"]),
+        (', uncertainty = "-1 %"', ["stress.uncertainty", "above 0"]),
+        (ERRORS + ', covariance = "curve.csv"', ["common_uncertainty", "beside covariance"]),
+        (', covariance = "none.csv"', ["stress.covariance", "no such file"]),
+        (', covariance = "curve.csv"', ["stress.covariance", "curve.csv has 5 rows"]),
+        (ERRORS + ", tolerance = 3", ["stress.tolerance", "not a known key"]),
+    ],
+)
+def test_fault_of_an_option_of_a_curve(
+    fault_of: Callable[..., str], options: str, words: list[str]
+) -> None:
+    fault = fault_of(options)
+    assert "line 8, test[0].targets.stress" in fault
+    assert [word for word in words if word not in fault] == []
+
+
+@pytest.mark.parametrize(
+    ("curve", "words"),
+    [
+        ("", ["curve.csv is empty"]),
+        ("x,y\n", ["curve.csv has 0 points", "2 to 400"]),
+        ("x,y\n1,2\n", ["curve.csv has 1 points"]),
+        ("x,y\n" + "".join(f"{i},{i + 1}\n" for i in range(401)), ["has 401 points", "average"]),
+        ("x,y\n1,2\n2,many\n", ["curve.csv, line 3, column 2 is 'many', not a number"]),
+        ("x,y\n1,\n2,3\n", ["line 2, column 2 has no value"]),
+        ("x,y\n1,2\n2\n", ["line 3, column 2 has no value"]),
+        ("x,y\n1,inf\n2,3\n", ["line 2, column 2 is inf"]),
+        ("x,y\n1,1_000\n2,3\n", ["line 2, column 2 is '1_000'"]),
+        ("x,y\n0,1,2\n0,3,4\n", ["line 2 has 3 cells", "decimal points"]),
+        ("x;y\n1;2\n2;3\n", ["Separate columns by commas"]),
+        ("1,2\n2,3\n", ["line 1 has no names of columns"]),
+        ("x,y\n1,2\n3,4\n1,5\n", ["line 4 has the same x as line 2"]),
+        ("x,y\n1,0\n2,5\n", ["stress.uncertainty", "line 2 of curve.csv is 0", "absolute"]),
+        ('x,y\n"1,2\n', ["is not a CSV file"]),
+    ],
+)
+def test_fault_of_the_points_of_a_curve(
+    fault_of: Callable[..., str], curve: str, words: list[str]
+) -> None:
+    fault = fault_of(ERRORS, curve)
+    assert "line 8, test[0].targets.stress" in fault
+    assert [word for word in words if word not in fault] == []
+
+
+def test_curve_with_many_faults_names_the_first_ones(fault_of: Callable[..., str]) -> None:
+    fault = fault_of(ERRORS, "x,y\n" + "1,many\n" * 50)
+    assert fault.count("not a number") == 20
+    assert "30 more faults" in fault
+
+
+def test_curve_without_a_file(fault_of: Callable[..., str]) -> None:
+    test = TEST + 'targets.other = { curve = "none.csv", uncertainty = "2 %" }\n'
+    fault = fault_of(test=test)
+    assert "line 8, test[0].targets.other.curve" in fault
+    assert "no such file" in fault
+
+
+def test_large_file_of_a_curve_is_refused(write: Callable[..., Path], tmp_path: Path) -> None:
+    path = write()
+    with (tmp_path / "curve.csv").open("wb") as file:
+        # Sparse: it takes no room on the disk.
+        file.truncate(10**9)
+    with pytest.raises(InputError, match=r"curve\.csv is larger than 10 MB"):
+        load_calibration_file(path)
+
+
+@pytest.mark.parametrize(
+    ("rows", "words"),
+    [
+        ("1,0\n2,1\n", "is not symmetric"),
+        ("1,1\n1,1\n", "is not positive definite"),
+        ("1,0\n0,x\n", "line 2, column 2 is 'x', not a number"),
+        ("1,0\n0\n", "line 2 has 1 numbers"),
+    ],
+)
+def test_fault_of_a_covariance(
+    fault_of: Callable[..., str], tmp_path: Path, rows: str, words: str
+) -> None:
+    (tmp_path / "covariance.csv").write_text(rows)
+    fault = fault_of(', covariance = "covariance.csv"', "x,y\n1,2\n2,3\n")
+    assert "test[0].targets.stress.covariance" in fault
+    assert words in fault
+
+
+def test_recorded_table_has_no_curves(fault_of: Callable[..., str], tmp_path: Path) -> None:
+    (tmp_path / "runs.csv").write_text("stiffness,stress\n2,3\n")
+    fault = fault_of(test='[[test]]\ntype = "table"\nfile = "runs.csv"\n')
+    assert "targets.stress: is a curve, and a recorded table holds single numbers" in fault
+
+
+def test_planned_file_has_no_curves(write: Callable[..., Path]) -> None:
+    with pytest.raises(InputError, match=r"targets\.stress: is a curve"):
+        load_calibration_file(write(), planned=True)
+
+
+def test_curve_has_no_correlations(fault_of: Callable[..., str]) -> None:
+    test = TEST + 'correlations = [["stress", "peak", 0.5]]\ntargets.peak = { value = 3 }\n'
+    assert "correlations" in fault_of(test=test)
+
+
+def compression_file(target: str) -> str:
+    glass_beads = (
+        Path(__file__).parents[2] / "examples" / "glass_beads" / "calibration.toml"
+    ).read_text(encoding="utf-8")
+    material = glass_beads[: glass_beads.index("[[test]]")].replace("0.36 MPa", "36 MPa")
+    return f'{material}[[test]]\ntype = "compression"\nsolver = "lammps"\n{target}'
+
+
+def test_curve_of_a_bulk_test_has_its_units(tmp_path: Path) -> None:
+    (tmp_path / "curve.csv").write_text("strain,stress\n1,0.1\n2,0.4\n")
+    target = TARGET.format(', x_unit = "%", y_unit = "kPa", uncertainty = "0.02 kPa"')
+    path = tmp_path / "compression.toml"
+    path.write_text(compression_file(target))
+    problem = load_calibration(path).problem
+    (curve,) = problem.curves
+    assert problem.responses == ("stress",)
+    assert (curve.unit, curve.coordinate, curve.coordinate_unit) == ("Pa", "strain", "")
+    assert (curve.coordinates, curve.values) == ((0.01, 0.02), (100, 400))
+    assert curve.uncertainty == (20, 20)
+
+
+def test_curve_of_a_bulk_test_is_not_a_number(tmp_path: Path) -> None:
+    path = tmp_path / "compression.toml"
+    path.write_text(compression_file("targets.stress = { value = 3 }"))
+    with pytest.raises(InputError, match=r"targets\.stress\.curve: is missing"):
+        load_calibration_file(path)
+
+
+@pytest.fixture
+def setup(write: Callable[..., Path]) -> CalibrationSetup:
+    return load_calibration(write())
+
+
+def test_curves_of_several_tests_have_their_names(write: Callable[..., Path]) -> None:
+    other = TEST.replace("press", "other") + TARGET.format(ERRORS)
+    problem = load_calibration(write(test=other + TEST)).problem
+    assert problem.responses == ("other.stress", "press.stress")
+    assert [scope.targets for scope in problem.scopes] == [("other.stress",), ("press.stress",)]
+
+
+def test_plan_shows_curves(setup: CalibrationSetup) -> None:
+    console = Console(file=StringIO(), width=120)
+    print_plan(console, describe_plan(setup))
+    text = console.file.getvalue()  # type: ignore[attr-defined]
+    assert "4 points over strain, 0.01 to 0.15" in text
+    assert "uncertainty up to 48.63" in text
+
+
+def test_plan_counts_a_curve_as_a_target_at_least(write: Callable[..., Path]) -> None:
+    head = HEAD + "other = { min = 2, max = 20 }\n"
+    lines = describe_plan(load_calibration(write(head=head))).lines
+    assert "2 free parameters and 1 target, curves included" in lines[-1]
+
+
+def test_calibration_of_a_file_with_a_curve(
+    setup: CalibrationSetup, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    result = setup.calibrate(workdir=tmp_path / "work", workers=1)
+    assert result.status == "calibrated"
+    assert result.parameters["stiffness"] == pytest.approx(10, rel=0.02)
+    assert list(result.curves) == ["stress"]
+    said = str(analyse_runs(setup, tmp_path / "work"))
+    assert "stiffness is determined" in said
+    assert "measured" not in said
+
+
+def test_repeated_runs_leave_curves_out(setup: CalibrationSetup, tmp_path: Path) -> None:
+    runs = repeat_runs(setup, repeat=2, workdir=tmp_path / "runs", workers=1)
+    assert runs.responses == ()
+    assert str(runs) == "stress is a curve: scatter is shown of single numbers only."
+
+
+def test_table_of_runs_has_no_curves(setup: CalibrationSetup, tmp_path: Path) -> None:
+    table = tmp_path / "runs.csv"
+    table.write_text("stiffness\n3\n")
+    with pytest.raises(InputError, match=r"runs\.csv: stress: is a curve"):
+        analyse_runs(setup, table)
+
+
+def test_stiffness_study_needs_single_numbers(tmp_path: Path) -> None:
+    (tmp_path / "curve.csv").write_text(CURVE)
+    path = tmp_path / "compression.toml"
+    path.write_text(compression_file(TARGET.format(ERRORS)))
+    with pytest.raises(InputError, match="targets: are curves only"):
+        stiffness_study(path, workdir=tmp_path / "work")
+
+
+def test_stiffness_study_names_the_curves_that_it_leaves_out(
+    write: Callable[..., Path], tmp_path: Path
+) -> None:
+    head = HEAD.replace("[parameters]", "[particle]\nyoungs_modulus = 1e6\n[parameters]")
+    path = write(head=head, test=TEST + "targets.density = { value = 20, uncertainty = 1 }\n")
+    model = MODEL.replace('return {"stress"', 'return {"density": 2 * stiffness, "stress"')
+    (tmp_path / "model.py").write_text(model)
+    study = stiffness_study(path, factors=[1, 4], seeds=1, workdir=tmp_path / "work", workers=1)
+    assert [list(row.responses) for row in study.rows] == [["density"], ["density"]]
+    assert "Not compared: stress, which is a curve." in str(study)
+
+
+def test_expected_narrowing_is_not_known_of_curves(tmp_path: Path) -> None:
+    (tmp_path / "curve.csv").write_text(CURVE)
+    path = tmp_path / "compression.toml"
+    path.write_text(
+        compression_file(TARGET.format(ERRORS) + "targets.lateral_stress_ratio = { value = 0.4 }\n")
+    )
+    setup = load_calibration(path)
+    assert gf.expected_narrowing(setup.problem, setup.solvers).narrowing == {}
