@@ -394,7 +394,7 @@ def test_function_may_return_what_numpy_and_grainfit_have(tmp_path):
         tmp_path,
         evaluate__py=(
             "import numpy as np\n"
-            "from grainfit.solvers.base import Response\n"
+            "from grainfit.evaluation import Response\n"
             "def measure(folder):\n"
             "    return {'a': np.float32(0.5), 'b': (np.float64(1), np.int64(2)),"
             " 'c': Response(3.0, 0.5)}\n"

@@ -48,6 +48,11 @@ class ComponentTarget(Target):
     """Coordinate of a measured curve along a principal component, in standard uncertainties."""
 
     @property
+    def is_leading(self) -> bool:
+        """Whether it is one of the leading components, which the parameters decide."""
+        return self.tolerance <= _LEADING_TOLERANCE
+
+    @property
     def is_relative(self) -> bool:
         """False: the value is a distance from the mean of the runs."""
         return False

@@ -11,12 +11,12 @@ from numpy.typing import NDArray
 
 from grainfit.errors import RunFailedError
 from grainfit.evaluation import Evaluation
-from grainfit.metamodels.curve_reduction import Reduction
+from grainfit.metamodels.curve_reduction import ComponentTarget, Reduction
 from grainfit.metamodels.kriging import Kriging
 from grainfit.metamodels.metamodels import Metamodels
 from grainfit.metamodels.outliers import Outliers
 from grainfit.metamodels.two_states import has_two_states
-from grainfit.problem import Problem
+from grainfit.problem import Problem, Target
 from grainfit.result import Bound, MetamodelQuality, OutOfReach
 from grainfit.strategies.run_costs import RunCosts
 
@@ -169,9 +169,9 @@ def metamodel_quality(
 
     ``spread`` is True if the runs are spread by a design, see `Kriging.warnings`.
     """
-    names = [target.name for target in metamodels.problem.targets]
     return {
-        name: _quality(model, spread) for name, model in zip(names, metamodels.models, strict=True)
+        target.name: _quality(target, model, spread)
+        for target, model in zip(metamodels.problem.targets, metamodels.models, strict=True)
     }
 
 
@@ -187,13 +187,15 @@ def _quality_at(
     }
 
 
-def _quality(model: Kriging, spread: bool) -> MetamodelQuality:
+def _quality(target: Target, model: Kriging, spread: bool) -> MetamodelQuality:
     check = model.leave_one_out()
+    # Small components of curves are mostly scatter, and nobody has to mind.
+    is_minor = isinstance(target, ComponentTarget) and not target.is_leading
     return MetamodelQuality(
         q2=float(check.q2) if isfinite(check.q2) else None,
         coverage=float(check.coverage),
         noise=float(model.noise_standard_deviation),
-        warnings=tuple(model.warnings(spread=spread)),
+        warnings=() if is_minor else tuple(model.warnings(spread=spread)),
         noise_range=_noise_range(model),
         has_two_states=has_two_states(model.standardised_residuals()),
     )
