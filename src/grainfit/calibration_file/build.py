@@ -83,6 +83,11 @@ class CalibrationSetup:
         return default_timeouts(self.problem, self.solvers) | given
 
     @property
+    def repeats(self) -> dict[str, int]:
+        """Runs with different seeds whose mean is one evaluation, by name of the test."""
+        return {test.name: test.repeats for test in self.file.tests}
+
+    @property
     def cluster(self) -> ClusterOptions | None:
         """Cluster jobs for the runs; None to run on this machine."""
         cluster = self.file.cluster
@@ -203,6 +208,7 @@ class CalibrationSetup:
                 workdir=folder,
                 name=self.name,
                 timeouts=self.timeouts,
+                repeats=self.repeats,
                 runs_from=runs_from,
                 store=store,
                 retry_failed=retry_failed,
@@ -317,7 +323,8 @@ def build_calibration(file: CalibrationFile) -> CalibrationSetup:
         A test cannot be simulated; lists all faults of all tests.
     """
     solvers = build_solvers(file)
-    problem = with_scopes(_problem(file), solvers)
+    repeats = {test.name: test.repeats for test in file.tests}
+    problem = with_scopes(_problem(file), solvers, repeats)
     return CalibrationSetup(file, problem, restricted(problem, solvers))
 
 

@@ -53,6 +53,8 @@ class TestSpecification:
         laboratory; none means all of the test.
     correlations : tuple of (str, str, float)
         Correlations of the errors of the measured values: two responses and a coefficient.
+    repeats : int
+        Runs with different seeds whose mean is one evaluation.
     """
 
     # Keeps pytest from taking it for a class of tests.
@@ -64,6 +66,7 @@ class TestSpecification:
     targets: tuple[Target, ...]
     planned: Mapping[str, PlannedTarget] = field(default_factory=dict)
     correlations: tuple[Correlation, ...] = ()
+    repeats: int = 1
 
 
 @dataclass(frozen=True)
