@@ -18,6 +18,7 @@ from grainfit.calibration.timeouts import default_timeouts
 from grainfit.calibration_file.contact_notes import contact_notes
 from grainfit.calibration_file.content import CalibrationFile, SearchOptions, TestSpecification
 from grainfit.calibration_file.load import load_calibration_file
+from grainfit.calibration_file.same_simulation import same_simulation_notes
 from grainfit.campaign.cluster.executor import cluster_executor, is_available
 from grainfit.campaign.cluster.options import ClusterOptions
 from grainfit.campaign.work_folder import default_workdir
@@ -135,8 +136,8 @@ class CalibrationSetup:
         """Return notes on the choice of tests, free parameters and stiffness, before any run.
 
         They say which free parameters the tests will leave open, with tests to add, by how much
-        soft particles raise the responses, and whether the contact law is the same for all solvers
-        and safe at the time step. ``grainfit check`` shows them.
+        soft particles raise the responses, whether the contact law is the same for all solvers and
+        safe at the time step, and which tests simulate the same. ``grainfit check`` shows them.
 
         Examples
         --------
@@ -152,6 +153,7 @@ class CalibrationSetup:
             *expected_narrowing(self.problem, self.solvers).notes,
             *stiffness_notes(self.problem, self.bulk_tests, self.file.fixed),
             *contact_notes(self.file, self.bulk_tests),
+            *same_simulation_notes(self.file.tests),
         )
 
     def calibrate(
