@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Mapping, Sequence
+import re
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from numbers import Real
@@ -17,6 +18,8 @@ ERROR_SUFFIX = ".standard_error"
 
 #: Name under which a failure is kept that was told without the name of a test.
 ALL_RUNS = "run"
+
+_FURTHER_SEED = re.compile(r", seed \d+$")
 
 
 @dataclass(frozen=True)
@@ -60,7 +63,8 @@ class Evaluation:
     reused : int
         Number of runs that were already known.
     runs : mapping of str to str
-        Identity of the run by name of the test.
+        Identity of the run by name of the test; with several seeds per evaluation, the further
+        runs follow under their `run_name`.
     seconds : float
         Sum of the wall times of the runs, s.
     simulated_seconds : float
@@ -69,9 +73,12 @@ class Evaluation:
         Whether all failures were caused by the machine, not by the simulation: they say nothing
         about the parameters, and the point can be tried again.
     test_seconds : mapping of str to float
-        Wall time of the run by name of the test, s.
+        Wall time of the run by name of the test, s; with several seeds, the mean of its runs.
     curves : mapping of str to Curve
         Responses that are curves, of all tests whose run succeeded.
+    failed_runs : mapping of str to str
+        Reason by name of the run that failed. With several seeds per evaluation, the others may
+        have given the responses: then the test is not among the ``failures``.
     """
 
     proposal: Proposal
@@ -84,6 +91,7 @@ class Evaluation:
     failed_by_machine: bool = False
     test_seconds: Mapping[str, float] = field(default_factory=dict)
     curves: Mapping[str, Curve] = field(default_factory=dict)
+    failed_runs: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def yields(self) -> set[str]:
@@ -97,15 +105,19 @@ class Evaluation:
     def without(self, tests: Collection[str]) -> Evaluation:
         """Return the evaluation without the runs of some tests, of a calibration with several."""
         prefixes = tuple(response_name(test, "", 2) for test in tests)
-        left = tuple(test for test in self.proposal.tests or self.runs if test not in tests)
+        asked = self.proposal.tests or names_of_tests(self.runs)
+        left = tuple(test for test in asked if test not in tests)
         return replace(
             self,
             proposal=replace(self.proposal, tests=left),
             responses={n: r for n, r in self.responses.items() if not n.startswith(prefixes)},
             curves={n: c for n, c in self.curves.items() if not n.startswith(prefixes)},
             failures={n: why for n, why in self.failures.items() if n not in tests},
-            runs={n: run for n, run in self.runs.items() if n not in tests},
+            runs={n: run for n, run in self.runs.items() if name_of_test(n) not in tests},
             test_seconds={n: s for n, s in self.test_seconds.items() if n not in tests},
+            failed_runs={
+                n: why for n, why in self.failed_runs.items() if name_of_test(n) not in tests
+            },
         )
 
     @classmethod
@@ -230,3 +242,30 @@ def curves(found: Mapping[str, Measured]) -> dict[str, Curve]:
 def response_name(test: str, name: str, tests: int) -> str:
     """Return the name of a test's response in a calibration with this number of tests."""
     return name if tests == 1 else f"{test}.{name}"
+
+
+def run_name(test: str, number: int) -> str:
+    """Return the name of the numbered run of an evaluation: that of its test for the first.
+
+    Examples
+    --------
+    >>> run_name("heap", 1), run_name("heap", 2)
+    ('heap', 'heap, seed 2')
+    """
+    return test if number == 1 else f"{test}, seed {number}"
+
+
+def name_of_test(run: str) -> str:
+    """Return the test of a `run_name`.
+
+    Examples
+    --------
+    >>> name_of_test("heap, seed 2")
+    'heap'
+    """
+    return _FURTHER_SEED.sub("", run)
+
+
+def names_of_tests(runs: Iterable[str]) -> tuple[str, ...]:
+    """Return the tests of some runs by their names, each once."""
+    return tuple(dict.fromkeys(map(name_of_test, runs)))

@@ -11,7 +11,7 @@ from typing import Any, Literal, get_args
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from grainfit.checks import as_number
+from grainfit.checks import as_number, count_faults
 from grainfit.contact_models.registry import MATERIAL_PARAMETERS
 from grainfit.correlations import (
     Correlation,
@@ -424,6 +424,8 @@ class ScopeOfTest:
         Names of the free parameters that it depends on. Its metamodels have only these.
     seconds : float, optional
         Estimated wall time of a run, s; None if it is not known.
+    repeats : int
+        Runs with different seeds whose mean is one evaluation.
 
     Examples
     --------
@@ -435,8 +437,11 @@ class ScopeOfTest:
     targets: Sequence[str]
     parameters: Sequence[str]
     seconds: float | None = None
+    repeats: int = 1
 
     def __post_init__(self) -> None:
+        if faults := count_faults({f"{self.name}.repeats": self.repeats}):
+            raise InputError(faults)
         for key in ("targets", "parameters"):
             names = getattr(self, key)
             if isinstance(names, str) or not names:

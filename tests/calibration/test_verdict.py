@@ -89,3 +89,26 @@ def test_noise_is_named_with_the_runs_it_would_take() -> None:
 
 def test_a_calibrated_material_needs_no_reason() -> None:
     assert list(reasons(PROBLEM, judge(PROBLEM, answer(0.99), FRESH, 0.95, 3))) == []
+
+
+def test_a_response_whose_scatter_makes_it_useless_is_named_with_the_runs_it_takes() -> None:
+    # Three per cent of 30 degrees, where half a degree is asked for: (0.9 / 0.15)² = 36.
+    close = replace(ANGLE, tolerance=0.15)
+    problem = replace(PROBLEM, targets=[close])
+    known = answer(0.5, quality={"angle": MetamodelQuality(0.9, 0.95, 0.9)})
+    words = " ".join(reasons(problem, judge(problem, known, FRESH, 0.95, 3)))
+    assert (
+        "angle scatters by 3 % from run to run and tells nothing at its tolerance of 0.5 %: the "
+        "mean of about 36 runs"
+    ) in words
+    assert "tells nothing" not in " ".join(reasons(PROBLEM, judge(PROBLEM, known, FRESH, 0.95, 3)))
+
+
+def test_with_several_seeds_per_evaluation_words_count_runs() -> None:
+    known = answer(0.5, quality={"angle": MetamodelQuality(0.9, 0.95, 0.8)})
+    outcome = judge(PROBLEM, known, FRESH, 0.95, 3, {"heap": 4})
+    words = " ".join(reasons(PROBLEM, outcome))
+    assert "about 48 more runs at the answer: one mean of 4 runs scatters by 0.8" in words
+    # A single run scatters by 1.6: 3.2 times the tolerance.
+    assert "tells nothing" in words
+    assert "the mean of about 11 runs" in words

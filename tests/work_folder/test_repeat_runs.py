@@ -10,7 +10,7 @@ import pytest
 from typer.testing import CliRunner
 
 import grainfit as gf
-from grainfit.analysis.scatter import ResponseScatter, scatter_over_seeds
+from grainfit.analysis.scatter import RepeatedRuns, ResponseScatter, scatter_over_seeds
 from grainfit.campaign.batch import ExpectedWork
 from grainfit.cli.app import app
 
@@ -96,6 +96,18 @@ def test_the_number_of_runs_for_the_tolerance_holds_the_mean_within_it() -> None
     assert found.runs_for_tolerance == 82
     assert ResponseScatter("angle", (20.0, 20.0), target).runs_for_tolerance == 1
     assert ResponseScatter("angle", (20.0,), target).runs_for_tolerance is None
+
+
+def test_a_response_that_scatters_by_several_tolerances_is_called_useless() -> None:
+    zero = gf.Target("force", 0.0, tolerance=0.5, unit="N")
+    runs = RepeatedRuns((ResponseScatter("force", (-2.0, 2.0, -2.0, 2.0), zero),), {}, ())
+    assert (
+        "force scatters by 2.3 N from run to run and tells nothing at its tolerance of 0.5 N: the "
+        "mean of about 22 runs has a standard error as large as the tolerance."
+    ) in str(runs)
+    assert "82 runs is within it (95 %)" in str(runs)
+    calm = RepeatedRuns((ResponseScatter("force", (-1.0, 1.0, -1.0, 1.0), zero),), {}, ())
+    assert "tells nothing" not in str(calm)
 
 
 @pytest.mark.usefixtures("sand")

@@ -11,7 +11,16 @@ from scipy import stats
 
 from grainfit.errors import Fault, InputError
 from grainfit.evaluation import Evaluation
-from grainfit.formatting import counted, in_a_row, in_unit, number, plain_ends, plain_interval
+from grainfit.formatting import (
+    counted,
+    in_a_row,
+    in_unit,
+    number,
+    plain_ends,
+    plain_interval,
+    unit_for_people,
+    with_unit,
+)
 from grainfit.problem import Target
 from grainfit.tables import TextTable, as_html, as_text
 
@@ -19,6 +28,8 @@ _LEVEL = 0.95
 #: Runs at one parameter set from which on a calibration becomes expensive: the budget of the
 #: sequential search is 20 runs per free parameter.
 _MANY_RUNS = 20
+#: Scatter of single runs, in tolerances, from which one run tells nothing.
+_USELESS = 3.0
 
 
 @dataclass(frozen=True)
@@ -165,15 +176,49 @@ def _advice(found: ResponseScatter) -> str:
         return ""
     ratio = (found.standard_deviation or 0.0) / target.tolerance
     words = (
-        f"{found.name}: one run scatters by {number(ratio, 2)} times the tolerance; the mean of "
-        f"{counted(runs, 'run')} is within it (95 %)."
+        f"{found.name}: one run scatters by {number(ratio, 2)} times the tolerance; "
+        f"{_mean_within(runs)}"
     )
+    if useless := useless_scatter(target, found.standard_deviation or 0.0):
+        return f"{useless} {_mean_within(runs).capitalize()}"
     if runs <= _MANY_RUNS:
         return words
     return (
         f"{words} A larger sample in the test, another response or a wider tolerance helps more "
         "than that many runs."
     )
+
+
+def _mean_within(runs: int) -> str:
+    return f"the mean of {counted(runs, 'run')} is within it (95 %)."
+
+
+def useless_scatter(target: Target, deviation: float) -> str:
+    """Say that a response scatters by several times its tolerance; "" if it does not.
+
+    Parameters
+    ----------
+    target : Target
+        Target of the response.
+    deviation : float
+        Standard deviation of single runs, in its unit.
+    """
+    ratio = deviation / target.tolerance
+    if not _USELESS <= ratio < math.inf:
+        return ""
+    return (
+        f"{target.name} scatters by {_size(target, deviation)} from run to run and tells nothing "
+        f"at its tolerance of {_size(target, target.tolerance)}: the mean of about "
+        f"{math.ceil(ratio**2)} runs has a standard error as large as the tolerance. Raise the "
+        "number of particles in the test, give a wider tolerance, or set repeats in its [[test]]."
+    )
+
+
+def _size(target: Target, deviation: float) -> str:
+    """Return a deviation in percent of the target where that makes sense, or in its unit."""
+    if target.is_relative:
+        return f"{number(100 * deviation / abs(target.value), 2)} %"
+    return with_unit(number(deviation, 2), unit_for_people(target.unit))
 
 
 def scatter_over_seeds(

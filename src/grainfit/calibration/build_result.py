@@ -178,7 +178,7 @@ def _counts(evaluations: Sequence[Evaluation], known: int) -> RunCounts:
         design=runs("design"),
         optimisation=runs("optimisation"),
         verification=runs("verification"),
-        failed=sum(len(e.failures) for e in evaluations),
+        failed=sum(len(e.failed_runs) for e in evaluations),
         reused=sum(e.reused for e in evaluations),
         total=sum(len(e.runs) for e in evaluations),
         warm_start_runs=known,
@@ -187,7 +187,7 @@ def _counts(evaluations: Sequence[Evaluation], known: int) -> RunCounts:
 
 def _failure_notices(verification: Sequence[Evaluation]) -> Iterator[str]:
     """Report failed verification runs."""
-    reasons = [reason for e in verification for reason in e.failures.values()]
+    reasons = [reason for e in verification for reason in e.failed_runs.values()]
     if reasons:
         yield (
             f"{len(reasons)} of {sum(len(e.runs) for e in verification)} verification runs "

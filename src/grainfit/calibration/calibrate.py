@@ -17,7 +17,7 @@ from grainfit.calibration.options import CalibrationOptions
 from grainfit.calibration.progress import Progress
 from grainfit.calibration.provenance import Provenance
 from grainfit.calibration.readiness import require_ready
-from grainfit.calibration.scopes import restricted, with_scopes
+from grainfit.calibration.scopes import repeats_of, restricted, with_scopes
 from grainfit.calibration.timeouts import default_timeouts
 from grainfit.calibration.verification import VERIFICATION_RUNS
 from grainfit.campaign.campaign import Campaign, CampaignOptions
@@ -26,6 +26,7 @@ from grainfit.campaign.reuse import needed_responses, open_source, take_runs
 from grainfit.campaign.store.shared import SharedRuns, share
 from grainfit.campaign.store.store import RunStore
 from grainfit.campaign.work_folder import RESULT_NAME, hold, recover
+from grainfit.checks import count_faults
 from grainfit.errors import Fault, InputError
 from grainfit.problem import Problem
 from grainfit.result import Result
@@ -50,6 +51,7 @@ def calibrate(
     name: str = "",
     verification_runs: int | None = None,
     timeouts: Mapping[str, float] | None = None,
+    repeats: int | Mapping[str, int] = 1,
     executor: Executor | None = None,
     runs_from: Sequence[str | Path] = (),
     store: str | None = None,
@@ -89,6 +91,9 @@ def calibrate(
     timeouts : mapping of str to float, optional
         Longest wall time of one run by name of the test, s; ``math.inf`` for none. By default
         that of the solver: for a bulk test 10 minutes plus 100 times the estimated time of a run.
+    repeats : int or mapping of str to int
+        Runs with different seeds whose mean is one evaluation, of every test or by name of the
+        test; 1 by default.
     executor : concurrent.futures.Executor, optional
         Executor of the runs, ``workers`` at a time: processes, or the nodes of a cluster. They must
         see the work folder at the same path. It is not shut down. By default threads that wait for
@@ -144,12 +149,14 @@ def calibrate(
         keep=keep,
     )
     chosen = as_strategy(strategy)
-    problem = with_scopes(problem, solvers)
+    given_repeats = _repeats(repeats, solvers)
+    problem = with_scopes(problem, solvers, given_repeats)
+    means = repeats_of(problem, solvers, given_repeats)
     solvers = restricted(problem, solvers)
     _check_timeouts(timeouts or {}, solvers)
     require_ready(problem, solvers)
     verification_runs = verification_runs or VERIFICATION_RUNS
-    search = start_search(chosen, problem, len(solvers), seed, max_runs, verification_runs)
+    search = start_search(chosen, problem, sum(means.values()), seed, max_runs, verification_runs)
     with ExitStack() as stack:
         tell = stack.enter_context(_shown(on_progress)) if progress else on_progress
         options = LoopOptions(name, workers, max_runs, verification_runs, tell, provenance)
@@ -175,7 +182,12 @@ def calibrate(
         limits = default_timeouts(problem, solvers) | dict(timeouts or {})
         limits = {test: seconds for test, seconds in limits.items() if seconds < math.inf}
         making = CampaignOptions(
-            workers, limits, executor, keep, needed=needed_responses(problem, solvers)
+            workers,
+            limits,
+            executor,
+            keep,
+            needed=needed_responses(problem, solvers),
+            repeats=means,
         )
         campaign = Campaign(solvers, runs, folder, making, shared)
         stack.callback(campaign.close)
@@ -227,6 +239,24 @@ def _solvers(simulate: Simulate) -> dict[str, Solver]:
     raise InputError(
         Fault("simulate", f"is {simulate!r}.", "Give a function, a solver, or solvers by test.")
     )
+
+
+def _repeats(given: int | Mapping[str, int], solvers: Mapping[str, Solver]) -> dict[str, int]:
+    """Return the given runs per evaluation by name of the test."""
+    if not isinstance(given, Mapping):
+        if faults := count_faults({"repeats": given}):
+            raise InputError(faults)
+        # One run is the default, and leaves what the problem says of its tests.
+        return {} if given == 1 else dict.fromkeys(solvers, given)
+    faults = count_faults({f"repeats.{test}": count for test, count in given.items()})
+    faults += [
+        Fault(f"repeats.{test}", "is no test.", f"There are: {', '.join(solvers)}.")
+        for test in given
+        if test not in solvers
+    ]
+    if faults:
+        raise InputError(faults)
+    return dict(given)
 
 
 def _check_timeouts(timeouts: Mapping[str, float], solvers: Mapping[str, Solver]) -> None:

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections import Counter, deque
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import asdict, dataclass
 from importlib.metadata import version
+from itertools import accumulate
 from typing import Any
 
 from grainfit.calibration.build_result import About, make_result
@@ -92,7 +94,8 @@ class CalibrationLoop:
             records = self._store.runs_of(models_of(self._campaign.solvers))
         else:
             records = list(self._store.find_many(earlier.known).values())
-        known = runs_of(self._problem, self._campaign.solvers, records)
+        campaign = self._campaign
+        known = runs_of(self._problem, campaign.solvers, records, campaign.repeats)
         chosen = nearest_runs(self._problem, known, seed=self._strategy.seed)
         used = {run for evaluation in chosen for run in evaluation.runs.values()}
         self._origins = Counter(record.origin for record in records if record.identity in used)
@@ -199,6 +202,7 @@ class CalibrationLoop:
             fresh,
             self._strategy.confidence,
             self._options.verification_runs,
+            self._campaign.repeats,
         )
 
     def _is_sure(self, outcome: Outcome) -> bool:
@@ -324,7 +328,14 @@ class CalibrationLoop:
             # Of those that make the answer certain, the first: the next verdict may need no more.
             worth = Counter(answer.runs_by_worth[: max(workers, self._tests)])
             wanted += (worth - Counter(wanted)).elements()
-        return [(test,) for test in wanted[: None if left is None else max(left, 1)]]
+        return [(test,) for test in self._within(left, wanted)]
+
+    def _within(self, runs: int | None, tests: list[str]) -> list[str]:
+        """Return the first of some tests whose runs are within the budget, at least one."""
+        if runs is None:
+            return tests
+        used = accumulate(self._campaign.repeats[test] for test in tests)
+        return tests[: max(1, sum(total <= runs for total in used))]
 
     @property
     def _tests(self) -> int:
@@ -344,8 +355,8 @@ class CalibrationLoop:
         if self._options.max_runs is None:
             return None
         if self._problem.tests:
-            return (self._runs_left() or 0) // self._campaign.tests
-        return self._options.max_runs // self._campaign.tests - len(self._evaluations)
+            return (self._runs_left() or 0) // self._campaign.runs_per_set
+        return self._options.max_runs // self._campaign.runs_per_set - len(self._evaluations)
 
     def _start(self, proposal: Proposal) -> None:
         self._stage = proposal.stage
@@ -382,7 +393,7 @@ class CalibrationLoop:
         why = "; ".join(last.failures.values()) or (
             f"there was only {', '.join(sorted(last.yields)) or 'nothing'}"
         )
-        failed = [self._store.find(last.runs[test]) for test in last.failures]
+        failed = [self._store.find(last.runs[run]) for run in last.failed_runs]
         self._campaign.forget_failures(self._evaluations)
         raise RunFailedError(
             f"the first {count} runs all failed to give {', '.join(missing)}; the calibration is "
@@ -413,10 +424,12 @@ class CalibrationLoop:
             return
         evaluations = self._evaluations
         verified = [e for e in evaluations if e.proposal.stage == "verification"]
-        asked = max(
-            self._verification_asked, self._options.verification_runs * self._campaign.tests
-        )
-        left = max(self._strategy.expected_left, asked - _runs(verified), 0)
+        campaign = self._campaign
+        asked = max(self._verification_asked, self._options.verification_runs * campaign.tests)
+        # Runs of an evaluation of one test, on average.
+        each = campaign.runs_per_set / campaign.tests
+        left = max(self._strategy.expected_left * each, asked * each - _runs(verified), 0)
+        left = math.ceil(left)
         simulated = _runs(evaluations) - sum(e.reused for e in evaluations)
         seconds = sum(e.simulated_seconds for e in evaluations)
         self._options.on_progress(
@@ -424,7 +437,7 @@ class CalibrationLoop:
                 self._stage,
                 _runs(evaluations),
                 self._campaign.under_way,
-                sum(len(e.failures) for e in evaluations),
+                sum(len(e.failed_runs) for e in evaluations),
                 left,
                 seconds / simulated * left / self._options.workers if simulated else None,
                 min(self._deviations(), default=None),

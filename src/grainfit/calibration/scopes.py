@@ -12,24 +12,32 @@ from grainfit.solvers.base import Solver
 from grainfit.solvers.parameters_for import AllBut, ParametersFor
 
 
-def with_scopes(problem: Problem, solvers: Mapping[str, Solver]) -> Problem:
+def with_scopes(
+    problem: Problem, solvers: Mapping[str, Solver], repeats: Mapping[str, int] | None = None
+) -> Problem:
     """Return the problem with the scope of each test; unchanged for a single test.
 
     Parameters
     ----------
     problem : Problem
-        Free parameters and targets; a problem that has scopes is returned unchanged.
+        Free parameters and targets; the scopes of a problem that has some are kept.
     solvers : mapping of str to Solver
         By name of the test.
+    repeats : mapping of str to int, optional
+        Runs with different seeds whose mean is one evaluation, by name of the test; by default
+        those of the problem's scopes.
 
     Raises
     ------
     InputError
         The scopes of the problem are not those of the tests.
     """
+    repeats = repeats or {}
     if problem.tests:
         _require_scopes(problem, solvers)
-    if problem.tests or len(solvers) < 2:
+        scopes = [replace(s, repeats=repeats.get(s.name, s.repeats)) for s in problem.tests]
+        return replace(problem, tests=scopes)
+    if len(solvers) < 2:
         return problem
     used = used_parameters(problem, solvers)
     if not all(used.values()):
@@ -42,11 +50,21 @@ def with_scopes(problem: Problem, solvers: Mapping[str, Solver]) -> Problem:
     return replace(
         problem,
         tests=[
-            ScopeOfTest(test, targets[test], used[test], _seconds(problem, solver))
+            ScopeOfTest(
+                test, targets[test], used[test], _seconds(problem, solver), repeats.get(test, 1)
+            )
             for test, solver in solvers.items()
             if targets[test]
         ],
     )
+
+
+def repeats_of(
+    problem: Problem, solvers: Mapping[str, Solver], repeats: Mapping[str, int]
+) -> dict[str, int]:
+    """Return the runs per evaluation of every test: as given, or else those of its scope."""
+    stated = {scope.name: scope.repeats for scope in problem.tests}
+    return {test: repeats.get(test, stated.get(test, 1)) for test in solvers}
 
 
 def _require_scopes(problem: Problem, solvers: Mapping[str, Solver]) -> None:

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
 
+from grainfit.analysis.scatter import useless_scatter
 from grainfit.calibration.verification import (
     Contradiction,
     FreshRuns,
@@ -51,6 +53,8 @@ class Outcome:
         Number of fresh seeds without which no answer is calibrated.
     lacking : int
         Runs with fresh seeds that are missing from that number, of all tests.
+    repeats : mapping of str to int
+        Runs with different seeds whose mean is one evaluation, by name of the test.
     """
 
     answer: Answer
@@ -60,10 +64,24 @@ class Outcome:
     confidence: float
     fewest_fresh: int
     lacking: int
+    repeats: Mapping[str, int] = field(default_factory=dict)
+
+    def runs_of(self, problem: Problem, target: Target) -> int:
+        """Return the runs of one evaluation of the test of a target."""
+        if not self.repeats:
+            return 1
+        test = problem.scope_of(target.name).name
+        # Without scopes, all tests are evaluated together.
+        return self.repeats.get(test, max(self.repeats.values()))
 
 
 def judge(
-    problem: Problem, answer: Answer, fresh: FreshRuns, confidence: float, fewest_fresh: int
+    problem: Problem,
+    answer: Answer,
+    fresh: FreshRuns,
+    confidence: float,
+    fewest_fresh: int,
+    repeats: Mapping[str, int] | None = None,
 ) -> Outcome:
     """Judge an answer.
 
@@ -82,6 +100,8 @@ def judge(
         Demanded probability.
     fewest_fresh : int
         Number of fresh seeds without which no answer is calibrated.
+    repeats : mapping of str to int, optional
+        Runs with different seeds whose mean is one evaluation, by name of the test.
     """
     contradicted = contradictions(problem, fresh.verified(), answer)
     lacking = sum(lacking_runs(problem, answer, fresh, fewest_fresh).values())
@@ -93,6 +113,7 @@ def judge(
         confidence,
         fewest_fresh,
         lacking,
+        repeats or {},
     )
 
 
@@ -141,6 +162,7 @@ def reasons(problem: Problem, outcome: Outcome) -> Iterator[str]:
             yield _about_outliers(target, found)
         if quality := answer.quality.get(target.name):
             yield from _about_scatter(target, quality)
+            yield from _about_useless(problem, outcome, target, quality)
     if outcome.status != "undecided":
         return
     with_all, without = answer.probability_all_met, answer.probability_without_outliers
@@ -213,6 +235,17 @@ def _about_scatter(target: Target, quality: MetamodelQuality) -> Iterator[str]:
         )
 
 
+def _about_useless(
+    problem: Problem, outcome: Outcome, target: Target, quality: MetamodelQuality
+) -> Iterator[str]:
+    """Say that a response tells nothing at its tolerance, unless the answer is certain anyway."""
+    if outcome.status == "calibrated" or isinstance(target, ComponentTarget):
+        return
+    runs = outcome.runs_of(problem, target)
+    if words := useless_scatter(target, quality.noise * math.sqrt(runs)):
+        yield words
+
+
 def _about_noise(problem: Problem, outcome: Outcome) -> str:
     answer = outcome.answer
     noisy = [
@@ -220,6 +253,8 @@ def _about_noise(problem: Problem, outcome: Outcome) -> str:
         for target in problem.targets
         if answer.probabilities[target.name] < outcome.confidence
     ] or list(problem.targets)
+    runs = max((outcome.runs_of(problem, target) for target in noisy), default=1)
+    one = "one run" if runs == 1 else f"one mean of {runs} runs"
     scatter = ", ".join(
         f"{number(answer.quality[target.name].noise, 2)} in {target.name} "
         f"(tolerance {number(target.tolerance, 2)})"
@@ -229,7 +264,7 @@ def _about_noise(problem: Problem, outcome: Outcome) -> str:
         f"Every expected response is within its tolerance with a probability of "
         f"{plain_probability(answer.probability_all_met)}, and "
         f"{plain_probability(outcome.confidence)} is asked for. "
-        f"It would take about {counted(answer.runs_needed, 'more run')} at the answer: one run "
-        f"scatters by {scatter}. A wider tolerance, a larger sample in the test, or a response "
-        "that scatters less would help more."
+        f"It would take about {counted(answer.runs_needed * runs, 'more run')} at the answer: "
+        f"{one} scatters by {scatter}. A wider tolerance, a larger sample in the test, or a "
+        "response that scatters less would help more."
     )

@@ -18,6 +18,7 @@ from grainfit.calibration.timeouts import default_timeouts
 from grainfit.calibration_file.contact_notes import contact_notes
 from grainfit.calibration_file.content import CalibrationFile, SearchOptions, TestSpecification
 from grainfit.calibration_file.load import load_calibration_file
+from grainfit.calibration_file.same_simulation import same_simulation_notes
 from grainfit.campaign.cluster.executor import cluster_executor, is_available
 from grainfit.campaign.cluster.options import ClusterOptions
 from grainfit.campaign.work_folder import default_workdir
@@ -83,6 +84,11 @@ class CalibrationSetup:
         return default_timeouts(self.problem, self.solvers) | given
 
     @property
+    def repeats(self) -> dict[str, int]:
+        """Runs with different seeds whose mean is one evaluation, by name of the test."""
+        return {test.name: test.repeats for test in self.file.tests}
+
+    @property
     def cluster(self) -> ClusterOptions | None:
         """Cluster jobs for the runs; None to run on this machine."""
         cluster = self.file.cluster
@@ -130,8 +136,8 @@ class CalibrationSetup:
         """Return notes on the choice of tests, free parameters and stiffness, before any run.
 
         They say which free parameters the tests will leave open, with tests to add, by how much
-        soft particles raise the responses, and whether the contact law is the same for all solvers
-        and safe at the time step. ``grainfit check`` shows them.
+        soft particles raise the responses, whether the contact law is the same for all solvers and
+        safe at the time step, and which tests simulate the same. ``grainfit check`` shows them.
 
         Examples
         --------
@@ -147,6 +153,7 @@ class CalibrationSetup:
             *expected_narrowing(self.problem, self.solvers).notes,
             *stiffness_notes(self.problem, self.bulk_tests, self.file.fixed),
             *contact_notes(self.file, self.bulk_tests),
+            *same_simulation_notes(self.file.tests),
         )
 
     def calibrate(
@@ -203,6 +210,7 @@ class CalibrationSetup:
                 workdir=folder,
                 name=self.name,
                 timeouts=self.timeouts,
+                repeats=self.repeats,
                 runs_from=runs_from,
                 store=store,
                 retry_failed=retry_failed,
@@ -317,7 +325,8 @@ def build_calibration(file: CalibrationFile) -> CalibrationSetup:
         A test cannot be simulated; lists all faults of all tests.
     """
     solvers = build_solvers(file)
-    problem = with_scopes(_problem(file), solvers)
+    repeats = {test.name: test.repeats for test in file.tests}
+    problem = with_scopes(_problem(file), solvers, repeats)
     return CalibrationSetup(file, problem, restricted(problem, solvers))
 
 

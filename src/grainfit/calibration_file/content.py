@@ -56,6 +56,8 @@ class TestSpecification:
         Correlations of the errors of the measured values: two responses and a coefficient.
     curves : tuple of CurveTarget
         Measured curves, named by response.
+    repeats : int
+        Runs with different seeds whose mean is one evaluation.
     """
 
     # Keeps pytest from taking it for a class of tests.
@@ -68,6 +70,7 @@ class TestSpecification:
     planned: Mapping[str, PlannedTarget] = field(default_factory=dict)
     correlations: tuple[Correlation, ...] = ()
     curves: tuple[CurveTarget, ...] = ()
+    repeats: int = 1
 
     @property
     def responses(self) -> tuple[str, ...]:

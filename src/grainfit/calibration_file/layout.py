@@ -67,7 +67,9 @@ def _homes() -> dict[str, str]:
     homes |= dict.fromkeys(strategy_keys(), "[strategy]")
     homes |= {key.name: "[cluster]" for key in CLUSTER}
     homes |= {key.name: "[[test]]" for test in BUILT_IN.values() for key in test.option_keys()}
-    homes |= dict.fromkeys(("solver", "ranks", "timeout", "executable", "targets"), "[[test]]")
+    homes |= dict.fromkeys(
+        ("solver", "ranks", "timeout", "executable", "targets", "repeats"), "[[test]]"
+    )
     for name in MATERIAL_PARAMETERS:
         section, _, key = name.partition(".")
         homes[key] = f"{homes[key]} or [{section}]" if key in homes else f"[{section}]"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import chain
@@ -144,23 +145,30 @@ def _run_lines(setup: CalibrationSetup) -> Iterator[str]:
     dimension = setup.problem.dimension
     strategy = setup.strategy
     verification = strategy.verification_runs or VERIFICATION_RUNS
-    tests = len(setup.solvers)
+    repeats = setup.repeats
+    runs_per_set = sum(repeats.values())
     search = start_search(
         strategy.strategy,
         setup.problem,
-        tests,
+        runs_per_set,
         seed=1,
         max_runs=strategy.max_runs,
         verification_runs=verification,
     )
-    design = search.runs_of_design
-    behind = max(search.expected_left - design, verification * tests)
+    # Runs of an evaluation of one test, on average.
+    each = runs_per_set / len(repeats)
+    design = math.ceil(search.runs_of_design * each)
+    left = math.ceil((search.expected_left - search.runs_of_design) * each)
+    behind = max(left, verification * runs_per_set)
     yield (
         f"DEM runs: {design} for the design, then usually {behind} to "
         f"{4 * behind}, more where a run scatters by more than the tolerance; the last "
-        f"{verification * tests} or more are fresh seeds at the answer. {setup.workers} at a time. "
-        f"Strategy: {search.name}."
+        f"{verification * runs_per_set} or more are fresh seeds at the answer. "
+        f"{setup.workers} at a time. Strategy: {search.name}."
     )
+    for test, count in repeats.items():
+        if count > 1:
+            yield f"Test {test}: the mean of {count} runs with different seeds is one evaluation."
     dimension -= len(setup.problem.measured)
     measured = len(setup.problem.responses)
     if dimension > measured:

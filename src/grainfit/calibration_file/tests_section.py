@@ -20,13 +20,21 @@ from grainfit.calibration_file.curves import (
 )
 from grainfit.calibration_file.targets import PlannedTargetTable, TargetTable
 from grainfit.curve_target import CurveTarget
-from grainfit.options.kinds import Choice, Kind, Name, Schema, note_wrong_kind
+from grainfit.options.kinds import Choice, Kind, Name, Schema, Whole, note_wrong_kind
 from grainfit.options.places import Place, show
 from grainfit.options.tables import Key, Named, Table, Values
 from grainfit.solvers.registry import types_of_test
 from grainfit.solvers.type_of_test import TypeOfTest
 
 _OWN_EXAMPLE = '{ angle = { value = 36.0, uncertainty = 0.5, unit = "deg" } }'
+
+_REPEATS = Key(
+    "repeats",
+    Whole(1),
+    "Runs with different seeds whose mean is one evaluation.",
+    default="1",
+    example="3",
+)
 
 
 def layout_of_test(kind: TypeOfTest, *, planned: bool = False) -> Table:
@@ -45,6 +53,7 @@ def layout_of_test(kind: TypeOfTest, *, planned: bool = False) -> Table:
                 example=example,
             ),
             CORRELATIONS,
+            _REPEATS,
         ),
         partial(_planned if planned else _specification, kind),
     )
@@ -92,7 +101,7 @@ def _specification(kind: TypeOfTest, values: Values, place: Place) -> TestSpecif
     names = [target.name for target in numbers]
     if note_bad_correlations(correlations, names, place.at(CORRELATIONS.name)):
         return None
-    name = values.pop("name", values["type"])
+    name, repeats = values.pop("name", values["type"]), values.pop(_REPEATS.name, 1)
     return TestSpecification(
         name,
         values.pop("type"),
@@ -100,6 +109,7 @@ def _specification(kind: TypeOfTest, values: Values, place: Place) -> TestSpecif
         tuple(numbers),
         correlations=correlations,
         curves=tuple(curves),
+        repeats=repeats,
     )
 
 
@@ -114,6 +124,8 @@ def _planned(kind: TypeOfTest, values: Values, place: Place) -> TestSpecificatio
     responses = targets or kind.bulk_test.responses if kind.bulk_test else targets
     if note_bad_correlations(correlations, list(responses), place.at(CORRELATIONS.name)):
         return None
+    # Checked alone, too: the runs of a plan are single ones.
+    values.pop(_REPEATS.name, 1)
     name = values.pop("name", values["type"])
     return TestSpecification(name, values.pop("type"), values, (), planned=targets)
 

@@ -11,7 +11,7 @@ from grainfit.campaign.campaign import Campaign, CampaignOptions
 from grainfit.campaign.keep import Keep
 from grainfit.campaign.open_campaign import open_campaign
 from grainfit.campaign.work_folder import run_folder
-from grainfit.evaluation import Evaluation, Proposal
+from grainfit.evaluation import Evaluation, Proposal, name_of_test
 from grainfit.formatting import duration
 from grainfit.solvers.base import Solver
 
@@ -114,11 +114,11 @@ def _expected_work(campaign: Campaign, proposals: Sequence[Proposal], workers: i
     costs: dict[str, float | None] = {}
     known = set()
     for proposal in proposals:
-        for test, identity in campaign.identities(proposal).items():
-            if campaign.is_known(identity, test):
+        for run, identity in campaign.identities(proposal).items():
+            if campaign.is_known(identity, name_of_test(run)):
                 known.add(identity)
             else:
-                cost = campaign.solvers[test].estimate_cost(proposal.parameters)
+                cost = campaign.solvers[name_of_test(run)].estimate_cost(proposal.parameters)
                 costs[identity] = None if cost is None else cost.wall_seconds
     seconds = [cost for cost in costs.values() if cost is not None]
     is_estimated = len(seconds) == len(costs)
@@ -168,7 +168,7 @@ def run_folders(
 ) -> dict[str, Path]:
     """Return the run folders of an evaluation by name of the test, for solvers that use one."""
     return {
-        test: run_folder(folder.absolute(), identity)
-        for test, identity in evaluation.runs.items()
-        if solvers[test].uses_folder
+        run: run_folder(folder.absolute(), identity)
+        for run, identity in evaluation.runs.items()
+        if solvers[name_of_test(run)].uses_folder
     }

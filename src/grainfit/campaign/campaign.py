@@ -15,13 +15,23 @@ from pickle import PicklingError
 
 from grainfit.campaign import work_folder as workdir
 from grainfit.campaign.keep import Keep
+from grainfit.campaign.repeats import mean_outcome, seeds_of
 from grainfit.campaign.reserve import Reserve
 from grainfit.campaign.store.records import RunRecord
 from grainfit.campaign.store.shared import SharedRuns
 from grainfit.campaign.store.store import RunStore
 from grainfit.campaign.worker import RunTask, execute, failed_record
 from grainfit.errors import ExecutorError, StoreError
-from grainfit.evaluation import Evaluation, Proposal, curves, response_name, scalars
+from grainfit.evaluation import (
+    Evaluation,
+    Proposal,
+    curves,
+    name_of_test,
+    names_of_tests,
+    response_name,
+    run_name,
+    scalars,
+)
 from grainfit.run_definition import RunDefinition
 from grainfit.solvers.base import Solver
 
@@ -53,6 +63,8 @@ class CampaignOptions:
     needed : mapping of str to collection of str
         Responses without which a known run is repeated, by name of the test; by default all of
         its solver. A version that measures more does not repeat runs for what nobody asks for.
+    repeats : mapping of str to int
+        Runs with different seeds whose mean is one evaluation, by name of the test; 1 by default.
     """
 
     workers: int = 1
@@ -61,6 +73,16 @@ class CampaignOptions:
     keep: Keep = "all"
     retry_pauses: Sequence[float] = RETRY_PAUSES
     needed: Mapping[str, Collection[str]] = field(default_factory=dict)
+    repeats: Mapping[str, int] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class _Run:
+    """One run of a proposal: its test, its own seed, and what determines its outcome."""
+
+    test: str
+    seed: int
+    definition: RunDefinition
 
 
 @dataclass
@@ -68,7 +90,7 @@ class _Pending:
     """A proposal with runs that have not ended."""
 
     proposal: Proposal
-    #: Names of the tests that wait for a run, by the identity of the run.
+    #: Names of the runs that wait, by their identity.
     waiting: dict[str, list[str]] = field(default_factory=dict)
     records: dict[str, RunRecord] = field(default_factory=dict)
     reused: int = 0
@@ -132,15 +154,27 @@ class Campaign:
         """Solvers by name of the test."""
         return self._solvers
 
-    def identities(self, proposal: Proposal) -> dict[str, str]:
-        """Identities of the runs of a proposal, by name of the test."""
-        return {test: run.identity for test, run in self._definitions(proposal).items()}
+    @property
+    def repeats(self) -> dict[str, int]:
+        """Runs per evaluation, by name of the test."""
+        return {test: self._options.repeats.get(test, 1) for test in self._solvers}
 
-    def _definitions(self, proposal: Proposal) -> dict[str, RunDefinition]:
+    @property
+    def runs_per_set(self) -> int:
+        """Runs of one evaluation of every test."""
+        return sum(self.repeats.values())
+
+    def identities(self, proposal: Proposal) -> dict[str, str]:
+        """Identities of the runs of a proposal, by name of the run."""
+        return {name: run.definition.identity for name, run in self._runs_of(proposal).items()}
+
+    def _runs_of(self, proposal: Proposal) -> dict[str, _Run]:
+        """Return the runs of a proposal by their names."""
         return {
-            test: solver.definition(proposal.parameters, proposal.seed)
+            run_name(test, number): _Run(test, seed, solver.definition(proposal.parameters, seed))
             for test, solver in self._solvers.items()
             if proposal.asks_for(test)
+            for number, seed in enumerate(seeds_of(proposal.seed, self.repeats[test]), 1)
         }
 
     @property
@@ -177,33 +211,33 @@ class Campaign:
         proposal : Proposal
             The parameter values and the seed.
         note : callable, optional
-            Called with the identities of its runs by test before any of them starts: a worker may
+            Called with the identities of its runs by name before any of them starts: a worker may
             outlive this process and finish a run that would otherwise be unknown.
         """
         entry = _Pending(proposal)
-        definitions = self._definitions(proposal)
-        identities = {test: definition.identity for test, definition in definitions.items()}
+        runs = self._runs_of(proposal)
         if note is not None:
-            note(identities)
-        for test, identity in identities.items():
-            known = self._find(identity, test)
+            note({name: run.definition.identity for name, run in runs.items()})
+        for name, run in runs.items():
+            identity = run.definition.identity
+            known = self._find(identity, run.test)
             if known is not None:
-                entry.records[test] = known
+                entry.records[name] = known
                 entry.reused += 1
                 entry.reused_seconds += known.seconds
                 continue
-            entry.waiting.setdefault(identity, []).append(test)
+            entry.waiting.setdefault(identity, []).append(name)
             if identity not in self._under_way and identity not in self._elsewhere:
-                record = RunRecord(identity, test, "running", definitions[test])
-                self._begin(self._task(record, self._solvers[test], proposal))
+                self._begin(self._task(run, proposal))
         self._pending.append(entry)
 
-    def _task(self, record: RunRecord, solver: Solver, proposal: Proposal) -> RunTask:
+    def _task(self, run: _Run, proposal: Proposal) -> RunTask:
+        record = RunRecord(run.definition.identity, run.test, "running", run.definition)
         return RunTask(
             record,
-            solver,
+            self._solvers[run.test],
             dict(proposal.parameters),
-            proposal.seed,
+            run.seed,
             self._folder,
             self._options.timeouts.get(record.test),
             self._options.keep,
@@ -271,10 +305,10 @@ class Campaign:
     def forget_failures(self, evaluations: Iterable[Evaluation]) -> None:
         """Let failed runs be repeated at the next start: the cause may be fixed by then."""
         for evaluation in evaluations:
-            for test in evaluation.failures:
-                self._store.forget(evaluation.runs[test])
+            for run in evaluation.failed_runs:
+                self._store.forget(evaluation.runs[run])
                 if self._shared is not None:
-                    self._shared.forget(evaluation.runs[test])
+                    self._shared.forget(evaluation.runs[run])
 
     def cancel(self) -> None:
         """End the pending runs; finished runs are kept."""
@@ -392,8 +426,8 @@ class Campaign:
 
     def _settle(self, record: RunRecord) -> None:
         for entry in self._pending:
-            for test in entry.waiting.pop(record.identity, []):
-                entry.records[test] = record
+            for name in entry.waiting.pop(record.identity, []):
+                entry.records[name] = record
 
     def _start_postponed(self) -> None:
         now = time.monotonic()
@@ -434,7 +468,7 @@ def evaluation_of(
     proposal : Proposal
         The proposal.
     records : mapping of str to RunRecord
-        Its runs by name of the test.
+        Its runs by name; those of one test with several seeds count as their mean.
     tests : int
         Number of tests of the calibration.
     reused : int
@@ -442,22 +476,27 @@ def evaluation_of(
     reused_seconds : float
         Sum of the wall times of the known runs, s.
     """
+    of_tests = {
+        test: mean_outcome([record for run, record in records.items() if name_of_test(run) == test])
+        for test in names_of_tests(records)
+    }
     found = {
         response_name(test, name, tests): response
-        for test, record in records.items()
-        for name, response in record.responses.items()
+        for test, outcome in of_tests.items()
+        for name, response in outcome.responses.items()
     }
-    failed = {test: record for test, record in records.items() if record.status == "failed"}
+    failed = {test: outcome for test, outcome in of_tests.items() if outcome.reason}
     seconds = sum(record.seconds for record in records.values())
     return Evaluation(
         proposal,
         scalars(found),
-        {test: record.reason for test, record in failed.items()},
+        {test: outcome.reason for test, outcome in failed.items()},
         reused,
-        {test: record.identity for test, record in records.items()},
+        {run: record.identity for run, record in records.items()},
         seconds,
         seconds - reused_seconds,
-        bool(failed) and all(record.kind == "machine" for record in failed.values()),
-        {test: record.seconds for test, record in records.items()},
+        bool(failed) and all(outcome.failed_by_machine for outcome in failed.values()),
+        {test: outcome.seconds for test, outcome in of_tests.items()},
         curves(found),
+        {run: record.reason for run, record in records.items() if record.status == "failed"},
     )

@@ -24,6 +24,7 @@ from grainfit.bulk_tests.natural_units import (
 )
 from grainfit.bulk_tests.sensitivities import DENSITY
 from grainfit.campaign.campaign import evaluation_of
+from grainfit.campaign.repeats import seeds_of
 from grainfit.campaign.store.records import RunRecord
 from grainfit.campaign.store.store import STORE_NAME, RunStore, not_a_work_folder
 from grainfit.contact_models.registry import MATERIAL_PARAMETERS
@@ -35,7 +36,9 @@ from grainfit.evaluation import (
     Proposal,
     Response,
     curves,
+    names_of_tests,
     response_name,
+    run_name,
     scalars,
 )
 from grainfit.metamodels.known_runs import REACH, beyond
@@ -212,7 +215,10 @@ def models_of(solvers: Mapping[str, Solver]) -> set[str]:
 
 
 def runs_of(
-    problem: Problem, solvers: Mapping[str, Solver], records: Iterable[RunRecord]
+    problem: Problem,
+    solvers: Mapping[str, Solver],
+    records: Iterable[RunRecord],
+    repeats: Mapping[str, int] | None = None,
 ) -> list[Evaluation]:
     """Return the stored runs of a problem, those of several tests joined to one evaluation.
 
@@ -224,6 +230,9 @@ def runs_of(
         By name of the test.
     records : iterable of RunRecord
         Stored runs. Unfinished runs, and failures by the machine or by timeout, are skipped.
+    repeats : mapping of str to int, optional
+        Runs with different seeds whose mean is one evaluation, by name of the test. Where only some
+        of them are known, their mean counts.
 
     Returns
     -------
@@ -245,6 +254,8 @@ def runs_of(
             run = matcher.match(record)
             if run is not None and beyond(problem, run[0]) <= REACH:
                 found[test].append(_Point(*run, {test: record}))
+    for test, count in (repeats or {}).items():
+        found[test] = _with_further_seeds(found[test], test, count)
     points = reduce(_together, (found[test] for test in solvers))
     if problem.tests:
         points += _alone(problem, found, points)
@@ -256,7 +267,8 @@ def runs_of(
 
 
 def _evaluation(point: _Point, names: Sequence[str], tests: int) -> Evaluation:
-    some = None if len(point.runs) == tests else tuple(point.runs)
+    asked = names_of_tests(point.runs)
+    some = None if len(asked) == tests else asked
     values = {name: point.values[name] for name in names}
     proposal = Proposal(values, point.seed, "design", some)
     return evaluation_of(proposal, point.runs, tests, reused=len(point.runs))
@@ -289,6 +301,27 @@ class _Point:
 
     def order(self, names: Sequence[str]) -> tuple[float, ...]:
         return (*(self.values[name] for name in names), self.seed, -len(self.runs))
+
+
+def _with_further_seeds(points: list[_Point], test: str, repeats: int) -> list[_Point]:
+    """Join the points of one test whose seeds belong to one evaluation."""
+    if repeats == 1:
+        return points
+
+    def key(point: _Point, seed: int) -> tuple[Any, ...]:
+        return (*sorted(point.values.items()), seed)
+
+    known = {key(point, point.seed): point for point in points}
+    joined, taken = [], set()
+    for point in points:
+        names = {
+            key(point, seed): run_name(test, number)
+            for number, seed in enumerate(seeds_of(point.seed, repeats), 1)
+        }
+        runs = {name: known[one].runs[test] for one, name in names.items() if one in known}
+        joined.append(replace(point, runs=runs))
+        taken |= names.keys() - {key(point, point.seed)}
+    return [point for point in joined if key(point, point.seed) not in taken]
 
 
 def _together(points: list[_Point], others: list[_Point]) -> list[_Point]:

@@ -56,7 +56,7 @@ def make_card(
         time_step_fraction=fraction,
         programs=tuple(_programs(reading)),
         runs=sum(len(evaluation.runs) for evaluation in reading.known),
-        failed_runs=sum(len(evaluation.failures) for evaluation in reading.known),
+        failed_runs=sum(len(evaluation.failed_runs) for evaluation in reading.known),
         date=_date(reading),
         calibration_file=reading.source,
         identity=reading.identity,

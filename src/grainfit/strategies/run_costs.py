@@ -1,4 +1,4 @@
-"""Cost of a run of each test over the free parameters, learnt from the runs so far."""
+"""Cost of an evaluation of each test over the free parameters, learnt from the runs so far."""
 
 from __future__ import annotations
 
@@ -23,11 +23,11 @@ _SCATTER, _PRIOR_SLOPE = 0.3, 1.0
 
 
 class RunCosts:
-    """Wall time of a run of each test at points of the unit cube.
+    """Computing time of an evaluation of each test at points of the unit cube.
 
-    The logarithm of the wall time is linear in the parameters that the test depends on, as with
-    Young's modulus, from which the time step follows (ridge regression). A test without timed runs
-    has its estimated time.
+    The logarithm of the wall time of a run is linear in the parameters that the test depends on, as
+    with Young's modulus, from which the time step follows (ridge regression). A test without timed
+    runs has its estimated time.
 
     Parameters
     ----------
@@ -61,17 +61,17 @@ class RunCosts:
         return np.asarray(found + np.array([middle, *np.zeros(len(axes))]))
 
     def seconds(self, scope: ScopeOfTest, points: Array) -> Array:
-        """Cost of a run of a test at points of the unit cube, s, shape (m,).
+        """Cost of an evaluation of a test at points of the unit cube, s, shape (m,).
 
-        The same for all tests while the time of some test is not known at all.
+        Runs count alike while the time of some test is not known at all.
         """
         trend = self._trends[scope.name]
         if trend is None:
-            return np.ones(len(points))
+            return np.full(len(points), float(scope.repeats))
         axes = self._problem.axes_of(scope)
         # Beyond the fitted runs a trend means little; a factor of 1,000 is more than any test has.
         change = np.clip((points[:, axes] - 0.5) @ trend[1:], -np.log(1e3), np.log(1e3))
-        cost = _OVERHEAD + np.exp(trend[0] + change)
+        cost = scope.repeats * (_OVERHEAD + np.exp(trend[0] + change))
         return np.asarray(2 ** (np.round(_STEPS_PER_OCTAVE * np.log2(cost)) / _STEPS_PER_OCTAVE))
 
 

@@ -187,7 +187,7 @@ def analyse_runs(
     for name in given:
         if Path(name).is_dir() or "://" in str(name):
             with open_source(name, "runs") as store:
-                evaluations += runs_of(setup.problem, setup.solvers, store.runs())
+                evaluations += runs_of(setup.problem, setup.solvers, store.runs(), setup.repeats)
         else:
             found, unused = _of_table(setup, str(name))
             evaluations += found

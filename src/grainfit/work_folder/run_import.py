@@ -100,7 +100,7 @@ def import_runs(
             importing.take(rows)
             store.save_many(importing.records)
             known = store.runs_of(models_of(setup.solvers), "finished")
-            usable = len(runs_of(setup.problem, setup.solvers, known))
+            usable = len(runs_of(setup.problem, setup.solvers, known, setup.repeats))
             notices = [
                 *_ignored(ignored),
                 *_outside(setup, rows),

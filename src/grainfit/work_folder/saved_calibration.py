@@ -17,7 +17,7 @@ from grainfit.campaign.work_folder import RESULT_NAME, read_record, run_folder
 from grainfit.contact_models.registry import MATERIAL_PARAMETERS
 from grainfit.curve_target import CurveTarget
 from grainfit.errors import Fault, GrainfitError, InputError, StoreError
-from grainfit.evaluation import ERROR_SUFFIX, Evaluation, response_name
+from grainfit.evaluation import ERROR_SUFFIX, Evaluation, names_of_tests, response_name
 from grainfit.formatting import counted
 from grainfit.materials.time_step import RayleighTimeStep
 from grainfit.problem import Parameter, Problem, ScopeOfTest, Target
@@ -189,7 +189,7 @@ class SavedCalibration:
 
     def summary(self) -> tuple[str | TextTable, ...]:
         """Return the sentences and tables that `print` and a notebook show."""
-        failed = sum(len(evaluation.failures) for evaluation in self.evaluations)
+        failed = sum(len(evaluation.failed_runs) for evaluation in self.evaluations)
         runs = sum(len(evaluation.runs) for evaluation in self.evaluations)
         progress = (
             f"{counted(runs, 'run')} ended, {failed} of them failed; {self.running} under way. "
@@ -241,7 +241,7 @@ def _saved(
 ) -> SavedCalibration:
     folder, state = opened.folder, opened.state
     ended = [request for request in opened.requests if _has_ended(request, records)]
-    tests = len(calibration.definition["tests"])
+    tests = len(names_of_tests(calibration.definition["tests"]))
     evaluations = tuple(_evaluation(request, records, tests) for request in ended)
     used = {run for request in ended for run in request.runs.values()}
     running = state == "running"

@@ -7,7 +7,7 @@ from dataclasses import asdict, dataclass, field, fields
 from typing import Any, Literal, cast, get_args
 
 from grainfit.errors import InputError
-from grainfit.evaluation import Curve, Measured, Proposal, Response, Stage
+from grainfit.evaluation import Curve, Measured, Proposal, Response, Stage, names_of_tests
 from grainfit.run_definition import RunDefinition
 
 RunStatus = Literal["running", "finished", "failed"]
@@ -125,7 +125,8 @@ class RequestRecord:
 
     def proposal(self, tests: int) -> Proposal:
         """Return the proposal of a calibration with this number of tests."""
-        some = None if len(self.runs) == tests else tuple(self.runs)
+        asked = names_of_tests(self.runs)
+        some = None if len(asked) == tests else asked
         return Proposal(self.parameters, self.seed, self.stage, some)
 
     @classmethod

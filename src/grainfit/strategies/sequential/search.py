@@ -294,9 +294,9 @@ class SequentialSearch(Search):
 
     def _sets(self, proposals: Iterable[Proposal]) -> int:
         """Number of parameter sets that take as many runs as some proposals, rounded up."""
-        tests = len(self.problem.scopes)
-        runs = sum(tests if p.tests is None else len(p.tests) for p in proposals)
-        return -(-runs // tests)
+        scopes = self.problem.scopes
+        runs = sum(s.repeats for p in proposals for s in scopes if p.asks_for(s.name))
+        return -(-runs // sum(scope.repeats for scope in scopes))
 
     @property
     def _sets_told(self) -> int:

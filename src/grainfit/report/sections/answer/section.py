@@ -336,7 +336,7 @@ def _cost(context: ReportContext) -> dict[str, Any]:
         if result
         else RunCounts(
             **stages,
-            failed=sum(len(evaluation.failures) for evaluation in reading.evaluations),
+            failed=sum(len(evaluation.failed_runs) for evaluation in reading.evaluations),
             total=sum(stages.values()),
             warm_start_runs=sum(len(evaluation.runs) for evaluation in reading.learnt),
         )

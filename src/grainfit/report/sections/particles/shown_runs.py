@@ -14,7 +14,13 @@ from grainfit.bulk_tests.view import RunView, Shown
 from grainfit.campaign.store.records import RunRecord
 from grainfit.campaign.work_folder import run_folder
 from grainfit.errors import InputError, NotMeasurableError
-from grainfit.evaluation import Evaluation, response_name
+from grainfit.evaluation import (
+    Evaluation,
+    name_of_test,
+    names_of_tests,
+    response_name,
+    scalars,
+)
 from grainfit.measurement.particles import Particles
 from grainfit.scenes.run_output import RunOutput
 
@@ -79,16 +85,21 @@ def shown_runs(
 ) -> dict[str, list[ShownRun]]:
     """Find the finished runs of every bulk test that shows something, by name of the test."""
     found: dict[str, list[ShownRun]] = {}
+    evaluations = list(evaluations)
+    tests = len(names_of_tests(run for evaluation in evaluations for run in evaluation.runs))
     for number, evaluation in enumerate(evaluations, 1):
-        for test, identity in evaluation.runs.items():
+        for run, identity in evaluation.runs.items():
             record = runs.get(identity)
             shown = None if record is None else _shown(record)
             if record is None or shown is None:
                 continue
+            test = name_of_test(run)
             known = found.setdefault(test, [])
-            name = response_name(test, shown.response, len(evaluation.runs))
-            if name in evaluation.responses:
-                value = evaluation.responses[name].value
+            name = response_name(test, shown.response, tests)
+            if name in evaluation.responses and record.status == "finished":
+                # With several seeds, the evaluation has the mean of the runs.
+                own = scalars(record.responses).get(shown.response)
+                value = (own or evaluation.responses[name]).value
                 where = run_folder(folder, identity)
                 known.append(ShownRun(number, evaluation, record, shown, name, value, where))
     return found

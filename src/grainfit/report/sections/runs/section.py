@@ -6,7 +6,7 @@ import shlex
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-from grainfit.evaluation import Evaluation
+from grainfit.evaluation import Evaluation, name_of_test, names_of_tests
 from grainfit.formatting import number, plain, plain_lines
 from grainfit.plots.convergence_figures import deviation_in_tolerances
 from grainfit.report.rendering import render
@@ -99,8 +99,10 @@ def _outlying(context: ReportContext, seed: int) -> Iterator[str]:
 
 
 def _failure(context: ReportContext, evaluation: Evaluation, test: str) -> Failure:
-    record = context.reading.records.get(evaluation.runs[test])
+    tests = names_of_tests(evaluation.runs)
+    failed = [run for run in evaluation.failed_runs if name_of_test(run) == test]
+    record = context.reading.records.get(evaluation.runs[failed[-1] if failed else test])
     reason = evaluation.failures[test]
-    if len(evaluation.runs) > 1:
+    if len(tests) > 1:
         reason = f"{test}: {reason}"
     return Failure(plain(reason), plain_lines(record.log_tail) if record else [])
