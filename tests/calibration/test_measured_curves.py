@@ -131,8 +131,19 @@ def test_curve_beyond_the_simulated_ones_says_what_they_hold() -> None:
     strains = np.linspace(0.002, 0.08, 10)
     curve = gf.CurveTarget("stress", strains.tolist(), stress(TRUTH, strains).tolist(), "2 %")
 
-    with pytest.raises(gf.RunFailedError, match=r"hold 0 to 0\.05, the measured one 0\.002 to"):
-        gf.calibrate(problem(curve), gf.solvers.PythonCallable(press), max_runs=12)
+    with pytest.raises(gf.RunFailedError, match=r"only 0 to 0\.05, and the measured one"):
+        gf.calibrate(problem(curve), gf.solvers.PythonCallable(press))
+
+
+def test_curves_that_are_too_short_in_a_part_of_the_intervals_are_told() -> None:
+    def stops(parameters: Mapping[str, float], seed: int) -> dict[str, gf.Curve]:
+        whole = press(parameters, seed)["stress"]
+        last = 40 if parameters["stiffening"] < 0.8 else 20
+        return {"stress": gf.Curve(whole.coordinates[:last], whole.values[:last])}
+
+    result = gf.calibrate(problem(measured()), gf.solvers.PythonCallable(stops))
+
+    assert any("do not hold all measured points" in words for words in result.notices)
 
 
 def test_staged_search_calibrates_on_a_curve() -> None:

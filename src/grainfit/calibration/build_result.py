@@ -11,7 +11,7 @@ import numpy as np
 from grainfit.calibration.verdict import Outcome, has_other_shape, reasons
 from grainfit.calibration.verification import Verified
 from grainfit.evaluation import Evaluation
-from grainfit.metamodels.curve_reduction import ComponentTarget, CurveBasis
+from grainfit.metamodels.curve_reduction import ComponentTarget, CurveBasis, about_short_curves
 from grainfit.problem import Problem, Target
 from grainfit.result import (
     CurveResult,
@@ -67,6 +67,8 @@ def make_result(
     answer = outcome.answer if outcome else None
     parameters = dict(answer.parameters) if answer else {}
     notices = [*strategy.notices]
+    short = [about_short_curves(curve, evaluations) for curve in strategy.problem.curves]
+    notices += filter(None, short)
     if outcome:
         notices += reasons(problem, outcome)
         notices += _failure_notices(outcome.fresh.evaluations)

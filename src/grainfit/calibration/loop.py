@@ -31,7 +31,9 @@ from grainfit.campaign.store.records import RequestRecord
 from grainfit.campaign.store.store import RunStore
 from grainfit.errors import GrainfitError, RunFailedError, StoreError
 from grainfit.evaluation import Evaluation, Proposal
+from grainfit.metamodels.curve_reduction import about_short_curves
 from grainfit.metamodels.known_runs import nearest_runs
+from grainfit.metamodels.metamodels import runs_that_yield
 from grainfit.problem import Problem
 from grainfit.result import Result, Status
 from grainfit.run_definition import identity_of
@@ -380,8 +382,11 @@ class CalibrationLoop:
 
     def _stop_when_hopeless(self) -> None:
         """Stop when no run has given a target and none is likely to."""
-        given = {name for evaluation in self._evaluations for name in evaluation.yields}
-        missing = [name for name in self._problem.responses if name not in given]
+        missing = [
+            name
+            for name in self._problem.responses
+            if not runs_that_yield(self._problem, self._evaluations, name)
+        ]
         tests = {self._problem.scope_of(name).name for name in missing}
         tried = [e for e in self._evaluations if any(map(e.proposal.asks_for, tests))]
         count = len(tried)
@@ -393,6 +398,8 @@ class CalibrationLoop:
         why = "; ".join(last.failures.values()) or (
             f"there was only {', '.join(sorted(last.yields)) or 'nothing'}"
         )
+        short = [about_short_curves(curve, self._evaluations) for curve in self._problem.curves]
+        why = " ".join(filter(None, short)) or why
         failed = [self._store.find(last.runs[run]) for run in last.failed_runs]
         self._campaign.forget_failures(self._evaluations)
         raise RunFailedError(

@@ -249,6 +249,23 @@ def runs_with_curve(target: CurveTarget, evaluations: Sequence[Evaluation]) -> l
     return [e for e in evaluations if _values(target, e) is not None]
 
 
+def about_short_curves(target: CurveTarget, evaluations: Sequence[Evaluation]) -> str:
+    """Say that simulated curves do not reach all measured points; "" if they all do."""
+    whole = {id(evaluation) for evaluation in runs_with_curve(target, evaluations)}
+    found = [e for e in evaluations if target.name in e.curves]
+    short = [e.curves[target.name] for e in found if id(e) not in whole]
+    if not short:
+        return ""
+    low = max(curve.coordinates[0] for curve in short)
+    high = min(curve.coordinates[-1] for curve in short)
+    return (
+        f"{len(short)} of {len(found)} simulated curves of {target.name} do not hold all measured "
+        f"points: some only {low:.4g} to {high:.4g}, and the measured one is "
+        f"{target.coordinates[0]:.4g} to {target.coordinates[-1]:.4g}. Leave out what the test "
+        "does not reach, or change its options."
+    )
+
+
 def _values(target: CurveTarget, evaluation: Evaluation) -> Array | None:
     curve = evaluation.curves.get(target.name)
     values = None if curve is None else values_at(curve, target.coordinates)

@@ -14,7 +14,7 @@ from scipy.stats import qmc
 from grainfit.correlations import correlated_groups
 from grainfit.errors import RunFailedError
 from grainfit.evaluation import Evaluation
-from grainfit.metamodels.curve_reduction import Reduction, runs_with_curve
+from grainfit.metamodels.curve_reduction import Reduction, about_short_curves, runs_with_curve
 from grainfit.metamodels.kriging import Kriging
 from grainfit.metamodels.outliers import NO_OUTLIERS, Outliers, fit_without_outliers
 from grainfit.problem import Problem, ScopeOfTest
@@ -402,26 +402,16 @@ def _require_runs(problem: Problem, evaluations: Sequence[Evaluation], name: str
         return
     reasons = sorted({reason for e in evaluations for reason in e.failures.values()})
     because = f" Failures: {'; '.join(reasons[:3])}." if reasons else ""
+    short = [about_short_curves(c, evaluations) for c in problem.curves if c.name == name]
     raise RunFailedError(
-        f"only {len(known)} of {len(evaluations)} runs gave the response {name!r}, at "
-        f"{places} different places, and {needed} are needed for its metamodel.{because}"
-        f"{_about_short_curves(problem, evaluations, name)}"
+        " ".join(
+            [
+                f"only {len(known)} of {len(evaluations)} runs gave the response {name!r}, at "
+                f"{places} different places, and {needed} are needed for its metamodel.{because}",
+                *filter(None, short),
+            ]
+        )
     )
-
-
-def _about_short_curves(problem: Problem, evaluations: Sequence[Evaluation], name: str) -> str:
-    """Say between which coordinates the simulated curves are, if that is the reason."""
-    found = [e.curves[name] for e in evaluations if name in e.curves]
-    for curve in problem.curves:
-        if curve.name == name and found:
-            low = max(one.coordinates[0] for one in found)
-            high = min(one.coordinates[-1] for one in found)
-            return (
-                f" Simulated curves hold {low:.4g} to {high:.4g}, the measured one "
-                f"{curve.coordinates[0]:g} to {curve.coordinates[-1]:g}: leave out what the test "
-                "does not reach, or change its options."
-            )
-    return ""
 
 
 def _fit(

@@ -139,7 +139,9 @@ def loading_curves(
         words = "stress over strain: there are too few records; use a lower piston_speed."
         raise NotMeasurableError(words)
     strains, stresses = strains[rising], stresses[rising]
-    at_stress = np.linspace(seating_stress, min(stress, float(stresses[-1])), _CURVE_POINTS)
+    # The stage ends when the stress is held within a percent: its last strain is that of it.
+    stresses[-1] = max(stress, stresses[-1])
+    at_stress = np.linspace(seating_stress, stress, _CURVE_POINTS)
     at_strain = np.interp(at_stress, stresses, strains)
     return {
         "stress": evaluation.Curve(at_strain.tolist(), at_stress.tolist()),
