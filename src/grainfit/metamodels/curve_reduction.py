@@ -40,7 +40,7 @@ _BLOWN_UP = 1e4
 #: Accepted deviations along components, in standard uncertainties: along the leading ones, as many
 #: as there are parameters, and along the others, which the material can hardly follow. So errors
 #: as they are stated are seldom called out of reach.
-_LEADING_TOLERANCE, _OTHER_TOLERANCE = 2.0, 3.0
+_LEADING_TOLERANCE, _OTHER_TOLERANCE = 2.0, 4.0
 
 
 @dataclass(frozen=True)
