@@ -9,7 +9,7 @@ import os
 import shlex
 import sys
 from collections.abc import Iterator
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -57,7 +57,7 @@ class _Commands(TyperGroup):
         except (typer.Exit, typer.Abort, GrainfitError):
             raise
         except (Exception, KeyboardInterrupt) as error:
-            if not (isinstance(error, KeyboardInterrupt) or _interruption.has_come):
+            if not (isinstance(error, KeyboardInterrupt) or _interruption.count):
                 raise
             _interruption.exit_at_once(INTERRUPTED)
             _err.print(STOPPED if ctx.invoked_subcommand == "run" else "Interrupted.")
@@ -507,6 +507,7 @@ def _report_of_failure(workdir: Path) -> Iterator[None]:
 
 def _report_if_possible(workdir: Path) -> None:
     """Write the report of a calibration that has ended; a fault is only a warning."""
+    before = _interruption.count
     try:
         path = _write_report(workdir)
     except KeyboardInterrupt:
@@ -514,6 +515,8 @@ def _report_if_possible(workdir: Path) -> None:
     except Exception as error:
         # The result is written and printed: a fault here must not look like a failed calibration.
         reason = " ".join(str(error).split()) or type(error).__name__
+        if _interruption.count > before:
+            reason = "stopped"
     else:
         _out.print(f"Report: {path}", highlight=False, markup=False, soft_wrap=True)
         return
@@ -533,11 +536,13 @@ def main() -> None:
     """Run the command line; every error that grainfit knows ends in one clear message."""
     _interruption.listen()
     code = _exit_code()
+    # A reader may be gone, such as a pager; the exit code is not.
+    with suppress(OSError):
+        sys.stdout.flush()
+        sys.stderr.flush()
     _interruption.exit_at_once(code)
     if code == INTERRUPTED:
         # A user's function that still runs in a thread would delay the exit of Python.
-        sys.stdout.flush()
-        sys.stderr.flush()
         os._exit(code)
     sys.exit(code)
 

@@ -22,18 +22,17 @@ class Interruption:
 
     Signals that are ignored, such as SIGHUP with ``nohup``, and SIGINT in the background, remain
     ignored.
+
+    Attributes
+    ----------
+    count : int
+        Signals so far. A library that is interrupted, for example while it is imported, may raise
+        any error: this tells that a signal caused it.
     """
 
     def __init__(self) -> None:
+        self.count = 0
         self._last = float("-inf")
-
-    @property
-    def has_come(self) -> bool:
-        """Whether a signal has come.
-
-        Libraries that are interrupted, for example while they are imported, may raise any error.
-        """
-        return self._last > float("-inf")
 
     def listen(self) -> None:
         """Raise `KeyboardInterrupt` for the signals from now on."""
@@ -60,12 +59,14 @@ class Interruption:
         if number in _SENT_BY_OTHERS and now - self._last < _TOGETHER_SECONDS:
             return
         self._last = now
+        self.count += 1
         raise KeyboardInterrupt
 
     def _interrupt_again(self, ignored: Any) -> None:
         """Repeat an interrupt that came where Python cannot raise it, such as in a destructor."""
         if issubclass(ignored.exc_type, KeyboardInterrupt):
-            threading.Timer(_AGAIN_SECONDS, os.kill, (os.getpid(), signal.SIGINT)).start()
+            self._last = float("-inf")
+            threading.Timer(_AGAIN_SECONDS, os.kill, (os.getpid(), signal.SIGTERM)).start()
         else:
             sys.__unraisablehook__(ignored)
 
