@@ -15,7 +15,8 @@ import pytest
 from grainfit.errors import RunFailedError
 from grainfit.files import log_tail
 from grainfit.solvers.base import Workspace
-from grainfit.solvers.process.orphans import end_orphans, record_session
+from grainfit.solvers.process.ending import end_process_group
+from grainfit.solvers.process.orphans import end_orphans, mark_of, record_session
 from grainfit.solvers.process.process import LOG_NAME, run_process
 
 PYTHON = sys.executable
@@ -304,6 +305,22 @@ def test_a_session_that_has_got_the_number_of_an_old_one_is_not_ended(tmp_path):
     finally:
         other.kill()
         other.wait()
+
+
+def test_the_shell_of_a_user_who_repeats_a_run_by_hand_is_not_ended(tmp_path):
+    folder = tmp_path / "run"
+    folder.mkdir()
+    code = 'GRAINFIT_RUN="$1" "$2" -c "$3" "$4"; sleep 600'
+    arguments = [mark_of(folder), PYTHON, WAIT, str(tmp_path)]
+    shell = subprocess.Popen(["sh", "-c", code, "sh", *arguments], start_new_session=True)
+    try:
+        (run,) = pids_in(tmp_path)
+        assert end_orphans(folder)
+        assert not is_running(run)
+        assert shell.poll() is None
+    finally:
+        end_process_group(shell.pid)
+        shell.wait()
 
 
 def test_neither_this_process_nor_what_started_it_is_taken_for_an_orphan(tmp_path):

@@ -4,8 +4,8 @@ Three signs tell that a process belongs to a run:
 
 - the environment variable ``GRAINFIT_RUN`` with the path and the inode of the run folder. Every
   child inherits it, also one that changes its working folder, its group or its session;
-- its session, if a process with the mark is in it or the first process of the run leads it still:
-  also a child that cleared its environment stays there, unless it opens a session of its own;
+- its session, if a process of the run leads it, or one with the mark is left in it: also a child
+  that cleared its environment stays there, unless it opens a session of its own;
 - descent from a process with one of these signs.
 
 A process of another user, one that runs in another folder of the same name, and the processes that
@@ -21,7 +21,7 @@ from pathlib import Path
 
 import psutil
 
-from grainfit.solvers.process.ending import end_processes
+from grainfit.solvers.process.ending import end_processes, is_alive
 
 #: Environment variable of all processes of a run.
 MARK = "GRAINFIT_RUN"
@@ -71,14 +71,17 @@ def end_orphans(folder: Path) -> bool:
 
 
 def _processes_of(folder: Path, spared: Collection[int]) -> list[psutil.Process]:
-    """Return the processes of a run that have its mark, or are in a session of the run.
-
-    A process with the mark was born in the run, and so was its session.
-    """
-    own = [process for process in _processes_of_this_user() if process.pid not in spared]
-    marked = [process for process in own if _is_mark_of(_mark_in(process), folder)]
-    sessions = {_recorded_session(folder), *map(_session_of, marked)} - {None}
-    return [process for process in own if _session_of(process) in sessions]
+    """Return the processes of a run that have its mark, or are in a session of the run."""
+    own = {one.pid: one for one in _processes_of_this_user() if one.pid not in spared}
+    marked = {pid for pid, one in own.items() if _is_mark_of(_mark_in(one), folder)}
+    # A user who repeats a run by hand, with its environment, does so in a session without mark.
+    led_by_run = {
+        session
+        for session in map(_session_of, marked)
+        if session in marked or not is_alive(session)
+    }
+    sessions = led_by_run | {_recorded_session(folder)}
+    return [one for pid, one in own.items() if pid in marked or _session_of(pid) in sessions]
 
 
 def _processes_of_this_user() -> Iterator[psutil.Process]:
@@ -96,10 +99,11 @@ def _mark_in(process: psutil.Process) -> str:
     return ""
 
 
-def _session_of(process: psutil.Process) -> int | None:
+def _session_of(pid: int) -> int:
     with suppress(OSError):
-        return os.getsid(process.pid)
-    return None
+        return os.getsid(pid)
+    # The process has just ended.
+    return pid
 
 
 def _is_mark_of(value: str, folder: Path) -> bool:
