@@ -164,16 +164,35 @@ def test_a_command_that_ignores_closed_terminals_goes_on(tmp_path: Path) -> None
 def test_an_interrupted_report_ends_with_one_line(
     tmp_path: Path, place: str, number: signal.Signals
 ) -> None:
-    code = REPORT.replace("BODY", INTERRUPTED_AT[place]).replace("NUMBER", str(int(number)))
-    done = subprocess.run(
-        [sys.executable, "-c", code],
-        cwd=tmp_path,
+    done = report(tmp_path, INTERRUPTED_AT[place], number)
+
+    assert done.returncode == 130
+    assert done.stderr == "Interrupted.\n"
+    assert done.stdout == ""
+
+
+def test_an_interrupt_that_was_handled_leaves_the_exit_code(tmp_path: Path) -> None:
+    body = """
+    try:
+        exec("raise KeyboardInterrupt")
+    except KeyboardInterrupt:
+        return "page.html"
+"""
+    done = report(tmp_path, body, signal.SIGINT)
+
+    assert done.returncode == 0
+    assert done.stdout == "Report: page.html\n"
+
+
+def report(folder: Path, body: str, number: signal.Signals) -> subprocess.CompletedProcess[str]:
+    """Run ``grainfit report`` with this code in place of its work."""
+    code = REPORT.replace("BODY", body).replace("NUMBER", str(int(number)))
+    (folder / "interrupted_report.py").write_text(code)
+    return subprocess.run(
+        [sys.executable, "-m", "interrupted_report"],
+        cwd=folder,
         capture_output=True,
         text=True,
         timeout=30,
         check=False,
     )
-
-    assert done.returncode == 130
-    assert done.stderr == "Interrupted.\n"
-    assert done.stdout == ""

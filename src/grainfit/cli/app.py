@@ -544,6 +544,9 @@ def main() -> None:
     if code == INTERRUPTED:
         # A user's function that still runs in a thread would delay the exit of Python.
         os._exit(code)
+    # ``python -m`` exits as if killed by SIGINT if the last code executed from a text, such as that
+    # of a data class, was interrupted, even if the interrupt was handled.
+    exec("")
     sys.exit(code)
 
 
@@ -557,5 +560,6 @@ def _exit_code() -> int:
         show.print_error(_err, error)
         return _BAD_INPUT
     except KeyboardInterrupt:
+        _err.print("Interrupted.")
         return INTERRUPTED
     return 0
