@@ -1,5 +1,6 @@
 """The posterior sample against closed forms."""
 
+import itertools
 import math
 
 import numpy as np
@@ -8,6 +9,7 @@ from given_metamodels import Given, given, unit_parameters
 from scipy.stats import truncnorm
 
 from grainfit.analysis import Posterior, sample_posterior, standard_uncertainty
+from grainfit.analysis.ensemble import sample_cube
 from grainfit.errors import InputError
 from grainfit.metamodels.kriging import Kriging
 from grainfit.metamodels.metamodels import Metamodels
@@ -201,3 +203,18 @@ def test_credible_intervals_of_95_percent_hold_the_truth_as_often_as_they_say() 
         widths.append(high - low)
     assert inside >= 25
     assert np.median(widths) < 0.3
+
+
+def test_an_interrupt_of_the_sampling_is_passed_on_without_a_word(
+    capfd: pytest.CaptureFixture[str],
+) -> None:
+    calls = itertools.count()
+
+    def log_density(points: np.ndarray) -> np.ndarray:
+        if next(calls) == 20:
+            raise KeyboardInterrupt
+        return -0.5 * ((points[:, 0] - 0.5) / 0.1) ** 2
+
+    with pytest.raises(KeyboardInterrupt):
+        sample_cube(log_density, 1, seed=1, samples=100, max_steps=1000)
+    assert capfd.readouterr() == ("", "")

@@ -99,6 +99,26 @@ def test_a_second_start_in_the_same_folder_says_who_is_at_work_and_disturbs_noth
     assert third.returncode == 0, out + message
 
 
+def test_solvers_that_work_elsewhere_end_before_their_runs_are_repeated(tmp_path: Path) -> None:
+    file = calibration(tmp_path)
+    program = tmp_path / "model" / "simulate.sh"
+    moved = PROGRAM.replace("sleep", "mkdir work; cd work; sleep")
+    program.write_text(moved.replace("> responses.json", "> ../responses.json"), encoding="utf-8")
+    first = start(file, seconds=600)
+    log = file.with_suffix(".log")
+    while not log.exists() or not log.read_text().strip():
+        assert first.poll() is None, first.communicate()
+        time.sleep(0.05)
+    solver = int(log.read_text().split()[1])
+    first.kill()
+    first.communicate()
+    assert is_alive(solver)
+    second = start(file, seconds=0)
+    out, message = second.communicate(timeout=120)
+    assert second.returncode == 0, out + message
+    assert not is_alive(solver)
+
+
 def test_the_solvers_of_killed_workers_end_with_the_calibration(tmp_path: Path) -> None:
     variant = Variant("pool", workers=2, pool=True, seconds=60.0)
     trial = Trial(variant, tmp_path, Tally(""))

@@ -649,3 +649,65 @@ def test_check_refuses_a_folder_that_is_too_large_to_copy(tmp_path):
     text = fault(Command(folder, ["true"]))
 
     assert "holds 300 MB (most of all dump, 300 MB)" in text
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "{% for i in range(99999) %}{% for j in range(99999) %}{% endfor %}{% endfor %}",
+        "{{ 9 ** (9 ** 9) }}",
+    ],
+)
+def test_a_template_that_never_ends_is_ended_by_the_time_out(tmp_path, text):
+    solver = Command(model_folder(tmp_path, deck__j2="{{ x }}" + text), ["true"])
+    started = time.monotonic()
+
+    with pytest.raises(
+        RunFailedError, match=r"filling in deck.j2 took longer than 0\.5 s"
+    ) as caught:
+        solver.run({"x": 1.0}, 1, workspace(tmp_path, timeout=0.5))
+
+    assert caught.value.kind == "timeout"
+    assert time.monotonic() - started < 10
+
+
+def test_a_template_that_never_ends_is_ended_by_ctrl_c(tmp_path):
+    solver = Command(
+        model_folder(tmp_path),
+        ["true", "{{ x }}", "{% for i in range(99999) %}" * 2 + "{% endfor %}" * 2],
+    )
+    place = workspace(tmp_path)
+    threading.Timer(0.5, place.cancelled.set).start()
+
+    with pytest.raises(RunFailedError) as caught:
+        solver.run({"x": 1.0}, 1, place)
+
+    assert caught.value.kind == "cancelled"
+
+
+def test_a_template_that_needs_too_much_memory_is_at_fault_itself(tmp_path):
+    solver = Command(model_folder(tmp_path, deck__j2="{{ ('x' * 3000000000) | length }}"), ["true"])
+
+    with pytest.raises(InputError) as caught:
+        run(solver, tmp_path, x=1.0)
+
+    assert "deck.j2: cannot be filled in within 2 GiB of memory." in str(caught.value)
+
+
+def test_templates_leave_no_other_files_than_their_results(tmp_path):
+    folder = model_folder(
+        tmp_path,
+        a__j2="{% for i in range(2) %}{{ i }}\n{% endfor %}",
+        r__json__j2='{"a": {{ "%.3f" | format(x) }} }',
+    )
+    (folder / "a.j2").chmod(0o540)
+
+    measured = run(Command(folder, ["true", "{{ x + 1 }}"], responses="r.json"), tmp_path, x=2.0)
+
+    place = tmp_path / "runs" / "run"
+    assert measured == {"a": Response(2.0)}
+    assert {file.name for file in place.iterdir()} == {
+        "a", "r.json", "parameters.json", "parameters.inc", "solver.log"
+    }  # fmt: skip
+    assert (place / "a").read_text() == "0\n1\n"
+    assert (place / "a").stat().st_mode & 0o777 == 0o540

@@ -15,7 +15,9 @@ import pytest
 from grainfit.errors import RunFailedError
 from grainfit.files import log_tail
 from grainfit.solvers.base import Workspace
-from grainfit.solvers.process.process import LOG_NAME, end_orphan, run_process
+from grainfit.solvers.process.ending import end_process_group
+from grainfit.solvers.process.orphans import end_orphans, mark_of, record_session
+from grainfit.solvers.process.process import LOG_NAME, run_process
 
 PYTHON = sys.executable
 
@@ -207,31 +209,137 @@ def test_tail_of_a_log(tmp_path):
     assert log_tail(log) == ""
 
 
-def test_orphan_of_a_killed_calibration_is_ended(tmp_path):
-    folder = tmp_path / "run"
-    folder.mkdir()
-    # A calibration of its own, killed while its solver runs.
-    code = f"""
-from pathlib import Path
-from grainfit.solvers.base import Workspace
-from grainfit.solvers.process.process import run_process
-run_process([{PYTHON!r}, "-c", {STUBBORN_FAMILY!r}], Workspace(Path({str(folder)!r})))
+#: Notes the process number in the folder that is its argument, and waits for ever.
+WAIT = """
+import os, sys, time
+with open(sys.argv[1] + "/pids.new", "w") as file:
+    file.write(str(os.getpid()))
+os.rename(sys.argv[1] + "/pids.new", sys.argv[1] + "/pids")
+time.sleep(600)
 """
-    calibration = subprocess.Popen(python(code))
+#: Does so in a session of its own, without a parent.
+DETACH = f"""
+import os, time
+if os.fork():
+    time.sleep(600)
+os.setsid()
+os.chdir("/")
+if os.fork():
+    os._exit(0)
+{WAIT}
+"""
+ORPHANS = {
+    "in its folder": python(STUBBORN_FAMILY),
+    "in a subfolder": ["sh", "-c", 'mkdir work; cd work && exec "$@"', "sh", *python(WAIT)],
+    "in a group of its own": ["sh", "-c", 'cd /; set -m; "$@" & wait', "sh", *python(WAIT)],
+    "with an empty environment": ["sh", "-c", 'cd /; exec env -i "$@"', "sh", *python(WAIT)],
+    "detached": python(DETACH),
+}
+
+
+def leave_orphans(folder: Path, command: list[str]) -> list[int]:
+    """Kill a calibration while its solver runs; return the processes that it leaves."""
+    calibration = subprocess.Popen(
+        python(
+            "from pathlib import Path\n"
+            "from grainfit.solvers.base import Workspace\n"
+            "from grainfit.solvers.process.process import run_process\n"
+            f"run_process({[*command, str(folder)]!r}, Workspace(Path({str(folder)!r})))\n"
+        )
+    )
     pids = pids_in(folder)
     calibration.kill()
     calibration.wait()
     assert all(is_running(pid) for pid in pids)
+    return pids
 
-    assert end_orphan(folder)
+
+@pytest.mark.parametrize("place", ORPHANS)
+def test_orphan_of_a_killed_calibration_is_ended(tmp_path, place):
+    folder = tmp_path / "a run: 'signs'"
+    folder.mkdir()
+    pids = leave_orphans(folder, ORPHANS[place])
+
+    assert end_orphans(folder)
 
     assert wait_for(lambda: not any(is_running(pid) for pid in pids))
+    assert not end_orphans(folder)
+
+
+def test_orphan_in_a_folder_that_was_moved_is_ended(tmp_path):
+    folder = tmp_path / "runs" / "identity.token.partial"
+    folder.mkdir(parents=True)
+    pids = leave_orphans(folder, python(WAIT))
+    (tmp_path / "runs").rename(tmp_path / "moved")
+    gone = tmp_path / "moved" / "identity.token.gone.partial"
+    (tmp_path / "moved" / folder.name).rename(gone)
+    # A copy of the folder is another run.
+    (tmp_path / "runs").mkdir()
+    (tmp_path / "runs" / gone.name).mkdir()
+
+    assert not end_orphans(tmp_path / "runs" / gone.name)
+    assert all(is_running(pid) for pid in pids)
+    assert end_orphans(gone)
+    assert wait_for(lambda: not any(is_running(pid) for pid in pids))
+
+
+def test_a_solver_that_has_detached_itself_is_ended_by_the_time_out(tmp_path):
+    with pytest.raises(RunFailedError, match="time-out"):
+        run_process([*python(DETACH), str(tmp_path)], Workspace(tmp_path, timeout=1.0))
+
+    (pid,) = pids_in(tmp_path)
+    assert wait_for(lambda: not is_running(pid))
+
+
+def test_a_session_that_has_got_the_number_of_an_old_one_is_not_ended(tmp_path):
+    other = subprocess.Popen(python("import time; time.sleep(600)"), start_new_session=True)
+    try:
+        record_session(tmp_path, other.pid)
+        (record,) = tmp_path.iterdir()
+        number, boot, start = record.read_text().split()
+        record.write_text(f"{number} {boot} {int(start) - 1}\n")
+        assert not end_orphans(tmp_path)
+        record.write_text("damaged")
+        assert not end_orphans(tmp_path)
+        assert other.poll() is None
+    finally:
+        other.kill()
+        other.wait()
+
+
+def test_the_shell_of_a_user_who_repeats_a_run_by_hand_is_not_ended(tmp_path):
+    folder = tmp_path / "run"
+    folder.mkdir()
+    code = 'GRAINFIT_RUN="$1" "$2" -c "$3" "$4"; sleep 600'
+    arguments = [mark_of(folder), PYTHON, WAIT, str(tmp_path)]
+    shell = subprocess.Popen(["sh", "-c", code, "sh", *arguments], start_new_session=True)
+    try:
+        (run,) = pids_in(tmp_path)
+        assert end_orphans(folder)
+        assert not is_running(run)
+        assert shell.poll() is None
+    finally:
+        end_process_group(shell.pid)
+        shell.wait()
+
+
+def test_neither_this_process_nor_what_started_it_is_taken_for_an_orphan(tmp_path):
+    code = (
+        "import os, sys, subprocess; from pathlib import Path;"
+        "from grainfit.solvers.process.orphans import MARK, end_orphans, mark_of;"
+        "folder = Path.cwd(); again = os.environ.get(MARK);"
+        "os.environ[MARK] = mark_of(folder);"
+        "sys.exit(end_orphans(folder) if again else subprocess.call(sys.orig_argv))"
+    )
+    done = subprocess.run(python(code), cwd=tmp_path, start_new_session=True, check=False)
+
+    assert done.returncode == 0
 
 
 def test_somebody_who_looks_into_a_folder_is_not_taken_for_an_orphan(tmp_path):
     other = subprocess.Popen(python("import time; time.sleep(600)"), cwd=tmp_path)
     try:
-        assert not end_orphan(tmp_path)
+        assert not end_orphans(tmp_path)
         assert other.poll() is None
     finally:
         other.kill()
@@ -250,6 +358,6 @@ def test_solvers_of_other_folders_are_not_ended(tmp_path):
     run = threading.Thread(target=work)
     run.start()
     assert wait_for((elsewhere / LOG_NAME).exists)
-    assert not end_orphan(here)
+    assert not end_orphans(here)
     run.join()
     assert ended

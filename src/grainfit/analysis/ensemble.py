@@ -224,6 +224,8 @@ class _Ensemble:
         sampler = emcee.EnsembleSampler(
             self._walkers, self._dimension, log_density, moves=moves, vectorize=True
         )
+        # emcee wraps the density and prints a traceback for every exception, also for Ctrl-C.
+        sampler.log_prob_fn = log_density
         seed = int(self._random.integers(2**32))
         sampler.random_state = np.random.RandomState(seed).get_state()
         return sampler

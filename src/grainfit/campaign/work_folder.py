@@ -23,7 +23,7 @@ from grainfit.campaign.store.records import RunRecord
 from grainfit.campaign.store.store import RunStore
 from grainfit.errors import StoreError
 from grainfit.files import write_atomically
-from grainfit.solvers.process.process import end_orphan
+from grainfit.solvers.process.orphans import end_orphans
 
 RECORD_NAME = "run.json"
 RESULT_NAME = "result.json"
@@ -129,7 +129,7 @@ def recover(folder: Path, store: RunStore) -> None:
     store.forget_running()
     runs = folder / "runs"
     for path in runs.glob(f"*{PARTIAL_SUFFIX}"):
-        end_orphan(path)
+        end_orphans(path)
         shutil.rmtree(path, ignore_errors=True)
     # A worker that outlived its process may have finished its run until now, but not later.
     states = store.states()
@@ -204,10 +204,11 @@ def discard_partial_folders(folder: Path, identities: Iterable[str]) -> None:
     for identity in identities:
         for partial in (folder / "runs").glob(f"{identity}.*{PARTIAL_SUFFIX}"):
             # Rename it first: the worker would otherwise store the stopped run as failed.
-            gone = partial.with_name(f"{secrets.token_hex(8)}{PARTIAL_SUFFIX}")
+            # Its solvers are recognised by the beginning of its name.
+            gone = partial.with_name(f"{partial.stem}.gone{PARTIAL_SUFFIX}")
             with suppress(OSError):
                 partial.rename(gone)
-            end_orphan(gone)
+            end_orphans(gone)
             shutil.rmtree(gone, ignore_errors=True)
 
 

@@ -7,20 +7,22 @@ from __future__ import annotations
 
 import os
 import shlex
-import signal
 import sys
 from collections.abc import Iterator
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, NoReturn
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 from rich.console import Console
+from typer.core import TyperGroup
+from typing_extensions import override
 
 from grainfit.cli import console as show
 from grainfit.cli.advice import Workers, advise, design
 from grainfit.cli.export import export
+from grainfit.cli.interruption import Interruption
 from grainfit.cli.runs import runs_app
 from grainfit.cli.search_options import with_search_options
 from grainfit.cli.simulating import INTERRUPTED, STOPPED, simulating
@@ -40,8 +42,31 @@ EXIT_CODES = {
 _BAD_INPUT = 1
 _USAGE_ERROR = 2
 
+_interruption = Interruption()
+_out = Console()
+_err = Console(stderr=True)
+
+
+class _Commands(TyperGroup):
+    """All commands: an interrupted one ends with one line."""
+
+    @override
+    def invoke(self, ctx: Any) -> Any:
+        try:
+            return super().invoke(ctx)
+        except (typer.Exit, typer.Abort, GrainfitError):
+            raise
+        except (Exception, KeyboardInterrupt) as error:
+            if not (isinstance(error, KeyboardInterrupt) or _interruption.count):
+                raise
+            _interruption.exit_at_once(INTERRUPTED)
+            _err.print(STOPPED if ctx.invoked_subcommand == "run" else "Interrupted.")
+            raise typer.Exit(INTERRUPTED) from None
+
+
 app = typer.Typer(
     name="grainfit",
+    cls=_Commands,
     no_args_is_help=True,
     add_completion=False,
     pretty_exceptions_enable=False,
@@ -58,8 +83,6 @@ app = typer.Typer(
     """,
 )
 app.add_typer(runs_app, name="runs")
-_out = Console()
-_err = Console(stderr=True)
 
 CalibrationPath = Annotated[
     Path, typer.Argument(metavar="FILE", help="Calibration file (TOML).", show_default=False)
@@ -484,6 +507,7 @@ def _report_of_failure(workdir: Path) -> Iterator[None]:
 
 def _report_if_possible(workdir: Path) -> None:
     """Write the report of a calibration that has ended; a fault is only a warning."""
+    before = _interruption.count
     try:
         path = _write_report(workdir)
     except KeyboardInterrupt:
@@ -491,6 +515,8 @@ def _report_if_possible(workdir: Path) -> None:
     except Exception as error:
         # The result is written and printed: a fault here must not look like a failed calibration.
         reason = " ".join(str(error).split()) or type(error).__name__
+        if _interruption.count > before:
+            reason = "stopped"
     else:
         _out.print(f"Report: {path}", highlight=False, markup=False, soft_wrap=True)
         return
@@ -506,19 +532,21 @@ def _build(file: Path) -> CalibrationSetup:
     return build_calibration(load_calibration_file(file))
 
 
-def _stop(_signal: int, _frame: Any) -> NoReturn:
-    raise KeyboardInterrupt
-
-
 def main() -> None:
     """Run the command line; every error that grainfit knows ends in one clear message."""
-    signal.signal(signal.SIGTERM, _stop)
+    _interruption.listen()
     code = _exit_code()
-    if code == INTERRUPTED:
-        # A user's function that still runs in a thread would delay the exit of Python.
+    # A reader may be gone, such as a pager; the exit code is not.
+    with suppress(OSError):
         sys.stdout.flush()
         sys.stderr.flush()
+    _interruption.exit_at_once(code)
+    if code == INTERRUPTED:
+        # A user's function that still runs in a thread would delay the exit of Python.
         os._exit(code)
+    # ``python -m`` exits as if killed by SIGINT if the last code executed from a text, such as that
+    # of a data class, was interrupted, even if the interrupt was handled.
+    exec("")
     sys.exit(code)
 
 
@@ -528,10 +556,10 @@ def _exit_code() -> int:
     except SystemExit as stop:
         code = stop.code if isinstance(stop.code, int) else 0
         return _BAD_INPUT if code == _USAGE_ERROR else code
-    except KeyboardInterrupt:
-        _err.print(STOPPED)
-        return INTERRUPTED
     except GrainfitError as error:
         show.print_error(_err, error)
         return _BAD_INPUT
+    except KeyboardInterrupt:
+        _err.print("Interrupted.")
+        return INTERRUPTED
     return 0

@@ -32,7 +32,6 @@ from grainfit.solvers.own_model.model_input import (
     JSON_NAME,
     Templates,
     require_distinct,
-    template_context,
     write_parameters,
 )
 from grainfit.solvers.process.line_buffering import line_buffering
@@ -221,7 +220,7 @@ class Command(Solver):
         self._require_mentioned(parameters)
         started = time.monotonic()
         with recorded_faults(workspace):
-            command = self._prepare(values, int(seed), workspace.folder)
+            command = self._prepare(values, int(seed), workspace)
             run_process(command, workspace, line_buffering())
             evaluation = self._evaluation()
             if evaluation is not None:
@@ -235,7 +234,7 @@ class Command(Solver):
         return PythonFile(self._evaluate, self._model.path) if self._evaluate else None
 
     def _filler(self) -> Templates:
-        return Templates(self._model.read, str(self._model.path))
+        return Templates(self._model)
 
     # --- what the model is -------------------------------------------------------------------
 
@@ -329,28 +328,26 @@ class Command(Solver):
 
     # --- a run -------------------------------------------------------------------------------
 
-    def _prepare(self, values: Mapping[str, float], seed: int, folder: Path) -> list[str]:
+    def _prepare(self, values: Mapping[str, float], seed: int, workspace: Workspace) -> list[str]:
         """Prepare the run folder; return the command."""
-        context = template_context(values, seed)
-        filler = self._filler()
+        require_distinct(values)
         if self._contents_now() != self._contents:
             raise RunFailedError(
                 f"the files in {self._model.path} were changed while the calibration is running; "
                 "start it again",
                 kind="machine",
             )
+        folder = workspace.folder
         self._model.copy(folder)
-        for name in self._template_files():
-            text = filler.fill(name, context)
-            (folder / name).unlink()
-            target = folder / name.removesuffix(_TEMPLATE_SUFFIX)
-            target.write_text(text, encoding="utf-8")
-            shutil.copymode(self._model.path / name, target)
-        write_parameters(folder, values, seed)
-        arguments = [
-            filler.fill_text(argument, f"command[{number}]", context)
+        files = {name: name.removesuffix(_TEMPLATE_SUFFIX) for name in self._template_files()}
+        texts = {
+            f"command[{number}]": argument
             for number, argument in enumerate(self._command[1:], start=1)
-        ]
+        }
+        arguments = self._filler().fill(files, texts, values, seed, workspace)
+        for name, target in files.items():
+            shutil.copymode(self._model.path / name, folder / target)
+        write_parameters(folder, values, seed)
         return [_on_path(self._command[0]) or str(folder / self._command[0]), *arguments]
 
     def _measure(self, evaluation: PythonFile, workspace: Workspace, started: float) -> None:

@@ -3,29 +3,50 @@
 from __future__ import annotations
 
 import json
-import traceback
+import os
+import sys
 from collections.abc import Callable, Mapping
+from contextlib import suppress
+from dataclasses import replace
 from pathlib import Path
-from types import SimpleNamespace
-from typing import Any, TypeVar
+from typing import Any
 
 import jinja2
 import jinja2.nodes
-from jinja2.sandbox import SandboxedEnvironment
 
-from grainfit.errors import Fault, InputError
+from grainfit.errors import Fault, InputError, RunFailedError
 from grainfit.formatting import variable_name
+from grainfit.solvers.base import Workspace
+from grainfit.solvers.own_model import fill_templates
+from grainfit.solvers.own_model.fill_templates import (
+    ALL_VALUES,
+    fault_of,
+    fill,
+    open_environment,
+)
+from grainfit.solvers.own_model.model_folder import ModelFolder
 from grainfit.solvers.own_model.prime_seed import PRIME_SEEDS, prime_seeds
+from grainfit.solvers.process.process import run_process
 
 #: File for programs that read JSON: values by dotted name, and the seeds.
 JSON_NAME = "parameters.json"
 #: File for LAMMPS and LIGGGHTS to ``include``: ``variable NAME equal VALUE`` in each line.
 INCLUDE_NAME = "parameters.inc"
 
-_Result = TypeVar("_Result")
 _SEED = "seed"
-_ALL = "parameters"
-_RESERVED = (_SEED, *PRIME_SEEDS, _ALL)
+_RESERVED = (_SEED, *PRIME_SEEDS, ALL_VALUES)
+
+#: Limits of templates. They take milliseconds and a few MB unless there is a fault in a loop.
+_SECONDS = 60.0
+_BYTES = 2 * 2**30
+#: Parts of templates that only insert values, and the longest template that is searched for others.
+_SIMPLE = frozenset(
+    getattr(jinja2.nodes, name)
+    for name in ("Output", "TemplateData", "Name", "Getattr", "Getitem", "Const")
+)
+_LONGEST_SIMPLE = 2**20
+#: Files of the process in the run folder. A model's own files are never hidden.
+_REQUEST, _ANSWER, _LOG = ".templates.json", ".filled.json", ".templates.log"
 
 
 def write_parameters(folder: Path, values: Mapping[str, float], seed: int) -> None:
@@ -41,25 +62,6 @@ def write_parameters(folder: Path, values: Mapping[str, float], seed: int) -> No
 
 def _seeds(seed: int) -> dict[str, int]:
     return {_SEED: seed, **prime_seeds(seed)}
-
-
-def template_context(values: Mapping[str, float], seed: int) -> dict[str, Any]:
-    """Return the context of templates: ``particle.density``, ``seed``, ``parameters["x"]``.
-
-    Raises
-    ------
-    InputError
-        A template or a solver cannot distinguish two names, or a name is reserved.
-    """
-    require_distinct(values)
-    root = SimpleNamespace()
-    for name, value in values.items():
-        *sections, key = name.split(".")
-        table = root
-        for section in sections:
-            table = vars(table).setdefault(section, SimpleNamespace())
-        vars(table)[key] = value
-    return {**vars(root), _ALL: dict(values), **_seeds(seed)}
 
 
 def require_distinct(values: Mapping[str, float]) -> None:
@@ -89,28 +91,13 @@ class Templates:
 
     Parameters
     ----------
-    read : callable
-        Returns the contents of a file of the model by name.
-    source : str
-        The model's folder, for messages.
+    model : ModelFolder
+        The model.
     """
 
-    def __init__(self, read: Callable[[str], bytes], source: str) -> None:
-        self._source = source
-        self._read = read
-
-        def load(name: str) -> str | None:
-            try:
-                return read(name).decode("utf-8")
-            except InputError:
-                return None
-
-        # A template may come from somebody else; it must only format values.
-        self._environment = SandboxedEnvironment(
-            undefined=jinja2.StrictUndefined,
-            keep_trailing_newline=True,
-            loader=jinja2.FunctionLoader(load),
-        )
+    def __init__(self, model: ModelFolder) -> None:
+        self._model = model
+        self._environment = open_environment(model.read)
 
     def check(self, name: str) -> None:
         """Check that a file is a valid template, without filling it in.
@@ -120,11 +107,19 @@ class Templates:
         InputError
             The file is not a text, or has a syntax error; the message gives the line.
         """
-        self._guarded(name, lambda: self._parse(self._read(name).decode("utf-8"), name))
+        self._checked(name, lambda: self._model.read(name).decode("utf-8"))
 
     def check_text(self, text: str, where: str) -> None:
         """Raise `InputError` unless a text is a valid template."""
-        self._guarded(where, lambda: self._parse(text, where))
+        self._checked(where, lambda: text)
+
+    def _checked(self, name: str, read: Callable[[], str]) -> None:
+        try:
+            self._parse(read(), name)
+        except InputError:
+            raise
+        except Exception as error:
+            raise InputError(Fault(*fault_of(error, name)), str(self._model.path)) from error
 
     def _parse(self, text: str, name: str) -> None:
         """Parse only: Jinja2 evaluates constants when it compiles; 9**(9**9) takes forever."""
@@ -141,38 +136,98 @@ class Templates:
                         f"No {word} named {node.name!r}.", node.lineno, name
                     )
 
-    def fill(self, name: str, context: Mapping[str, Any]) -> str:
-        """Fill in a file of the model.
+    def fill(
+        self,
+        files: Mapping[str, str],
+        texts: Mapping[str, str],
+        values: Mapping[str, float],
+        seed: int,
+        workspace: Workspace,
+    ) -> list[str]:
+        """Fill in files of a run folder, and texts.
+
+        Templates that only insert values are filled in at once. All others, which can contain
+        loops, get a process with limits of time and memory.
+
+        Parameters
+        ----------
+        files : mapping of str to str
+            Name of each filled-in file in the run folder, by the name of its template in the model.
+        texts : mapping of str to str
+            Texts by their place in the calibration file.
+        values : mapping of str to float
+            Values of all parameters.
+        seed : int
+            Insertion seed.
+        workspace : Workspace
+            The run folder, a copy of the model, and the limits of the run.
+
+        Returns
+        -------
+        list of str
+            The texts, filled in.
 
         Raises
         ------
         InputError
-            The template is not valid, or names a parameter that has no value.
+            A template is not valid, names a parameter that has no value, or needs too much memory.
+        RunFailedError
+            It takes too long, or the run is cancelled.
         """
-        return self._guarded(name, lambda: self._environment.get_template(name).render(context))
+        require_distinct(values)
+        request = {
+            "model": str(self._model.path),
+            "files": dict(files),
+            "texts": dict(texts),
+            "values": dict(values),
+            "seeds": _seeds(seed),
+        }
+        contents = [*map(self._model.read, files), *(os.fsencode(text) for text in texts.values())]
+        if all(map(self._only_inserts_values, contents)):
+            found = fill(request, workspace.folder, lambda _where: None)
+        else:
+            found = self._fill_in_process(request, workspace)
+        if "fault" in found:
+            raise InputError(Fault(*found["fault"]), str(self._model.path))
+        return list(found["texts"])
 
-    def fill_text(self, text: str, where: str, context: Mapping[str, Any]) -> str:
-        """Fill in a text; see `fill`."""
-        return self._guarded(where, lambda: self._environment.from_string(text).render(context))
-
-    def _guarded(self, name: str, act: Callable[[], _Result]) -> _Result:
+    def _only_inserts_values(self, contents: bytes) -> bool:
+        """Return True if the time to fill in a template is limited by its length."""
+        if len(contents) > _LONGEST_SIMPLE:
+            return False
         try:
-            return act()
-        except jinja2.TemplateSyntaxError as error:
-            where = error.name or name
-            fault = Fault(f"{where}, line {error.lineno}", f"is not a valid template: {error}.")
-        except jinja2.TemplateNotFound as error:
-            fault = Fault(name, f"there is no template {error.name!r} in the folder.")
-        except UnicodeDecodeError:
-            fault = Fault(name, "is not a text in UTF-8.", "Only texts can be templates.")
-        # An expression in a template can raise any exception.
-        except Exception as error:
-            fault = Fault(f"{name}{_line(error)}", f"cannot be filled in: {error}.")
-        raise InputError(fault, self._source)
+            tree = self._environment.parse(contents.decode("utf-8"))
+        except Exception:
+            return False
+        return all(type(node) in _SIMPLE for node in tree.find_all(jinja2.nodes.Node))
 
+    def _fill_in_process(self, request: Mapping[str, Any], workspace: Workspace) -> dict[str, Any]:
+        folder = workspace.folder
+        program = [sys.executable, "-P", fill_templates.__file__]
+        timeout = min(workspace.timeout or _SECONDS, _SECONDS)
+        try:
+            (folder / _REQUEST).write_text(json.dumps(request), encoding="utf-8")
+            run_process(
+                [*program, _REQUEST, _ANSWER, str(_BYTES)],
+                replace(workspace, timeout=timeout),
+                log_name=_LOG,
+            )
+            found: dict[str, Any] = json.loads((folder / _ANSWER).read_text(encoding="utf-8"))
+        except RunFailedError as error:
+            raise self._error_of(error, timeout) from error
+        finally:
+            for name in (_REQUEST, _ANSWER, _LOG):
+                with suppress(OSError):
+                    (folder / name).unlink()
+        return found
 
-def _line(error: Exception) -> str:
-    """Return the line of the template in which an error occurred, if it is known."""
-    frames = traceback.extract_tb(error.__traceback__)
-    lines = [frame.lineno for frame in frames if frame.filename == "<template>"]
-    return f", line {lines[-1]}" if lines else ""
+    def _error_of(self, error: RunFailedError, timeout: float) -> Exception:
+        """Return the error of a process that filled in no templates."""
+        if error.kind in ("cancelled", "machine"):
+            return error
+        *_, where = error.log_tail.splitlines() or ["templates"]
+        if error.kind == "timeout":
+            words = f"filling in {where} took longer than {timeout:g} s and was ended"
+            return RunFailedError(words, kind="timeout")
+        fault = Fault("templates", f"cannot be filled in: {error.reason}.")
+        return InputError(fault, str(self._model.path))

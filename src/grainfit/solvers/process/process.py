@@ -1,28 +1,29 @@
-"""Run a solver as an external process, with time-out, cancellation, and clean-up after a crash."""
+"""Run a solver as an external process, with time-out and cancellation."""
 
 from __future__ import annotations
 
 import os
-import signal
 import subprocess
 import time
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
-from pathlib import Path
-
-import psutil
 
 from grainfit.errors import RunFailedError, SolverNotFoundError
 from grainfit.files import end_of_file, last_lines, log_tail, text_of
 from grainfit.solvers.base import Workspace
+from grainfit.solvers.process.ending import GRACE_SECONDS, end_process_group
 from grainfit.solvers.process.faults import Cause, cause_of_exit, machine_error, machine_fault
+from grainfit.solvers.process.orphans import (
+    MARK,
+    end_orphans,
+    forget_session,
+    mark_of,
+    record_session,
+)
 from grainfit.solvers.process.run_folder import REMOVED, RunFolder
 
 LOG_NAME = "solver.log"
-#: Environment variable of solvers by which they are found after a crash.
-_MARK = "GRAINFIT_RUN"
 _POLL_SECONDS = 0.02
-_GRACE_SECONDS = 2.0
 #: Interval at which the existence of the folder is checked.
 _WATCH_SECONDS = 0.5
 _ENVIRONMENT = {
@@ -63,6 +64,7 @@ def run_process(
     started = time.monotonic()
     # The log is read through the open file, which remains readable after its removal.
     with RunFolder(workspace.folder) as folder, (workspace.folder / log_name).open("w+b") as log:
+        mark = mark_of(workspace.folder)
         try:
             process = subprocess.Popen(
                 list(command),
@@ -70,7 +72,7 @@ def run_process(
                 stdin=subprocess.DEVNULL,
                 stdout=log,
                 stderr=subprocess.STDOUT,
-                env={**os.environ, **_ENVIRONMENT, _MARK: "", **(environment or {})},
+                env={**os.environ, **_ENVIRONMENT, MARK: mark, **(environment or {})},
                 start_new_session=True,
             )
         # ValueError: an argument that no program can be given, such as one with a zero byte.
@@ -79,10 +81,17 @@ def run_process(
             raise RunFailedError(
                 f"cannot start {command[0]!r}: {reason}", kind="machine"
             ) from error
+        has_ended = False
         try:
+            record_session(workspace.folder, process.pid)
             stopped = _wait(process, workspace, started, folder)
+            has_ended = stopped is None
         finally:
             _end(process)
+            if not has_ended:
+                # A program that detached itself would go on simulating.
+                end_orphans(workspace.folder)
+            forget_session(workspace.folder)
         text = end_of_file(log.fileno())
         if stopped is None and process.returncode != 0:
             # Without its folder a program ends with various errors; this is their cause.
@@ -150,65 +159,4 @@ def _end(process: subprocess.Popen[bytes]) -> None:
     end_process_group(process.pid)
     # A process that waits for a disk that does not answer cannot be killed.
     with suppress(subprocess.TimeoutExpired):
-        process.wait(_GRACE_SECONDS)
-
-
-def end_process_group(leader: int) -> None:
-    """End a process group and all its descendants, first by SIGTERM, then by SIGKILL.
-
-    MPI launchers give their ranks separate groups or sessions, so the group alone is not enough.
-    Nothing happens if it has already ended.
-    """
-    family = _descendants(leader)
-    for number, grace in ((signal.SIGTERM, _GRACE_SECONDS), (signal.SIGKILL, 0.0)):
-        try:
-            os.killpg(leader, number)
-        except (ProcessLookupError, PermissionError):
-            break
-        _wait_for_end([leader], grace)
-        family |= _descendants(leader)
-    for process in family:
-        # psutil does not kill another process that has got the same number since.
-        with suppress(psutil.Error):
-            process.kill()
-    _wait_for_end([process.pid for process in family if process.is_running()], _GRACE_SECONDS)
-
-
-def _descendants(pid: int) -> set[psutil.Process]:
-    """Return all descendants of a process."""
-    try:
-        return set(psutil.Process(pid).children(recursive=True))
-    except psutil.Error:
-        return set()
-
-
-def _wait_for_end(pids: Sequence[int], seconds: float) -> None:
-    # Not by psutil.wait_procs: it reaps children, whose exit codes are needed elsewhere, and waits
-    # for zombies that nobody reaps.
-    deadline = time.monotonic() + seconds
-    while time.monotonic() < deadline and any(map(_is_alive, pids)):
-        time.sleep(_POLL_SECONDS)
-
-
-def _is_alive(pid: int) -> bool:
-    try:
-        return bool(psutil.Process(pid).status() != psutil.STATUS_ZOMBIE)
-    except psutil.Error:
-        return False
-
-
-def end_orphan(folder: Path) -> bool:
-    """End the solvers that a killed calibration left running in this folder.
-
-    They have a mark in their environment. Other processes in the folder, such as the shell of a
-    user, are not ended.
-    """
-    here = str(folder.resolve())
-    leaders = set()
-    for process in psutil.process_iter():
-        with suppress(psutil.Error, OSError):
-            if process.cwd() == here and _MARK in process.environ():
-                leaders.add(os.getpgid(process.pid))
-    for leader in leaders:
-        end_process_group(leader)
-    return bool(leaders)
+        process.wait(GRACE_SECONDS)

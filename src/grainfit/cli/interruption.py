@@ -1,0 +1,81 @@
+"""Signals that end a command: Ctrl-C, SIGTERM, and SIGHUP, sent when a terminal is closed."""
+
+from __future__ import annotations
+
+import os
+import signal
+import stat
+import sys
+import threading
+import time
+from types import FrameType
+from typing import Any
+
+#: Sent together by a closed terminal or the end of a session; they count as one.
+_SENT_BY_OTHERS = (signal.SIGTERM, signal.SIGHUP)
+_TOGETHER_SECONDS = 2.0
+_AGAIN_SECONDS = 0.1
+
+
+class Interruption:
+    """The signals that end a command, each of them raised as `KeyboardInterrupt`.
+
+    Signals that are ignored, such as SIGHUP with ``nohup``, and SIGINT in the background, remain
+    ignored.
+
+    Attributes
+    ----------
+    count : int
+        Signals so far. A library that is interrupted, for example while it is imported, may raise
+        any error: this tells that a signal caused it.
+    """
+
+    def __init__(self) -> None:
+        self.count = 0
+        self._last = float("-inf")
+
+    def listen(self) -> None:
+        """Raise `KeyboardInterrupt` for the signals from now on."""
+        signal.signal(signal.SIGTERM, self._interrupt)
+        for number in (signal.SIGINT, signal.SIGHUP):
+            if signal.getsignal(number) is not signal.SIG_IGN:
+                signal.signal(number, self._interrupt)
+        sys.unraisablehook = self._interrupt_again
+
+    def exit_at_once(self, code: int) -> None:
+        """Let signals end the process silently from now on: the command has ended."""
+
+        def leave(_number: int, _frame: FrameType | None) -> None:
+            os._exit(code)
+
+        for number in (signal.SIGINT, *_SENT_BY_OTHERS):
+            if signal.getsignal(number) is not signal.SIG_IGN:
+                signal.signal(number, leave)
+
+    def _interrupt(self, number: int, _frame: FrameType | None) -> None:
+        if number == signal.SIGHUP:
+            _leave_terminal()
+        now = time.monotonic()
+        if number in _SENT_BY_OTHERS and now - self._last < _TOGETHER_SECONDS:
+            return
+        self._last = now
+        self.count += 1
+        raise KeyboardInterrupt
+
+    def _interrupt_again(self, ignored: Any) -> None:
+        """Repeat an interrupt that came where Python cannot raise it, such as in a destructor."""
+        if issubclass(ignored.exc_type, KeyboardInterrupt):
+            self._last = float("-inf")
+            threading.Timer(_AGAIN_SECONDS, os.kill, (os.getpid(), signal.SIGTERM)).start()
+        else:
+            sys.__unraisablehook__(ignored)
+
+
+def _leave_terminal() -> None:
+    """Discard output to a terminal, which is an error after the terminal is closed."""
+    nowhere = os.open(os.devnull, os.O_RDWR)
+    for stream in (1, 2):
+        # os.isatty is False for a terminal that is closed.
+        if stat.S_ISCHR(os.fstat(stream).st_mode):
+            os.dup2(nowhere, stream)
+    os.close(nowhere)
