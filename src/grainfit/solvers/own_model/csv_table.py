@@ -8,6 +8,7 @@ from pathlib import Path
 
 from grainfit.errors import Fault, InputError
 from grainfit.evaluation import ERROR_SUFFIX
+from grainfit.formatting import from_spreadsheet_text
 
 #: Column of the seed, if a table has one.
 SEED_COLUMN = "seed"
@@ -18,6 +19,8 @@ OLD_ERROR_SUFFIX = "_std_error"
 def read_csv(path: Path) -> list[tuple[int, list[str]]]:
     """Return the header and the nonblank lines of a CSV file, with their numbers.
 
+    Cells that were written as `spreadsheet_text` have their original text.
+
     Raises
     ------
     InputError
@@ -27,7 +30,7 @@ def read_csv(path: Path) -> list[tuple[int, list[str]]]:
         with path.open(newline="", encoding="utf-8-sig") as file:
             reader = csv.reader(file, strict=True)
             lines = [
-                (reader.line_num, [cell.strip() for cell in line])
+                (reader.line_num, [from_spreadsheet_text(cell.strip()) for cell in line])
                 for line in reader
                 if any(map(str.strip, line))
             ]
