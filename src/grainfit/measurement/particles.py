@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from grainfit.errors import NotMeasurableError
+from grainfit.files import LARGEST_RUN_OUTPUT, read_within
 
 _NEEDED = ("x", "y", "z", "radius", "mass")
 _FRAME = b"ITEM: TIMESTEP"
@@ -155,7 +156,7 @@ def read_dump(path: Path, glued: int = 0) -> Particles:
 
 def _content(path: Path) -> bytes:
     try:
-        return path.read_bytes()
+        return read_within(path, LARGEST_RUN_OUTPUT)
     except OSError as error:
         raise NotMeasurableError(f"{path}: cannot be read ({error.strerror or error}).") from error
 

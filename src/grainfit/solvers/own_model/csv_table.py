@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import csv
+import io
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 from grainfit.errors import Fault, InputError
 from grainfit.evaluation import ERROR_SUFFIX
+from grainfit.files import LARGEST_TABLE, read_within
 from grainfit.formatting import from_spreadsheet_text
 
 #: Column of the seed, if a table has one.
@@ -24,16 +26,16 @@ def read_csv(path: Path) -> list[tuple[int, list[str]]]:
     Raises
     ------
     InputError
-        The file cannot be read, is not a CSV file in UTF-8, or is empty.
+        The file cannot be read, is too large, is not a CSV file in UTF-8, or is empty.
     """
     try:
-        with path.open(newline="", encoding="utf-8-sig") as file:
-            reader = csv.reader(file, strict=True)
-            lines = [
-                (reader.line_num, [from_spreadsheet_text(cell.strip()) for cell in line])
-                for line in reader
-                if any(map(str.strip, line))
-            ]
+        text = read_within(path, LARGEST_TABLE).decode("utf-8-sig")
+        reader = csv.reader(io.StringIO(text, newline=""), strict=True)
+        lines = [
+            (reader.line_num, [from_spreadsheet_text(cell.strip()) for cell in line])
+            for line in reader
+            if any(map(str.strip, line))
+        ]
     except OSError as error:
         raise InputError(
             Fault("", f"cannot be read: {error.strerror}.", "Give the path of a CSV file."),
