@@ -21,6 +21,8 @@ LARGEST_RUN_OUTPUT = 4_000_000_000
 LARGEST_MODEL = 200_000_000
 MOST_MODEL_FILES = 20_000
 
+_PIECE = 1_000_000
+
 #: Size of the end of a log that is searched for causes, and of the part that is kept.
 _LOG_BYTES = 65536
 _TAIL_CHARACTERS = 8192
@@ -65,7 +67,10 @@ def read_within(path: Path, largest: int) -> bytes:
     """
     with path.open("rb") as file:
         size = os.fstat(file.fileno()).st_size
-        content = file.read(largest + 1) if size <= largest else b""
+        # Python reserves memory for as much as is asked for.
+        content = file.read(size + 1) if size <= largest else b""
+        while len(content) > size and len(content) <= largest and (more := file.read(_PIECE)):
+            content += more
     if max(size, len(content)) > largest:
         shown = f"it has {size / 1e6:.6g} MB" if size > largest else "it is too long"
         raise TooLargeError(

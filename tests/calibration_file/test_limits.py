@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import threading
 import tracemalloc
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -14,7 +15,13 @@ from grainfit.calibration_file.build import build_calibration
 from grainfit.calibration_file.load import load_calibration_file
 from grainfit.calibration_file.plan import describe_plan
 from grainfit.errors import InputError, NotMeasurableError
-from grainfit.files import LARGEST_PYTHON_FILE, LARGEST_TABLE, TooLargeError, read_within
+from grainfit.files import (
+    LARGEST_PYTHON_FILE,
+    LARGEST_RUN_OUTPUT,
+    LARGEST_TABLE,
+    TooLargeError,
+    read_within,
+)
 from grainfit.measurement.particles import read_dump
 from grainfit.scenes.stl import read_stl
 from grainfit.solvers.own_model import model_folder
@@ -172,6 +179,23 @@ def test_a_file_that_grows_is_read_up_to_its_limit() -> None:
         pytest.skip("there is no /dev/zero")
     with pytest.raises(TooLargeError, match="it is too long, and at most 20 MB are read"):
         read_within(endless, LARGEST_TABLE)
+
+
+@pytest.mark.usefixtures("little_memory")
+def test_a_small_file_takes_little_memory_whatever_its_limit(tmp_path: Path) -> None:
+    path = tmp_path / "file"
+    path.write_bytes(b"12345")
+    assert read_within(path, LARGEST_RUN_OUTPUT) == b"12345"
+
+
+def test_a_pipe_is_read_to_its_end(tmp_path: Path) -> None:
+    pipe = tmp_path / "pipe"
+    os.mkfifo(pipe)
+    content = b"runs" * 1_000_000
+    writer = threading.Thread(target=lambda: pipe.write_bytes(content), daemon=True)
+    writer.start()
+    assert read_within(pipe, LARGEST_TABLE) == content
+    writer.join(timeout=10)
 
 
 def test_a_file_of_the_largest_size_is_read(tmp_path: Path) -> None:
