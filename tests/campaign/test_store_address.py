@@ -127,3 +127,5 @@ def test_a_password_that_an_earlier_version_stored_is_not_shown(tmp_path: Path) 
 
     assert "postgresql+psycopg://me@host/runs" in outputs[0]
     assert [SECRET in output for output in outputs] == [False] * 4
+    RunStore.in_folder(tmp_path).close()
+    assert [path for path in tmp_path.iterdir() if SECRET.encode() in path.read_bytes()] == []

@@ -174,6 +174,8 @@ class RunStore:
             if connection.dialect.name == "postgresql":
                 connection.execute(sql.select(sql.func.pg_advisory_xact_lock(_SCHEMA_LOCK)))
             version = schema.bring_up_to_date(connection)
+            if version == SCHEMA_VERSION:
+                _remove_passwords(connection)
         self._require_version(version, SCHEMA_VERSION)
 
     def _check_version(self) -> None:
@@ -495,6 +497,18 @@ class RunStore:
             .order_by(_requests.c.position)
         )
         return self._read(query, RequestRecord.from_row)
+
+
+def _remove_passwords(connection: sql.Connection) -> None:
+    """Replace the addresses that earlier versions stored with their options."""
+    stored = sql.select(_runs.c.origin).where(_runs.c.origin.contains("://")).distinct()
+    unsafe = [origin for origin in connection.scalars(stored) if safe_address(origin) != origin]
+    if unsafe and connection.dialect.name == "sqlite":
+        # SQLite would leave the old text in the free parts of the file.
+        connection.exec_driver_sql("PRAGMA secure_delete = ON")
+    for origin in unsafe:
+        replaced = _runs.update().where(_runs.c.origin == origin)
+        connection.execute(replaced.values(origin=safe_address(origin)))
 
 
 def not_a_work_folder(folder: str | Path, key: str = "") -> Fault:
