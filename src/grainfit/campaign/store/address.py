@@ -19,7 +19,9 @@ _NAME = re.compile(r"[\w.~ +-]+|\*\*\*")
 _HOST = re.compile(r"[\w.:/,~%-]+|\*\*\*")
 _SHOWN_OPTIONS = ("host", "port", "service", "sslmode")
 #: Texts that were meant as the address of a server, although they are none.
-_MEANT = re.compile(r"[A-Za-z][\w+.-]+:/|[^/]*:[^/]*@|.*\bpass\w*\s*=", re.IGNORECASE | re.DOTALL)
+_MEANT = re.compile(
+    r"[A-Za-z][\w+.-]+:/|(?![A-Za-z]:[/\\])[^/]*:.*@|.*\bpass\w*\s*=", re.IGNORECASE | re.DOTALL
+)
 _FORMS = "postgresql+psycopg://user@host/database or sqlite:////path/to/runs.sqlite"
 
 
@@ -58,7 +60,7 @@ class StoreAddress:
             raise StoreError(
                 f"{safe_address(address)!r} is not the address of a database. {_advice(address)}"
             ) from None
-        shown = _shown(url)
+        shown = _shown(url, address if isinstance(address, str) else "")
         return cls(url, shown, tuple(_hidden_parts(url, shown)))
 
     def without_secrets(self, text: str) -> str:
@@ -83,21 +85,29 @@ def safe_address(address: object) -> str:
     >>> safe_address("beads.grainfit")
     'beads.grainfit'
     """
-    if not isinstance(address, sql.URL) and "://" not in str(address):
-        return _HIDDEN if _MEANT.match(str(address)) else str(address)
+    if isinstance(address, sql.URL):
+        return _shown(address, "")
+    text = str(address)
+    if "://" not in text:
+        return _HIDDEN if _MEANT.match(text) else text
     try:
-        return _shown(sql.make_url(address if isinstance(address, sql.URL) else str(address)))
-    except (ArgumentError, ValueError):
-        scheme = _SCHEME.match(str(address))
+        url = sql.make_url(text)
+        url.get_dialect()
+        return _shown(url, text)
+    except (ArgumentError, NoSuchModuleError, ValueError):
+        scheme = _SCHEME.match(text)
         return f"{scheme[0] if scheme else _HIDDEN}://{_HIDDEN}"
 
 
-def _shown(url: sql.URL) -> str:
+def _shown(url: sql.URL, text: str) -> str:
+    """Return the location of a database that was read from a text, if it was a text."""
     if url.drivername.split("+")[0] == "sqlite":
+        if (url.host, url.username, url.password) != (None, None, None):
+            return f"{url.drivername}://{_HIDDEN}"
         place = str(url.database or "sqlite://")
         return unquote(place.removeprefix("file://")) if place.startswith("file://") else place
-    # Of a password with an unquoted @, parts are taken for the host or the database.
-    if "@" in f"{url.host}{url.database}":
+    # Of a password with an unquoted @, parts are taken for the host, the database or options.
+    if text.count("@") > 1 or "@" in f"{url.host}{url.database}":
         return f"{url.drivername}://{_HIDDEN}"
     parts = [url.drivername, "://"]
     if url.username is not None or url.password is not None:
