@@ -236,6 +236,8 @@ def from_spreadsheet_text(cell: str) -> str:
     >>> from_spreadsheet_text("'=1+1"), from_spreadsheet_text("it's")
     ('=1+1', "it's")
     """
+    if "'" not in cell:
+        return cell
     starts = {match.end() for match in _ESCAPED_START.finditer(cell)}
     return "".join(character for i, character in enumerate(cell) if i not in starts)
 
