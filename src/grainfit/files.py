@@ -1,16 +1,82 @@
-"""Write files atomically, and read the end of logs."""
+"""Read files within limits, write them atomically, and read the end of logs."""
 
 from __future__ import annotations
 
+import errno
 import os
 import stat
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
+#: Largest files that are read, bytes. A file of the wrong name must not fill the memory.
+LARGEST_CALIBRATION_FILE = 1_000_000
+#: Python takes about 1 kB of memory for a byte of code.
+LARGEST_PYTHON_FILE = 1_000_000
+LARGEST_TABLE = 20_000_000
+LARGEST_MESH = 100_000_000
+LARGEST_RESPONSES = 100_000_000
+LARGEST_RUN_OUTPUT = 4_000_000_000
+#: The folder of a model, which is copied for every run: bytes, files and folders.
+LARGEST_MODEL = 200_000_000
+MOST_MODEL_FILES = 20_000
+
+_PIECE = 1_000_000
+
 #: Size of the end of a log that is searched for causes, and of the part that is kept.
 _LOG_BYTES = 65536
 _TAIL_CHARACTERS = 8192
+
+
+def is_file(path: Path) -> bool:
+    """Return True if there is such a file; False also where a folder may not be entered."""
+    try:
+        return path.is_file()
+    except (OSError, ValueError):
+        return False
+
+
+def is_folder(path: Path) -> bool:
+    """Return True if there is such a folder; False also where a folder may not be entered."""
+    try:
+        return path.is_dir()
+    except (OSError, ValueError):
+        return False
+
+
+class TooLargeError(OSError):
+    """A file is larger than what is read of its kind."""
+
+
+def read_within(path: Path, largest: int) -> bytes:
+    """Return the contents of a file that is not larger than a limit.
+
+    Parameters
+    ----------
+    path : Path
+        The file; it may grow while it is read, or have no size, as a pipe does.
+    largest : int
+        Largest size, bytes: one of the limits of this module.
+
+    Raises
+    ------
+    TooLargeError
+        It is larger; hardly anything of it was read.
+    OSError
+        It cannot be read.
+    """
+    with path.open("rb") as file:
+        size = os.fstat(file.fileno()).st_size
+        # Python reserves memory for as much as is asked for.
+        content = file.read(size + 1) if size <= largest else b""
+        while len(content) > size and len(content) <= largest and (more := file.read(_PIECE)):
+            content += more
+    if max(size, len(content)) > largest:
+        shown = f"it has {size / 1e6:.6g} MB" if size > largest else "it is too long"
+        raise TooLargeError(
+            errno.EFBIG, f"{shown}, and at most {largest / 1e6:.0f} MB are read", str(path)
+        )
+    return content
 
 
 @contextmanager

@@ -11,6 +11,12 @@ _SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 _FIXED = 1e-3, 1e5
 #: Digits of a value whose uncertainty is almost zero.
 _MOST_DIGITS = 6
+#: Places of a table's text at which a spreadsheet would start a formula: its beginning, and the
+#: separators of other countries and of lines. See OWASP, "CSV Injection".
+_FORMULA = r"""(?=['"\s]*[=+\-@\uff1d\uff0b\uff0d\uff20])"""
+_CELL_START = rf"(^(?:{_FORMULA}|(?='*[\t\r\n]))|[;\t\r\n]{_FORMULA})"
+_FORMULA_START = re.compile(_CELL_START)
+_ESCAPED_START = re.compile(_CELL_START.replace("(?=", "(?='"))
 _UNITS = {"kg/m^3": "kg/m³", "deg": "°", "m^3": "m³", "m^2": "m²", "m/s^2": "m/s²"}
 
 
@@ -207,6 +213,41 @@ def plain(text: str) -> str:
 def plain_lines(text: str) -> list[str]:
     """Return the lines of a text, each as `plain` makes it."""
     return [plain(line) for line in text.splitlines()]
+
+
+def spreadsheet_text(text: str) -> str:
+    """Return a text as a cell of a table that no spreadsheet takes for a formula.
+
+    An apostrophe comes before what would be one. Numbers, negative ones too, stay as they are.
+
+    Examples
+    --------
+    >>> spreadsheet_text("=1+1"), spreadsheet_text("a;@b"), spreadsheet_text("-5")
+    ("'=1+1", "a;'@b", '-5')
+    """
+    return text if _is_number(text) else _FORMULA_START.sub(r"\1'", text)
+
+
+def from_spreadsheet_text(cell: str) -> str:
+    """Return the text from which `spreadsheet_text` made a cell.
+
+    Examples
+    --------
+    >>> from_spreadsheet_text("'=1+1"), from_spreadsheet_text("it's")
+    ('=1+1', "it's")
+    """
+    if "'" not in cell:
+        return cell
+    starts = {match.end() for match in _ESCAPED_START.finditer(cell)}
+    return "".join(character for i, character in enumerate(cell) if i not in starts)
+
+
+def _is_number(text: str) -> bool:
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True
 
 
 def duration(seconds: float) -> str:

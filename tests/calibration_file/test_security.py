@@ -267,7 +267,7 @@ def test_a_key_that_would_take_hours_is_refused(tmp_path: Path, key: str, messag
 def test_a_folder_that_is_no_model_is_refused(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(model_folder, "MOST_FILES", 3)
+    monkeypatch.setattr(model_folder, "MOST_MODEL_FILES", 3)
     for number in range(4):
         (tmp_path / f"{number}").touch()
     with pytest.raises(InputError, match="more than 3 files"):

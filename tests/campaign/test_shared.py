@@ -191,6 +191,22 @@ def test_a_second_calibration_learns_from_a_shared_store(address: str, tmp_path:
     own.close()
 
 
+def test_the_password_of_a_shared_store_is_written_nowhere(
+    server: PostgresqlServer, tmp_path: Path
+) -> None:
+    problem = gf.Problem([gf.Parameter("friction", 0.1, 0.9)], [gf.Target("angle", 33.0)])
+    address = f"{server.url}&password=s3cret"
+    gf.calibrate(problem, drum, workdir=tmp_path / "first", store=address, max_runs=7)
+    gf.calibrate(problem, drum, workdir=tmp_path / "second", runs_from=[address], max_runs=7)
+    gf.open(tmp_path / "second").report()
+    store = RunStore.read_only(tmp_path / "second")
+    assert {run.origin for run in store.runs()} >= {server.url}
+    store.close()
+    written = [path for path in tmp_path.rglob("*") if path.is_file()]
+    assert {path.name for path in written} >= {"runs.sqlite", "report.html"}
+    assert [path for path in written if b"s3cret" in path.read_bytes()] == []
+
+
 def test_a_work_folder_gives_a_shared_store_what_it_has(address: str, tmp_path: Path) -> None:
     problem = gf.Problem([gf.Parameter("friction", 0.1, 0.9)], [gf.Target("angle", 33.0)])
     alone = gf.calibrate(problem, drum, workdir=tmp_path)

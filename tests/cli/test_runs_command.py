@@ -3,6 +3,7 @@
 import csv
 import io
 import json
+import random
 import sys
 from dataclasses import replace
 from pathlib import Path
@@ -23,10 +24,12 @@ from grainfit.cli.app import app
 from grainfit.cli.runs_console import print_runs, size
 from grainfit.errors import GrainfitError, InputError, SolverNotFoundError, StoreError
 from grainfit.evaluation import Response
+from grainfit.formatting import from_spreadsheet_text, spreadsheet_text
 from grainfit.problem import Parameter, Problem, Target
 from grainfit.run_definition import RunDefinition
 from grainfit.solvers.base import Workspace
 from grainfit.solvers.own_model.command import Command
+from grainfit.solvers.own_model.csv_table import read_csv
 from grainfit.solvers.own_model.python_callable import PythonCallable
 from grainfit.solvers.own_model.recorded_table import RecordedTable
 from grainfit.work_folder.prune import disk_use, prune_runs
@@ -346,6 +349,61 @@ def test_a_table_of_exported_runs_gives_the_same_responses_and_errors(tmp_path: 
         for n in (1, 2, 3)
     ]
     assert [found["angle_of_repose"] for found in again] == answers
+
+
+FORMULAS = (
+    "=cmd|' /C calc'!A0",
+    "+1+1",
+    "-x",
+    "@SUM(1)",
+    "'=1",
+    "a;=1",
+    'a;"=1',
+    "\uff1d1",
+)
+
+
+def test_no_cell_of_an_exported_table_is_a_formula(tmp_path: Path) -> None:
+    signs = ("=", "+", "@", "\t", "\r", "\uff1d")
+    texts = [*FORMULAS, "\t=1", "\r=1", " =1", '"=1"', "plain", "-5"]
+    runs = [
+        record(n, test=text, origin=text, responses={text: Response(-2.5)}, kind=text)
+        for n, text in enumerate(texts, 1)
+    ]
+    runs += [replace(failed(99), reason=texts[0])]
+    grainfit("runs", "export", work(tmp_path / "work", *runs), tmp_path / "runs.csv")
+
+    with (tmp_path / "runs.csv").open(newline="") as file:
+        header, *lines = csv.reader(file)
+    starts = [part.strip(' "') for row in (header, *lines) for c in row for part in c.split(";")]
+    assert [c for c in starts if c.startswith(signs) or (c[:1] == "-" and not is_number(c))] == []
+    assert [line[header.index("plain")] for line in lines if line[1] == "plain"] == ["-2.5"]
+    assert {"-5", "plain"} <= {line[header.index("test")] for line in lines}
+
+
+def is_number(text: str) -> bool:
+    return text.replace(".", "").removeprefix("-").isdigit()
+
+
+def test_an_exported_table_is_read_with_its_original_names(sand: Path) -> None:
+    runs = [
+        record(n, test=text, responses={text: Response(-2.5)}) for n, text in enumerate(FORMULAS, 1)
+    ]
+    grainfit("runs", "export", work(Path("work"), *runs), "runs.csv")
+
+    (_, header), *lines = read_csv(Path("runs.csv"))
+    assert header[-2 * len(FORMULAS) :: 2] == list(FORMULAS)
+    assert [cells[header.index("test")] for _, cells in lines] == list(FORMULAS)
+    with pytest.raises(InputError) as caught:
+        grainfit("runs", "import", sand, "runs.csv")
+    named = [fault.key.partition("column ")[2] for fault in caught.value.faults]
+    assert set(FORMULAS) <= set(named)
+
+
+def test_a_text_is_the_same_after_a_spreadsheet_cell() -> None:
+    draw = random.Random(1)
+    texts = ["".join(draw.choices("'\"=+-@;\t\r\n 1a", k=draw.randint(0, 7))) for _ in range(5000)]
+    assert [from_spreadsheet_text(spreadsheet_text(text)) for text in texts] == texts
 
 
 def test_an_export_is_whole_or_not_there(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -12,6 +12,7 @@ from grainfit.campaign.cluster.options import (
     ClusterOptions,
 )
 from grainfit.errors import InputError
+from grainfit.files import is_file
 from grainfit.options.kinds import Choice, Kind, ListOf, Quantity, Schema, Text, Whole
 from grainfit.options.paths import note_not_there
 from grainfit.options.places import Place, show
@@ -35,7 +36,7 @@ class ParslConfiguration(Kind):
         except InputError:
             place.fault(f"is {show(text)}.", remedy)
             return None
-        if not file.path.is_file():
+        if not is_file(file.path):
             note_not_there(text, folder, place)
             return None
         try:

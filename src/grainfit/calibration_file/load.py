@@ -13,10 +13,10 @@ from grainfit.calibration_file.layout import MATERIAL_SECTIONS, chosen_models, r
 from grainfit.calibration_file.line_numbers import key_lines
 from grainfit.calibration_file.parameters import MeasuredAngle
 from grainfit.errors import InputError
+from grainfit.files import LARGEST_CALIBRATION_FILE, TooLargeError, read_within
 from grainfit.options.places import FileFault, Findings, Place
 from grainfit.problem import Parameter
 
-_LARGEST_FILE = 1_000_000
 # Python's TOML reader takes hours for a key of very many parts; three are all there are here.
 _DEEP_KEY = re.compile(
     r"""(?<![\w"'-])(?:(?:[\w-]++|"(?:\\.|[^"\\\n])*+"|'[^'\n]*+')[ \t]*+\.[ \t]*+){33}"""
@@ -63,15 +63,14 @@ def _read_text(path: Path) -> str:
             raise _fault(path, "is a folder.", "Name the calibration file in it.")
         if not path.is_file():
             raise _fault(path, "there is no such file.", '"grainfit new" writes a first one.')
-        with path.open("rb") as file:
-            data = file.read(_LARGEST_FILE + 1)
+        data = read_within(path, LARGEST_CALIBRATION_FILE)
+    except TooLargeError:
+        raise _fault(path, "is larger than 1 MB.", "Is it a calibration file?") from None
     except (OSError, ValueError) as error:
         if isinstance(error, InputError):
             raise
         reason = getattr(error, "strerror", None) or str(error)
         raise _fault(path, f"cannot be read: {reason}.", "") from None
-    if len(data) > _LARGEST_FILE:
-        raise _fault(path, "is larger than 1 MB.", "Is it a calibration file?")
     try:
         # Some editors put a byte order mark first, which TOML does not know.
         return data.decode("utf-8-sig")

@@ -6,7 +6,7 @@ import csv
 import io
 from collections.abc import Iterator
 
-from grainfit.formatting import plain
+from grainfit.formatting import plain, spreadsheet_text
 from grainfit.materials.card import MaterialCard
 
 COLUMNS = (
@@ -25,7 +25,6 @@ COLUMNS = (
     "verdict",
     "determination",
 )
-_FORMULA_SIGNS = ("=", "+", "-", "@")
 Cell = str | float | bool | None
 
 
@@ -77,6 +76,4 @@ def _as_text(cell: Cell) -> str:
         return "yes" if cell else "no"
     if isinstance(cell, float):
         return repr(cell)
-    text = plain(cell)
-    # A spreadsheet would calculate it; after an apostrophe it is text.
-    return f"'{text}" if text.lstrip().startswith(_FORMULA_SIGNS) else text
+    return spreadsheet_text(plain(cell))

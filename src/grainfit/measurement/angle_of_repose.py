@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from grainfit.errors import NotMeasurableError
 from grainfit.evaluation import Response
+from grainfit.measurement.grid import require_grid
 from grainfit.measurement.particles import Particles
 from grainfit.measurement.silhouette import Silhouette, render_silhouette
 
@@ -276,6 +277,7 @@ def _radial_outlines(silhouettes: Sequence[Silhouette], diameter: float) -> tupl
     """Outlines over the distance from the axis: right and left half of each view, one per row."""
     reach = max(float(np.abs(s.columns).max()) for s in silhouettes)
     step = diameter / PIXELS_PER_DIAMETER
+    require_grid("outlines", 2 * len(silhouettes), reach / step)
     distance = np.arange(0.5, round(reach / step), dtype=np.float64) * step
     rows = []
     for silhouette in silhouettes:

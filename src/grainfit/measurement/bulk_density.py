@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from grainfit.errors import Fault, InputError, NotMeasurableError
 from grainfit.evaluation import Response
+from grainfit.measurement.grid import MOST_CELLS, MOST_CELLS_IN_PARTS, require_grid
 from grainfit.measurement.particles import Particles
 
 #: The uppermost layer holds at least this share of the others, or the bed ends there: a tenth is
@@ -138,6 +139,8 @@ def _density(bed: _Bed, bottom: float, top: float) -> Response:
     if len(inside) == 0:
         raise NotMeasurableError(f"bulk density: there is no particle in the {bed.container}.")
     thickness = 2 * float(np.average(inside.radii, weights=inside.masses))
+    across = (top - bottom) / thickness
+    require_grid("bulk density", len(inside), across, most=MOST_CELLS_IN_PARTS)
     layers = max(_FEWEST_LAYERS, round((top - bottom) / thickness))
     planes = np.linspace(bottom, top, layers + 1)
     masses = masses_between(inside, planes)
@@ -158,6 +161,17 @@ def _error_of_mean(values: NDArray[np.float64]) -> float:
 
 def masses_between(particles: Particles, planes: NDArray[np.float64]) -> NDArray[np.float64]:
     """Mass between neighbouring horizontal planes, shape (planes - 1,), kg."""
+    at_once = max(1, MOST_CELLS // len(planes))
+    if len(particles) <= at_once:
+        return _masses_between(particles, planes)
+    parts = (slice(first, first + at_once) for first in range(0, len(particles), at_once))
+    masses: NDArray[np.float64] = np.sum(
+        [_masses_between(particles.select(part), planes) for part in parts], axis=0
+    )
+    return masses
+
+
+def _masses_between(particles: Particles, planes: NDArray[np.float64]) -> NDArray[np.float64]:
     heights = (planes - particles.positions[:, 2, None]) / particles.radii[:, None]
     cut = np.clip(heights, -1, 1)
     # Volume of a spherical cap over that of the sphere, by height of the cut in radii.

@@ -8,10 +8,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from grainfit.measurement.grid import MOST_CELLS_IN_PARTS, require_grid
 from grainfit.measurement.particles import Particles
 
 #: Pixels in a particle diameter.
 _PIXELS = 8
+_FARTHEST_PIXEL = 1e15
+#: Pixels that are worked on at once, to use little memory.
+_AT_ONCE = 5_000_000
 
 
 @dataclass(frozen=True)
@@ -61,17 +65,43 @@ def height_map(
         Period along y, m.
     ground : float
         Height from which heights are counted, m.
+
+    Raises
+    ------
+    NotMeasurableError
+        It would have too many pixels.
     """
     pixel = particles.diameter / _PIXELS
+    require_grid("surface of the bed", (high - low) / pixel, depth / pixel)
     columns = max(1, round((high - low) / pixel))
     rows = max(1, round(depth / pixel))
     across, along = (high - low) / columns, depth / rows
     x = np.array(low + across * (np.arange(columns) + 0.5), dtype=np.float64)
     heights = np.zeros((rows, columns))
-    reach = math.ceil(float(particles.radii.max()) / min(across, along)) + 1
-    steps = np.arange(-reach, reach + 1)
-    column = np.floor((particles.positions[:, 0] - low) / across).astype(int)[:, None] + steps
-    row = np.floor(particles.positions[:, 1] / along).astype(int)[:, None] + steps
+    reach = float(particles.radii.max()) / min(across, along)
+    around = 2 * reach + 3
+    most = MOST_CELLS_IN_PARTS
+    require_grid("surface of the bed", len(particles), around, around, most=most)
+    steps = np.arange(-math.ceil(reach) - 1, math.ceil(reach) + 2)
+    at_once = max(1, _AT_ONCE // len(steps) ** 2)
+    for first in range(0, len(particles), at_once):
+        few = slice(first, first + at_once)
+        _raise_surface(heights, particles.select(few), steps, (low, across, along), ground)
+    return HeightMap(heights, x, depth)
+
+
+def _raise_surface(
+    heights: NDArray[np.float64],
+    particles: Particles,
+    steps: NDArray[np.int64],
+    grid: tuple[float, float, float],
+    ground: float,
+) -> None:
+    """Raise the heights to the tops of spheres, in the pixels around each of them."""
+    rows, columns = heights.shape
+    low, across, along = grid
+    column = _pixel((particles.positions[:, 0] - low) / across)[:, None] + steps
+    row = _pixel(particles.positions[:, 1] / along)[:, None] + steps
     dx = low + across * (column + 0.5) - particles.positions[:, :1]
     dy = along * (row + 0.5) - particles.positions[:, 1:2]
     square = dx[:, None, :] ** 2 + dy[:, :, None] ** 2
@@ -80,4 +110,8 @@ def height_map(
     number, i, j = np.nonzero(inside)
     top = particles.positions[number, 2] + np.sqrt(rise[number, i, j]) - ground
     np.maximum.at(heights, (row[number, i] % rows, column[number, j]), top)
-    return HeightMap(heights, x, depth)
+
+
+def _pixel(place: NDArray[np.float64]) -> NDArray[np.int64]:
+    # Whole numbers end before the places of particles that flew away.
+    return np.floor(np.clip(place, -_FARTHEST_PIXEL, _FARTHEST_PIXEL)).astype(np.int64)

@@ -12,11 +12,23 @@ import numpy as np
 from numpy.typing import NDArray
 
 from grainfit.errors import NotMeasurableError
+from grainfit.files import LARGEST_RUN_OUTPUT, read_within
 
 _NEEDED = ("x", "y", "z", "radius", "mass")
 _FRAME = b"ITEM: TIMESTEP"
 #: Column with the number of the glued set, 0 for loose particles; missing where all are loose.
 _GLUED = "v_glued"
+
+
+#: No bulk solid is beyond these limits, m and kg; squares and volumes within them are finite.
+_FARTHEST = 1e9
+_RADII = (1e-12, 1e9)
+_MASSES = (1e-60, 1e30)
+
+
+def _within(values: NDArray[np.float64], limits: tuple[float, float]) -> NDArray[np.bool_]:
+    """Return a mask; not a number is not within."""
+    return (values >= limits[0]) & (values <= limits[1])
 
 
 @dataclass(frozen=True)
@@ -50,9 +62,9 @@ class Particles:
                 "masses do not belong together."
             )
         for name, values, possible in (
-            ("position", self.positions, np.isfinite(self.positions).all(axis=1)),
-            ("radius", self.radii, np.isfinite(self.radii) & (self.radii > 0)),
-            ("mass", self.masses, np.isfinite(self.masses) & (self.masses > 0)),
+            ("position", self.positions, (np.abs(self.positions) <= _FARTHEST).all(axis=1)),
+            ("radius", self.radii, _within(self.radii, _RADII)),
+            ("mass", self.masses, _within(self.masses, _MASSES)),
         ):
             if not possible.all():
                 first = int(np.argmin(possible))
@@ -69,8 +81,8 @@ class Particles:
         """Median particle diameter, m."""
         return 2 * float(np.median(self.radii))
 
-    def select(self, which: NDArray[np.bool_]) -> Particles:
-        """Return only the particles for which the mask of shape (n,) is true."""
+    def select(self, which: NDArray[np.bool_] | slice) -> Particles:
+        """Return only the particles of a slice, or for which the mask of shape (n,) is true."""
         return Particles(self.positions[which], self.radii[which], self.masses[which])
 
 
@@ -155,7 +167,7 @@ def read_dump(path: Path, glued: int = 0) -> Particles:
 
 def _content(path: Path) -> bytes:
     try:
-        return path.read_bytes()
+        return read_within(path, LARGEST_RUN_OUTPUT)
     except OSError as error:
         raise NotMeasurableError(f"{path}: cannot be read ({error.strerror or error}).") from error
 

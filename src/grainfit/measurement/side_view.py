@@ -114,11 +114,14 @@ class SideView:
         positions = np.vstack([particles.positions, *(body.positions for body in self.glued)])
         radii = np.concatenate([particles.radii, *(body.radii for body in self.glued)])
         for i in np.argsort(-positions[:, 1], kind="stable"):
-            size = max(2, round(2 * float(radii[i]) * scale))
+            # A disc that fills the panel need not be larger.
+            size = min(max(2, round(2 * float(radii[i]) * scale)), 2 * max(panel.size))
             x, _, z = positions[i].tolist()
             across, down = place((x, z))
-            disc, mask = _disc(int(bins[i]), size)
-            panel.paste(disc, (round(across - size / 2), round(down - size / 2)), mask)
+            corner = round(across - size / 2), round(down - size / 2)
+            if -size < corner[0] < panel.width and -size < corner[1] < panel.height:
+                disc, mask = _disc(int(bins[i]), size)
+                panel.paste(disc, corner, mask)
 
 
 @cache

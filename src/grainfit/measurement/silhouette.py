@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from grainfit.measurement.grid import require_grid
 from grainfit.measurement.particles import Particles
 
 
@@ -78,7 +79,13 @@ def render_silhouette(
     -------
     Silhouette
         Its horizontal coordinate is ``x cos(azimuth) + y sin(azimuth)``.
+
+    Raises
+    ------
+    NotMeasurableError
+        It would have too many pixels.
     """
+    require_grid("silhouette", 2 * half_width / pixel_size, height / pixel_size)
     columns = 2 * math.ceil(half_width / pixel_size)
     rows = math.ceil(height / pixel_size)
     left = -columns / 2 * pixel_size
@@ -93,6 +100,7 @@ def render_silhouette(
     first = np.clip(np.ceil(centres - radii), 0, columns).astype(np.int64)
     last = np.clip(np.floor(centres + radii) + 1, 0, columns).astype(np.int64)
     widths = np.maximum(last - first, 0)
+    require_grid("silhouette", float(widths.sum()))
     disc = np.repeat(np.arange(len(widths)), widths)
     column = np.arange(len(disc)) - np.repeat(np.cumsum(widths) - widths, widths) + first[disc]
     half_chord = np.sqrt(np.maximum(radii[disc] ** 2 - (column - centres[disc]) ** 2, 0.0))

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from grainfit.errors import InputError
+from grainfit.files import is_file
 from grainfit.options.kinds import Kind, Schema, Text
 from grainfit.options.paths import note_not_there
 from grainfit.options.places import Place, show
@@ -41,7 +42,7 @@ def find_function(reference: str, folder: Path, place: Place) -> str | None:
     """
     try:
         function = PythonFile(reference, folder)
-        if not function.path.is_file():
+        if not is_file(function.path):
             note_not_there(reference, folder, place)
             return None
         function.check()

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from grainfit.files import is_file, is_folder
 from grainfit.options.kinds import Kind, Schema, Text
 from grainfit.options.places import Place, show
 
@@ -22,11 +23,7 @@ class Located(Kind):
         if text is None:
             return None
         path = place.findings.folder / text
-        try:
-            exists = path.is_dir() if self.is_folder else path.is_file()
-        except (OSError, ValueError):
-            exists = False
-        if exists:
+        if is_folder(path) if self.is_folder else is_file(path):
             return path
         note_not_there(text, place.findings.folder, place, "folder" if self.is_folder else "file")
         return None

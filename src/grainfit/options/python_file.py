@@ -13,6 +13,7 @@ from types import ModuleType
 from typing import Any
 
 from grainfit.errors import Fault, InputError
+from grainfit.files import LARGEST_PYTHON_FILE, TooLargeError, read_within
 
 
 class PythonFile:
@@ -53,10 +54,14 @@ class PythonFile:
         Raises
         ------
         InputError
-            The file cannot be read.
+            The file cannot be read, or is too large to be code.
         """
         try:
-            return self.path.read_bytes()
+            return read_within(self.path, LARGEST_PYTHON_FILE)
+        except TooLargeError as error:
+            remedy = "Move its data to a file that the function reads."
+            fault = Fault("", f"cannot be read: {error.strerror}.", remedy)
+            raise InputError(fault, str(self.path)) from error
         except OSError as error:
             raise InputError(
                 Fault("", f"cannot be read: {error.strerror}.", "Give the path of a Python file."),
@@ -79,11 +84,12 @@ class PythonFile:
 
         Nothing in the file is executed.
         """
+        source = self.source
         try:
             with warnings.catch_warnings():
                 # Python shows warnings about the code when the file is executed.
                 warnings.simplefilter("ignore")
-                tree = ast.parse(self.source, str(self.path))
+                tree = ast.parse(source, str(self.path))
         except (RecursionError, MemoryError):
             raise InputError(
                 Fault("", "is nested too deeply for Python.", "Simplify it."), str(self.path)

@@ -13,12 +13,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from grainfit.errors import Fault, InputError
+from grainfit.files import LARGEST_MESH, TooLargeError, read_within
 from grainfit.scenes.scene import Box
 from grainfit.scenes.shapes import Mesh, Shape
 
 #: More triangles than this are refused: solvers look at every one of them.
 MOST_TRIANGLES = 200_000
-_LARGEST_FILE = 100_000_000
 _HEADER, _RECORD = 84, 50
 _RECORD_TYPE = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
 _VERTEX = re.compile(rb"^\s*vertex\s+(\S+)\s+(\S+)\s+(\S+)\s*$", re.MULTILINE)
@@ -82,9 +82,9 @@ def read_stl(path: Path) -> StlContent:
     """
     try:
         found = path.stat()
-        if found.st_size > _LARGEST_FILE:
-            raise _fault(path, f"has {found.st_size / 1e6:.0f} MB.", "Simplify the mesh.")
         return _read(path, found.st_mtime_ns, found.st_size)
+    except TooLargeError as error:
+        raise _fault(path, f"cannot be read: {error.strerror}.", "Simplify the mesh.") from error
     except OSError as error:
         remedy = "Give the path of an STL file."
         raise _fault(path, f"cannot be read: {error.strerror or error}.", remedy) from error
@@ -92,7 +92,7 @@ def read_stl(path: Path) -> StlContent:
 
 @lru_cache(maxsize=8)
 def _read(path: Path, _changed: int, _size: int) -> StlContent:
-    content = path.read_bytes()
+    content = read_within(path, LARGEST_MESH)
     triangles = _binary(path, content)
     if triangles is None:
         triangles = _text(path, content)

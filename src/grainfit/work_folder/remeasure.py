@@ -15,7 +15,7 @@ from grainfit.errors import Fault, InputError, NotMeasurableError
 from grainfit.evaluation import Measured
 from grainfit.measurement.angle_of_repose import angle_of_repose, heap_silhouettes, on_plate
 from grainfit.measurement.heap_size import base_radius, heap_height
-from grainfit.measurement.particles import read_dump
+from grainfit.measurement.particles import Particles, read_dump
 from grainfit.scenes.run_output import RunOutput
 
 #: Silhouettes of a heap in a dump: the default of the heap test.
@@ -49,6 +49,13 @@ def measure_path(path: Path) -> Mapping[str, Measured]:
     particles = read_dump(path)
     if len(particles) == 0:
         raise NotMeasurableError(f"{path}: its last frame has no particles.")
+    try:
+        return _measure_heap(particles)
+    except NotMeasurableError as error:
+        raise NotMeasurableError(f"{path}: {error}") from None
+
+
+def _measure_heap(particles: Particles) -> Mapping[str, Measured]:
     reach = float(np.hypot(particles.positions[:, 0], particles.positions[:, 1]).max())
     diameter = particles.diameter
     silhouettes = heap_silhouettes(on_plate(particles, reach), reach, _VIEWS)

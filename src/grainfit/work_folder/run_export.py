@@ -6,9 +6,11 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pandas as pd
+from pandas.api.types import is_datetime64_any_dtype, is_numeric_dtype
 
 from grainfit.errors import Fault, InputError
 from grainfit.files import in_place_of
+from grainfit.formatting import spreadsheet_text
 
 Write = Callable[[pd.DataFrame, Path], None]
 
@@ -68,13 +70,23 @@ def export_runs(path: Path, runs: pd.DataFrame) -> None:
 
 def _write_csv(runs: pd.DataFrame, path: Path) -> None:
     # The line ends of the CSV standard; with them, a reason of several lines is always quoted.
-    runs.to_csv(
+    _for_spreadsheets(runs).to_csv(
         path,
         index=False,
         compression=None,
         lineterminator="\r\n",
         date_format="%Y-%m-%dT%H:%M:%S+00:00",
     )
+
+
+def _for_spreadsheets(runs: pd.DataFrame) -> pd.DataFrame:
+    """Return the table with all names and texts as `spreadsheet_text`."""
+    texts = {
+        name: [spreadsheet_text(cell) if isinstance(cell, str) else cell for cell in column]
+        for name, column in runs.items()
+        if not is_numeric_dtype(column) and not is_datetime64_any_dtype(column)
+    }
+    return runs.assign(**texts).rename(columns=spreadsheet_text)
 
 
 def _write_parquet(runs: pd.DataFrame, path: Path) -> None:

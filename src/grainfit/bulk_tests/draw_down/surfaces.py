@@ -11,6 +11,7 @@ import numpy as np
 from grainfit.bulk_tests.draw_down.setup import DrawDownSetup
 from grainfit.errors import NotMeasurableError
 from grainfit.evaluation import Response
+from grainfit.measurement.grid import require_grid
 from grainfit.measurement.height_map import HeightMap, height_map
 from grainfit.measurement.inclination import (
     WEDGE_CORRELATION,
@@ -128,6 +129,7 @@ class Surfaces:
             Mass filled in, kg.
         """
         depth, upper = self.setup.box.depth, self.upper
+        require_grid("discharged share", depth / (_SLICE * self.diameter))
         count = max(1, round(depth / (_SLICE * self.diameter)))
         edges = np.linspace(0, depth, count + 1)
         y = upper.positions[:, 1] % depth

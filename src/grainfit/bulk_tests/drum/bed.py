@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from grainfit.bulk_tests.drum.setup import DrumSetup
 from grainfit.errors import NotMeasurableError, RunFailedError
+from grainfit.measurement.grid import require_grid
 from grainfit.measurement.particles import Frame, Particles
 
 #: Cells in which the solid fraction is averaged, in diameters: along the surface, and across it.
@@ -175,6 +176,9 @@ class TurningBed:
         across, heights = self.across[chosen], self.heights[chosen]
         along = across * math.cos(angle) + heights * math.sin(angle)
         above = heights * math.cos(angle) - across * math.sin(angle)
+        require_grid(
+            "surface of the bed", 2 * radius / (_CELL * d), 2 * (radius + d) / (_LAYER * d)
+        )
         cells = 2 * math.ceil(radius / (_CELL * d))
         layers = 2 * math.ceil((radius + d) / (_LAYER * d))
         edges = np.linspace(-cells, cells, cells + 1) * _CELL * d / 2

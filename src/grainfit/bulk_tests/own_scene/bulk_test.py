@@ -26,7 +26,7 @@ from grainfit.contact_models.registry import with_defaults
 from grainfit.errors import Fault, InputError, NotMeasurableError, RunFailedError
 from grainfit.evaluation import Measured, scalars
 from grainfit.exchange import read_responses
-from grainfit.files import write_atomically
+from grainfit.files import LARGEST_MODEL, read_within, write_atomically
 from grainfit.materials.sizes import ParticleSizes
 from grainfit.options.fields import Amount, read_options
 from grainfit.options.functions import Function
@@ -426,7 +426,10 @@ class OwnScene(BulkTest):
 def _contents(files: Iterable[Path]) -> list[list[str]]:
     """Return the names and the hashes of files."""
     try:
-        return [[path.name, hashlib.sha256(path.read_bytes()).hexdigest()] for path in files]
+        return [
+            [path.name, hashlib.sha256(read_within(path, LARGEST_MODEL)).hexdigest()]
+            for path in files
+        ]
     except OSError as error:
         remedy = "Give the path of a file."
         raise InputError(Fault("files", f"{error.filename}: {error.strerror}.", remedy)) from error

@@ -19,6 +19,8 @@ from grainfit.measurement.silhouette import render_silhouette
 _PANEL_WIDTH = 900 * OVERSAMPLING
 #: Pixels of a silhouette over a particle diameter.
 _PIXELS = 20
+#: Most pixels of a silhouette from the middle to an end, and in its height.
+_MOST_PIXELS = 3000
 
 
 @dataclass(frozen=True)
@@ -45,7 +47,8 @@ class ParticlesView(RunView):
         """Draw the silhouette, seen along y."""
         reach = self.particles.diameter + float(np.abs(self.particles.positions[:, 0]).max())
         top = float((self.particles.positions[:, 2] + self.particles.radii).max())
-        pixel = self.particles.diameter / _PIXELS
+        # Pixels are larger where single particles are far away.
+        pixel = max(self.particles.diameter / _PIXELS, max(reach, top) / _MOST_PIXELS)
         return draw(render_silhouette(self.particles, 0.0, reach, 1.02 * top, pixel))
 
     def measured_drawing(self, target: float | None) -> MeasuredDrawing:  # noqa: ARG002

@@ -15,6 +15,7 @@ from grainfit.bulk_tests.shear.setup import ShearSetup
 from grainfit.errors import NotMeasurableError, RunFailedError
 from grainfit.evaluation import Response
 from grainfit.measurement.bulk_density import masses_between
+from grainfit.measurement.grid import require_grid
 from grainfit.measurement.particles import Particles
 from grainfit.scenes.records import Force, Recorded, Travel
 from grainfit.scenes.run_output import RunOutput
@@ -205,6 +206,7 @@ def velocity_profile(frames: Sequence[Frame], length: float, speed: float) -> Pr
     if len({len(frame.bed) for frame in frames}) > 1:
         raise RunFailedError("particles were lost between the plates")
     gap = float(np.mean([high - low for low, high in (frame.plates for frame in frames)]))
+    require_grid("velocity profile", gap / frames[0].bed.diameter)
     layers = max(3, round(gap / frames[0].bed.diameter))
     sums, counts = np.zeros(layers), np.zeros(layers)
     for one, other in pairwise(frames):

@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field, fields
 from typing import Any, Literal, cast, get_args
 
+from grainfit.campaign.store.address import safe_address
 from grainfit.errors import InputError
 from grainfit.evaluation import Curve, Measured, Proposal, Response, Stage, names_of_tests
 from grainfit.run_definition import RunDefinition
@@ -34,7 +35,8 @@ class RunRecord:
     ended : float
         Time of its end, seconds since the epoch; for display only, because clocks can jump.
     origin : str
-        Source of a run that was not executed here: another store, or an imported table.
+        Source of a run that was not executed here: another store, without its password, or an
+        imported table.
     """
 
     identity: str
@@ -80,6 +82,8 @@ class RunRecord:
             "responses": responses,
             "seconds": float(data["seconds"]),
             "ended": float(data["ended"]),
+            # Earlier versions stored addresses with their options.
+            "origin": _source(data.get("origin", "")),
         }
         return cls(**{**data, **read})
 
@@ -145,6 +149,10 @@ class RequestRecord:
             seed=row["seed"],
             runs={str(test): str(run) for test, run in _mapping(row["runs"]).items()},
         )
+
+
+def _source(origin: Any) -> Any:
+    return safe_address(origin) if "://" in str(origin) else origin
 
 
 def _stage(value: Any) -> Stage:

@@ -14,13 +14,13 @@ from contextlib import contextmanager
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any, TypeVar, cast
-from urllib.parse import unquote
 
 import sqlalchemy as sql
-from sqlalchemy.exc import ArgumentError, IntegrityError, NoSuchModuleError, SQLAlchemyError
+from sqlalchemy.exc import ArgumentError, IntegrityError, SQLAlchemyError
 from sqlalchemy.pool import StaticPool
 
 from grainfit.campaign.store import schema
+from grainfit.campaign.store.address import StoreAddress, safe_address
 from grainfit.campaign.store.records import CalibrationRecord, RequestRecord, RunRecord, RunStatus
 from grainfit.campaign.store.schema import OLDEST_READABLE, SCHEMA_VERSION
 from grainfit.campaign.store.schema import calibrations as _calibrations
@@ -97,20 +97,14 @@ class RunStore:
 
     def __init__(self, url: str | sql.URL, *, read_only: bool = False) -> None:
         self._lock = threading.RLock()
-        url = _database_url(url)
-        self._where = _place(url)
+        self._address = StoreAddress.read(url)
+        self._where = self._address.shown
         self._file: _File | None = None
         self._version = SCHEMA_VERSION
         options: dict[str, Any] = {"pool_pre_ping": True}
-        if url == sql.make_url("sqlite://"):
+        if self._address.url == sql.make_url("sqlite://"):
             options = {"poolclass": StaticPool, "connect_args": {"check_same_thread": False}}
-        try:
-            self._engine = sql.create_engine(url, **options)
-        except ImportError as error:
-            raise StoreError(
-                f"the run store {self._where} needs the Python package {error.name}. "
-                "For PostgreSQL: pip install 'grainfit[postgresql]'."
-            ) from error
+        self._engine = self._make_engine(options)
         if self._engine.dialect.name == "sqlite":
             sql.event.listen(self._engine, "connect", _leave_transactions_to_us)
             sql.event.listen(self._engine, "begin", _begin_sqlite)
@@ -121,6 +115,25 @@ class RunStore:
         except StoreError:
             self.close()
             raise
+        # A driver raises these for options that it does not know.
+        except (TypeError, ValueError) as error:
+            self.close()
+            raise self._unusable(error, "Check the options in its address.") from None
+
+    def _make_engine(self, options: Mapping[str, Any]) -> sql.Engine:
+        try:
+            return sql.create_engine(self._address.url, **options)
+        except ImportError as error:
+            raise StoreError(
+                f"the run store {self._where} needs the Python package {error.name}. "
+                "For PostgreSQL: pip install 'grainfit[postgresql]'."
+            ) from error
+        except (ArgumentError, TypeError, ValueError) as error:
+            raise self._unusable(error, "Check its address.") from None
+
+    def _unusable(self, cause: BaseException, remedy: str) -> StoreError:
+        words = self._address.without_secrets(str(cause))
+        return StoreError(f"the run store {self._where} cannot be used: {words}. {remedy}")
 
     @classmethod
     def in_folder(cls, folder: Path) -> RunStore:
@@ -161,6 +174,8 @@ class RunStore:
             if connection.dialect.name == "postgresql":
                 connection.execute(sql.select(sql.func.pg_advisory_xact_lock(_SCHEMA_LOCK)))
             version = schema.bring_up_to_date(connection)
+            if version == SCHEMA_VERSION:
+                _remove_passwords(connection)
         self._require_version(version, SCHEMA_VERSION)
 
     def _check_version(self) -> None:
@@ -213,9 +228,9 @@ class RunStore:
         except SQLAlchemyError as error:
             self._require_file()
             cause = getattr(error, "orig", None) or error
-            raise StoreError(
-                f"the run store {self._where} cannot be used: {cause}. {_remedy(cause)}"
-            ) from error
+            known = str(error) == self._address.without_secrets(str(error))
+            # A traceback would show the cause as the driver words it.
+            raise self._unusable(cause, _remedy(cause)) from (error if known else None)
 
     def _read(
         self, query: sql.Select[Any], make: Callable[[Mapping[str, Any]], _Record]
@@ -484,31 +499,23 @@ class RunStore:
         return self._read(query, RequestRecord.from_row)
 
 
-def _database_url(url: str | sql.URL) -> sql.URL:
-    try:
-        found = sql.make_url(url)
-        found.get_dialect()
-    except (ArgumentError, NoSuchModuleError, ValueError) as error:
-        raise StoreError(
-            f"{str(url)!r} is not the address of a database. Give one such as "
-            "postgresql+psycopg://user@host/database or sqlite:////path/to/runs.sqlite."
-        ) from error
-    return found
-
-
-def _place(url: sql.URL) -> str:
-    """Return the location of a database for display, without the password."""
-    if url.get_backend_name() != "sqlite":
-        return url.render_as_string(hide_password=True)
-    place = str(url.database or url)
-    return unquote(place.removeprefix("file://")) if place.startswith("file://") else place
+def _remove_passwords(connection: sql.Connection) -> None:
+    """Replace the addresses that earlier versions stored with their options."""
+    stored = sql.select(_runs.c.origin).where(_runs.c.origin.contains("://")).distinct()
+    unsafe = [origin for origin in connection.scalars(stored) if safe_address(origin) != origin]
+    if unsafe and connection.dialect.name == "sqlite":
+        # SQLite would leave the old text in the free parts of the file.
+        connection.exec_driver_sql("PRAGMA secure_delete = ON")
+    for origin in unsafe:
+        replaced = _runs.update().where(_runs.c.origin == origin)
+        connection.execute(replaced.values(origin=safe_address(origin)))
 
 
 def not_a_work_folder(folder: str | Path, key: str = "") -> Fault:
     """Return the fault of a folder that has no store."""
     return Fault(
         key,
-        f"{str(folder)!r} is not a work folder of grainfit: it has no {STORE_NAME}.",
+        f"{safe_address(folder)!r} is not a work folder of grainfit: it has no {STORE_NAME}.",
         "Name the folder that 'grainfit run' wrote.",
     )
 

@@ -21,7 +21,7 @@ from typing_extensions import override
 from grainfit.errors import Fault, GrainfitError, InputError, RunFailedError, SolverNotFoundError
 from grainfit.evaluation import Measured
 from grainfit.exchange import finite_parameters, read_responses
-from grainfit.files import log_tail
+from grainfit.files import LARGEST_RESPONSES, is_file, log_tail, read_within
 from grainfit.formatting import variable_name
 from grainfit.options.python_file import PythonFile
 from grainfit.solvers.base import Solver, Workspace
@@ -251,7 +251,7 @@ class Command(Solver):
         if name == self._responses_name:
             return True
         template = name + _TEMPLATE_SUFFIX
-        return self._is_template(template) and (self._model.path / template).is_file()
+        return self._is_template(template) and is_file(self._model.path / template)
 
     @property
     def _responses_name(self) -> str:
@@ -314,7 +314,7 @@ class Command(Solver):
             return
         path = self._model.path / program
         template = Path(f"{path}{_TEMPLATE_SUFFIX}")
-        found = next((file for file in (path, template) if file.is_file()), None)
+        found = next((file for file in (path, template) if is_file(file)), None)
         if found is None:
             raise SolverNotFoundError(
                 f"the program {program!r} is neither on the PATH nor in {self._model.path}. "
@@ -388,7 +388,7 @@ class Command(Solver):
         origin = name if evaluation is None else f"{evaluation.path.name}:{evaluation.function}"
         tail = log_tail(folder / LOG_NAME)
         try:
-            text = (folder / name).read_text(encoding="utf-8")
+            text = read_within(folder / name, LARGEST_RESPONSES).decode("utf-8")
             return read_responses(loads(text), self._response_names, origin)
         except FileNotFoundError:
             reason = f"the command ended without writing {name}; it left {self._left(folder)}"

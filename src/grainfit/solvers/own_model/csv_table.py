@@ -6,10 +6,11 @@ import csv
 import io
 from collections.abc import Iterable, Iterator
 from pathlib import Path
-from typing import TextIO
 
 from grainfit.errors import Fault, InputError
 from grainfit.evaluation import ERROR_SUFFIX
+from grainfit.files import LARGEST_TABLE, read_within
+from grainfit.formatting import from_spreadsheet_text
 
 #: Column of the seed, if a table has one.
 SEED_COLUMN = "seed"
@@ -20,16 +21,18 @@ OLD_ERROR_SUFFIX = "_std_error"
 def read_csv(
     path: Path,
     *,
-    largest: int | None = None,
+    largest: int = LARGEST_TABLE,
     content: str = "a header and one line per run",
 ) -> list[tuple[int, list[str]]]:
     """Return the header and the nonblank lines of a CSV file, with their numbers.
+
+    Cells that were written as `spreadsheet_text` have their original text.
 
     Parameters
     ----------
     path : Path
         The file.
-    largest : int, optional
+    largest : int
         Bytes above which a file is refused, without reading all of it.
     content : str
         What an empty file should hold.
@@ -37,16 +40,16 @@ def read_csv(
     Raises
     ------
     InputError
-        The file cannot be read, is not a CSV file in UTF-8, is empty or too large.
+        The file cannot be read, is too large, is not a CSV file in UTF-8, or is empty.
     """
     try:
-        with _opened(path, largest) as file:
-            reader = csv.reader(file, strict=True)
-            lines = [
-                (reader.line_num, [cell.strip() for cell in line])
-                for line in reader
-                if any(map(str.strip, line))
-            ]
+        text = read_within(path, largest).decode("utf-8-sig")
+        reader = csv.reader(io.StringIO(text, newline=""), strict=True)
+        lines = [
+            (reader.line_num, [from_spreadsheet_text(cell.strip()) for cell in line])
+            for line in reader
+            if any(map(str.strip, line))
+        ]
     except OSError as error:
         raise InputError(
             Fault("", f"cannot be read: {error.strerror}.", "Give the path of a CSV file."),
@@ -59,18 +62,6 @@ def read_csv(
     if not lines:
         raise InputError(Fault("", "is empty.", f"Give {content}."), str(path))
     return lines
-
-
-def _opened(path: Path, largest: int | None) -> TextIO:
-    if largest is None:
-        return path.open(newline="", encoding="utf-8-sig")
-    with path.open("rb") as file:
-        # Not by its size: a device has none.
-        data = file.read(largest + 1)
-    if len(data) > largest:
-        words = f"is larger than {largest / 1e6:g} MB."
-        raise InputError(Fault("", words, "Is it the right file?"), str(path))
-    return io.StringIO(data.decode("utf-8-sig"), newline="")
 
 
 def note_old_error_column(name: str, responses: Iterable[str], where: str) -> Fault | None:

@@ -7,14 +7,11 @@ import os
 import shutil
 import stat
 from collections.abc import Callable, Iterator
-from itertools import islice
 from pathlib import Path, PurePosixPath
 
 from grainfit.errors import Fault, InputError
+from grainfit.files import LARGEST_MODEL, MOST_MODEL_FILES, is_file, is_folder, read_within
 
-#: Limits of the folder, which is copied for every run.
-LARGEST_FOLDER_BYTES = 200_000_000
-MOST_FILES = 20_000
 _SKIPPED_FOLDERS = frozenset({"__pycache__"})
 
 
@@ -42,45 +39,45 @@ class ModelFolder:
 
     def check(self) -> None:
         """Raise `InputError` unless the folder exists, is not too large, and can be copied."""
-        if not self.path.is_dir():
-            raise InputError(
-                Fault("folder", "does not exist.", "Give the folder of your model."), str(self.path)
-            )
-        if sum(1 for _ in islice(self._walk(), MOST_FILES + 1)) > MOST_FILES:
-            raise InputError(
-                Fault(
-                    "folder",
-                    f"holds more than {MOST_FILES} files and is copied for every run.",
-                    "Is it the folder of your model? Leave only what a run reads.",
-                ),
-                str(self.path),
-            )
+        remedy = "Give the folder of your model."
+        if not is_folder(self.path):
+            raise InputError(Fault("folder", "does not exist.", remedy), str(self.path))
+        if os.path.realpath(self.path) == os.path.realpath(self.path.anchor):
+            raise InputError(Fault("folder", "holds all files.", remedy), str(self.path))
         faults = [
             Fault(name, problem, "Put a copy of the files there instead.")
             for name, problem in self._unusable()
         ]
-        sizes = {name: (self.path / name).stat().st_size for name in self.files()}
-        total = sum(sizes.values())
-        if total > LARGEST_FOLDER_BYTES:
-            largest = max(sizes, key=lambda name: sizes[name])
-            faults.append(
-                Fault(
-                    "folder",
-                    f"holds {total / 1e6:.0f} MB (most of all {largest}, "
-                    f"{sizes[largest] / 1e6:.0f} MB) and is copied for every run.",
-                    f"Leave only what a run reads, at most {LARGEST_FOLDER_BYTES / 1e6:.0f} MB.",
-                )
-            )
+        try:
+            self.files()
+        except InputError as error:
+            faults += error.faults
         if faults:
             raise InputError(faults, str(self.path))
 
     def files(self) -> list[str]:
-        """Return the names of the model's files, relative to the folder, sorted."""
-        return sorted(
-            name
+        """Return the names of the model's files, relative to the folder, sorted.
+
+        Raises
+        ------
+        InputError
+            The folder is too large to be a model, or a subfolder cannot be read.
+        """
+        sizes = {
+            name: size
             for name, path in self._walk()
-            if not self._ignored(name) and path.is_file() and not path.is_dir()
-        )
+            if not self._ignored(name) and (size := _size(path)) is not None
+        }
+        total = sum(sizes.values())
+        if total > LARGEST_MODEL:
+            largest = max(sizes, key=lambda name: sizes[name])
+            message = (
+                f"holds {total / 1e6:.0f} MB (most of all {largest}, "
+                f"{sizes[largest] / 1e6:.0f} MB) and is copied for every run."
+            )
+            remedy = f"Leave only what a run reads, at most {LARGEST_MODEL / 1e6:.0f} MB."
+            raise InputError(Fault("folder", message, remedy), str(self.path))
+        return sorted(sizes)
 
     def hashes(self) -> dict[str, str]:
         """Return the SHA-256 of the contents of each file, by name.
@@ -104,7 +101,7 @@ class ModelFolder:
         if not self._is_inside(path):
             raise InputError(Fault(name, "is outside the folder."), str(self.path))
         try:
-            return path.read_bytes()
+            return read_within(path, LARGEST_MODEL)
         except OSError as error:
             raise InputError(
                 Fault(name, f"cannot be read: {error.strerror}."), str(self.path)
@@ -131,6 +128,9 @@ class ModelFolder:
                 continue
             try:
                 mode = path.stat().st_mode
+            except PermissionError as error:
+                yield name, f"cannot be read: {error.strerror}."
+                continue
             except OSError:
                 yield name, "is a broken link."
                 continue
@@ -145,15 +145,42 @@ class ModelFolder:
         return is_inside(path, self.path)
 
     def _walk(self) -> Iterator[tuple[str, Path]]:
-        """Yield everything except folders; links to folders are not followed."""
-        for parent, folders, files in os.walk(self.path):
+        """Yield everything except folders; links to folders are not followed.
+
+        Raises
+        ------
+        InputError
+            A subfolder cannot be read, or there are too many files and folders.
+        """
+        met = 0
+        for parent, folders, files in os.walk(self.path, onerror=self._refuse):
             base = Path(parent)
-            links = [name for name in folders if (base / name).is_symlink()]
+            links = [name for name in folders if _is_link(base / name)]
             folders[:] = [name for name in folders if not _is_skipped(base / name)]
+            met += len(folders) + len(files)
+            if met > MOST_MODEL_FILES:
+                raise InputError(
+                    Fault(
+                        "folder",
+                        f"holds more than {MOST_MODEL_FILES} files and folders, and is copied for "
+                        "every run.",
+                        "Is it the folder of your model? Leave only what a run reads.",
+                    ),
+                    str(self.path),
+                )
             for name in files + links:
                 if not name.startswith("."):
                     path = base / name
                     yield str(PurePosixPath(path.relative_to(self.path))), path
+
+    def _refuse(self, error: OSError) -> None:
+        """Raise `InputError` for a folder that cannot be listed: its files would be left out."""
+        if isinstance(error, FileNotFoundError | NotADirectoryError):
+            return
+        name = os.path.relpath(error.filename or self.path, self.path)
+        words = f"cannot be read: {error.strerror}."
+        remedy = "Leave only what a run reads in the folder of your model, or allow it."
+        raise InputError(Fault(name, words, remedy), str(self.path)) from error
 
 
 def is_inside(path: Path, folder: Path) -> bool:
@@ -166,4 +193,20 @@ def _is_skipped(folder: Path) -> bool:
     if folder.name.startswith(".") or folder.name in _SKIPPED_FOLDERS:
         return True
     # A calibration that works inside the model's folder must not copy its own runs.
-    return (folder / "runs").is_dir() and (folder / "runs.sqlite").exists()
+    return is_folder(folder / "runs") and is_file(folder / "runs.sqlite")
+
+
+def _is_link(path: Path) -> bool:
+    try:
+        return path.is_symlink()
+    except OSError:
+        return False
+
+
+def _size(path: Path) -> int | None:
+    """Return the size of a regular file, links resolved; None for anything else."""
+    try:
+        found = path.stat()
+    except (OSError, ValueError):
+        return None
+    return found.st_size if stat.S_ISREG(found.st_mode) else None
