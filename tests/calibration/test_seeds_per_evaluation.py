@@ -143,8 +143,11 @@ def test_the_runs_of_an_evaluation_use_all_workers_and_are_kept_one_by_one() -> 
     options = CampaignOptions(3, repeats={"drum": 3})
     campaign = Campaign({"drum": PythonCallable(slow)}, store, None, options)
     campaign.start(Proposal({"friction": 0.5}, 4, "design"))
-    [found] = campaign.wait()
+    ended = campaign.wait()
+    while campaign.has_pending:
+        ended += campaign.wait()
     campaign.close()
+    [found] = ended
     assert at_once[0] == 3
     assert list(found.runs) == ["drum", "drum, seed 2", "drum, seed 3"]
     assert sorted(run.definition.seed for run in store.runs("finished")) == sorted(seeds_of(4, 3))
