@@ -178,7 +178,9 @@ def test_large_file_of_a_curve_is_refused(write: Callable[..., Path], tmp_path: 
     with (tmp_path / "curve.csv").open("wb") as file:
         # Sparse: it takes no room on the disk.
         file.truncate(10**9)
-    with pytest.raises(InputError, match=r"curve\.csv cannot be read: it has 1000 MB, and at most 10 MB"):
+    with pytest.raises(
+        InputError, match=r"curve\.csv cannot be read: it has 1000 MB, and at most 10 MB"
+    ):
         load_calibration_file(path)
 
 

@@ -11,6 +11,7 @@ import numpy as np
 from grainfit.calibration.verdict import Outcome, has_other_shape, reasons
 from grainfit.calibration.verification import Verified
 from grainfit.evaluation import Evaluation
+from grainfit.metamodels.blow_ups import about_blow_ups
 from grainfit.metamodels.curve_reduction import ComponentTarget, CurveBasis, about_short_curves
 from grainfit.problem import Problem, Target
 from grainfit.result import (
@@ -69,6 +70,7 @@ def make_result(
     notices = [*strategy.notices]
     short = [about_short_curves(curve, evaluations) for curve in strategy.problem.curves]
     notices += filter(None, short)
+    notices += about_blow_ups(strategy.problem, evaluations)
     if outcome:
         notices += reasons(problem, outcome)
         notices += _failure_notices(outcome.fresh.evaluations)

@@ -31,6 +31,7 @@ from grainfit.campaign.store.records import RequestRecord
 from grainfit.campaign.store.store import RunStore
 from grainfit.errors import GrainfitError, RunFailedError, StoreError
 from grainfit.evaluation import Evaluation, Proposal
+from grainfit.metamodels.blow_ups import without_blow_ups
 from grainfit.metamodels.curve_reduction import about_short_curves
 from grainfit.metamodels.known_runs import nearest_runs
 from grainfit.metamodels.metamodels import runs_that_yield
@@ -196,7 +197,8 @@ class CalibrationLoop:
         return self._judge(self._strategy.answer(self._recorded_answer()))
 
     def _judge(self, answer: Answer) -> Outcome:
-        problem, evaluations = answer.reduced(self._problem, self._evaluations)
+        usable = without_blow_ups(self._problem, self._evaluations)
+        problem, evaluations = answer.reduced(self._problem, usable)
         fresh = runs_near(problem, answer, evaluations, self._strategy.answer)
         return judge(
             problem,

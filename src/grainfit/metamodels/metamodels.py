@@ -14,6 +14,7 @@ from scipy.stats import qmc
 from grainfit.correlations import correlated_groups
 from grainfit.errors import RunFailedError
 from grainfit.evaluation import Evaluation
+from grainfit.metamodels.blow_ups import without_blow_ups
 from grainfit.metamodels.curve_reduction import Reduction, about_short_curves, runs_with_curve
 from grainfit.metamodels.kriging import Kriging
 from grainfit.metamodels.outliers import NO_OUTLIERS, Outliers, fit_without_outliers
@@ -92,6 +93,7 @@ class Metamodels:
         RunFailedError
             Too few runs yielded a response to fit a metamodel.
         """
+        evaluations = without_blow_ups(problem, evaluations)
         for name in problem.responses:
             _require_runs(problem, evaluations, name)
         reduction = Reduction.of(problem, evaluations)
@@ -379,6 +381,7 @@ def can_be_fitted(
     problem: Problem, evaluations: Sequence[Evaluation], names: Collection[str] | None = None
 ) -> bool:
     """Whether runs at enough different places yielded every response, or those of some names."""
+    evaluations = without_blow_ups(problem, evaluations)
     return all(
         _places(scope, runs_that_yield(problem, evaluations, name)) >= _fewest_places(scope)
         for name in (problem.responses if names is None else names)

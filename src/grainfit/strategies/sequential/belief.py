@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from grainfit.evaluation import Evaluation
+from grainfit.metamodels.blow_ups import without_blow_ups
 from grainfit.metamodels.metamodels import Metamodels
 from grainfit.metamodels.time_steps import handicaps, log_time_steps
 from grainfit.problem import Problem
@@ -54,6 +55,7 @@ class Belief:
         options: SequentialOptions,
         confidence_to_stop: float,
     ) -> None:
+        known = without_blow_ups(problem, known)
         self.metamodels = Metamodels.fit(problem, known)
         self.problem = problem = self.metamodels.problem
         self.feasibility = FeasibilityModel(problem, known)
