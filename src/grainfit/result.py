@@ -572,15 +572,17 @@ class OutOfReach:
     suggestion: float | None = None
 
     @property
-    def shortfall_percent(self) -> float:
-        """Deviation of the nearest response from the target, in percent of the target."""
-        return 100 * (self.nearest - self.value) / self.value
+    def shortfall_percent(self) -> float | None:
+        """Deviation of the nearest response, in percent of the target; None if that is 0."""
+        return 100 * (self.nearest - self.value) / abs(self.value) if self.value else None
 
     def __str__(self) -> str:
         together = " together with the other targets" if self.jointly else ""
+        share = "" if self.shortfall_percent is None else f" ({self.shortfall_percent:+.1f} %)"
+        nearest = plain_interval(self.nearest, _NORMAL_QUANTILE * self.standard_error)
         text = (
-            f"{self.target} = {self.value:g} is out of reach{together}: the nearest within the "
-            f"intervals is {self.nearest:.5g} ({self.shortfall_percent:+.1f} %)."
+            f"{self.target} = {self.value:g} is out of reach{together}: the nearest that the "
+            f"metamodels expect within the intervals is {nearest}{share}."
         )
         if self.parameter is None:
             return f"{text} No single bound is in the way: free another parameter."

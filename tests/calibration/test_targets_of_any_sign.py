@@ -12,6 +12,7 @@ import pytest
 import grainfit as gf
 from grainfit.calibration_file.plan import describe_plan
 from grainfit.formatting import deviation_off
+from grainfit.result import OutOfReach
 
 MODEL = """\
 import random
@@ -165,3 +166,11 @@ def test_deviations_are_shown_with_the_unit_where_percent_makes_no_sense() -> No
     assert deviation_off(None, -1e-12, 0.05, "") == "+0.000"
     assert deviation_off(None, 12.3, 0.0001, "°") == "+12.30000°"
     assert deviation_off(None, -1.234e9, 1e7, "Pa") == "-1.234e+09 Pa"
+
+
+def test_target_of_zero_that_is_out_of_reach_is_told_without_a_percentage() -> None:
+    words = str(OutOfReach("dilatancy", 0.0, 1.0, 0.02))
+
+    assert "dilatancy = 0 is out of reach" in words
+    assert "metamodels expect within the intervals is 1.000 ± 0.039." in words
+    assert "%" not in words
