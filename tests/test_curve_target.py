@@ -62,6 +62,9 @@ def test_curve_target_survives_json(errors: dict[str, Any]) -> None:
         ({"uncertainty": None, "covariance": np.ones((3, 3))}, "not positive definite"),
         ({"uncertainty": None, "covariance": np.triu(np.ones((3, 3)))}, "not symmetric"),
         ({"uncertainty": None, "covariance": "abc"}, "has the shape"),
+        ({"uncertainty": 1e-9, "common_uncertainty": 1.0}, "not positive definite"),
+        ({"values": [1e-170, 2e-170, 3e-170]}, "not positive definite"),
+        ({"values": [1e170, 2e170, 3e170]}, "not positive definite"),
         ({"name": ""}, "has no name"),
     ],
 )

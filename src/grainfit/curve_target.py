@@ -24,7 +24,9 @@ MOST_POINTS = 400
 _LEAST_SHARE = 0.1
 _ERRORS = ("uncertainty", "common_uncertainty")
 #: Smallest eigenvalue of a matrix of correlations that can be inverted.
-_SMALLEST_EIGENVALUE = 1e-9
+_SMALLEST_EIGENVALUE = 1e-8
+#: Smaller variances have lost digits.
+_SMALLEST_VARIANCE = 1e-200
 
 
 @dataclass(frozen=True)
@@ -84,12 +86,14 @@ class CurveTarget:
         self._raise(self._point_faults())
         if self.covariance is not None:
             self._read_covariance(self.covariance)
+            self._require_invertible("covariance")
             return
         for key in _ERRORS:
             object.__setattr__(self, key, self._read_error(key))
         if not (self._deviations("uncertainty", np.asarray(self.values)) > 0).all():
             remedy = 'Give a number above 0, or a percentage such as "2 %" where no value is 0.'
             self._raise([Fault(f"{self.name}.uncertainty", "is not above 0 everywhere.", remedy)])
+        self._require_invertible("uncertainty")
 
     def _raise(self, faults: Sequence[Fault]) -> None:
         if faults:
@@ -158,15 +162,22 @@ class CurveTarget:
         if not np.isfinite(matrix).all() or not np.allclose(matrix, matrix.T, rtol=1e-9, atol=0.0):
             words = "is not symmetric."
             self._raise([Fault(key, words, "Row i, column j is that of row j, column i.")])
-        deviations = np.sqrt(np.maximum(np.diagonal(matrix), 0.0))
-        scaled = matrix / np.outer(deviations, deviations) if (deviations > 0).all() else -np.eye(2)
-        if float(np.linalg.eigvalsh(scaled).min()) < _SMALLEST_EIGENVALUE:
-            words = "is not positive definite."
-            remedy = "Add the variance of the errors that differ from point to point."
-            self._raise([Fault(key, words, remedy)])
         object.__setattr__(self, "uncertainty", None)
         object.__setattr__(self, "common_uncertainty", 0.0)
         object.__setattr__(self, "covariance", tuple(map(tuple, matrix.tolist())))
+
+    def _require_invertible(self, key: str) -> None:
+        """Raise `InputError` unless the covariance of the errors can be inverted."""
+        with np.errstate(over="ignore"):
+            matrix = self.covariance_about(self.values)
+        variances = np.diagonal(matrix)
+        if np.isfinite(matrix).all() and (variances > _SMALLEST_VARIANCE).all():
+            deviations = np.sqrt(variances)
+            scaled = matrix / np.outer(deviations, deviations)
+            if float(np.linalg.eigvalsh(scaled).min()) >= _SMALLEST_EIGENVALUE:
+                return
+        remedy = "Errors that differ from point to point must not be tiny beside those in common."
+        self._raise([Fault(f"{self.name}.{key}", "is not positive definite.", remedy)])
 
     def to_json(self) -> dict[str, Any]:
         """Return plain data, from which the constructor makes the same curve."""

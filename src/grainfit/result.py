@@ -559,6 +559,8 @@ class OutOfReach:
         The bound that is in the way.
     suggestion : float, optional
         A bound that should be enough, by linear extrapolation; None when there is none.
+    is_relative : bool
+        Whether deviations relative to the value make sense.
     """
 
     target: str
@@ -570,11 +572,14 @@ class OutOfReach:
     bound: Bound | None = None
     bound_value: float | None = None
     suggestion: float | None = None
+    is_relative: bool = True
 
     @property
     def shortfall_percent(self) -> float | None:
-        """Deviation of the nearest response, in percent of the target; None if that is 0."""
-        return 100 * (self.nearest - self.value) / abs(self.value) if self.value else None
+        """Deviation of the nearest response, in percent of the target; None if that is no use."""
+        if not self.is_relative or not self.value:
+            return None
+        return 100 * (self.nearest - self.value) / abs(self.value)
 
     def __str__(self) -> str:
         together = " together with the other targets" if self.jointly else ""

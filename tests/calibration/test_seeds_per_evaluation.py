@@ -100,6 +100,16 @@ def test_curves_without_common_coordinates_fail_the_evaluation() -> None:
     assert "no coordinates in common" in outcome.reason
 
 
+def test_runs_of_which_some_yield_a_curve_and_others_a_number_fail_the_evaluation() -> None:
+    run = RunDefinition({}, {}, 1)
+    records = [
+        RunRecord("a", "drum", "finished", run, {"angle": Response(1.0)}),
+        RunRecord("b", "drum", "finished", run, {"angle": Curve([0.0, 1.0], [1.0, 2.0])}),
+    ]
+
+    assert "is a number in some runs and a curve in others" in mean_outcome(records).reason
+
+
 def test_a_failed_run_leaves_the_mean_of_the_others_if_half_succeeded() -> None:
     runs = [failed(1), record(2, {"angle": Response(20.0)})]
     one = Proposal({}, 1, "design")

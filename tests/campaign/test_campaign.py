@@ -12,7 +12,7 @@ import pytest
 from grainfit.campaign.campaign import RETRY_PAUSES, Campaign, CampaignOptions
 from grainfit.campaign.store.store import RunStore
 from grainfit.campaign.work_folder import hold, is_held, recover
-from grainfit.errors import FailureKind, RunFailedError, StoreError
+from grainfit.errors import FailureKind, InputError, RunFailedError, StoreError
 from grainfit.evaluation import Proposal, Response
 from grainfit.solvers.base import Solver, Workspace
 from grainfit.solvers.own_model.python_callable import PythonCallable
@@ -218,3 +218,10 @@ def test_worker_that_has_ended_one_of_several_tests_is_free_for_another_proposal
     campaign.close()
 
     assert evaluation.responses == {"slow.value": Response(1.0), "quick.value": Response(3.0)}
+
+
+def test_name_of_a_further_run_is_refused_for_a_test(tmp_path: Path) -> None:
+    solvers = {"heap": Counting(), "heap, seed 2": Counting()}
+
+    with pytest.raises(InputError, match="Give the test another name"):
+        Campaign(solvers, RunStore.in_folder(tmp_path), tmp_path)

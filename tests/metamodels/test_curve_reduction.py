@@ -8,8 +8,15 @@ from numpy.typing import NDArray
 
 from grainfit.curve_target import CurveTarget
 from grainfit.evaluation import Curve, Evaluation, Proposal
-from grainfit.metamodels.curve_reduction import CurveBasis, Reduction, values_at
+from grainfit.metamodels.curve_reduction import (
+    CurveBasis,
+    Reduction,
+    about_short_curves,
+    runs_with_curve,
+    values_at,
+)
 from grainfit.metamodels.metamodels import Metamodels, can_be_fitted
+from grainfit.metamodels.predictor import Component, Hyperparameters, Trend
 from grainfit.problem import Parameter, Problem, Target
 
 Array = NDArray[np.float64]
@@ -110,6 +117,41 @@ def test_shape_of_a_noisy_curve_is_as_probable_as_its_errors_say() -> None:
     assert np.mean(np.array(chances) < 0.1) == pytest.approx(0.1, abs=0.05)
 
 
+def test_large_errors_in_percent_are_seldom_taken_for_another_shape() -> None:
+    random, places = np.random.default_rng(6), np.linspace(0.04, 1.0, 25)
+    rises = random.uniform(0.5, 1.5, 12)
+    curves = np.array([rise * places + 0.5 * rise**2 * places**2 for rise in rises])
+    truth = places + 0.5 * places**2
+    refused = 0
+    for _ in range(100):
+        errors = (1 + 0.08 * random.normal()) * (1 + 0.06 * random.normal(size=25))
+        measured = CurveTarget("curve", places.tolist(), (truth * errors).tolist(), "6 %", "8 %")
+        refused += CurveBasis.of(measured, curves, 1).shape_probability < 1e-3
+
+    # One in a thousand; shares of the measured values refuse eight of a hundred.
+    assert refused <= 1
+
+
+def test_scatter_of_few_runs_is_seldom_taken_for_another_shape() -> None:
+    random, refused = np.random.default_rng(8), 0
+    truth = bent(1.0, 1.0)
+    for _ in range(60):
+        noise = 0.05 * random.standard_normal((8, len(PLACES)))
+        curves = np.array([bent(*random.uniform(0.5, 1.5, 2)) for _ in range(8)]) + noise
+        measured = target(truth + 0.02 * random.normal(size=12) + 0.05 * random.normal())
+        refused += CurveBasis.of(measured, curves, 2).shape_probability < 1e-3
+
+    assert refused <= 2
+
+
+def test_curve_of_zeros_can_be_measured() -> None:
+    curve = CurveTarget("curve", PLACES.tolist(), [0.0] * len(PLACES), 0.02)
+    run = evaluation(1.0, Curve([0.0, *PLACES], [0.0, *bent(1.0, 0.0)]))
+
+    assert runs_with_curve(curve, [run]) == [run]
+    assert about_short_curves(curve, [run]) == ""
+
+
 def test_components_left_out_widen_the_expected_curve() -> None:
     basis = CurveBasis.of(target(bent(1.0, 1.0)), simulated(noise=0.005), 2)
     _, errors = basis.expected(np.zeros(len(basis.components)), np.zeros(len(basis.components)))
@@ -174,3 +216,12 @@ def test_curve_that_no_run_has_is_left_out_where_possible() -> None:
     reduction = Reduction.where_possible(problem, [evaluation(0.8, None)])
 
     assert [t.name for t in reduction.problem.targets] == ["number"]
+
+
+def test_runs_without_scatter_that_are_all_but_equal_have_a_metamodel() -> None:
+    points = np.array([[0.1], [0.1], [0.5], [0.5 + 1e-13], [0.9], [0.9 + 1e-11]])
+    exact = Hyperparameters(np.array([5.0]), 1.0, 0.0, 1.0)
+    values = np.array([1.0, 1.0, 2.0, 2.0, 3.0, 3.0])
+    mean, _ = Component(exact, Trend(()), points, values, np.zeros(6)).predict(np.array([[0.5]]))
+
+    assert mean == pytest.approx([2.0], abs=1e-3)

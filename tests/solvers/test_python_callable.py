@@ -480,3 +480,9 @@ def test_missing_file(tmp_path):
 def test_reference_that_names_no_function(reference):
     with pytest.raises(InputError, match="does not name a function in a file"):
         PythonCallable.from_file(reference)
+
+
+def test_two_functions_without_name_on_one_line_are_two_models() -> None:
+    first, second = PythonCallable(lambda p, _s: {"a": p["x"]}), PythonCallable(lambda p, _s: {"a": -p["x"]})  # fmt: skip  # noqa: E501
+
+    assert first.definition({"x": 1.0}, 1).identity != second.definition({"x": 1.0}, 1).identity

@@ -21,7 +21,7 @@ from grainfit.campaign.store.records import RunRecord
 from grainfit.campaign.store.shared import SharedRuns
 from grainfit.campaign.store.store import RunStore
 from grainfit.campaign.worker import RunTask, execute, failed_record
-from grainfit.errors import ExecutorError, StoreError
+from grainfit.errors import ExecutorError, Fault, InputError, StoreError
 from grainfit.evaluation import (
     Evaluation,
     Proposal,
@@ -123,6 +123,7 @@ class Campaign:
         shared: SharedRuns | None = None,
     ) -> None:
         self._solvers = dict(solvers)
+        _require_names_of_tests(solvers)
         self._store = store
         self._shared = shared
         self._options = options or CampaignOptions()
@@ -452,6 +453,16 @@ class Campaign:
             elif self._shared.take_over(task.record):
                 del self._elsewhere[identity]
                 self._make(task)
+
+
+def _require_names_of_tests(names: Iterable[str]) -> None:
+    faults = [
+        Fault(name, "is a name that further runs of a test have.", "Give the test another name.")
+        for name in names
+        if names_of_tests([name]) != (name,)
+    ]
+    if faults:
+        raise InputError(faults)
 
 
 def evaluation_of(

@@ -67,6 +67,8 @@ def mean_outcome(records: Sequence[RunRecord]) -> MeanOutcome:
         means = {n: _mean(each) for n, each in found.items() if 2 * len(each) >= len(records)}
     except InputError as error:
         return MeanOutcome(reason=str(error), seconds=seconds)
+    except OverflowError:
+        return MeanOutcome(reason="the responses of its runs are too large", seconds=seconds)
     return MeanOutcome(means, seconds=seconds)
 
 
@@ -79,7 +81,11 @@ def _mean(found: Sequence[Measured]) -> Measured:
     if len(found) == 1:
         return found[0]
     numbers = [one for one in found if isinstance(one, Response)]
-    return _mean_response(numbers) if numbers else _mean_curve(found)  # type: ignore[arg-type]
+    curves = [one for one in found if isinstance(one, Curve)]
+    if numbers and curves:
+        words = "is a number in some runs and a curve in others."
+        raise InputError(Fault("response", words, "Let every run yield the same."))
+    return _mean_response(numbers) if numbers else _mean_curve(curves)
 
 
 def _mean_response(found: Sequence[Response]) -> Response:

@@ -37,6 +37,9 @@ _MOST_COMPONENTS = 6
 #: A simulated value this many times the largest measured one is no physical answer; a single such
 #: curve would be the first component.
 _BLOWN_UP = 1e4
+#: Rounds in which the values that percentages refer to settle, to this share of the largest.
+_MOST_ROUNDS = 10
+_SAME = 1e-3
 #: Accepted deviations along components, in standard uncertainties: along the leading ones, as many
 #: as there are parameters, and along the others, which the material can hardly follow. So errors
 #: as they are stated are seldom called out of reach.
@@ -97,6 +100,8 @@ class CurveBasis:
         Further directions in which the runs differ, each times its standard deviation.
     parameters : int
         Number of free parameters that the curve depends on.
+    runs : int
+        Number of simulated curves.
     """
 
     target: CurveTarget
@@ -105,6 +110,7 @@ class CurveBasis:
     components: Array
     left_out: Array
     parameters: int
+    runs: int
 
     @classmethod
     def of(cls, target: CurveTarget, curves: Array, parameters: int) -> CurveBasis:
@@ -112,9 +118,13 @@ class CurveBasis:
 
         Percentages are shares of the sum of components that is nearest to the measured curve.
         """
-        rough = cls._about(target, curves, parameters, np.asarray(target.values))
-        nearest, _ = rough.expected(-rough.components @ rough.mean, np.zeros(len(rough.components)))
-        return cls._about(target, curves, parameters, nearest)
+        true = np.asarray(target.values)
+        for _ in range(_MOST_ROUNDS):
+            basis = cls._about(target, curves, parameters, true)
+            before, true = true, basis.nearest
+            if np.abs(true - before).max() <= _SAME * np.abs(true).max():
+                break
+        return basis
 
     @classmethod
     def _about(cls, target: CurveTarget, curves: Array, parameters: int, true: Array) -> CurveBasis:
@@ -128,7 +138,7 @@ class CurveBasis:
         telling = int((deviations > _TRUNCATED).sum())
         kept = min(max(telling, 1), _MOST_COMPONENTS, len(directions))
         left_out = deviations[kept:, None] * directions[kept:]
-        return cls(target, root, mean, directions[:kept], left_out, parameters)
+        return cls(target, root, mean, directions[:kept], left_out, parameters, len(curves))
 
     @property
     def names(self) -> list[str]:
@@ -154,6 +164,11 @@ class CurveBasis:
         off = values - np.asarray(self.target.values)
         off = linalg.solve_triangular(self.root, off, lower=True) - self.mean
         return dict(zip(self.names, map(Response, (self.components @ off).tolist()), strict=True))
+
+    @property
+    def nearest(self) -> Array:
+        """Sum of components nearest to the measured curve, shape (n,)."""
+        return self.expected(-self.components @ self.mean, np.zeros(len(self.components)))[0]
 
     def expected(self, scores: Array, variances: Array) -> tuple[Array, Array]:
         """Return the expected curve and its standard errors, shape (n,) each.
@@ -181,7 +196,13 @@ class CurveBasis:
         seen = deviations > 0
         directions = self.left_out[seen] / deviations[seen, None]
         along = directions @ rest
-        square = float(rest @ rest - (along**2 * (1 - 1 / (1 + deviations[seen] ** 2))).sum())
+        others = rest - along @ directions
+        # The mean of the runs scatters too, also where too few of them show how much.
+        scatter = float((deviations[seen] ** 2).mean()) if seen.any() else 0.0
+        square = float(
+            (along**2 / (1 + deviations[seen] ** 2 * (1 + 1 / self.runs))).sum()
+            + others @ others / (1 + scatter / self.runs)
+        )
         degrees = len(rest) - len(self.components)
         return float(chi2.sf(square, degrees)) if degrees else 1.0
 
@@ -251,9 +272,8 @@ def runs_with_curve(target: CurveTarget, evaluations: Sequence[Evaluation]) -> l
 
 def about_short_curves(target: CurveTarget, evaluations: Sequence[Evaluation]) -> str:
     """Say that simulated curves do not reach all measured points; "" if they all do."""
-    whole = {id(evaluation) for evaluation in runs_with_curve(target, evaluations)}
-    found = [e for e in evaluations if target.name in e.curves]
-    short = [e.curves[target.name] for e in found if id(e) not in whole]
+    found = [e.curves[target.name] for e in evaluations if target.name in e.curves]
+    short = [curve for curve in found if values_at(curve, target.coordinates) is None]
     if not short:
         return ""
     low = max(curve.coordinates[0] for curve in short)
@@ -269,7 +289,8 @@ def about_short_curves(target: CurveTarget, evaluations: Sequence[Evaluation]) -
 def _values(target: CurveTarget, evaluation: Evaluation) -> Array | None:
     curve = evaluation.curves.get(target.name)
     values = None if curve is None else values_at(curve, target.coordinates)
-    if values is None or np.abs(values).max() > _BLOWN_UP * np.abs(target.values).max():
+    largest = max(np.abs(target.values).max(), target.standard_uncertainties.max())
+    if values is None or np.abs(values).max() > _BLOWN_UP * largest:
         return None
     return values
 

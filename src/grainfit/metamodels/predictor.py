@@ -21,6 +21,8 @@ _NO_EFFECT = 1e9
 # A linear trend must leave as many degrees of freedom as it uses, and at least these. Otherwise the
 # trend is constant: with fewer runs, least-squares slopes predict worse than none.
 _FREE_CONTRASTS = 3
+#: Variance, over the largest, that is added where rounding makes a covariance indefinite.
+_JITTER = 1e-9
 
 
 def matern(distance: FloatArray) -> FloatArray:
@@ -103,6 +105,17 @@ class Hyperparameters:
     weight: float
 
 
+def _cholesky(covariance: FloatArray) -> FloatArray:
+    """Lower Cholesky factor, also of runs without scatter so close that rounding hides them."""
+    try:
+        return np.asarray(linalg.cholesky(covariance, lower=True))
+    except linalg.LinAlgError:
+        jitter = _JITTER * float(np.diagonal(covariance).max())
+        return np.asarray(
+            linalg.cholesky(covariance + jitter * np.eye(len(covariance)), lower=True)
+        )
+
+
 class _Projection(NamedTuple):
     """Points prepared for one predictor, one column per point.
 
@@ -140,7 +153,7 @@ class Component:
         covariance = self._covariance(points)
         covariance[np.diag_indices_from(covariance)] += self._noise() + known_noise
         complement, least_squares = contrasts.complement, contrasts.least_squares
-        factor = linalg.cholesky(complement.T @ covariance @ complement, lower=True)
+        factor = _cholesky(complement.T @ covariance @ complement)
         self._root = linalg.solve_triangular(factor, complement.T, lower=True)
         self._coefficients = self._root.T @ (self._root @ values)
         self._least_squares = least_squares

@@ -101,7 +101,7 @@ def _describe(
     missing = target.value - nearest
     blocked = list(_blocking(point, slopes * np.sign(missing)))
     if not blocked:
-        return OutOfReach(*basics)
+        return OutOfReach(*basics, is_relative=target.is_relative)
     axis = max(blocked, key=lambda j: abs(slopes[j]))
     parameter = metamodels.problem.parameters[axis]
     upper = bool(point[axis] > 0.5)
@@ -113,6 +113,7 @@ def _describe(
         bound="max" if upper else "min",
         bound_value=bound,
         suggestion=_suggestion(parameter, position, bound, upper),
+        is_relative=target.is_relative,
     )
 
 

@@ -275,7 +275,11 @@ def _source_hash(function: Any) -> str | None:
     if not inspect.isroutine(routine):
         routine = type(routine).__call__
     try:
-        return hashlib.sha256(inspect.getsource(routine).encode()).hexdigest()
+        text = inspect.getsource(routine)
+        if routine.__name__ == "<lambda>":
+            # Its source is the whole line, which may hold another one.
+            text += repr(_instructions(routine.__code__))
+        return hashlib.sha256(text.encode()).hexdigest()
     except (OSError, TypeError, SyntaxError, TokenError):
         # Also where the file has changed, or holds more than Python, since it was executed.
         code = getattr(routine, "__code__", None)
