@@ -21,8 +21,8 @@ PACKAGE = "grainfit"
 FLOORS: tuple[tuple[str, ...], ...] = (
     ("errors",),
     ("checks", "units", "formatting", "files"),
-    ("options", "tables", "correlations", "curve_target"),
-    ("materials",),
+    ("options", "tables", "correlations"),
+    ("materials", "curve_target"),
     ("contact_models",),
     ("evaluation", "problem", "run_definition"),
     ("exchange", "result"),

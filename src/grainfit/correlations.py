@@ -87,6 +87,38 @@ def correlated_groups(matrix: Array) -> list[Array]:
     return [np.array(group) for group in sorted(groups)]
 
 
+def symmetric_matrix(given: ArrayLike, size: int, key: str, row: str) -> Array:
+    """Return a matrix of numbers, shape (size, size).
+
+    Parameters
+    ----------
+    given : array_like
+        The matrix.
+    size : int
+        Number of rows and columns.
+    key : str
+        Name of the argument, for the messages.
+    row : str
+        Meaning of a row, such as ``"target"``, for the messages.
+
+    Raises
+    ------
+    InputError
+        It has another shape, or is not symmetric.
+    """
+    try:
+        matrix = np.asarray(given, dtype=float)
+    except (TypeError, ValueError):
+        matrix = np.empty(0)
+    wanted = (size, size)
+    if matrix.shape != wanted:
+        words = f"has the shape {matrix.shape}."
+        raise InputError(Fault(key, words, f"Give {wanted}: a row for each {row}."))
+    if not np.isfinite(matrix).all() or not np.allclose(matrix, matrix.T, rtol=1e-9, atol=0.0):
+        raise InputError(Fault(key, "is not symmetric.", "Row i, column j is that of j, i."))
+    return matrix
+
+
 def split_covariance(
     names: Sequence[str], covariance: ArrayLike
 ) -> tuple[Array, tuple[Correlation, ...]]:
@@ -104,15 +136,7 @@ def split_covariance(
     InputError
         The matrix has another shape, is not symmetric, or is not positive definite.
     """
-    matrix = np.asarray(covariance, dtype=float)
-    wanted = (len(names), len(names))
-    if matrix.shape != wanted:
-        words = f"has the shape {matrix.shape}."
-        raise InputError(Fault("covariance", words, f"Give {wanted}: a row for each target."))
-    if not np.isfinite(matrix).all() or not np.allclose(matrix, matrix.T, rtol=1e-9, atol=0.0):
-        raise InputError(
-            Fault("covariance", "is not symmetric.", "Row i, column j is that of j, i.")
-        )
+    matrix = symmetric_matrix(covariance, len(names), "covariance", "target")
     deviations = np.sqrt(np.maximum(np.diagonal(matrix), 0.0))
     if not (deviations > 0).all():
         raise InputError(Fault("covariance", "has a variance that is not above 0."))

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from grainfit.checks import as_number
+from grainfit.correlations import symmetric_matrix
 from grainfit.errors import Fault, InputError
 from grainfit.units import percentage
 
@@ -152,16 +153,7 @@ class CurveTarget:
         if self.uncertainty is not None or np.any(np.asarray(self.common_uncertainty) != 0):
             remedy = "The covariance says it: remove the uncertainties."
             self._raise([Fault(key, "is given beside uncertainties.", remedy)])
-        try:
-            matrix = np.asarray(given, dtype=float)
-        except (TypeError, ValueError):
-            matrix = np.empty(0)
-        if matrix.shape != (count, count):
-            remedy = f"Give {count} rows of {count} numbers, one for each point."
-            self._raise([Fault(key, f"has the shape {matrix.shape}.", remedy)])
-        if not np.isfinite(matrix).all() or not np.allclose(matrix, matrix.T, rtol=1e-9, atol=0.0):
-            words = "is not symmetric."
-            self._raise([Fault(key, words, "Row i, column j is that of row j, column i.")])
+        matrix = symmetric_matrix(given, count, key, "point")
         object.__setattr__(self, "uncertainty", None)
         object.__setattr__(self, "common_uncertainty", 0.0)
         object.__setattr__(self, "covariance", tuple(map(tuple, matrix.tolist())))

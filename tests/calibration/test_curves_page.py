@@ -2,17 +2,11 @@
 
 from __future__ import annotations
 
-import re
-from pathlib import Path
-from typing import Any
-
-PAGE = Path(__file__).parents[2] / "docs" / "curves.md"
+from pages import names_after
 
 
 def test_the_example_of_the_page_calibrates_on_its_curve() -> None:
-    names: dict[str, Any] = {"__name__": "page"}
-    for block in re.findall(r"```python\n(.*?)```", PAGE.read_text(encoding="utf-8"), re.DOTALL):
-        exec(compile(block, f"<{PAGE.name}>", "exec", dont_inherit=True), names)
+    names = names_after("curves.md")
     result = names["result"]
 
     assert result.status == "calibrated"

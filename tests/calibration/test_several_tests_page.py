@@ -2,19 +2,12 @@
 
 from __future__ import annotations
 
-import re
-from pathlib import Path
-from typing import Any
-
 import pytest
-
-PAGE = Path(__file__).parents[2] / "docs" / "several_tests.md"
+from pages import names_after
 
 
 def test_the_example_of_the_page_calibrates_and_its_search_names_tests() -> None:
-    names: dict[str, Any] = {"__name__": "page"}
-    for block in re.findall(r"```python\n(.*?)```", PAGE.read_text(encoding="utf-8"), re.DOTALL):
-        exec(compile(block, f"<{PAGE.name}>", "exec", dont_inherit=True), names)
+    names = names_after("several_tests.md")
     result = names["result"]
     assert result.status == "calibrated"
     # 0.2 * 0.6**2 = 0.072

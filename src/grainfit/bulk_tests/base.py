@@ -58,8 +58,8 @@ _DIAMETER = Key("diameter", Diameters(), "Particle diameter.", example='"10 mm"'
 
 
 @dataclass(frozen=True)
-class ResponseInfo:
-    """A response of a bulk test: its unit, symbol and description.
+class MeasuredInfo:
+    """Unit, symbol and description of a response of a bulk test.
 
     Parameters
     ----------
@@ -69,17 +69,11 @@ class ResponseInfo:
         As in ``"ρ_b"``, what follows the first ``_`` being the index.
     description : str
         Name, colon, explanation.
-    example : str
-        A target, as TOML.
-    sensitivities : Sensitivities, optional
-        Parameters that it responds to, and how much; None when that was not measured.
     """
 
     unit: str
     symbol: str
     description: str
-    example: str
-    sensitivities: Sensitivities | None = None
 
     @property
     def words(self) -> str:
@@ -88,27 +82,37 @@ class ResponseInfo:
 
 
 @dataclass(frozen=True)
-class CurveInfo:
+class ResponseInfo(MeasuredInfo):
+    """A response of a bulk test that is one number.
+
+    Parameters
+    ----------
+    unit, symbol, description : str
+        As of a `MeasuredInfo`.
+    example : str
+        A target, as TOML.
+    sensitivities : Sensitivities, optional
+        Parameters that it responds to, and how much; None when that was not measured.
+    """
+
+    example: str
+    sensitivities: Sensitivities | None = None
+
+
+@dataclass(frozen=True)
+class CurveInfo(MeasuredInfo):
     """A response of a bulk test over a coordinate.
 
     Parameters
     ----------
     unit, symbol, description : str
-        Of the values, as of a `ResponseInfo`.
+        Of the values, as of a `MeasuredInfo`.
     coordinate, coordinate_unit : str
         Name and SI unit of the coordinate.
     """
 
-    unit: str
-    symbol: str
-    description: str
     coordinate: str
     coordinate_unit: str
-
-    @property
-    def words(self) -> str:
-        """The description as the beginning of a sentence."""
-        return self.description[:1].upper() + self.description[1:]
 
 
 @dataclass(frozen=True)

@@ -86,7 +86,7 @@ class CalibrationSetup:
     @property
     def repeats(self) -> dict[str, int]:
         """Runs with different seeds whose mean is one evaluation, by name of the test."""
-        return {test.name: test.repeats for test in self.file.tests}
+        return self.file.repeats
 
     @property
     def cluster(self) -> ClusterOptions | None:
@@ -325,8 +325,7 @@ def build_calibration(file: CalibrationFile) -> CalibrationSetup:
         A test cannot be simulated; lists all faults of all tests.
     """
     solvers = build_solvers(file)
-    repeats = {test.name: test.repeats for test in file.tests}
-    problem = with_scopes(_problem(file), solvers, repeats)
+    problem = with_scopes(_problem(file), solvers, file.repeats)
     return CalibrationSetup(file, problem, restricted(problem, solvers))
 
 

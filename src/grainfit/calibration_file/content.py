@@ -142,6 +142,11 @@ class CalibrationFile:
         return max(int(test.options.get("ranks", 1)) for test in self.tests)
 
     @property
+    def repeats(self) -> dict[str, int]:
+        """Runs with different seeds whose mean is one evaluation, by name of the test."""
+        return {test.name: test.repeats for test in self.tests}
+
+    @property
     def runs_at_once(self) -> int:
         """Number of runs that this machine has cores for."""
         return max(1, len(os.sched_getaffinity(0)) // self.ranks)

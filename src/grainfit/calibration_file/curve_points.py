@@ -10,12 +10,12 @@ from pathlib import Path
 
 from grainfit.curve_target import MOST_POINTS
 from grainfit.errors import InputError
+from grainfit.files import LARGEST_CURVE
 from grainfit.options.kinds import Quantity
 from grainfit.options.places import Findings, Place, show
 from grainfit.solvers.own_model.csv_table import read_csv
 from grainfit.units import UnitError, to_unit
 
-_LARGEST_FILE = 10_000_000
 _MOST_FAULTS = 20
 _MOST_NAMED = 10
 _POINTS = "a header, and one line for each point"
@@ -188,7 +188,7 @@ class _Notes:
 
 def _read(path: Path, content: str, place: Place) -> Lines | None:
     try:
-        return read_csv(path, largest=_LARGEST_FILE, content=content)
+        return read_csv(path, largest=LARGEST_CURVE, content=content)
     except InputError as error:
         for fault in error.faults:
             place.fault(f"{path.name} {fault.message}", fault.remedy)

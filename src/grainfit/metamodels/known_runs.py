@@ -7,7 +7,7 @@ so partly by chance, and would make the scatter look small and the answer right.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -141,15 +141,12 @@ def fit_where_possible(
     fits: dict[str, Metamodels] = {}
     for name in problem.responses:
         try:
-            fits[name] = Metamodels.fit(_alone(problem, name), evaluations)
+            fits[name] = Metamodels.fit(_only(problem, [name]), evaluations)
         except GrainfitError as error:
             missing[name] = str(error)
     if not fits:
         return None, missing
-    known = problem.with_targets(
-        [target for target in problem.targets if target.name in fits],
-        [curve for curve in problem.curves if curve.name in fits],
-    )
+    known = _only(problem, fits)
     bases = [basis for fitted in fits.values() for basis in fitted.reduction.bases]
     reduction = Reduction(known, tuple(bases))
     models = [model for fitted in fits.values() for model in fitted.models]
@@ -157,9 +154,9 @@ def fit_where_possible(
     return Metamodels(reduction.problem, models, outliers, reduction), missing
 
 
-def _alone(problem: Problem, name: str) -> Problem:
-    """Return the problem with one of its responses."""
+def _only(problem: Problem, names: Collection[str]) -> Problem:
+    """Return the problem with some of its responses."""
     return problem.with_targets(
-        [target for target in problem.targets if target.name == name],
-        [curve for curve in problem.curves if curve.name == name],
+        [target for target in problem.targets if target.name in names],
+        [curve for curve in problem.curves if curve.name in names],
     )

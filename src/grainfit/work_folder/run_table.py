@@ -53,10 +53,8 @@ def runs_table(records: Iterable[RunRecord]) -> pd.DataFrame:
     inputs = [record.definition.parameters for record in records]
     taken = set(COMMON_COLUMNS)
     parameters = {name: _free(name, "parameter", taken) for name in _distinct(inputs)}
-    responses = {
-        name: _free(name, "response", taken)
-        for name in _distinct(scalars(record.responses) for record in records)
-    }
+    numbers = [scalars(record.responses) for record in records]
+    responses = {name: _free(name, "response", taken) for name in _distinct(numbers)}
     columns = _common_columns(records)
     for name, column in parameters.items():
         columns[column] = _numbers(given.get(name) for given in inputs)
@@ -70,7 +68,7 @@ def runs_table(records: Iterable[RunRecord]) -> pd.DataFrame:
     }
     for name, column in responses.items():
         error = _free(f"{column}{ERROR_SUFFIX}", "response", taken)
-        found = [scalars(record.responses).get(name) for record in records]
+        found = [given.get(name) for given in numbers]
         columns[column] = _numbers(response.value if response else None for response in found)
         columns[error] = _numbers(
             response.standard_error if response else None for response in found
