@@ -37,6 +37,7 @@ SMALL_HEAP = {
     "bulk_density_top": 0.07,
     "plate_radius": 0.12,
 }
+SAID = "Neighbor list info"
 needs_liggghts = pytest.mark.skipif(
     shutil.which("liggghts") is None, reason="LIGGGHTS is not installed: apt-get install liggghts"
 )
@@ -513,10 +514,10 @@ def test_program_that_takes_its_own_folder_away(tmp_path):
 @pytest.mark.parametrize(("number", "kind"), [(9, "machine"), (11, "simulation")])
 def test_signal_that_kills_a_real_solver_is_seen_through_what_started_it(tmp_path, number, kind):
     def kill() -> None:
-        while not (found := [pid for pid in working_in(tmp_path) if program(pid).endswith("/lmp")]):
+        while SAID not in "".join(path.read_text() for path in tmp_path.rglob("log.lammps")):
             time.sleep(0.01)
-        time.sleep(0.3)
-        os.kill(found[0], number)
+        solvers = [pid for pid in working_in(tmp_path) if program(pid).endswith("/lmp")]
+        os.kill(solvers[0], number)
 
     thread = threading.Thread(target=kill)
     thread.start()
@@ -525,7 +526,7 @@ def test_signal_that_kills_a_real_solver_is_seen_through_what_started_it(tmp_pat
 
     assert error.kind == kind
     assert signal.Signals(number).name in error.reason
-    assert "Neighbor list info" in error.log_tail
+    assert SAID in error.log_tail
 
 
 @each_solver
