@@ -146,6 +146,7 @@ class CalibrationSetup:
         ...     print(note)
         """
         # SciPy, which takes a second, is needed for this only.
+        from grainfit.analysis.coarse_graining_notes import coarse_graining_notes
         from grainfit.analysis.expected import expected_narrowing
         from grainfit.analysis.stiffness_notes import stiffness_notes
 
@@ -153,6 +154,7 @@ class CalibrationSetup:
             *expected_narrowing(self.problem, self.solvers).notes,
             *stiffness_notes(self.problem, self.bulk_tests, self.file.fixed),
             *contact_notes(self.file, self.bulk_tests),
+            *coarse_graining_notes(self.solvers, self.problem),
             *same_simulation_notes(self.file.tests),
         )
 

@@ -3,9 +3,14 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any
 
 from grainfit.errors import Fault, InputError
+
+#: Largest factor of coarse graining: beyond it no bulk test has room for its particles.
+LARGEST_FACTOR = 1000.0
 
 
 @dataclass(frozen=True)
@@ -18,6 +23,8 @@ class ParticleSizes:
         Sphere diameters, m.
     mass_fractions : tuple of float
         Share of the mass in each diameter (as a sieve gives it); sums to one.
+    coarse_graining : float
+        Number of real diameters in a simulated one: the diameters are those of the simulation.
 
     Examples
     --------
@@ -27,8 +34,17 @@ class ParticleSizes:
 
     diameters: tuple[float, ...]
     mass_fractions: tuple[float, ...] = (1.0,)
+    coarse_graining: float = 1.0
 
     def __post_init__(self) -> None:
+        if not 1 <= self.coarse_graining <= LARGEST_FACTOR:
+            raise InputError(
+                Fault(
+                    "particle.coarse_graining",
+                    f"is {self.coarse_graining!r}.",
+                    f"Particles may be 1 to {LARGEST_FACTOR:g} times as large as the real ones.",
+                )
+            )
         if not self.diameters or len(self.diameters) != len(self.mass_fractions):
             raise InputError(
                 Fault("particle.diameter", "needs one mass fraction for every diameter.")
@@ -44,6 +60,50 @@ class ParticleSizes:
                     f"mass fractions {self.mass_fractions} must be above 0 and sum to 1.",
                 )
             )
+
+    @classmethod
+    def from_definition(cls, definition: Mapping[str, Any]) -> ParticleSizes:
+        """Rebuild the sizes from the definition of a run.
+
+        Raises
+        ------
+        KeyError, TypeError, InputError
+            The definition is damaged.
+        """
+        return cls(
+            tuple(definition["diameters"]),
+            tuple(definition["mass_fractions"]),
+            definition.get("coarse_graining", 1.0),
+        )
+
+    def definition(self) -> dict[str, Any]:
+        """Return everything that identifies the sizes, as JSON."""
+        found = {
+            "diameters": list(self.diameters),
+            "mass_fractions": list(self.mass_fractions),
+        }
+        # Runs of real sizes keep the identity that they had before there were others.
+        factor = self.coarse_graining
+        return found if factor == 1 else {**found, "coarse_graining": factor}
+
+    def coarse_grained(self, factor: float) -> ParticleSizes:
+        """Return these particles enlarged by a factor, for fewer particles and longer time steps.
+
+        Examples
+        --------
+        >>> ParticleSizes((0.003,)).coarse_grained(4).diameters
+        (0.012,)
+        """
+        diameters = tuple(factor * d for d in self.diameters)
+        return replace(self, diameters=diameters, coarse_graining=factor * self.coarse_graining)
+
+    @property
+    def real(self) -> ParticleSizes:
+        """The real particles, which default geometries follow."""
+        if self.coarse_graining == 1:
+            return self
+        diameters = tuple(d / self.coarse_graining for d in self.diameters)
+        return replace(self, diameters=diameters, coarse_graining=1.0)
 
     @property
     def smallest_radius(self) -> float:

@@ -23,6 +23,7 @@ from grainfit.contact_models.registry import (
     MATERIAL_PARAMETERS,
     contact_law_faults,
     parameters_without_effect,
+    simulated_material,
     unusual_models,
     with_defaults,
 )
@@ -179,7 +180,7 @@ class DeckSolver(Solver):
         for fault in self.test.material_faults(material):
             raise RunFailedError(str(fault))
         with recorded_faults(workspace):
-            run = self.simulate(self.test.scene(material, seed), workspace)
+            run = self.simulate(self._scene(material, seed), workspace)
             try:
                 return self.test.measure(run)
             except NotMeasurableError as error:
@@ -301,9 +302,13 @@ class DeckSolver(Solver):
         InputError
             The material is impossible, or the program lacks a concept of its scene.
         """
-        scene = self.test.scene(self.run_parameters(parameters), seed)
+        scene = self._scene(self.run_parameters(parameters), seed)
         self._require_concepts(scene.concepts())
         return scene
+
+    def _scene(self, material: Mapping[str, float], seed: int) -> Scene:
+        factor = self.test.sizes.coarse_graining
+        return self.test.scene(simulated_material(material, factor), seed)
 
     @override
     def default_timeout(self, parameters: Mapping[str, float]) -> float:
