@@ -126,7 +126,7 @@ def heap_height(silhouettes: Sequence[Silhouette], diameter: float) -> Response:
 
 
 def heap_profile(silhouettes: Sequence[Silhouette], diameter: float, plate_radius: float) -> Curve:
-    """Measure the height of a heap over the distance from its axis, mean of both sides of all views.
+    """Measure the height of a heap over the distance from its axis, mean of all sides.
 
     Parameters
     ----------

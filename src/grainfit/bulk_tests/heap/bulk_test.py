@@ -16,7 +16,7 @@ from grainfit.bulk_tests.shared.options import FRICTION, LENGTH, TIME
 from grainfit.bulk_tests.shared.validity import require_separate
 from grainfit.bulk_tests.view import Shown
 from grainfit.errors import NotMeasurableError
-from grainfit.evaluation import Measured, Response
+from grainfit.evaluation import Measured
 from grainfit.measurement.angle_of_repose import (
     AngleOfRepose,
     angle_of_repose,
