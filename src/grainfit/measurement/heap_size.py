@@ -150,7 +150,8 @@ def heap_profile(silhouettes: Sequence[Silhouette], diameter: float, plate_radiu
         The silhouettes are blank.
     """
     step = _PROFILE_STEP * diameter
-    distances: Array = np.arange(math.ceil(plate_radius / step) + 1) * step
+    count = math.ceil(plate_radius / step) + 1
+    distances: Array = np.linspace(0.0, (count - 1) * step, count)
     sides = [_outline_at(s, side * distances, diameter) for s in silhouettes for side in (-1, 1)]
     heights = np.mean(sides, axis=0) if sides else np.zeros_like(distances)
     if not heights.any():
