@@ -43,6 +43,7 @@ SchedulerParameters=batch_sched_delay=0,sched_interval=2,sched_min_interval=0
 ReturnToService=1
 MpiDefault=none
 KillWait=2
+MinJobAge=3600
 CompleteWait=0
 PreemptType=preempt/partition_prio
 PreemptMode=REQUEUE

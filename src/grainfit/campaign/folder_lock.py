@@ -146,7 +146,7 @@ def _lock(file: TextIO, folder: Path) -> bool:
                 raise StoreError(f"{cause}. {_ANOTHER}.") from error
             raise StoreError(
                 f"{cause}. Its file system has no locks; without them two starts would disturb "
-                f"each other, and the run store could be damaged. {_ANOTHER}, or ask the "
+                f"each other, and the run store cannot be written. {_ANOTHER}, or ask the "
                 "administrator for locks (NFS: its lock service, Lustre: the mount option flock)."
             ) from error
 
