@@ -21,11 +21,12 @@ from grainfit.calibration.scopes import repeats_of, restricted, with_scopes
 from grainfit.calibration.timeouts import default_timeouts
 from grainfit.calibration.verification import VERIFICATION_RUNS
 from grainfit.campaign.campaign import Campaign, CampaignOptions
+from grainfit.campaign.folder_lock import hold
 from grainfit.campaign.keep import Keep
 from grainfit.campaign.reuse import needed_responses, open_source, take_runs
 from grainfit.campaign.store.shared import SharedRuns, share
 from grainfit.campaign.store.store import RunStore
-from grainfit.campaign.work_folder import RESULT_NAME, hold, recover
+from grainfit.campaign.work_folder import RESULT_NAME, recover
 from grainfit.checks import count_faults
 from grainfit.errors import Fault, InputError
 from grainfit.problem import Problem

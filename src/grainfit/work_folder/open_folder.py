@@ -10,9 +10,10 @@ from contextlib import closing, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
+from grainfit.campaign.folder_lock import is_held
 from grainfit.campaign.store.records import CalibrationRecord, RequestRecord
 from grainfit.campaign.store.store import STORE_NAME, RunStore, not_a_work_folder
-from grainfit.campaign.work_folder import RESULT_NAME, is_held
+from grainfit.campaign.work_folder import RESULT_NAME
 from grainfit.errors import StoreError
 from grainfit.result import Result
 

@@ -550,7 +550,10 @@ def _remedy(cause: BaseException) -> str:
         return _RENEW
     if code is None:
         return "Check that the database server runs, can be reached, and accepts this user."
-    return "Check that its folder is writable, the disk is not full, and nobody else uses it."
+    return (
+        "Check that its folder is writable, the disk is not full, its file system has locks, and "
+        "nobody else uses it."
+    )
 
 
 def _leave_transactions_to_us(connection: Any, _record: Any) -> None:
