@@ -1,4 +1,4 @@
-"""A real PostgreSQL server as it runs in a laboratory: over TCP, with a password, and with fsync."""
+"""A real PostgreSQL server, as one in use: reached by TCP, with passwords, and with fsync."""
 
 from __future__ import annotations
 

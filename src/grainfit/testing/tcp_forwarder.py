@@ -47,11 +47,13 @@ class TcpForwarder:
         self._thread = threading.Thread(target=self._forward, daemon=True)
         self._thread.start()
 
-    def cut(self) -> None:
-        """Reset all connections; new ones are accepted."""
+    def cut(self) -> int:
+        """Reset all connections, and return their number; new ones are accepted."""
+        count = len(self._others) // 2
         self._cut.clear()
         self._to_cut.set()
         self._cut.wait()
+        return count
 
     def close(self) -> None:
         """Reset all connections, and listen no longer."""

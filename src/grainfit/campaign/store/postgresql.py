@@ -12,8 +12,8 @@ from psycopg import waiting
 #: Longest wait for a connection, and for the next bytes of an answer, s.
 CONNECT_SECONDS = 10
 SILENCE_SECONDS = 10.0
-#: The same for a user who has interrupted the calibration, s.
-HURRY_SECONDS = 2.0
+#: Both for a user who has interrupted the calibration, s; the driver waits no less to connect.
+_HURRY_SECONDS = 2
 #: Time after which the server ends a transaction whose process does nothing: it may have been
 #: suspended, or its host lost, and keeps rows locked. Shorter than the patience of those that wait.
 _IDLE_SECONDS = 5
@@ -26,19 +26,26 @@ class Connector:
     Attributes
     ----------
     silence_seconds : float
-        Longest wait for the next bytes of an answer; a change applies to waits in progress.
+        Longest wait for the next bytes of an answer.
     """
 
     def __init__(self) -> None:
         self.silence_seconds = SILENCE_SECONDS
+        self._hurries = False
+
+    def hurry(self) -> None:
+        """Wait hardly any longer, also for answers that are being waited for."""
+        self.silence_seconds = _HURRY_SECONDS
+        self._hurries = True
 
     def connect(
         self, _dialect: Any, _record: Any, arguments: list[str], options: dict[str, Any]
     ) -> ImpatientConnection:
         """Connect; called by SQLAlchemy in place of the driver's own function."""
-        options.setdefault("connect_timeout", CONNECT_SECONDS)
-        options["autocommit"] = True
-        connection = ImpatientConnection.connect(*arguments, **options)
+        given = {"connect_timeout": CONNECT_SECONDS, **options, "autocommit": True}
+        if self._hurries:
+            given["connect_timeout"] = _HURRY_SECONDS
+        connection = ImpatientConnection.connect(*arguments, **given)
         connection.connector = self
         try:
             connection.execute(f"SET idle_in_transaction_session_timeout = '{_IDLE_SECONDS}s'")

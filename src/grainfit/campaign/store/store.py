@@ -272,9 +272,7 @@ class RunStore:
     def hurry(self) -> None:
         """Wait hardly any longer for a server that does not answer."""
         if self._connector is not None:
-            from grainfit.campaign.store.postgresql import HURRY_SECONDS
-
-            self._connector.silence_seconds = HURRY_SECONDS
+            self._connector.hurry()
 
     # Runs --------------------------------------------------------------------------------------
 
