@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import _thread
 import multiprocessing
 import os
 import signal
@@ -217,6 +218,20 @@ def test_a_server_that_hangs_for_good_ends_a_calibration_in_a_message(
     assert len(disturbed.seeds) == 3
     with pytest.raises(StoreError, match="timeout"):
         RunStore(server.url_at(forwarder.port))
+
+
+def test_an_interrupt_waits_for_no_silent_server(
+    server: PostgresqlServer, forwarder: TcpForwarder
+) -> None:
+    store = RunStore(server.url_at(forwarder.port))
+    forwarder.swallows = True
+    asked = time.monotonic()
+    threading.Timer(0.5, _thread.interrupt_main).start()
+    with pytest.raises(KeyboardInterrupt):
+        store.states()
+    # Asking the server to cancel would take 5 s.
+    assert time.monotonic() - asked < 4
+    store.close()
 
 
 FILE = """
