@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from grainfit.campaign.store.owner import OWNER_NAME, earlier_owner, new_owner
+from grainfit.campaign.store.owner import OWNER_NAME, earlier_owner, new_owner, note_owner
 from grainfit.testing.postgresql_server import PostgresqlServer
 
 #: A host: its own kernel's number, host name, and disk, as far as one kernel can give them.
@@ -50,12 +50,18 @@ gf.calibrate(
 """
 
 
+def sign(folder: Path) -> str:
+    name = new_owner(folder)
+    note_owner(folder, name)
+    return name
+
+
 def test_the_next_start_in_a_folder_knows_the_name_of_the_one_before(tmp_path: Path) -> None:
     assert earlier_owner(tmp_path) is None
-    first = new_owner(tmp_path)
+    first = sign(tmp_path)
     assert str(tmp_path) in first
     assert earlier_owner(tmp_path) == first
-    second = new_owner(tmp_path)
+    second = sign(tmp_path)
     assert second != first
     assert earlier_owner(tmp_path) == second
     assert new_owner(None) != new_owner(None)
@@ -64,7 +70,7 @@ def test_the_next_start_in_a_folder_knows_the_name_of_the_one_before(tmp_path: P
 def test_a_folder_that_was_moved_keeps_its_name_and_a_copy_has_none(tmp_path: Path) -> None:
     work = tmp_path / "work"
     work.mkdir()
-    name = new_owner(work)
+    name = sign(work)
     shutil.copytree(work, tmp_path / "copy")
     assert earlier_owner(tmp_path / "copy") is None
     moved = work.rename(tmp_path / "moved")
@@ -74,13 +80,13 @@ def test_a_folder_that_was_moved_keeps_its_name_and_a_copy_has_none(tmp_path: Pa
 def test_the_same_folder_on_another_machine_has_no_name(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    new_owner(tmp_path)
+    sign(tmp_path)
     other = tmp_path / "boot_id"
     other.write_text("00000000-0000-0000-0000-000000000000\n")
     monkeypatch.setattr("grainfit.campaign.store.owner._BOOT", other)
     assert earlier_owner(tmp_path) is None
     monkeypatch.setattr("grainfit.campaign.store.owner._BOOT", tmp_path / "none")
-    new_owner(tmp_path)
+    sign(tmp_path)
     assert earlier_owner(tmp_path) is None
 
 

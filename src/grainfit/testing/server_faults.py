@@ -9,7 +9,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from grainfit.campaign.store.store import RunStore
-from grainfit.testing.crash_harness import Progress, Tally, Trial, Variant, undisturbed
+from grainfit.testing.crash_harness import Ending, Progress, Tally, Trial, Variant, undisturbed
 from grainfit.testing.postgresql_server import PostgresqlServer, postgresql_server, program
 from grainfit.testing.tcp_forwarder import tcp_forwarder
 
@@ -69,6 +69,11 @@ def cut_connections(
         return _disturb(tally, times, folder, chance, server, url, cut, progress)
 
 
+def _is_refused(ending: Ending) -> bool:
+    """Return whether a calibration ended at once because the server was away at its start."""
+    return ending.error == "StoreUnreachableError" and "connection failed" in ending.message
+
+
 @contextmanager
 def _server() -> Iterator[PostgresqlServer]:
     if program("initdb") is None:
@@ -104,7 +109,11 @@ def _disturb(
             if progress is not None:
                 progress(tally)
 
-        trial.compare(trial.wait(trial.start(store=url), meanwhile), reference)
+        ending = trial.wait(trial.start(store=url), meanwhile)
+        while _is_refused(ending):
+            trial.complain(not trial.starts(), ending.message)
+            ending = trial.wait(trial.start(store=url), meanwhile)
+        trial.compare(ending, reference)
         trial.look(f"calibration {number}")
         starts = trial.starts().items()
         tally.repeated += [f"calibration {number}: {key}" for key, count in starts if count > 1]

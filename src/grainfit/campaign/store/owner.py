@@ -39,14 +39,16 @@ def earlier_owner(folder: Path) -> str | None:
 
 
 def new_owner(folder: Path | None) -> str:
-    """Return a name for this process, and note it in its work folder."""
-    name = f"{socket.gethostname()}:{folder or ''} {uuid.uuid4()}"
-    if folder is not None:
-        # Without the note, the next start waits until the claims of this one have expired.
-        with suppress(OSError):
-            noted = {"name": name, "place": _place(folder)}
-            write_atomically(folder / OWNER_NAME, json.dumps(noted))
-    return name
+    """Return a name for a process that uses this work folder."""
+    return f"{socket.gethostname()}:{folder or ''} {uuid.uuid4()}"
+
+
+def note_owner(folder: Path, name: str) -> None:
+    """Note the name of the process that uses a work folder, for the next start."""
+    # Without the note, the next start waits until the claims of this one have expired.
+    with suppress(OSError):
+        noted = {"name": name, "place": _place(folder)}
+        write_atomically(folder / OWNER_NAME, json.dumps(noted))
 
 
 def _place(folder: Path) -> list[Any] | None:

@@ -19,7 +19,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TypeVar
 
-from grainfit.campaign.store.owner import earlier_owner, new_owner
+from grainfit.campaign.store.owner import earlier_owner, new_owner, note_owner
 from grainfit.campaign.store.records import RunRecord
 from grainfit.campaign.store.store import Claim, RunStore
 from grainfit.errors import StoreError, StoreUnreachableError
@@ -84,12 +84,15 @@ def share(
     timing : Timing, optional
         Times after which others, or the server, are given up.
     """
-    store = RunStore(address)
+    store = _twice(lambda: RunStore(address))
+    owner = new_owner(folder)
     try:
-        earlier = None if folder is None else earlier_owner(folder)
-        if earlier is not None:
-            store.release(earlier)
-        with SharedRuns(store, new_owner(folder), timing) as shared:
+        with SharedRuns(store, owner, timing) as shared:
+            if folder is not None:
+                earlier = earlier_owner(folder)
+                if earlier is not None:
+                    shared.patiently(lambda store: store.release(earlier))
+                note_owner(folder, owner)
             shared.give(own.runs("finished"))
             yield shared
     finally:
@@ -143,6 +146,14 @@ class SharedRuns:
     def notices(self) -> tuple[str, ...]:
         """Notices for the user, in the order of their events."""
         return tuple(self._notices)
+
+    def patiently(self, use: Callable[[RunStore], _Answer]) -> _Answer:
+        """Use the store in a way that may be repeated, and wait while it cannot be reached."""
+        while True:
+            answer = self._ask(lambda: (use(self.store),))
+            if answer is not None:
+                return answer[0]
+            time.sleep(_RETRY_SECONDS / 10)
 
     def find(self, identities: Iterable[str]) -> dict[str, RunRecord]:
         """Return the runs of these identities that have ended, by identity."""
@@ -241,21 +252,15 @@ class SharedRuns:
         with self._turn:
             if self._outage is None:
                 try:
-                    return self._twice(question)
+                    return _twice(question, self._is_patient)
                 except StoreUnreachableError as error:
                     self._note_outage(error)
             if not self._has_patience():
                 raise self._given_up()
             return None
 
-    def _twice(self, question: Callable[[], _Answer]) -> _Answer:
-        """Ask again over a new connection if one was cut: everything here may be repeated."""
-        try:
-            return question()
-        except StoreUnreachableError:
-            if self._cancelled:
-                raise
-            return question()
+    def _is_patient(self) -> bool:
+        return not self._cancelled
 
     def _has_patience(self) -> bool:
         outage = self._outage
@@ -269,7 +274,7 @@ class SharedRuns:
             if self._ended:
                 return
             try:
-                self._twice(lambda: self.store.beat(self._owner))
+                _twice(lambda: self.store.beat(self._owner), self._is_patient)
                 self._deliver()
             except StoreUnreachableError as error:
                 self._note_outage(error)
@@ -310,3 +315,15 @@ class SharedRuns:
             f"{error} It was tried again for {patience:g} s. Finished runs are kept; start again "
             "to continue."
         )
+
+
+def _twice(
+    question: Callable[[], _Answer], is_patient: Callable[[], bool] = lambda: True
+) -> _Answer:
+    """Ask again over a new connection if one was cut: everything here may be repeated."""
+    try:
+        return question()
+    except StoreUnreachableError:
+        if not is_patient():
+            raise
+        return question()
