@@ -204,6 +204,7 @@ def test_a_server_that_hangs_for_a_while_ends_no_calibration(
     assert len(disturbed.notices) == 2
 
 
+@pytest.mark.slow
 def test_a_server_that_hangs_for_good_ends_a_calibration_in_a_message(
     server: PostgresqlServer,
     forwarder: TcpForwarder,
@@ -221,16 +222,17 @@ def test_a_server_that_hangs_for_good_ends_a_calibration_in_a_message(
 
 
 def test_an_interrupt_waits_for_no_silent_server(
-    server: PostgresqlServer, forwarder: TcpForwarder
+    server: PostgresqlServer, forwarder: TcpForwarder, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    monkeypatch.setattr("grainfit.campaign.store.postgresql.SILENCE_SECONDS", 90.0)
     store = RunStore(server.url_at(forwarder.port))
     forwarder.swallows = True
     asked = time.monotonic()
     threading.Timer(0.5, _thread.interrupt_main).start()
     with pytest.raises(KeyboardInterrupt):
         store.states()
-    # Asking the server to cancel would take 5 s.
-    assert time.monotonic() - asked < 4
+    # Psycopg itself would wait until the server has cancelled the query.
+    assert time.monotonic() - asked < 45
     store.close()
 
 
