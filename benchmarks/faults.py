@@ -6,7 +6,8 @@ again; at its end, status, parameters, responses and history are compared with t
 undisturbed calibration. With several workers, where the order in which runs finish decides the next
 proposals, and where the record of the proposals is destroyed, only the status is compared.
 
-A full disk is a file system of 32 MB, which only root may mount; without that the row is left out.
+A full disk is a file system of 32 MB, which only root may mount; the server of a shared store is
+Debian's PostgreSQL. Where these are not to be had, the rows are left out.
 Exits with code 1 when a run was lost or repeated, or a result differs.
 
     python benchmarks/faults.py [--kills N] [--seed N] [--json PATH]
@@ -38,6 +39,7 @@ from grainfit.testing.crash_harness import (
     remove_folders,
     truncate_newest,
 )
+from grainfit.testing.server_faults import cut_connections, restart_servers
 
 #: Called with the work folder; reports every fault.
 Infliction = Callable[[Path, Progress], Tally]
@@ -52,7 +54,7 @@ def inflictions(kills: int, seed: int) -> Iterator[Infliction]:
     for inflict in (kill_solvers, kill_pool_workers):
         yield partial(_inflict, inflict, some, seed)
     yield partial(_truncate, some, seed)
-    for inflict in (damage_stores, fill_disks, remove_folders):
+    for inflict in (damage_stores, fill_disks, remove_folders, restart_servers, cut_connections):
         yield partial(_inflict, inflict, some, seed)
 
 
@@ -89,7 +91,7 @@ def main() -> None:
         with tempfile.TemporaryDirectory() as folder, threadpool_limits(1, user_api="blas"):
             try:
                 tally = inflict(Path(folder), _show_progress)
-            except PermissionError as error:
+            except (PermissionError, FileNotFoundError) as error:
                 print(f"\rleft out: {error}", file=sys.stderr)
                 continue
         row = {

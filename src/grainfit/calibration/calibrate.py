@@ -177,7 +177,7 @@ def calibrate(
         shared = None
         if store is not None:
             shared = stack.enter_context(share(store, folder, runs))
-            take_runs(shared.store, problem, solvers, runs)
+            shared.patiently(lambda other: take_runs(other, problem, solvers, runs))
         if retry_failed:
             _forget_failed(runs, shared)
         limits = default_timeouts(problem, solvers) | dict(timeouts or {})

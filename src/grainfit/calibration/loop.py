@@ -82,6 +82,9 @@ class CalibrationLoop:
         #: Number of runs of the warm start, by their source.
         self._origins: Mapping[str, int] = {}
         self._verification_asked = 0
+        #: Notices of the search and of the campaign, in the order in which they came.
+        self._notices: list[str] = []
+        self._taken = (0, 0)
         self._stage = "design"
         self._requested = 0
         #: Requests of earlier starts of this calibration that this start has not reached yet.
@@ -450,10 +453,17 @@ class CalibrationLoop:
                 left,
                 seconds / simulated * left / self._options.workers if simulated else None,
                 min(self._deviations(), default=None),
-                tuple(self._strategy.notices),
+                self._all_notices(),
                 self._origins,
             )
         )
+
+    def _all_notices(self) -> tuple[str, ...]:
+        sources = tuple(self._strategy.notices), self._campaign.notices
+        for source, taken in zip(sources, self._taken, strict=True):
+            self._notices += source[taken:]
+        self._taken = len(sources[0]), len(sources[1])
+        return tuple(self._notices)
 
     def _deviations(self) -> list[float]:
         """Return the largest relative deviation of each evaluation that has all responses.

@@ -13,10 +13,16 @@ from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, S
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any, TypeVar, cast
+from typing import TYPE_CHECKING, Any, TypeVar, cast
 
 import sqlalchemy as sql
-from sqlalchemy.exc import ArgumentError, IntegrityError, SQLAlchemyError
+from sqlalchemy.exc import (
+    ArgumentError,
+    DBAPIError,
+    IntegrityError,
+    OperationalError,
+    SQLAlchemyError,
+)
 from sqlalchemy.pool import StaticPool
 
 from grainfit.campaign.store import schema
@@ -26,7 +32,10 @@ from grainfit.campaign.store.schema import OLDEST_READABLE, SCHEMA_VERSION
 from grainfit.campaign.store.schema import calibrations as _calibrations
 from grainfit.campaign.store.schema import requests as _requests
 from grainfit.campaign.store.schema import runs as _runs
-from grainfit.errors import Fault, StoreError
+from grainfit.errors import Fault, StoreError, StoreUnreachableError
+
+if TYPE_CHECKING:
+    from grainfit.campaign.store.postgresql import Connector
 
 STORE_NAME = "runs.sqlite"
 
@@ -39,6 +48,9 @@ _RENEW = (
 _CHUNK = 500
 #: Key of the lock under which the tables of a shared database are created.
 _SCHEMA_LOCK = 7_203_114
+#: Beginnings of the SQLSTATEs of a server that may serve the same request a little later: lost or
+#: refused connections, transactions that were idle or in each other's way, and shutdowns.
+_TRANSIENT = ("08", "25P03", "40", "53300", "55P03", "57")
 #: Longest wait for another process that uses a SQLite file, and between two tries, s.
 _BUSY_SECONDS, _RETRY_SECONDS = 30, 0.05
 _RECORD_COLUMNS = [
@@ -105,6 +117,12 @@ class RunStore:
         if self._address.url == sql.make_url("sqlite://"):
             options = {"poolclass": StaticPool, "connect_args": {"check_same_thread": False}}
         self._engine = self._make_engine(options)
+        self._connector: Connector | None = None
+        if self._engine.dialect.driver == "psycopg":
+            from grainfit.campaign.store.postgresql import Connector
+
+            self._connector = Connector()
+            sql.event.listen(self._engine, "do_connect", self._connector.connect)
         if self._engine.dialect.name == "sqlite":
             sql.event.listen(self._engine, "connect", _leave_transactions_to_us)
             sql.event.listen(self._engine, "begin", _begin_sqlite)
@@ -131,9 +149,11 @@ class RunStore:
         except (ArgumentError, TypeError, ValueError) as error:
             raise self._unusable(error, "Check its address.") from None
 
-    def _unusable(self, cause: BaseException, remedy: str) -> StoreError:
+    def _unusable(
+        self, cause: BaseException, remedy: str, kind: type[StoreError] = StoreError
+    ) -> StoreError:
         words = self._address.without_secrets(str(cause))
-        return StoreError(f"the run store {self._where} cannot be used: {words}. {remedy}")
+        return kind(f"the run store {self._where} cannot be used: {words}. {remedy}")
 
     @classmethod
     def in_folder(cls, folder: Path) -> RunStore:
@@ -230,7 +250,8 @@ class RunStore:
             cause = getattr(error, "orig", None) or error
             known = str(error) == self._address.without_secrets(str(error))
             # A traceback would show the cause as the driver words it.
-            raise self._unusable(cause, _remedy(cause)) from (error if known else None)
+            kind = StoreUnreachableError if _may_come_back(error) else StoreError
+            raise self._unusable(cause, _remedy(cause), kind) from (error if known else None)
 
     def _read(
         self, query: sql.Select[Any], make: Callable[[Mapping[str, Any]], _Record]
@@ -247,6 +268,11 @@ class RunStore:
     def close(self) -> None:
         """Close all connections."""
         self._engine.dispose()
+
+    def hurry(self) -> None:
+        """Wait hardly any longer for a server that does not answer."""
+        if self._connector is not None:
+            self._connector.hurry()
 
     # Runs --------------------------------------------------------------------------------------
 
@@ -279,6 +305,27 @@ class RunStore:
                 connection.execute(_runs.delete().where(_runs.c.identity.in_(identities)))
                 connection.execute(_runs.insert(), part)
 
+    def add_missing(self, records: Iterable[RunRecord]) -> None:
+        """Write the runs that the store does not have, not even as a claim, or none of them."""
+        rows = {record.identity: _row(record) for record in records}
+        with self._transaction() as connection:
+            for start in range(0, len(rows), _CHUNK):
+                self._add_missing(connection, dict(list(rows.items())[start : start + _CHUNK]))
+
+    def _add_missing(self, connection: sql.Connection, rows: Mapping[str, Any]) -> None:
+        known = sql.select(_runs.c.identity).where(_runs.c.identity.in_(list(rows)))
+        while True:
+            there = set(connection.scalars(known))
+            missing = [row for identity, row in rows.items() if identity not in there]
+            try:
+                with connection.begin_nested():
+                    if missing:
+                        connection.execute(_runs.insert(), missing)
+                    return
+            except IntegrityError:
+                # Another process has added one of them meanwhile.
+                continue
+
     def forget_running(self) -> None:
         """Delete the rows of runs that were pending when an earlier process died."""
         with self._transaction() as connection:
@@ -288,6 +335,12 @@ class RunStore:
         """Delete one run."""
         with self._transaction() as connection:
             connection.execute(_runs.delete().where(_runs.c.identity == identity))
+
+    def forget_ended(self, identity: str) -> None:
+        """Delete one run, unless a process is executing it."""
+        with self._transaction() as connection:
+            here = sql.and_(_runs.c.identity == identity, _runs.c.status != "running")
+            connection.execute(_runs.delete().where(here))
 
     def forget_failed(self, identities: Collection[str]) -> None:
         """Delete the failed ones of these runs, so that they are repeated."""
@@ -350,6 +403,8 @@ class RunStore:
     def claim(self, record: RunRecord, owner: str, instead_of: Claim | None = None) -> bool:
         """Claim a run, unless another process executes it or it has finished.
 
+        A claim may be repeated, when it is not known whether it was received.
+
         Parameters
         ----------
         record : RunRecord
@@ -365,19 +420,33 @@ class RunStore:
             True if the owner is to execute the run. Exactly one of several concurrent callers gets
             True.
         """
-        row = _row(record) | {"owner": owner, "beat": 0}
-        here = _runs.c.identity == record.identity
+        other: sql.ColumnElement[bool]
         if instead_of is None:
-            replaceable = _runs.c.status == "failed"
+            other = _runs.c.status == "failed"
         else:
-            replaceable = sql.and_(
-                _runs.c.status == "running",
-                _runs.c.owner == instead_of.owner,
-                _runs.c.beat == instead_of.beat,
-            )
+            other = _claimed_by(instead_of.owner) & (_runs.c.beat == instead_of.beat)
+        return self._put(_row(record) | {"owner": owner}, _claimed_by(owner) | other)
+
+    def save_outcome(self, record: RunRecord, owner: str) -> bool:
+        """Write the end of a run that this owner claimed, unless the run has gone on without it.
+
+        An owner that was suspended, or cut off, may have lost its claim meanwhile. A finished run
+        replaces any claim, and is never replaced; a failed one replaces no claim of another owner.
+
+        Returns
+        -------
+        bool
+            False if it was not written: the run has finished, or is executed, elsewhere.
+        """
+        if record.status == "finished":
+            return self._put(_row(record), _runs.c.status != "finished")
+        return self._put(_row(record), _claimed_by(owner) | (_runs.c.status == "failed"))
+
+    def _put(self, row: Mapping[str, Any], replaceable: sql.ColumnElement[bool]) -> bool:
+        """Write a row in place of none or of a replaceable one; return whether it was written."""
+        here = _runs.c.identity == row["identity"]
         with self._transaction() as connection:
-            replaced = connection.execute(_runs.update().where(here, replaceable).values(**row))
-            if replaced.rowcount:
+            if connection.execute(_runs.update().where(here, replaceable).values(**row)).rowcount:
                 return True
             try:
                 with connection.begin_nested():
@@ -396,15 +465,14 @@ class RunStore:
 
     def beat(self, owner: str) -> None:
         """Send the heartbeat of an owner of claims."""
-        mine = sql.and_(_runs.c.owner == owner, _runs.c.status == "running")
+        counted = _runs.update().where(_claimed_by(owner)).values(beat=_runs.c.beat + 1)
         with self._transaction() as connection:
-            connection.execute(_runs.update().where(mine).values(beat=_runs.c.beat + 1))
+            connection.execute(counted)
 
     def release(self, owner: str) -> None:
         """Release all claims of an owner, so that others may execute its unfinished runs."""
-        mine = sql.and_(_runs.c.owner == owner, _runs.c.status == "running")
         with self._transaction() as connection:
-            connection.execute(_runs.delete().where(mine))
+            connection.execute(_runs.delete().where(_claimed_by(owner)))
 
     # Calibrations ------------------------------------------------------------------------------
 
@@ -541,6 +609,20 @@ def _row(record: RunRecord) -> dict[str, Any]:
     for name in ("reason", "log_tail"):
         row[name] = row[name].replace("\0", " ").encode(errors="replace").decode()
     return row
+
+
+def _claimed_by(owner: str) -> sql.ColumnElement[bool]:
+    return sql.and_(_runs.c.status == "running", _runs.c.owner == owner)
+
+
+def _may_come_back(error: SQLAlchemyError) -> bool:
+    """Return whether a server failed in a way that may pass, and not for what it was asked."""
+    if not isinstance(error, DBAPIError):
+        return False
+    state = getattr(error.orig, "sqlstate", "")
+    # PostgreSQL's driver has no SQLSTATE for a connection that could not be made.
+    refused = state is None and isinstance(error, OperationalError)
+    return error.connection_invalidated or refused or str(state).startswith(_TRANSIENT)
 
 
 def _remedy(cause: BaseException) -> str:
