@@ -140,7 +140,7 @@ class CalibrationLoop:
 
     def run(self) -> Result:
         """Run the calibration to its end. Ctrl-C stops it and returns the best result so far."""
-        self._recorded.extend(self._store.requests(self._identity))
+        self._recorded.extend(self._requests_of_earlier_starts())
         known = self._runs_known_before()
         runs = [run for evaluation in known for run in evaluation.runs.values()]
         self._store.begin_calibration(
@@ -178,6 +178,17 @@ class CalibrationLoop:
         known_runs = sum(self._origins.values())
         result = make_result(about, self._strategy, outcome, self._evaluations, known_runs)
         return with_intervals(result, self._problem, self._evaluations, known)
+
+    def _requests_of_earlier_starts(self) -> list[RequestRecord]:
+        recorded = self._store.requests(self._identity)
+        names = [parameter.name for parameter in self._problem.parameters]
+        for request in recorded:
+            try:
+                request.require_part_of(names, self._campaign.solvers)
+            except ValueError as error:
+                place = f"table requests, row {self._identity} {request.position}"
+                raise self._store.damaged(f"{place}: {error}") from error
+        return recorded
 
     def _search_and_verify(self) -> Outcome:
         """Alternate between search and fresh seeds at its answer until the verdict is known."""
