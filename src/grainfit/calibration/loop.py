@@ -449,7 +449,7 @@ class CalibrationLoop:
         # Runs of an evaluation of one test, on average.
         each = campaign.runs_per_set / campaign.tests
         left = max(self._strategy.expected_left * each, asked * each - _runs(verified), 0)
-        left = math.ceil(left)
+        left = math.ceil(self._with_failing(left))
         simulated = _runs(evaluations) - sum(e.reused for e in evaluations)
         seconds = sum(e.simulated_seconds for e in evaluations)
         self._options.on_progress(
@@ -465,6 +465,17 @@ class CalibrationLoop:
                 self._origins,
             )
         )
+
+    def _with_failing(self, successful: float) -> float:
+        """Return the runs that give a number of successful ones, within the budget."""
+        done = _runs(self._evaluations)
+        failed = sum(len(e.failed_runs) for e in self._evaluations)
+        # The design has its number of runs, however many fail.
+        if self._stage == "design" or failed == done:
+            return successful
+        expected = successful * done / (done - failed)
+        most = self._options.max_runs
+        return expected if most is None else max(successful, min(expected, most - done))
 
     def _deviations(self) -> list[float]:
         """Return the largest relative deviation of each evaluation that has all responses.

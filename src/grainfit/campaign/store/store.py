@@ -21,6 +21,7 @@ from sqlalchemy.pool import StaticPool
 
 from grainfit.campaign.store import schema
 from grainfit.campaign.store.address import StoreAddress, safe_address
+from grainfit.campaign.store.causes import remedy
 from grainfit.campaign.store.cells import choice, read_json, read_text, text
 from grainfit.campaign.store.records import CalibrationRecord, RequestRecord, RunRecord, RunStatus
 from grainfit.campaign.store.schema import OLDEST_READABLE, SCHEMA_VERSION
@@ -31,7 +32,6 @@ from grainfit.errors import Fault, StoreError
 
 STORE_NAME = "runs.sqlite"
 
-_DAMAGED = (sqlite3.SQLITE_CORRUPT, sqlite3.SQLITE_NOTADB, sqlite3.SQLITE_ERROR)
 _RENEW = (
     f"Move {STORE_NAME} away (and {STORE_NAME}-wal and {STORE_NAME}-shm next to it, if present): "
     "it is rebuilt from the run folders; only runs of Python functions and tables are lost."
@@ -94,6 +94,8 @@ class RunStore:
         is for several machines.
     read_only : bool
         Write nothing, not even a schema.
+    path : Path, optional
+        File of the store in a work folder, to find out why it cannot be used.
 
     Raises
     ------
@@ -102,11 +104,15 @@ class RunStore:
         version that this one cannot read.
     """
 
-    def __init__(self, url: str | sql.URL, *, read_only: bool = False) -> None:
+    def __init__(
+        self, url: str | sql.URL, *, read_only: bool = False, path: Path | None = None
+    ) -> None:
         self._lock = threading.RLock()
         self._address = StoreAddress.read(url)
         self._where = self._address.shown
-        self._file: _File | None = None
+        #: The file in a work folder, and all that must not be removed while it is in use.
+        self._path = path
+        self._files: Sequence[_File] = ()
         self._version = SCHEMA_VERSION
         options: dict[str, Any] = {"pool_pre_ping": True, "json_deserializer": read_json}
         if self._address.url == sql.make_url("sqlite://"):
@@ -150,8 +156,8 @@ class RunStore:
         # SQLite would take an empty file for a new store, and drop the log.
         if path.exists() and not path.stat().st_size and log.exists() and log.stat().st_size:
             raise StoreError(f"the run store {path} is damaged: it is empty. {_RENEW}")
-        store = cls(sql.URL.create("sqlite", database=str(path)))
-        store._file = _File(path)
+        store = cls(sql.URL.create("sqlite", database=str(path)), path=path)
+        store._files = (_File(path), _File(log))
         return store
 
     @classmethod
@@ -169,7 +175,9 @@ class RunStore:
         if not path.with_name(f"{STORE_NAME}-wal").exists():
             query["immutable"] = "1"
         database = path.absolute().as_uri()
-        return cls(sql.URL.create("sqlite", database=database, query=query), read_only=True)
+        return cls(
+            sql.URL.create("sqlite", database=database, query=query), read_only=True, path=path
+        )
 
     @property
     def place(self) -> str:
@@ -207,9 +215,10 @@ class RunStore:
             )
 
     def _require_file(self) -> None:
-        if self._file is not None and not self._file.is_there():
+        if not all(file.is_there() for file in self._files):
             raise StoreError(
-                f"the run store {self._where} was removed or replaced while it was in use. Start "
+                f"the run store {self._where}, or the {STORE_NAME}-wal beside it, was removed or "
+                "replaced while it was in use. Start "
                 "again: that continues with the runs whose folders still exist."
             )
 
@@ -237,7 +246,8 @@ class RunStore:
             cause = getattr(error, "orig", None) or error
             known = str(error) == self._address.without_secrets(str(error))
             # A traceback would show the cause as the driver words it.
-            raise self._unusable(cause, _remedy(cause)) from (error if known else None)
+            what_to_do = remedy(cause, self._path, _RENEW)
+            raise self._unusable(cause, what_to_do) from (error if known else None)
 
     def _read(
         self, query: sql.Select[Any], make: Callable[[Mapping[str, Any]], _Record]
@@ -570,16 +580,6 @@ def _row(record: RunRecord) -> dict[str, Any]:
     for name in ("reason", "log_tail"):
         row[name] = row[name].replace("\0", " ").encode(errors="replace").decode()
     return row
-
-
-def _remedy(cause: BaseException) -> str:
-    code = getattr(cause, "sqlite_errorcode", None)
-    # The low byte is the kind of the error, the rest its details.
-    if code is not None and code & 0xFF in _DAMAGED:
-        return _RENEW
-    if code is None:
-        return "Check that the database server runs, can be reached, and accepts this user."
-    return "Check that its folder is writable, the disk is not full, and nobody else uses it."
 
 
 def _leave_transactions_to_us(connection: Any, _record: Any) -> None:
