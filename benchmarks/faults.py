@@ -10,7 +10,12 @@ A full disk is a file system of 32 MB, which only root may mount; the server of 
 Debian's PostgreSQL. Where these are not to be had, the rows are left out.
 Exits with code 1 when a run was lost or repeated, or a result differs.
 
+With --cells, single cells of a finished store are damaged instead, one at a time, and the work
+folder is used with every command (see `grainfit.testing.damaged_cells`). Exits with code 1 when one
+of them neither answers nor ends with a message that names the file.
+
     python benchmarks/faults.py [--kills N] [--seed N] [--json PATH]
+    python benchmarks/faults.py --cells N [--seed N]
 """
 
 from __future__ import annotations
@@ -39,6 +44,7 @@ from grainfit.testing.crash_harness import (
     remove_folders,
     truncate_newest,
 )
+from grainfit.testing.damaged_cells import USES, complaints, finished_calibration
 from grainfit.testing.server_faults import cut_connections, restart_servers
 
 #: Called with the work folder; reports every fault.
@@ -77,12 +83,29 @@ def _show_progress(tally: Tally) -> None:
     print(f"\r{tally.fault}: {tally.injected} ", end="", file=sys.stderr, flush=True)
 
 
+def damage_cells(times: int, seed: int) -> int:
+    """Damage single cells, and return how many uses of a work folder ended badly."""
+    bad = 0
+    with tempfile.TemporaryDirectory() as folder, threadpool_limits(1, user_api="blas"):
+        original = finished_calibration(Path(folder) / "original")
+        for number in range(times):
+            for complaint in complaints(original, Path(folder), seed + number, USES):
+                bad += 1
+                print(f"\r{complaint}", file=sys.stderr)
+            print(f"\rcells damaged: {number + 1} ", end="", file=sys.stderr, flush=True)
+    print(f"\n{times} cells damaged, {len(USES)} uses of each work folder, {bad} ended badly")
+    return bad
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--kills", type=int, default=100, help="of the first kind; of others 1/5")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--json", type=Path)
+    parser.add_argument("--cells", type=int, help="damage only single cells of a store, N times")
     options = parser.parse_args()
+    if options.cells:
+        sys.exit(1 if damage_cells(options.cells, options.seed) else 0)
     rows, complaints = [], []
     print("| fault | injected | runs lost | runs repeated | answer equal |")
     print("|---|---|---|---|---|", flush=True)

@@ -54,7 +54,7 @@ def calibrate(
     timeouts: Mapping[str, float] | None = None,
     repeats: int | Mapping[str, int] = 1,
     executor: Executor | None = None,
-    runs_from: Sequence[str | Path] = (),
+    runs_from: str | Path | Sequence[str | Path] = (),
     store: str | None = None,
     keep: Keep = "all",
     retry_failed: bool = False,
@@ -99,7 +99,7 @@ def calibrate(
         Executor of the runs, ``workers`` at a time: processes, or the nodes of a cluster. They must
         see the work folder at the same path. It is not shut down. By default threads that wait for
         solver processes.
-    runs_from : sequence of path or str
+    runs_from : path, str, or sequence of these
         Work folders, or addresses of stores, whose runs are reused if they belong to this problem;
         their targets and intervals may have been different. They are only read.
     store : str, optional
@@ -171,7 +171,7 @@ def calibrate(
         stack.callback(runs.close)
         if folder is not None:
             recover(folder, runs)
-        for source in runs_from:
+        for source in [runs_from] if isinstance(runs_from, str | Path) else runs_from:
             with open_source(source) as other:
                 take_runs(other, problem, solvers, runs)
         shared = None

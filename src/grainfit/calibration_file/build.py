@@ -163,7 +163,7 @@ class CalibrationSetup:
         workdir: str | Path | None = None,
         *,
         strategy: str | Strategy | None = None,
-        runs_from: Sequence[str | Path] = (),
+        runs_from: str | Path | Sequence[str | Path] = (),
         store: str | None = None,
         retry_failed: bool = False,
         on_progress: Callable[[Progress], None] | None = None,

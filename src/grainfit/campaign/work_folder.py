@@ -16,8 +16,9 @@ from pathlib import Path
 
 from grainfit.campaign.keep import Keep
 from grainfit.campaign.store.records import RunRecord
-from grainfit.campaign.store.store import RunStore
-from grainfit.files import write_atomically
+from grainfit.campaign.store.store import UNUSABLE, RunStore
+from grainfit.errors import StoreError
+from grainfit.files import LARGEST_RESPONSES, read_within, write_atomically
 from grainfit.solvers.process.orphans import end_orphans
 
 RECORD_NAME = "run.json"
@@ -58,9 +59,9 @@ def recover(folder: Path, store: RunStore) -> None:
 def read_record(folder: Path) -> RunRecord | None:
     """Read the record of a run folder; None when it is missing or damaged."""
     try:
-        data = json.loads((folder / RECORD_NAME).read_text(encoding="utf-8"))
+        data = json.loads(read_within(folder / RECORD_NAME, LARGEST_RESPONSES))
         return RunRecord.from_json(data)
-    except (OSError, ValueError, KeyError, TypeError, AttributeError):
+    except (OSError, *UNUSABLE):
         return None
 
 

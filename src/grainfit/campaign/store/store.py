@@ -13,7 +13,7 @@ from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, S
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar, cast
+from typing import TYPE_CHECKING, Any, TypeVar, cast, get_args
 
 import sqlalchemy as sql
 from sqlalchemy.exc import (
@@ -27,6 +27,8 @@ from sqlalchemy.pool import StaticPool
 
 from grainfit.campaign.store import schema
 from grainfit.campaign.store.address import StoreAddress, safe_address
+from grainfit.campaign.store.causes import remedy
+from grainfit.campaign.store.cells import choice, read_json, read_text, text
 from grainfit.campaign.store.records import CalibrationRecord, RequestRecord, RunRecord, RunStatus
 from grainfit.campaign.store.schema import OLDEST_READABLE, SCHEMA_VERSION
 from grainfit.campaign.store.schema import calibrations as _calibrations
@@ -39,7 +41,6 @@ if TYPE_CHECKING:
 
 STORE_NAME = "runs.sqlite"
 
-_DAMAGED = (sqlite3.SQLITE_CORRUPT, sqlite3.SQLITE_NOTADB, sqlite3.SQLITE_ERROR)
 _RENEW = (
     f"Move {STORE_NAME} away (and {STORE_NAME}-wal and {STORE_NAME}-shm next to it, if present): "
     "it is rebuilt from the run folders; only runs of Python functions and tables are lost."
@@ -60,6 +61,12 @@ _RECORD_COLUMNS = [
 ]
 _CALIBRATION_COLUMNS = [column for column in _calibrations.c if column.name != "number"]
 _Record = TypeVar("_Record")
+#: Errors of a row that is not what was once stored.
+UNUSABLE = (LookupError, TypeError, ValueError, AttributeError, ArithmeticError, RecursionError)
+#: Of a calibration: more would be no whole number of a database.
+_LARGEST_NUMBER = 2**31 - 2
+#: Characters of a row's key that a message shows.
+_KEY_LENGTH = 40
 
 
 @dataclass(frozen=True)
@@ -99,6 +106,8 @@ class RunStore:
         is for several machines.
     read_only : bool
         Write nothing, not even a schema.
+    path : Path, optional
+        File of the store in a work folder, to find out why it cannot be used.
 
     Raises
     ------
@@ -107,15 +116,19 @@ class RunStore:
         version that this one cannot read.
     """
 
-    def __init__(self, url: str | sql.URL, *, read_only: bool = False) -> None:
+    def __init__(
+        self, url: str | sql.URL, *, read_only: bool = False, path: Path | None = None
+    ) -> None:
         self._lock = threading.RLock()
         self._address = StoreAddress.read(url)
         self._where = self._address.shown
-        self._file: _File | None = None
+        #: The file in a work folder, and all that must not be removed while it is in use.
+        self._path = path
+        self._files: Sequence[_File] = ()
         self._version = SCHEMA_VERSION
-        options: dict[str, Any] = {"pool_pre_ping": True}
+        options: dict[str, Any] = {"pool_pre_ping": True, "json_deserializer": read_json}
         if self._address.url == sql.make_url("sqlite://"):
-            options = {"poolclass": StaticPool, "connect_args": {"check_same_thread": False}}
+            options |= {"poolclass": StaticPool, "connect_args": {"check_same_thread": False}}
         self._engine = self._make_engine(options)
         self._connector: Connector | None = None
         if self._engine.dialect.driver == "psycopg":
@@ -163,8 +176,8 @@ class RunStore:
         # SQLite would take an empty file for a new store, and drop the log.
         if path.exists() and not path.stat().st_size and log.exists() and log.stat().st_size:
             raise StoreError(f"the run store {path} is damaged: it is empty. {_RENEW}")
-        store = cls(sql.URL.create("sqlite", database=str(path)))
-        store._file = _File(path)
+        store = cls(sql.URL.create("sqlite", database=str(path)), path=path)
+        store._files = (_File(path), _File(log))
         return store
 
     @classmethod
@@ -182,7 +195,9 @@ class RunStore:
         if not path.with_name(f"{STORE_NAME}-wal").exists():
             query["immutable"] = "1"
         database = path.absolute().as_uri()
-        return cls(sql.URL.create("sqlite", database=database, query=query), read_only=True)
+        return cls(
+            sql.URL.create("sqlite", database=database, query=query), read_only=True, path=path
+        )
 
     @property
     def place(self) -> str:
@@ -220,9 +235,10 @@ class RunStore:
             )
 
     def _require_file(self) -> None:
-        if self._file is not None and not self._file.is_there():
+        if not all(file.is_there() for file in self._files):
             raise StoreError(
-                f"the run store {self._where} was removed or replaced while it was in use. Start "
+                f"the run store {self._where}, or the {STORE_NAME}-wal beside it, was removed or "
+                "replaced while it was in use. Start "
                 "again: that continues with the runs whose folders still exist."
             )
 
@@ -251,19 +267,33 @@ class RunStore:
             known = str(error) == self._address.without_secrets(str(error))
             # A traceback would show the cause as the driver words it.
             kind = StoreUnreachableError if _may_come_back(error) else StoreError
-            raise self._unusable(cause, _remedy(cause), kind) from (error if known else None)
+            what_to_do = remedy(cause, self._path, _RENEW)
+            raise self._unusable(cause, what_to_do, kind) from (error if known else None)
 
     def _read(
         self, query: sql.Select[Any], make: Callable[[Mapping[str, Any]], _Record]
     ) -> list[_Record]:
         with self._reading() as connection:
-            try:
-                rows = connection.execute(query).mappings()
-                return [make(cast(Mapping[str, Any], row)) for row in rows]
-            except (KeyError, TypeError, ValueError) as error:
-                raise StoreError(
-                    f"the run store {self._where} is damaged: {error}. {_RENEW}"
-                ) from error
+            rows = connection.execute(query).mappings()
+            return [self._made(query, cast(Mapping[str, Any], row), make) for row in rows]
+
+    def _made(
+        self,
+        query: sql.Select[Any],
+        row: Mapping[str, Any],
+        make: Callable[[Mapping[str, Any]], _Record],
+    ) -> _Record:
+        try:
+            return make(row)
+        except UNUSABLE as error:
+            [table] = query.get_final_froms()
+            keys = (str(row[key.name])[:_KEY_LENGTH] for key in table.primary_key)
+            place = f"table {table.description}, row {' '.join(keys)}"
+            raise self.damaged(f"{place}: {error}") from error
+
+    def damaged(self, why: str) -> StoreError:
+        """Return the error of a store with unusable contents."""
+        return StoreError(f"the run store {self._where} is damaged: {why}. {_RENEW}")
 
     def close(self) -> None:
         """Close all connections."""
@@ -352,14 +382,11 @@ class RunStore:
 
     def identities(self) -> set[str]:
         """Return the identities of all runs."""
-        with self._reading() as connection:
-            return set(connection.scalars(sql.select(_runs.c.identity)))
+        return set(self.states())
 
-    def states(self) -> dict[str, str]:
+    def states(self) -> dict[str, RunStatus]:
         """Return the status of every run by identity."""
-        with self._reading() as connection:
-            rows = connection.execute(sql.select(_runs.c.identity, _runs.c.status))
-            return {row.identity: row.status for row in rows}
+        return dict(self._read(sql.select(_runs.c.identity, _runs.c.status), _state))
 
     def runs(self, status: RunStatus | None = None) -> list[RunRecord]:
         """Return all runs, or those of one status, in the order of their end."""
@@ -497,9 +524,8 @@ class RunStore:
         about : mapping, optional
             Further information for reports, as JSON.
         """
-        latest = sql.select(sql.func.coalesce(sql.func.max(_calibrations.c.number), 0))
         with self._transaction() as connection:
-            number = int(connection.scalar(latest) or 0) + 1
+            number = self._next_number(connection)
             connection.execute(_calibrations.delete().where(_calibrations.c.identity == identity))
             connection.execute(
                 _calibrations.insert().values(
@@ -513,6 +539,14 @@ class RunStore:
                     about=dict(about or {}),
                 )
             )
+
+    def _next_number(self, connection: sql.Connection) -> int:
+        latest = connection.scalar(sql.select(sql.func.max(_calibrations.c.number)))
+        if latest is None:
+            return 1
+        if not isinstance(latest, int) or latest > _LARGEST_NUMBER:
+            raise self.damaged(f"table {_calibrations.name}: its largest number is {latest!r:.40}")
+        return latest + 1
 
     def end_calibration(self, identity: str, status: str, failure: str = "") -> None:
         """Record the status with which a calibration ended, and the failure, if any."""
@@ -528,12 +562,12 @@ class RunStore:
     def calibration(self, identity: str) -> CalibrationRecord | None:
         """Return a calibration, or None."""
         query = sql.select(*_CALIBRATION_COLUMNS).where(_calibrations.c.identity == identity)
-        return next(iter(self._read(query, lambda row: CalibrationRecord(**row))), None)
+        return next(iter(self._read(query, CalibrationRecord.from_row)), None)
 
     def latest_calibration(self) -> CalibrationRecord | None:
         """Return the calibration that was started last, or None."""
         query = sql.select(*_CALIBRATION_COLUMNS).order_by(_calibrations.c.number.desc()).limit(1)
-        return next(iter(self._read(query, lambda row: CalibrationRecord(**row))), None)
+        return next(iter(self._read(query, CalibrationRecord.from_row)), None)
 
     def add_request(self, calibration: str, request: RequestRecord) -> None:
         """Record a parameter set that a calibration requested, in place of one at its position."""
@@ -565,6 +599,11 @@ class RunStore:
             .order_by(_requests.c.position)
         )
         return self._read(query, RequestRecord.from_row)
+
+
+def _state(row: Mapping[str, Any]) -> tuple[str, RunStatus]:
+    status = choice(row["status"], "status", get_args(RunStatus))
+    return text(row["identity"], "identity"), status
 
 
 def _remove_passwords(connection: sql.Connection) -> None:
@@ -625,23 +664,11 @@ def _may_come_back(error: SQLAlchemyError) -> bool:
     return error.connection_invalidated or refused or str(state).startswith(_TRANSIENT)
 
 
-def _remedy(cause: BaseException) -> str:
-    code = getattr(cause, "sqlite_errorcode", None)
-    # The low byte is the kind of the error, the rest its details.
-    if code is not None and code & 0xFF in _DAMAGED:
-        return _RENEW
-    if code is None:
-        return "Check that the database server runs, can be reached, and accepts this user."
-    return (
-        "Check that its folder is writable, the disk is not full, its file system has locks, and "
-        "nobody else uses it."
-    )
-
-
 def _leave_transactions_to_us(connection: Any, _record: Any) -> None:
     # Python's own SQLite module would begin transactions late, and not at all before some
     # statements.
     connection.isolation_level = None
+    connection.text_factory = read_text
 
 
 def _begin_sqlite(connection: sql.Connection) -> None:

@@ -35,7 +35,7 @@ from grainfit.errors import (
     SolverNotFoundError,
 )
 from grainfit.evaluation import Measured
-from grainfit.files import log_tail
+from grainfit.files import log_tail, text_of
 from grainfit.scenes.run_output import RunOutput
 from grainfit.scenes.scene import Scene
 from grainfit.solvers.base import Solver, Workspace
@@ -236,10 +236,7 @@ class DeckSolver(Solver):
 
     def _error_line(self, log: Path) -> str:
         """Return the error message of the program, or an empty text."""
-        try:
-            lines = log.read_text(encoding="utf-8", errors="replace").splitlines()
-        except OSError:
-            return ""
+        lines = text_of(log).splitlines()
         return next((line.strip() for line in lines if self._error.match(line)), "")
 
     @override
