@@ -17,7 +17,6 @@ from pathlib import Path
 from grainfit.campaign.keep import Keep
 from grainfit.campaign.store.records import RunRecord
 from grainfit.campaign.store.store import UNUSABLE, RunStore
-from grainfit.errors import StoreError
 from grainfit.files import LARGEST_RESPONSES, read_within, write_atomically
 from grainfit.solvers.process.orphans import end_orphans
 
