@@ -3,9 +3,24 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from typing import Protocol
 
 from grainfit.errors import Fault, InputError
+
+#: Diameters that particles can have, m.
+SMALLEST_DIAMETER, LARGEST_DIAMETER = 1e-7, 1.0
+
+
+class Origin(Protocol):
+    """Distribution that particle sizes stand for."""
+
+    def describe(self, sizes: ParticleSizes) -> Iterator[str]:
+        """Yield the distribution, and what the sizes change, in words."""
+
+    def without_finest(self, share: float) -> tuple[float, ParticleSizes]:
+        """Return the sizes without the finest share of the mass, and their lower limit, m."""
 
 
 @dataclass(frozen=True)
@@ -18,6 +33,8 @@ class ParticleSizes:
         Sphere diameters, m.
     mass_fractions : tuple of float
         Share of the mass in each diameter (as a sieve gives it); sums to one.
+    origin : Origin, optional
+        Continuous distribution that they stand for. Sizes that agree are equal whatever it is.
 
     Examples
     --------
@@ -27,6 +44,7 @@ class ParticleSizes:
 
     diameters: tuple[float, ...]
     mass_fractions: tuple[float, ...] = (1.0,)
+    origin: Origin | None = field(default=None, compare=False, repr=False)
 
     def __post_init__(self) -> None:
         if not self.diameters or len(self.diameters) != len(self.mass_fractions):
@@ -56,6 +74,20 @@ class ParticleSizes:
         counts = [f / d**3 for f, d in zip(self.mass_fractions, self.diameters, strict=True)]
         total = sum(counts)
         return tuple(count / total for count in counts)
+
+    def without(self, index: int) -> ParticleSizes:
+        """Return the sizes without one of the diameters; the others keep their proportions."""
+        rest = [i for i in range(len(self.diameters)) if i != index]
+        mass = sum(self.mass_fractions[i] for i in rest)
+        return ParticleSizes(
+            tuple(self.diameters[i] for i in rest),
+            tuple(self.mass_fractions[i] / mass for i in rest),
+        )
+
+    def mass_moment(self, order: int) -> float:
+        """Return the mean of d^order over the mass, m^order."""
+        shares = zip(self.mass_fractions, self.diameters, strict=True)
+        return sum(share * diameter**order for share, diameter in shares)
 
     @property
     def sauter_diameter(self) -> float:
