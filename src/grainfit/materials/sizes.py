@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from typing import Protocol
 
 from grainfit.errors import Fault, InputError
+from grainfit.formatting import millimetres, percent
 
 #: Diameters that particles can have, m.
 SMALLEST_DIAMETER, LARGEST_DIAMETER = 1e-7, 1.0
@@ -62,6 +63,26 @@ class ParticleSizes:
                     f"mass fractions {self.mass_fractions} must be above 0 and sum to 1.",
                 )
             )
+
+    @property
+    def words(self) -> str:
+        """The diameters for readers, with their shares of the mass.
+
+        Examples
+        --------
+        >>> ParticleSizes((0.010,)).words
+        '10 mm'
+        >>> ParticleSizes((0.008, 0.010), (0.3, 0.7)).words
+        '8 mm (30 % of the mass), 10 mm (70 %)'
+        """
+        if len(self.diameters) == 1:
+            return millimetres(self.diameters[0])
+        if len(set(self.mass_fractions)) == 1:
+            shown = ", ".join(map(millimetres, self.diameters))
+            return f"{shown}, each {percent(self.mass_fractions[0])} of the mass"
+        pairs = zip(self.diameters, self.mass_fractions, strict=True)
+        shown = ", ".join(f"{millimetres(d)} ({percent(share)})" for d, share in pairs)
+        return shown.replace("%)", "% of the mass)", 1)
 
     @property
     def smallest_radius(self) -> float:
