@@ -257,6 +257,16 @@ def test_the_plan_tells_the_price_of_the_finest_class(written: Callable[..., Pat
     assert float(told[2]) == pytest.approx(seconds_of(left) / whole, rel=0.05)
 
 
+def test_a_price_is_told_of_what_is_left(written: Callable[..., Path]) -> None:
+    lines, _ = plan_of(
+        written('diameter = { sieve_curve = "sieve.csv", smallest = "1.5 mm", classes = 10 }')
+    )
+
+    share = 100 * gf.SieveCurve((0.001, 0.002), (0, 0.12)).passing(0.0015)
+    assert f"The finest {share:.3g} % of the mass are left out." in lines
+    assert "which leaves out another 5 % of the mass" in lines
+
+
 def seconds_of(sizes: gf.ParticleSizes) -> float:
     material = {
         "particle.density": 2100.0,

@@ -61,8 +61,9 @@ def _price(
             limit, rest = sizes.origin.without_finest(_FINEST)
             share = _seconds(_with_sizes(tests, rest), material) / whole
             yield (
-                f'  With smallest = "{1000 * limit:.3g} mm", which leaves out the finest '
-                f"{percent(_FINEST)} of the mass, it would take {share:.2g} of the time."
+                f'  With smallest = "{1000 * limit:.3g} mm", which leaves out '
+                f"{'another' if sizes.origin.is_cut_below else 'the finest'} {percent(_FINEST)} of "
+                f"the mass, it would take {share:.2g} of the time."
             )
     except InputError:
         # A test that is impossible with other sizes has no price.

@@ -107,7 +107,7 @@ def divide_into_classes(
     >>> from grainfit.materials.size_distributions import LogNormal
     >>> beads = LogNormal(median="3 mm", geometric_standard_deviation=1.4)
     >>> [round(1000 * diameter, 2) for diameter in divide_into_classes(beads, 3).diameters]
-    [2.08, 2.99, 4.35]
+    [2.04, 2.99, 4.27]
     """
     return divide(distribution, Truncation(classes=classes, smallest=smallest, largest=largest))
 
@@ -180,6 +180,11 @@ class Division:
     def mass(self) -> float:
         """Share of the mass between the limits."""
         return self.kept[1] - self.kept[0]
+
+    @property
+    def is_cut_below(self) -> bool:
+        """Whether the finest particles are left out already."""
+        return self.kept[0] > ROUNDING
 
     def edges(self) -> list[float]:
         """Return the diameters between the classes, those of the ends included, m."""

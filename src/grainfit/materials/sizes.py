@@ -17,6 +17,10 @@ SMALLEST_DIAMETER, LARGEST_DIAMETER = 1e-7, 1.0
 class Origin(Protocol):
     """Distribution that particle sizes stand for."""
 
+    @property
+    def is_cut_below(self) -> bool:
+        """Whether the finest particles are left out already."""
+
     def describe(self, sizes: ParticleSizes) -> Iterator[str]:
         """Yield the distribution, and what the sizes change, in words."""
 
