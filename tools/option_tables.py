@@ -2,8 +2,9 @@
 
 python tools/option_tables.py
 
-Responses and options of each built-in test, and the options of the [strategy] section, stand
-between two comments of that page each; a new test gets its section at the end of the others.
+Responses and options of each built-in test, the options of the [strategy] section, and those of
+particle size distributions, stand between two comments of that page each; a new test gets its
+section at the end of the others.
 """
 
 from __future__ import annotations
@@ -16,6 +17,8 @@ from pathlib import Path
 from grainfit.bulk_tests.registry import BUILT_IN, OWN_SCENE
 from grainfit.calibration_file.strategy_section import CALIBRATION_KEYS
 from grainfit.formatting import unit_for_people
+from grainfit.materials.diameters import DISTRIBUTION
+from grainfit.materials.size_distributions import LogNormal, RosinRammler
 from grainfit.options.fields import option_keys
 from grainfit.options.kinds import Choice, Quantity, Whole
 from grainfit.options.tables import Key
@@ -27,7 +30,7 @@ PAGE = Path(__file__).parents[1] / "docs" / "calibration_file.md"
 TESTS = {**BUILT_IN, OWN_SCENE.type: OWN_SCENE}
 _NONE = "–"
 _END = "<!-- end of the bulk tests -->"
-_STRATEGY = "[strategy]"
+_STRATEGY, _SIZES = "[strategy]", "particle sizes"
 
 
 def updated(page: str) -> str:
@@ -37,6 +40,7 @@ def updated(page: str) -> str:
         if begin not in page:
             page = page.replace(_END, f"{_heading(name)}\n\n{begin}\n{end}\n\n{_END}")
         page = _with_tables(page, name, _test_tables(types_of_test()[name]))
+    page = _with_tables(page, _SIZES, _size_tables())
     return _with_tables(page, _STRATEGY, _strategy_tables())
 
 
@@ -89,6 +93,14 @@ def _possible(key: Key) -> str:
     return _NONE
 
 
+def _size_tables() -> str:
+    """Return the tables of the options of a particle size distribution, then of each form."""
+    parts = [_key_table(DISTRIBUTION.keys)]
+    for form in (LogNormal, RosinRammler):
+        parts += [f"`{form.key} = {{ ... }}`", _key_table(option_keys(form))]
+    return "\n\n".join(parts)
+
+
 def _strategy_tables() -> str:
     """Return the tables of the options of every calibration, then of each strategy."""
     words = "How runs are chosen, see [the method](method.md)."
@@ -101,6 +113,13 @@ def _strategy_tables() -> str:
             _strategy_table(option_keys(strategy)),
         ]
     return "\n\n".join(parts)
+
+
+def _key_table(keys: Iterable[Key]) -> str:
+    rows = (
+        (f"`{key.name}`", f"`{key.example}`", key.default or _NONE, key.description) for key in keys
+    )
+    return _table(("key", "such as", "default", "meaning"), rows)
 
 
 def _strategy_table(keys: Iterable[Key], *first: tuple[str, ...]) -> str:

@@ -27,6 +27,9 @@ if TYPE_CHECKING:
         StoreError,
     )
     from grainfit.evaluation import Curve, Evaluation, Proposal, Response
+    from grainfit.materials.sieve_file import sieve_curve
+    from grainfit.materials.size_classes import divide_into_classes
+    from grainfit.materials.size_distributions import LogNormal, RosinRammler, SieveCurve
     from grainfit.materials.sizes import ParticleSizes
     from grainfit.materials.time_step import RayleighTimeStep, rayleigh_time_step
     from grainfit.materials.wall_friction import friction_of_angle
@@ -56,6 +59,7 @@ __all__ = [
     "ExpectedNarrowing",
     "GrainfitError",
     "InputError",
+    "LogNormal",
     "ModulusStudy",
     "NotMeasurableError",
     "OpenedCalibration",
@@ -68,11 +72,13 @@ __all__ = [
     "RepeatedRuns",
     "Response",
     "Result",
+    "RosinRammler",
     "RunFailedError",
     "RunsAnalysis",
     "ScopeOfTest",
     "Search",
     "Sequential",
+    "SieveCurve",
     "Solver",
     "SolverNotFoundError",
     "Staged",
@@ -85,6 +91,7 @@ __all__ = [
     "analyse_runs",
     "calibrate",
     "design",
+    "divide_into_classes",
     "expected_narrowing",
     "friction_of_angle",
     "load",
@@ -92,6 +99,7 @@ __all__ = [
     "plots",
     "rayleigh_time_step",
     "repeat_runs",
+    "sieve_curve",
     "stiffness_study",
     "write_report",
 ]
@@ -103,6 +111,9 @@ _HOMES = {
     "calibrate": "calibration.calibrate",
     **dict.fromkeys(("CalibrationSetup", "load"), "calibration_file.build"),
     "ParticleSizes": "materials.sizes",
+    **dict.fromkeys(("LogNormal", "RosinRammler", "SieveCurve"), "materials.size_distributions"),
+    "divide_into_classes": "materials.size_classes",
+    "sieve_curve": "materials.sieve_file",
     "OpenedCalibration": "opened",
     "Progress": "calibration.progress",
     "Result": "result",

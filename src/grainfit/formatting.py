@@ -265,6 +265,28 @@ def duration(seconds: float) -> str:
     return f"{minutes} min {rest:02d} s" if minutes else f"{rest} s"
 
 
+def millimetres(length: float) -> str:
+    """Return a length, given in m, with three digits in millimetres.
+
+    Examples
+    --------
+    >>> millimetres(0.00286), millimetres(1.2)
+    ('2.86 mm', '1200 mm')
+    """
+    return f"{number(1000 * length, 3)} mm"
+
+
+def percent(share: float) -> str:
+    """Return a share as a percentage with three digits.
+
+    Examples
+    --------
+    >>> percent(0.2)
+    '20 %'
+    """
+    return f"{100 * share:.3g} %"
+
+
 def counted(count: int, noun: str) -> str:
     """Return a count with its noun, singular or plural.
 

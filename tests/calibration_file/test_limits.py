@@ -23,12 +23,12 @@ from grainfit.files import (
     read_within,
 )
 from grainfit.measurement.particles import read_dump
+from grainfit.options.csv_file import read_csv
 from grainfit.result import Result
 from grainfit.scenes.run_output import RunOutput
 from grainfit.scenes.stl import read_stl
 from grainfit.solvers.own_model import model_folder
 from grainfit.solvers.own_model.command import Command
-from grainfit.solvers.own_model.csv_table import read_csv
 from grainfit.solvers.own_model.model_folder import ModelFolder
 from grainfit.solvers.own_model.model_input import Templates
 

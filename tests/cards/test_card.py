@@ -178,6 +178,22 @@ def test_the_csv_card_has_a_line_for_each_parameter_and_response(card: MaterialC
     assert {line["origin"] for line in responses} == {"expected by all runs"}
 
 
+def test_cards_of_five_classes_have_all_of_them(card: MaterialCard) -> None:
+    beads = grainfit.LogNormal(median="10 mm", geometric_standard_deviation=1.3)
+    sizes = grainfit.divide_into_classes(beads)
+    many = replace(card, sizes=sizes)
+
+    for name in ("lammps", "liggghts", "yade"):
+        header = " ".join(render(many, name).split("\n#"))
+        assert f"Particle diameters: {sizes.words}" in " ".join(header.split()), name
+    lammps = render(many, "lammps")
+    between = [f"{i}_{j}" for i in range(1, 6) for j in range(i, 6)]
+    assert all(f"particle_particle_contact_{pair} string" in lammps for pair in between)
+    assert all(f"particle_wall_contact_{i} string" in lammps for i in range(1, 6))
+    data = json.loads(render(many, "json"))["particle_sizes"]
+    assert data == {"diameters": [*sizes.diameters], "mass_fractions": [0.2] * 5}
+
+
 def test_the_lammps_card_has_the_coefficients_of_the_deck_it_was_calibrated_with(
     card: MaterialCard, tmp_path: Path
 ) -> None:

@@ -201,6 +201,13 @@ def test_new_writes_a_file_that_check_understands(tmp_path: Path) -> None:
     refused = grainfit("new", "three.toml", "--test", "no such", folder=tmp_path, code=1)
     assert "'no such' is not a bulk test. Use one of" in refused.stderr.replace("\n", " ")
     assert not (tmp_path / "three.toml").exists()
+    grainfit("new", "wheat.toml", "--material", "wheat", "--test", "drum", folder=tmp_path)
+    written = (tmp_path / "wheat.toml").read_text()
+    assert "STARTING VALUES for wheat" in written
+    assert 'type = "drum"' in written
+    refused = grainfit("new", "four.toml", "--material", "wood", folder=tmp_path, code=1)
+    assert "Use one of corn" in refused.stderr.replace("\n", " ")
+    assert not (tmp_path / "four.toml").exists()
 
 
 def test_simulate_makes_one_run_at_the_values_that_are_set(tmp_path: Path) -> None:

@@ -26,11 +26,11 @@ from grainfit.cli.runs_console import print_runs, size
 from grainfit.errors import GrainfitError, InputError, SolverNotFoundError, StoreError
 from grainfit.evaluation import Response
 from grainfit.formatting import from_spreadsheet_text, spreadsheet_text
+from grainfit.options.csv_file import read_csv
 from grainfit.problem import Parameter, Problem, Target
 from grainfit.run_definition import RunDefinition
 from grainfit.solvers.base import Workspace
 from grainfit.solvers.own_model.command import Command
-from grainfit.solvers.own_model.csv_table import read_csv
 from grainfit.solvers.own_model.python_callable import PythonCallable
 from grainfit.solvers.own_model.recorded_table import RecordedTable
 from grainfit.work_folder.prune import disk_use, prune_runs

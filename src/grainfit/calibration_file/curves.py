@@ -5,10 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import Any
 
-from grainfit.calibration_file.curve_points import Column, Points, read_covariance, read_points
 from grainfit.calibration_file.targets import Deviation, TargetTable
-from grainfit.curve_target import CurveTarget
+from grainfit.curve_target import MOST_POINTS, CurveTarget
 from grainfit.errors import InputError
+from grainfit.options.csv_points import Column, Points, read_covariance, read_points
 from grainfit.options.kinds import Kind, Schema, Text, note_wrong_kind
 from grainfit.options.paths import Located
 from grainfit.options.places import Place, show
@@ -80,7 +80,7 @@ class CurveTable(Kind):
         path = values.get(CURVE)
         if path is None or x is None or y is None:
             return None
-        points = read_points(path, x, y, place.at(CURVE))
+        points = read_points(path, x, y, place.at(CURVE), most=MOST_POINTS)
         if points is None or None in values.values():
             return None
         errors = _errors(values, points, y, place)

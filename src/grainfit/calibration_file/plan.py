@@ -10,6 +10,7 @@ from itertools import chain
 from grainfit.calibration.readiness import Obstacle, obstacles
 from grainfit.calibration.verification import VERIFICATION_RUNS
 from grainfit.calibration_file.build import CalibrationSetup
+from grainfit.calibration_file.size_notes import size_lines
 from grainfit.campaign.cluster.executor import describe_cluster, executed_by
 from grainfit.curve_target import CurveTarget
 from grainfit.errors import GrainfitError, InputError
@@ -88,6 +89,7 @@ def describe_plan(setup: CalibrationSetup, *, call_scenes: bool = True) -> Plan:
             f"Contact model instead of the usual one: {', '.join(setup.file.contact_models)}."
         )
     lines += setup.file.notes
+    lines += size_lines(setup.file.sizes, setup.bulk_tests, _middle(setup))
     lines += _rayleigh_lines(setup)
     cluster = setup.cluster or setup.file.cluster
     if cluster is not None:
@@ -117,6 +119,12 @@ def _words(setup: CalibrationSetup, obstacle: Obstacle) -> list[str]:
         where = f"{source}: {test}, " if test else f"{source}: "
         return [f"{where}{fault}" for fault in obstacle.error.faults]
     return [f"Test {obstacle.test}: {obstacle.error}"]
+
+
+def _middle(setup: CalibrationSetup) -> dict[str, float]:
+    """Return all parameters in the middle of their intervals."""
+    problem = setup.problem
+    return {**setup.file.fixed, **problem.from_unit([0.5] * problem.dimension)}
 
 
 def _rayleigh_lines(setup: CalibrationSetup) -> Iterator[str]:

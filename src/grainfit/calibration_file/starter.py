@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+import re
+import textwrap
+from collections.abc import Iterator, Mapping, Sequence
 
 from grainfit.bulk_tests.base import BulkTest
 from grainfit.bulk_tests.registry import bulk_tests
 from grainfit.errors import Fault, InputError
+from grainfit.materials.starting_materials import StartingMaterial
 from grainfit.options.tables import Key
 
 #: Column at which remarks begin.
@@ -14,7 +17,7 @@ _REMARK = 40
 _WIDTH = 100
 _DEFAULT_TEST = "heap"
 
-_MATERIAL = """\
+_HEAD = """\
 # Calibration file of grainfit. It is valid as it is: change it, then
 #
 #     grainfit check FILE     says what is wrong with it, and shows the plan
@@ -27,6 +30,9 @@ _MATERIAL = """\
 #     restitution = { min = 0.5, max = 0.9 }
 # Lines that start with # are comments; most of those below are options with their defaults.
 
+"""
+
+_GLASS_BEADS = """\
 name = "glass beads"                    # for you; choose freely
 
 [particle]
@@ -79,13 +85,17 @@ name = "sequential"                     # every run where it helps most; or "sta
 """
 
 
-def starter_file(names: Sequence[str] = (_DEFAULT_TEST,)) -> str:
+def starter_file(
+    names: Sequence[str] = (_DEFAULT_TEST,), material: StartingMaterial | None = None
+) -> str:
     """Return a commented calibration file: it teaches, and loads as it is.
 
     Parameters
     ----------
     names : sequence of str
         Bulk tests; one that is named twice gets two names.
+    material : StartingMaterial, optional
+        Material whose values it begins with; by default glass beads, with more comments.
 
     Raises
     ------
@@ -100,11 +110,36 @@ def starter_file(names: Sequence[str] = (_DEFAULT_TEST,)) -> str:
     ]
     if faults:
         raise InputError(faults)
-    blocks = [_TESTS]
+    first = _GLASS_BEADS if material is None else "\n".join(_sections(material)) + "\n\n"
+    examples = {} if material is None else material.example_targets
+    blocks = [_TESTS if material is None else f"{_TESTS}{_EXAMPLES}"]
     for number, name in enumerate(names, 1):
         own = f"{name}_{number}" if names.count(name) > 1 else ""
-        blocks.append("\n".join(_test(known[name], own)) + "\n\n")
-    return _MATERIAL + "".join(blocks) + _STRATEGY
+        blocks.append("\n".join(_test(known[name], own, examples)) + "\n\n")
+    return _HEAD + first + "".join(blocks) + _STRATEGY
+
+
+def _sections(material: StartingMaterial) -> Iterator[str]:
+    """Iterate over the lines of a material, each value below its source."""
+    yield from _comment(
+        f"STARTING VALUES for {material.title}. Your material differs: nothing here is calibrated, "
+        "and a value is as good as the source above it. Measure what you can; the intervals are of "
+        "what is to be found."
+    )
+    yield from (f"# {line}" for line in material.about)
+    yield ""
+    yield _with_remark(f'name = "{material.title}"', "for you; choose freely")
+    for section, values in material.sections.items():
+        yield f"\n[{section}]"
+        for key, entry in values.items():
+            yield from _comment(entry.source)
+            yield _with_remark(f"{key} = {entry.toml}", "free" if entry.is_free else "")
+
+
+def _comment(text: str) -> list[str]:
+    return textwrap.wrap(
+        text, _WIDTH, initial_indent="# ", subsequent_indent="# ", break_on_hyphens=False
+    )
 
 
 _TESTS = """\
@@ -112,9 +147,13 @@ _TESTS = """\
 # A target is mean and standard uncertainty of your measurements, or the measurements themselves:
 #     targets.angle_of_repose = { measurements = ["21.4 deg", "22.9 deg", "21.8 deg", "21.9 deg"] }
 """
+_EXAMPLES = """\
+# The targets below are examples: replace them by your measurements. Lengths and times that are
+# commented out are those of particles of 10 mm.
+"""
 
 
-def _test(test: type[BulkTest], name: str) -> Iterator[str]:
+def _test(test: type[BulkTest], name: str, examples: Mapping[str, str]) -> Iterator[str]:
     """Iterate over the lines of a test."""
     yield "[[test]]"
     yield _with_remark(f'type = "{test.type}"', test.title)
@@ -125,7 +164,12 @@ def _test(test: type[BulkTest], name: str) -> Iterator[str]:
     for key in test.option_keys():
         yield from _option(key)
     for response, info in test.responses.items():
-        yield _with_remark(f"targets.{response} = {info.example}", "")
+        yield f"targets.{response} = {_example(info.example, examples.get(response))}"
+
+
+def _example(target: str, value: str | None) -> str:
+    """Return the example of a target, with another value where there is one."""
+    return target if value is None else re.sub(r'value = "[^"]*"', f'value = "{value}"', target)
 
 
 def _option(key: Key) -> Iterator[str]:
@@ -140,7 +184,7 @@ def _option(key: Key) -> Iterator[str]:
 
 
 def _with_remark(line: str, remark: str) -> str:
-    return f"{line:<{_REMARK}}# {remark}" if remark else line
+    return f"{line:<{_REMARK - 1}} # {remark}" if remark else line
 
 
 #: The file that `grainfit new` writes.

@@ -27,6 +27,10 @@ from grainfit.cli.runs import runs_app
 from grainfit.cli.search_options import with_search_options
 from grainfit.cli.simulating import INTERRUPTED, STOPPED, simulating
 from grainfit.errors import Fault, GrainfitError, InputError, RunFailedError
+from grainfit.materials.starting_materials import (
+    read_starting_material,
+    starting_material_names,
+)
 from grainfit.strategies.registry import strategies
 
 if TYPE_CHECKING:
@@ -256,11 +260,21 @@ def new(
             show_default=False,
         ),
     ] = None,
+    material: Annotated[
+        str | None,
+        typer.Option(
+            metavar="NAME",
+            help="Material whose published values it begins with, sources in its comments: "
+            f"{', '.join(starting_material_names())}.",
+            show_default=False,
+        ),
+    ] = None,
 ) -> None:
     """Write a commented calibration file to start from."""
     from grainfit.calibration_file.starter import starter_file
 
-    text = starter_file(test) if test else starter_file()
+    begin = None if material is None else read_starting_material(material)
+    text = starter_file(test or ["heap"], begin)
     try:
         with file.open("x", encoding="utf-8") as target:
             target.write(text)

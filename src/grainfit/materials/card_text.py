@@ -19,6 +19,8 @@ def header(card: MaterialCard) -> str:
     verdict = card.verdict[:1].upper() + card.verdict[1:]
     verdict = verdict if card.calibrated else f"*** {verdict} ***"
     lines += [verdict, *_open_parameters(card), ""]
+    if card.sizes is not None:
+        lines.append(f"Particle diameters: {card.sizes.words}")
     lines += [*_responses(card), *_coarse_graining(card), *_time_step(card)]
     lines += ["", *_provenance(card)]
     if card.notices:

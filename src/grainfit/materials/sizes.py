@@ -3,11 +3,30 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from dataclasses import dataclass, replace
-from typing import Any
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any, Protocol
 
 from grainfit.errors import Fault, InputError
+from grainfit.formatting import millimetres, percent
+
+#: Diameters that particles can have, m.
+SMALLEST_DIAMETER, LARGEST_DIAMETER = 1e-7, 1.0
+
+
+class Origin(Protocol):
+    """Distribution that particle sizes stand for."""
+
+    @property
+    def is_cut_below(self) -> bool:
+        """Whether the finest particles are left out already."""
+
+    def describe(self, sizes: ParticleSizes) -> Iterator[str]:
+        """Yield the distribution, and what the sizes change, in words."""
+
+    def without_finest(self, share: float) -> tuple[float, ParticleSizes]:
+        """Return the sizes without the finest share of the mass, and their lower limit, m."""
+
 
 #: Largest factor of coarse graining: beyond it no bulk test has room for its particles.
 LARGEST_FACTOR = 1000.0
@@ -25,6 +44,9 @@ class ParticleSizes:
         Share of the mass in each diameter (as a sieve gives it); sums to one.
     coarse_graining : float
         Number of real diameters in a simulated one: the diameters are those of the simulation.
+    origin : Origin, optional
+        Continuous distribution that the real ones stand for. Sizes that agree are equal whatever
+        it is.
 
     Examples
     --------
@@ -35,6 +57,7 @@ class ParticleSizes:
     diameters: tuple[float, ...]
     mass_fractions: tuple[float, ...] = (1.0,)
     coarse_graining: float = 1.0
+    origin: Origin | None = field(default=None, compare=False, repr=False)
 
     def __post_init__(self) -> None:
         if not 1 <= self.coarse_graining <= LARGEST_FACTOR:
@@ -106,6 +129,26 @@ class ParticleSizes:
         return replace(self, diameters=diameters, coarse_graining=1.0)
 
     @property
+    def words(self) -> str:
+        """The diameters for readers, with their shares of the mass.
+
+        Examples
+        --------
+        >>> ParticleSizes((0.010,)).words
+        '10 mm'
+        >>> ParticleSizes((0.008, 0.010), (0.3, 0.7)).words
+        '8 mm (30 % of the mass), 10 mm (70 %)'
+        """
+        if len(self.diameters) == 1:
+            return millimetres(self.diameters[0])
+        if len(set(self.mass_fractions)) == 1:
+            shown = ", ".join(map(millimetres, self.diameters))
+            return f"{shown}, each {percent(self.mass_fractions[0])} of the mass"
+        pairs = zip(self.diameters, self.mass_fractions, strict=True)
+        shown = ", ".join(f"{millimetres(d)} ({percent(share)})" for d, share in pairs)
+        return shown.replace("%)", "% of the mass)", 1)
+
+    @property
     def smallest_radius(self) -> float:
         """Radius of the smallest particle, m: it sets the Rayleigh time step."""
         return min(self.diameters) / 2
@@ -116,6 +159,22 @@ class ParticleSizes:
         counts = [f / d**3 for f, d in zip(self.mass_fractions, self.diameters, strict=True)]
         total = sum(counts)
         return tuple(count / total for count in counts)
+
+    def without(self, index: int) -> ParticleSizes:
+        """Return the sizes without one of the diameters; the others keep their proportions."""
+        rest = [i for i in range(len(self.diameters)) if i != index]
+        mass = sum(self.mass_fractions[i] for i in rest)
+        return replace(
+            self,
+            diameters=tuple(self.diameters[i] for i in rest),
+            mass_fractions=tuple(self.mass_fractions[i] / mass for i in rest),
+            origin=None,
+        )
+
+    def mass_moment(self, order: int) -> float:
+        """Return the mean of d^order over the mass, m^order."""
+        shares = zip(self.mass_fractions, self.diameters, strict=True)
+        return sum(share * diameter**order for share, diameter in shares)
 
     @property
     def sauter_diameter(self) -> float:

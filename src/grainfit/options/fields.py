@@ -44,7 +44,8 @@ def option(
     words : str
         The default in words; the value itself when there is one.
     """
-    words = words or f"{default} {getattr(kind, 'unit', '') or ''}".rstrip()
+    if default is not None:
+        words = words or f"{default} {getattr(kind, 'unit', '') or ''}".rstrip()
     declaration = _Declaration(kind, description, words, example)
     return field(default=default, kw_only=True, metadata={_METADATA: declaration})
 

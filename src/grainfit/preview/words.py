@@ -7,14 +7,11 @@ from dataclasses import fields, is_dataclass
 from typing import Any
 
 from grainfit.formatting import in_a_row, number
+from grainfit.formatting import millimetres as _mm
 from grainfit.scenes.conditions import AtRest, Clear, Elapsed, Loaded
 from grainfit.scenes.scene import WALL, Load, Rotation, Scene, Stage, Velocity, Wall
 from grainfit.scenes.shapes import Annulus, Block, Cone, Cylinder, Disc, Mesh, Plane
 from grainfit.scenes.stl import read_stl
-
-
-def _mm(length: float) -> str:
-    return f"{number(1000 * length, 3)} mm"
 
 
 def _block(shape: Block) -> str:

@@ -14,12 +14,12 @@ from grainfit.calibration_file.build import CalibrationSetup
 from grainfit.calibration_file.content import TestSpecification
 from grainfit.errors import Fault, InputError
 from grainfit.evaluation import ERROR_SUFFIX, Response
+from grainfit.options.csv_file import read_csv
 from grainfit.options.kinds import Quantity, suggest
 from grainfit.options.places import Findings, Place
 from grainfit.solvers.own_model.csv_table import (
     SEED_COLUMN,
     note_old_error_column,
-    read_csv,
     repeated_runs,
 )
 from grainfit.units import UnitError, is_unit, to_unit

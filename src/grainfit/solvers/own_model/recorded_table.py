@@ -16,12 +16,12 @@ from typing_extensions import override
 from grainfit.errors import Fault, InputError, RunFailedError
 from grainfit.evaluation import ERROR_SUFFIX, Response
 from grainfit.exchange import finite_parameters
+from grainfit.options.csv_file import read_csv
 from grainfit.solvers.base import Solver, Workspace
 from grainfit.solvers.own_model.csv_table import (
     OLD_ERROR_SUFFIX,
     SEED_COLUMN,
     note_old_error_column,
-    read_csv,
     repeated_runs,
 )
 

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any, Literal
 
 from grainfit.analysis.stiffness_notes import stiffness_notes
+from grainfit.bulk_tests.base import BulkTest
 from grainfit.bulk_tests.registry import recreate_test
 from grainfit.curve_target import CurveTarget
 from grainfit.errors import InputError
@@ -79,6 +80,7 @@ def answer(context: ReportContext) -> Section:
     result = context.reading.result
     responses = [_response_row(context, target) for target in context.targets]
     responses += [_curve_row(context, target) for target in context.reading.problem.curves]
+    tests = _bulk_tests(context)
     html = render(
         "answer/page",
         verdict=verdict(context),
@@ -90,9 +92,10 @@ def answer(context: ReportContext) -> Section:
             (context.parameter_label(name), number(value, 6))
             for name, value in context.reading.fixed.items()
         ],
+        sizes=next((plain(test.sizes.words) for test in tests.values()), ""),
         time_step=_time_step(result) if result else None,
         cost=_cost(context),
-        notices=list(_notices(context)),
+        notices=list(_notices(context, tests)),
     )
     return Section("answer", "Answer", html)
 
@@ -349,7 +352,7 @@ def _cost(context: ReportContext) -> dict[str, Any]:
     }
 
 
-def _notices(context: ReportContext) -> Iterator[str]:
+def _notices(context: ReportContext, tests: Mapping[str, BulkTest]) -> Iterator[str]:
     result = context.reading.result
     said = [*result.notices] if result else []
     if result:
@@ -357,18 +360,17 @@ def _notices(context: ReportContext) -> Iterator[str]:
             words = context.response_label(name).words
             said += [f"Metamodel of {words}: {warning}" for warning in quality.warnings]
     said += context.analysis.notes
-    said += _stiffness_notes(context)
+    reading = context.reading
+    said += stiffness_notes(reading.problem, tests, reading.fixed, context.answer or None)
     told = verdict(context).details
     yield from (plain(words) for words in dict.fromkeys(said) if words not in told)
 
 
-def _stiffness_notes(context: ReportContext) -> tuple[str, ...]:
-    """Say by how much soft particles raise the responses, at the answer where there is one."""
-    reading = context.reading
+def _bulk_tests(context: ReportContext) -> dict[str, BulkTest]:
+    """Return the bulk tests of the runs, by name of the test, as far as they are known."""
     tests = {}
-    for record in reading.records.values():
+    for record in context.reading.records.values():
         if record.test not in tests:
             with suppress(InputError):
                 tests[record.test] = recreate_test(record.definition)
-    known = {name: test for name, test in tests.items() if test is not None}
-    return stiffness_notes(reading.problem, known, reading.fixed, context.answer or None)
+    return {name: test for name, test in tests.items() if test is not None}

@@ -3,22 +3,24 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from pathlib import Path
 
-from grainfit.curve_target import MOST_POINTS
 from grainfit.errors import InputError
 from grainfit.files import LARGEST_CURVE
+from grainfit.options.csv_file import read_csv
 from grainfit.options.kinds import Quantity
 from grainfit.options.places import Findings, Place, show
-from grainfit.solvers.own_model.csv_table import read_csv
 from grainfit.units import UnitError, to_unit
 
 _MOST_FAULTS = 20
 _MOST_NAMED = 10
 _POINTS = "a header, and one line for each point"
+#: Unit behind the name of a column, as in "opening [mm]" and "opening (mm)".
+_UNIT_IN_NAME = re.compile(r"[\[(]\s*([^\[\]()]*?)\s*[\])]\s*$")
 _MATRIX = "a row of numbers for each point of the curve, without a header"
 
 Cells = list[str]
@@ -37,8 +39,9 @@ class Column:
         Its position when the calibration file does not name it.
     name : str or None
         Name in the header.
-    written : str
-        Unit of its numbers; empty when there is nothing to convert.
+    written : str or None
+        Unit of its numbers; empty when there is nothing to convert, None when the header states
+        it, as in ``opening [mm]``.
     unit : str
         Unit to convert to.
     """
@@ -46,7 +49,7 @@ class Column:
     key: str
     position: int
     name: str | None
-    written: str
+    written: str | None
     unit: str
 
     def convert(self, number: float) -> float:
@@ -82,7 +85,7 @@ class Points:
     order: tuple[int, ...]
 
 
-def read_points(path: Path, x: Column, y: Column, place: Place) -> Points | None:
+def read_points(path: Path, x: Column, y: Column, place: Place, *, most: int) -> Points | None:
     """Read the points of a curve; None after noting every fault at a place.
 
     Parameters
@@ -93,6 +96,8 @@ def read_points(path: Path, x: Column, y: Column, place: Place) -> Points | None
         Columns of coordinates and values.
     place : Place
         Of the file in the calibration file.
+    most : int
+        Largest number of points.
     """
     lines = _read(path, _POINTS, place)
     if lines is None:
@@ -102,8 +107,8 @@ def read_points(path: Path, x: Column, y: Column, place: Place) -> Points | None
     columns = _find_columns(header, (x, y), notes)
     if columns is None:
         return None
-    if not 2 <= len(rows) <= MOST_POINTS:
-        remedy = f"Give 2 to {MOST_POINTS}; average neighbours of a longer curve."
+    if not 2 <= len(rows) <= most:
+        remedy = f"Give 2 to {most}; average neighbours of a longer curve."
         notes.note("", f"has {len(rows)} points.", remedy)
         return None
     found = [
@@ -171,19 +176,19 @@ class _Notes:
     def __init__(self, path: Path, place: Place) -> None:
         self._name = path.name
         self._place = place
-        self._count = 0
+        self.count = 0
 
     def note(self, where: str, message: str, remedy: str = "") -> None:
-        self._count += 1
-        if self._count <= _MOST_FAULTS:
+        self.count += 1
+        if self.count <= _MOST_FAULTS:
             separator = ", " if where else ""
             self._place.fault(f"{self._name}{separator}{where} {message}", remedy)
 
     def finish(self) -> bool:
         """Note the number of further faults; return True if there are faults."""
-        if self._count > _MOST_FAULTS:
-            self._place.fault(f"{self._name} has {self._count - _MOST_FAULTS} more faults.")
-        return self._count > 0
+        if self.count > _MOST_FAULTS:
+            self._place.fault(f"{self._name} has {self.count - _MOST_FAULTS} more faults.")
+        return self.count > 0
 
 
 def _read(path: Path, content: str, place: Place) -> Lines | None:
@@ -213,7 +218,27 @@ def _find_columns(
         name = show(header[found[0] or 0])
         notes.note(f"column {name}", "is both x and y.", 'Name two: x = "...", y = "...".')
         return None
-    return [(at, column) for at, column in zip(found, columns, strict=True) if at is not None]
+    located = [
+        (at, _with_unit(column, header[at], notes))
+        for at, column in zip(found, columns, strict=True)
+        if at is not None
+    ]
+    return None if notes.count else located
+
+
+def _with_unit(column: Column, name: str, notes: _Notes) -> Column:
+    """Return the column with the unit that its name in the header states, if it shall."""
+    if column.written is not None:
+        return column
+    stated = _UNIT_IN_NAME.search(name)
+    written = "" if stated is None else stated[1]
+    try:
+        to_unit(f"1 {written}", column.unit)
+    except UnitError:
+        message = f"has the unit {show(written)}." if written else "has no unit."
+        remedy = f'State the unit behind the name: "{column.key} [{column.unit}]".'
+        notes.note(f"column {show(name)}", message, remedy)
+    return replace(column, written=written)
 
 
 def _position(header: Cells, column: Column, notes: _Notes) -> int | None:

@@ -1,0 +1,103 @@
+"""Particle sizes in the plan of a calibration: what the classes are, and what the finest costs."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+
+from grainfit.bulk_tests.base import BulkTest
+from grainfit.errors import InputError
+from grainfit.formatting import counted, millimetres, percent
+from grainfit.materials.sizes import ParticleSizes
+from grainfit.scenes.packing import particle_numbers
+
+#: Share of the time of a run above which leaving something out is not worth a word.
+_HARDLY_FASTER = 0.8
+#: Finest share of the mass whose price is told for a distribution.
+_FINEST = 0.05
+#: Particles of a diameter below which their share of the mass is a matter of chance.
+_FEW = 10
+
+
+def size_lines(
+    sizes: ParticleSizes | None, bulk_tests: Mapping[str, BulkTest], material: Mapping[str, float]
+) -> Iterator[str]:
+    """Yield the particle sizes and the price of the finest ones, in words.
+
+    Parameters
+    ----------
+    sizes : ParticleSizes, optional
+        Of the particles; nothing is told of a single diameter.
+    bulk_tests : mapping of str to BulkTest
+        Simulated tests by name.
+    material : mapping of str to float
+        Material parameters by dotted name, in the middle of their intervals.
+    """
+    if sizes is None or len(sizes.diameters) == 1:
+        return
+    if sizes.origin is not None:
+        yield from sizes.origin.describe(sizes.real)
+    tests = [test for test in bulk_tests.values() if not test.executes()]
+    if tests:
+        yield from _price(sizes, tests, material)
+
+
+def _price(
+    sizes: ParticleSizes, tests: list[BulkTest], material: Mapping[str, float]
+) -> Iterator[str]:
+    try:
+        whole = _seconds(tests, material)
+        finest = min(range(len(sizes.diameters)), key=lambda i: sizes.diameters[i])
+        share = _seconds(_with_sizes(tests, sizes.without(finest)), material) / whole
+        if share > _HARDLY_FASTER:
+            return
+        yield (
+            f"  The finest class, {millimetres(sizes.real.diameters[finest])}, has "
+            f"{percent(sizes.mass_fractions[finest])} of the mass and "
+            f"{percent(sizes.number_fractions[finest])} of the particles, and sets the time step: "
+            f"without it, a run would take {share:.2g} of the time."
+        )
+        if sizes.origin is not None:
+            limit, rest = sizes.origin.without_finest(_FINEST)
+            simulated = rest.coarse_grained(sizes.coarse_graining)
+            share = _seconds(_with_sizes(tests, simulated), material) / whole
+            yield (
+                f'  With smallest = "{1000 * limit:.3g} mm", which leaves out '
+                f"{'another' if sizes.origin.is_cut_below else 'the finest'} {percent(_FINEST)} of "
+                f"the mass, it would take {share:.2g} of the time."
+            )
+    except InputError:
+        # A test that is impossible with other sizes has no price.
+        return
+
+
+def _with_sizes(tests: list[BulkTest], sizes: ParticleSizes) -> list[BulkTest]:
+    return [replace(test, sizes=sizes, diameter=None) for test in tests]
+
+
+def _seconds(tests: list[BulkTest], material: Mapping[str, float]) -> float:
+    """Return the estimated time of a run of each test; only ratios have a meaning."""
+    return sum(test.estimate_cost("", material).wall_seconds for test in tests)
+
+
+def size_notes(bulk_tests: Mapping[str, BulkTest]) -> Iterator[str]:
+    """Yield a note on each test that has too few particles for its classes of sizes.
+
+    Parameters
+    ----------
+    bulk_tests : mapping of str to BulkTest
+        Simulated tests by name.
+    """
+    for name, test in bulk_tests.items():
+        if test.executes() or len(test.sizes.diameters) == 1:
+            continue
+        numbers = particle_numbers(test.sizes, test.number_of_particles)
+        fewest = min(range(len(numbers)), key=lambda i: numbers[i])
+        if numbers[fewest] >= _FEW:
+            continue
+        yield (
+            f"Test {name} has {counted(numbers[fewest], 'particle')} of "
+            f"{millimetres(test.sizes.diameters[fewest])}, for "
+            f"{percent(test.sizes.mass_fractions[fewest])} of the mass. Use more particles, or "
+            "leave out the ends of the distribution."
+        )

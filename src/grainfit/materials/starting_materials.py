@@ -1,0 +1,106 @@
+"""Starting materials: values and intervals to begin a calibration with, and their sources.
+
+Each is a TOML file of the folder ``starting``: a table for each parameter with its ``value``, as a
+calibration file takes it, and its ``source``. None of them is calibrated for anybody's material.
+"""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from grainfit.errors import Fault, InputError
+
+_FOLDER = Path(__file__).with_name("starting")
+_HEAD = ("title", "about", "example_targets")
+
+
+@dataclass(frozen=True)
+class StartingValue:
+    """Value of one parameter, and its origin.
+
+    Parameters
+    ----------
+    value : object
+        As in a calibration file: a number, a text, or a table with ``min`` and ``max``.
+    source : str
+        Author, year and journal, or that there is none.
+    """
+
+    value: Any
+    source: str
+
+    @property
+    def is_free(self) -> bool:
+        """Whether it is an interval."""
+        return isinstance(self.value, dict) and "min" in self.value
+
+    @property
+    def toml(self) -> str:
+        """The value as TOML."""
+        return _toml(self.value)
+
+
+@dataclass(frozen=True)
+class StartingMaterial:
+    """A material to start from.
+
+    Parameters
+    ----------
+    title : str
+        Its name for people.
+    about : tuple of str
+        Lines on what its values stand for.
+    example_targets : mapping of str to str
+        Typical responses, to be replaced by measurements.
+    sections : mapping of str to mapping of str to StartingValue
+        Parameters by section and key of the calibration file.
+    """
+
+    title: str
+    about: tuple[str, ...]
+    example_targets: Mapping[str, str]
+    sections: Mapping[str, Mapping[str, StartingValue]]
+
+
+def starting_material_names() -> tuple[str, ...]:
+    """Return the names of all starting materials."""
+    return tuple(sorted(path.stem for path in _FOLDER.glob("*.toml")))
+
+
+def read_starting_material(name: str) -> StartingMaterial:
+    """Read a starting material.
+
+    Parameters
+    ----------
+    name : str
+        One of `starting_material_names`; spaces and hyphens are as good as underscores.
+
+    Raises
+    ------
+    InputError
+        There is no such material.
+    """
+    known = starting_material_names()
+    stem = "_".join(name.lower().replace("-", " ").split())
+    if stem not in known:
+        words = f"{name!r} is no starting material."
+        raise InputError(Fault("material", words, f"Use one of {', '.join(known)}."))
+    data = tomllib.loads((_FOLDER / f"{stem}.toml").read_text(encoding="utf-8"))
+    sections = {
+        section: {key: StartingValue(**entry) for key, entry in entries.items()}
+        for section, entries in data.items()
+        if section not in _HEAD
+    }
+    return StartingMaterial(data["title"], tuple(data["about"]), data["example_targets"], sections)
+
+
+def _toml(value: Any) -> str:
+    if isinstance(value, dict):
+        return f"{{ {', '.join(f'{key} = {_toml(entry)}' for key, entry in value.items())} }}"
+    if isinstance(value, list):
+        return f"[{', '.join(map(_toml, value))}]"
+    return f'"{value}"' if isinstance(value, str) else repr(value)

@@ -1,0 +1,113 @@
+"""Files of `grainfit new --material` pass the check, and say where their values come from."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+import grainfit as gf
+from grainfit.bulk_tests.registry import BUILT_IN
+from grainfit.calibration_file.load import load_calibration_file
+from grainfit.calibration_file.plan import describe_plan
+from grainfit.calibration_file.starter import starter_file
+from grainfit.contact_models.registry import MATERIAL_PARAMETERS
+from grainfit.errors import InputError
+from grainfit.materials.starting_materials import read_starting_material, starting_material_names
+
+PAGE = Path(__file__).parents[2] / "docs" / "starting_materials.md"
+MATERIALS = (
+    "corn",
+    "dry_sand",
+    "glass_beads",
+    "iron_ore_fines",
+    "limestone",
+    "microcrystalline_cellulose",
+    "plastic_pellets",
+    "wheat",
+)
+
+
+def test_the_materials_are_known_by_name() -> None:
+    assert starting_material_names() == MATERIALS
+
+
+@pytest.mark.parametrize("test", BUILT_IN)
+@pytest.mark.parametrize("material", MATERIALS)
+def test_the_file_of_every_material_and_test_passes_the_check(
+    tmp_path: Path, material: str, test: str
+) -> None:
+    path = tmp_path / "new.toml"
+    path.write_text(starter_file([test], read_starting_material(material)), encoding="utf-8")
+
+    plan = describe_plan(gf.load(path))
+
+    assert plan.problems == ()
+    assert {"particle.density"} < {parameter.name for parameter in plan.parameters}
+    assert [target.name for target in plan.targets] == list(BUILT_IN[test].responses)
+
+
+@pytest.mark.parametrize("material", MATERIALS)
+def test_every_value_stands_below_its_source(tmp_path: Path, material: str) -> None:
+    found = read_starting_material(material)
+    text = starter_file(["heap"], found)
+    path = tmp_path / "new.toml"
+    path.write_text(text, encoding="utf-8")
+
+    file = load_calibration_file(path)
+    assert "nothing here is calibrated" in text.replace("\n# ", " ")
+    assert max(map(len, text.splitlines())) <= 100
+    names = {f"{section}.{key}" for section, values in found.sections.items() for key in values}
+    needed = {name for name, known in MATERIAL_PARAMETERS.items() if known.default is None}
+    assert needed <= names
+    assert {*file.fixed, *(p.name for p in file.parameters), "particle.diameter"} == names
+    unwrapped = text.replace("\n# ", " ")
+    for values in found.sections.values():
+        for key, entry in values.items():
+            assert entry.source.endswith(".")
+            assert f"{entry.source}\n{key} = {entry.toml}" in unwrapped
+
+
+@pytest.mark.parametrize("material", MATERIALS)
+def test_example_targets_are_those_of_the_material(tmp_path: Path, material: str) -> None:
+    found = read_starting_material(material)
+    path = tmp_path / "new.toml"
+    path.write_text(starter_file(["heap"], found), encoding="utf-8")
+
+    targets = {target.name: target for target in gf.load(path).problem.targets}
+
+    assert found.example_targets.keys() <= targets.keys()
+    low, high = next(
+        (p.minimum, p.maximum) for p in gf.load(path).problem.parameters if "density" in p.name
+    )
+    # A bed has between a half and two thirds of the density of its particles.
+    density = targets["bulk_density"].value
+    assert 0.5 * low < density < 0.67 * high
+    assert f"{targets['angle_of_repose'].value:g} deg" == found.example_targets["angle_of_repose"]
+
+
+@pytest.mark.parametrize("material", MATERIALS)
+def test_the_page_has_the_values_of_the_file(material: str) -> None:
+    sections = read_starting_material(material).sections
+    values = [
+        sections["particle"]["diameter"],
+        sections["particle"]["density"],
+        *(sections["particle_particle"][f"{kind}_friction"] for kind in ("sliding", "rolling")),
+        sections["particle_particle"]["restitution"],
+        sections["particle_wall"]["sliding_friction"],
+    ]
+    cells = (f"{v.value['min']} to {v.value['max']}" if v.is_free else str(v.value) for v in values)
+    row = f"| `{material}` | {' | '.join(cells)} |".replace(" kg/m^3", "")
+
+    assert row in PAGE.read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize("name", ["Iron ore fines", "iron-ore-fines", "iron_ore_fines"])
+def test_names_are_found_however_they_are_written(name: str) -> None:
+    assert read_starting_material(name).title == "iron ore fines"
+
+
+@pytest.mark.parametrize("name", ["wood", "", "../starting/wheat", "wheat.toml"])
+def test_an_unknown_material_is_answered_with_the_list(name: str) -> None:
+    with pytest.raises(InputError, match=r"is no starting material\. Use one of corn, .*, wheat\."):
+        read_starting_material(name)
