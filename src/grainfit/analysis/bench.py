@@ -9,6 +9,7 @@ from typing import Any
 from grainfit.bulk_tests.base import BulkTest
 from grainfit.bulk_tests.registry import bulk_tests
 from grainfit.errors import Fault, InputError
+from grainfit.materials.walls import PLAIN, walls_among, with_plain_wall
 from grainfit.options.kinds import suggest
 from grainfit.problem import Parameter
 from grainfit.solvers.base import Solver
@@ -101,7 +102,8 @@ def other_tests(
     fixed = {name: value for name, value in material.items() if name not in free}
     found: dict[str, Solver] = {}
     refused: dict[str, str] = {}
-    chosen = {name: kind.options_for(material) for name, kind in known.items()}
+    plain = with_plain_wall(material, walls_among(material))
+    chosen = {name: kind.options_for(plain) for name, kind in known.items()}
     for name, kind in known.items():
         if name in present or (wanted and name not in wanted):
             continue
@@ -110,6 +112,12 @@ def other_tests(
         except InputError as error:
             refused[name] = " ".join(str(fault) for fault in error.faults)
     return Bench(found, refused, {name: chosen[name] for name in found if chosen[name]})
+
+
+def _walls_like(kind: type[BulkTest], material: Mapping[str, float]) -> dict[str, str]:
+    """Return the first wall that there is for all parts of a test, unless there is a plain one."""
+    walls = walls_among(material)
+    return {} if PLAIN in walls or not walls else dict.fromkeys(kind.parts or (), walls[0])
 
 
 def _solver(
@@ -128,10 +136,11 @@ def _solver(
         time_step_fraction=conditions.time_step_fraction,
         **options,
     )
-    faults = [*test.material_faults(material)]
+    faults = [*test.material_faults(with_plain_wall(material, walls_among(material)))]
     if faults:
         raise InputError(faults)
     models = program.model().get("contact_models", ())
-    solver: Solver = DEM_PROGRAMS[program.name](test, fixed, contact_models=models)
+    walls = _walls_like(kind, material)
+    solver: Solver = DEM_PROGRAMS[program.name](test, fixed, contact_models=models, walls=walls)
     solver.check()
     return of_material(solver, free)

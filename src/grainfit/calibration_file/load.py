@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from grainfit.calibration_file.content import CalibrationFile, SearchOptions
-from grainfit.calibration_file.layout import MATERIAL_SECTIONS, chosen_models, read_document
+from grainfit.calibration_file.layout import chosen_models, material_values, read_document
 from grainfit.calibration_file.line_numbers import key_lines
 from grainfit.calibration_file.parameters import MeasuredAngle
 from grainfit.errors import InputError
@@ -99,11 +99,7 @@ def _fault(path: Path, message: str, remedy: str, line: int | None = None) -> In
 
 
 def _calibration_file(values: dict[str, Any], path: Path) -> CalibrationFile:
-    material = {
-        f"{section}.{key}": value
-        for section in MATERIAL_SECTIONS
-        for key, value in values.get(section, {}).items()
-    }
+    material = material_values(values)
     sizes = material.pop("particle.diameter", None)
     angles = tuple(v for v in material.values() if isinstance(v, MeasuredAngle))
     material |= {angle.name: angle.value for angle in angles}

@@ -79,6 +79,11 @@ class Solver(ABC):
         """The bulk test that it simulates; None for a model of the user."""
         return None
 
+    @property
+    def walls(self) -> Mapping[str, str]:
+        """Walls with a name by the parts of its bulk test; the others are of the plain wall."""
+        return {}
+
     def run_parameters(self, parameters: Mapping[str, float]) -> dict[str, float]:
         """Return the values of all parameters that a run depends on, free or fixed.
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from typing_extensions import override
 
 from grainfit.bulk_tests.run_cost import RunCost
-from grainfit.contact_models.registry import MATERIAL_PARAMETERS
+from grainfit.contact_models.registry import is_material_parameter
 from grainfit.errors import Fault
 from grainfit.evaluation import Measured
 from grainfit.solvers.base import Solver, Workspace
@@ -71,6 +71,12 @@ class ParametersFor(Solver):
     def bulk_test(self) -> BulkTest | None:
         """The bulk test of the solver."""
         return self.solver.bulk_test
+
+    @property
+    @override
+    def walls(self) -> Mapping[str, str]:
+        """Walls with a name by the parts of its bulk test."""
+        return self.solver.walls
 
     @override
     def model(self) -> Mapping[str, Any]:
@@ -145,6 +151,6 @@ class ParametersFor(Solver):
 
 def of_material(solver: Solver, free: Iterable[str]) -> Solver:
     """Return a solver of bulk tests that is passed only the material parameters among free ones."""
-    if MATERIAL_PARAMETERS.keys() >= set(free):
+    if all(is_material_parameter(name) for name in free):
         return solver
-    return ParametersFor(solver, takes=MATERIAL_PARAMETERS.__contains__)
+    return ParametersFor(solver, takes=is_material_parameter)

@@ -14,6 +14,7 @@ from grainfit.analysis.bench import Bench, material_of, other_tests
 from grainfit.analysis.information import Knowledge, recorded_measurable
 from grainfit.analysis.slopes import Cloud, corners
 from grainfit.analysis.test_plan import TestPlan, plan_tests
+from grainfit.analysis.wall_sensitivities import on_walls
 from grainfit.calibration_file.accuracies import read_accuracies
 from grainfit.calibration_file.planned import PlannedFile, load_planned_file
 from grainfit.campaign.batch import ExpectedWork
@@ -136,7 +137,11 @@ def _recorded(
         assert solver.bulk_test is not None, "the bench has bulk tests only"
         responses = [
             recorded_measurable(
-                f"{test}.{name}", info, material, planned.value(test, name, info), accuracy
+                f"{test}.{name}",
+                on_walls(info, solver),
+                material,
+                planned.value(test, name, info),
+                accuracy,
             )
             for name, info in solver.bulk_test.responses.items()
             if (accuracy := accuracy_of(test, name, info)) is not None
