@@ -17,6 +17,8 @@ from grainfit.calibration_file.load import load_calibration_file
 from grainfit.calibration_file.schema import schema_path
 from grainfit.options.places import FileFault
 from grainfit.plots.labels import parameter_label
+from grainfit.preview.preview import preview_tests
+from grainfit.preview.words import wall_words
 from grainfit.run_definition import RunDefinition
 from grainfit.solvers.base import Solver
 
@@ -151,13 +153,24 @@ def test_the_only_wall_is_that_of_all_parts(tmp_path: Path) -> None:
 def test_a_part_that_is_not_named_is_of_the_plain_wall(tmp_path: Path) -> None:
     text = GLASS_BEADS.replace("[[test]]", f'{ACRYLIC}\n[[test]]\nwalls.plate = "acrylic"')
     setup = setup_of(tmp_path, text)
-    scene = setup.solvers["heap"].scene({**middle(setup), SLIDING: 0.3}, 1)  # type: ignore[attr-defined]
+    scene = setup.solvers["heap"].experiment({**middle(setup), SLIDING: 0.3}, 1)
 
     cylinder, plate = (scene.material_on(scene.walls[w].surface) for w in ("cylinder", "plate"))
     assert cylinder["particle_wall.sliding_friction"] == 0.27
     assert plate["particle_wall.sliding_friction"] == 0.3
     assert plate["particle_wall.restitution"] == 0.6
     assert plate["wall.youngs_modulus"] == 3.2e9
+
+
+def test_the_preview_says_what_walls_are_made_of(tmp_path: Path) -> None:
+    setup = setup_of(tmp_path, TWO_WALLS)
+    heap, draw_down = preview_tests(setup, middle(setup), 1)
+
+    assert wall_words(heap.scene.walls["plate"]).endswith("; surface acrylic")
+    assert {name: wall.surface for name, wall in draw_down.scene.walls.items()} == {
+        **dict.fromkeys(("left", "right", "left_shelf", "right_shelf", "door"), "steel"),
+        "floor": "acrylic",
+    }
 
 
 def middle(setup: CalibrationSetup) -> dict[str, float]:

@@ -17,6 +17,7 @@ from grainfit.solvers.base import Solver, Workspace
 if TYPE_CHECKING:
     # Imports NumPy, which the state of a calibration does without.
     from grainfit.bulk_tests.base import BulkTest
+    from grainfit.scenes.scene import Scene
 
 
 @dataclass(frozen=True)
@@ -132,6 +133,11 @@ class ParametersFor(Solver):
     def readiness(self) -> str:
         """Return the message that the solver is ready."""
         return self.solver.readiness()
+
+    @override
+    def experiment(self, parameters: Mapping[str, float], seed: int) -> Scene:
+        """Return the scene of a run of the solver."""
+        return self.solver.experiment(self._taken(parameters), seed)
 
     @override
     def estimate_cost(self, parameters: Mapping[str, float]) -> RunCost | None:

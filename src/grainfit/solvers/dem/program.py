@@ -323,6 +323,11 @@ class DeckSolver(Solver):
             self._require_concepts(self.test.concepts(material))
         return self.test.estimate_cost(self.name, material, self.ranks)
 
+    @override
+    def experiment(self, parameters: Mapping[str, float], seed: int) -> Scene:
+        """Return the scene of a run, even if the program lacks a concept of it."""
+        return self._parts.scene(self.run_parameters(parameters), seed)
+
     def scene(self, parameters: Mapping[str, float], seed: int) -> Scene:
         """Return the scene of a run.
 
@@ -331,7 +336,7 @@ class DeckSolver(Solver):
         InputError
             The material is impossible, or the program lacks a concept of its scene.
         """
-        scene = self._parts.scene(self.run_parameters(parameters), seed)
+        scene = self.experiment(parameters, seed)
         self._require_concepts(scene.concepts())
         return scene
 
