@@ -18,7 +18,7 @@ from grainfit.checks import (
     count_faults,
     is_computable,
 )
-from grainfit.contact_models.registry import MATERIAL_PARAMETERS
+from grainfit.contact_models.registry import material_parameter
 from grainfit.correlations import (
     Correlation,
     correlated_groups,
@@ -30,6 +30,7 @@ from grainfit.curve_target import CurveTarget
 from grainfit.errors import Fault, InputError
 from grainfit.materials.time_step import RayleighTimeStep
 from grainfit.materials.wall_friction import MEASURED_BY_ANGLE, friction_about
+from grainfit.materials.walls import plain_name
 from grainfit.units import UnitError, percentage, to_si, to_unit
 
 #: Relative tolerance of a target for which neither an uncertainty nor a tolerance is given.
@@ -151,14 +152,14 @@ class Parameter:
         >>> round(found.measured, 4), round(found.uncertainty, 4)
         (0.4, 0.0101)
         """
-        if name not in MEASURED_BY_ANGLE:
+        if plain_name(name) not in MEASURED_BY_ANGLE:
             remedy = f"Angles measure {' and '.join(MEASURED_BY_ANGLE)}."
             raise InputError(Fault(name, "is no tangent of an angle.", remedy))
         value, spread, low, high = friction_about(angle, uncertainty)
         return cls(name, low, high, measured=value, uncertainty=spread)
 
     def __post_init__(self) -> None:
-        known = MATERIAL_PARAMETERS.get(self.name)
+        known = material_parameter(self.name)
         unit = known.unit if known else ""
         keys = {"minimum": "min", "maximum": "max", "measured": "measured"}
         _read_quantities(self, keys, unit)

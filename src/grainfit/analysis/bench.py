@@ -9,6 +9,7 @@ from typing import Any
 from grainfit.bulk_tests.base import BulkTest
 from grainfit.bulk_tests.registry import bulk_tests
 from grainfit.errors import Fault, InputError
+from grainfit.materials.walls import PLAIN, on_wall, walls_among, with_plain_wall
 from grainfit.options.kinds import suggest
 from grainfit.problem import Parameter
 from grainfit.solvers.base import Solver
@@ -101,7 +102,8 @@ def other_tests(
     fixed = {name: value for name, value in material.items() if name not in free}
     found: dict[str, Solver] = {}
     refused: dict[str, str] = {}
-    chosen = {name: kind.options_for(material) for name, kind in known.items()}
+    plain = with_plain_wall(material, _usual_wall(material))
+    chosen = {name: kind.options_for(plain) for name, kind in known.items()}
     for name, kind in known.items():
         if name in present or (wanted and name not in wanted):
             continue
@@ -110,6 +112,21 @@ def other_tests(
         except InputError as error:
             refused[name] = " ".join(str(fault) for fault in error.faults)
     return Bench(found, refused, {name: chosen[name] for name in found if chosen[name]})
+
+
+def _walls_like(kind: type[BulkTest], material: Mapping[str, float]) -> dict[str, str]:
+    """Return the usual wall for all parts of a test, unless it is the plain one."""
+    return {part: wall for part in kind.parts or () for wall in _usual_wall(material) if wall}
+
+
+def _usual_wall(material: Mapping[str, float]) -> Sequence[str]:
+    """Return the plain wall, or else the roughest: heaps roll off smooth floors."""
+
+    def roughness(wall: str) -> float:
+        return material[on_wall("particle_wall.rolling_friction", wall)]
+
+    walls = walls_among(material)
+    return [PLAIN] if PLAIN in walls else sorted(walls, key=roughness)[-1:]
 
 
 def _solver(
@@ -128,10 +145,11 @@ def _solver(
         time_step_fraction=conditions.time_step_fraction,
         **options,
     )
-    faults = [*test.material_faults(material)]
+    faults = [*test.material_faults(with_plain_wall(material, _usual_wall(material)))]
     if faults:
         raise InputError(faults)
     models = program.model().get("contact_models", ())
-    solver: Solver = DEM_PROGRAMS[program.name](test, fixed, contact_models=models)
+    walls = _walls_like(kind, material)
+    solver: Solver = DEM_PROGRAMS[program.name](test, fixed, contact_models=models, walls=walls)
     solver.check()
     return of_material(solver, free)

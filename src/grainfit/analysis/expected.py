@@ -28,10 +28,12 @@ from grainfit.analysis.information import (
     recorded_measurable,
 )
 from grainfit.analysis.posterior import standard_uncertainty
+from grainfit.analysis.wall_sensitivities import on_walls, without_sensitivities
 from grainfit.bulk_tests.accuracy import Accuracy
 from grainfit.bulk_tests.sensitivities import VARIED
 from grainfit.evaluation import response_name
 from grainfit.formatting import in_a_row
+from grainfit.materials.walls import plain_name
 from grainfit.problem import Problem
 from grainfit.solvers.base import Solver
 
@@ -93,11 +95,12 @@ def expected_narrowing(problem: Problem, solvers: Mapping[str, Solver]) -> Expec
     seen = _observations(problem, solvers, material)
     if not seen:
         return ExpectedNarrowing()
-    free = [p for p in problem.parameters if p.name in VARIED]
+    unknown = {name for solver in solvers.values() for name in without_sensitivities(solver)}
+    free = [p for p in problem.parameters if plain_name(p.name) in VARIED and p.name not in unknown]
     spreads = {p.name: even_deviation(p) for p in free}
     estimate = _Estimate(Knowledge.of_intervals(free), spreads, seen, _covariances(problem))
     tests = in_a_row(dict.fromkeys(s.bulk_test.type for s in solvers.values() if s.bulk_test))
-    without_effect = [p.name for p in problem.parameters if p.name in BETTER_FIXED]
+    without_effect = [p.name for p in problem.parameters if plain_name(p.name) in BETTER_FIXED]
     notes = (*_notes(estimate, tests), *map(better_fixed, without_effect))
     return ExpectedNarrowing(estimate.narrowing(), notes)
 
@@ -114,7 +117,7 @@ def _observations(
     if problem.curves:
         return None
     infos = {
-        response_name(test, name, len(solvers)): info
+        response_name(test, name, len(solvers)): on_walls(info, solver)
         for test, solver in solvers.items()
         for name, info in (solver.bulk_test.responses if solver.bulk_test else {}).items()
     }
@@ -184,7 +187,7 @@ def _tied(estimate: _Estimate, name: str) -> list[str]:
 
 def _note_on_group(group: tuple[str, ...], widths: Mapping[str, float], tests: str) -> str:
     """Return sentences on those that stay open, and on those that need not be free."""
-    easy = [name for name in group if name in DIRECT and widths[name] <= _OPEN]
+    easy = [name for name in group if plain_name(name) in DIRECT and widths[name] <= _OPEN]
     hard = [name for name in group if name not in easy]
     while_free = f" while {in_a_row(easy)} {'is' if len(easy) == 1 else 'are'} free" if easy else ""
     kept = in_a_row(

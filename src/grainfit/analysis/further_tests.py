@@ -33,6 +33,7 @@ from grainfit.bulk_tests.sensitivities import (
     WALL_SLIDING,
 )
 from grainfit.formatting import in_a_row
+from grainfit.materials.walls import plain_name
 
 _DROP_TEST = "fix it from a drop test (height to which a particle rebounds"
 
@@ -58,7 +59,7 @@ TESTS: Mapping[str, str] = {
     WALL_SLIDING: (
         "an inclined plane of the wall's material: the angle at which the bulk solid slides is "
         "atan(sliding friction), so the value is known without a simulation; a heap hardly "
-        "depends on it"
+        "depends on that of its cylinder"
     ),
     "particle_wall.rolling_friction": (
         "an inclined plane of the wall's material: the angle at which single particles begin to "
@@ -101,16 +102,16 @@ _FROM_BULK_TESTS = _FRICTIONS | {MODULUS}
 
 def to_settle(name: str) -> str:
     """Return sentences with a test that would determine an open parameter."""
-    if name in BETTER_FIXED:
+    if plain_name(name) in BETTER_FIXED:
         return better_fixed(name)
     return f"To determine {name}: {how_to_determine(name)}"
 
 
 def without_the_bench(name: str) -> str:
     """Return sentences on an open parameter that no bulk test settles; "" if nothing is known."""
-    return (
-        "" if name in _FROM_BULK_TESTS or name not in {*TESTS, *BETTER_FIXED} else to_settle(name)
-    )
+    plain = plain_name(name)
+    is_known = plain in {*TESTS, *BETTER_FIXED} and plain not in _FROM_BULK_TESTS
+    return to_settle(name) if is_known else ""
 
 
 def to_tell_apart(names: tuple[str, ...]) -> str:
@@ -122,15 +123,16 @@ def better_fixed(name: str) -> str:
     """Return a sentence about a parameter of `BETTER_FIXED`."""
     return (
         f"{name} hardly changes any common bulk test: take it out of the free parameters and "
-        f"fix it {BETTER_FIXED[name]}."
+        f"fix it {BETTER_FIXED[plain_name(name)]}."
     )
 
 
 def how_to_determine(name: str) -> str:
     """Return the tests that determine a parameter, up to the end of a sentence."""
-    if name not in TESTS:
+    words = TESTS.get(plain_name(name))
+    if words is None:
         return "add a target of a test that responds to it."
-    return f"{_with_types(TESTS[name])}."
+    return f"{_with_types(words)}."
 
 
 def how_to_tell_apart(names: tuple[str, ...]) -> str:
@@ -141,7 +143,11 @@ def how_to_tell_apart(names: tuple[str, ...]) -> str:
             "angle does not help: heap, rotating drum and angle of internal friction depend on "
             "both frictions in nearly the same way."
         )
-    known = [f"for {name}, {_with_types(TESTS[name])}" for name in names if name in TESTS]
+    known = [
+        f"for {name}, {_with_types(words)}"
+        for name in names
+        if (words := TESTS.get(plain_name(name))) is not None
+    ]
     if not known:
         return "add a target of a test that responds to one of them only."
     return f"determine one of them; {'; '.join(known)}."

@@ -154,6 +154,11 @@ class BulkTest(ABC):
     curves: ClassVar[Mapping[str, CurveInfo]] = {}
     #: Material parameters that its runs depend on, by dotted name.
     material_parameters: ClassVar[tuple[str, ...]] = tuple(MATERIAL_PARAMETERS)
+    #: Parts that can be of different materials, each with its walls in the scene, the part that
+    #: touches most particles first; None where every wall of the scene is a part.
+    parts: ClassVar[Mapping[str, tuple[str, ...]] | None] = None
+    #: Options that give a part a friction of its own, by part: not one of a wall with a name.
+    own_friction: ClassVar[Mapping[str, tuple[str, ...]]] = {}
     #: View of its runs in a report; None when there is none.
     shown: ClassVar[Shown | None] = None
     #: Bulk density that overlaps of soft particles add, over `stiffness_number`.
@@ -351,6 +356,22 @@ class BulkTest(ABC):
         empty = Column(np.empty((0, 3)), np.empty(0, dtype=np.int64), self.sizes.sauter_diameter)
         return self.scene_of(empty, _ANY_MATERIAL).concepts()
 
+    def scene_parts(
+        self,
+        material: Mapping[str, float] | None = None,  # noqa: ARG002
+    ) -> Mapping[str, tuple[str, ...]]:
+        """Return the parts of the scene, each with its walls, see `parts`.
+
+        Parameters
+        ----------
+        material : mapping of str to float, optional
+            All material parameters, for tests whose walls follow from them.
+        """
+        if self.parts is not None:
+            return self.parts
+        empty = Column(np.empty((0, 3)), np.empty(0, dtype=np.int64), self.sizes.sauter_diameter)
+        return parts_of(self.scene_of(empty, _ANY_MATERIAL))
+
     @abstractmethod
     def measure(self, run: RunOutput) -> Mapping[str, Measured]:
         """Measure the responses on the output of a run.
@@ -415,6 +436,11 @@ class BulkTest(ABC):
             It is not there, or damaged.
         """
         raise NotImplementedError(f"{self.type} shows nothing of {run.folder}")
+
+
+def parts_of(scene: Scene) -> dict[str, tuple[str, ...]]:
+    """Return every wall of a scene as a part."""
+    return {name: (name,) for name in scene.all_walls()}
 
 
 @cache

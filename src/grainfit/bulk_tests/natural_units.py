@@ -17,8 +17,9 @@ from grainfit.bulk_tests.base import BulkTest
 from grainfit.bulk_tests.registry import recreate_test
 from grainfit.bulk_tests.sensitivities import DENSITY
 from grainfit.contact_models.hertz_mindlin.model import particle_moduli
-from grainfit.contact_models.registry import MATERIAL_PARAMETERS, with_defaults
+from grainfit.contact_models.registry import material_parameter, with_defaults
 from grainfit.errors import InputError
+from grainfit.materials.walls import PLAIN, material_on, walls_among
 from grainfit.options.kinds import Quantity
 from grainfit.run_definition import RunDefinition, identity_of
 from grainfit.units import powers
@@ -103,7 +104,7 @@ class NaturalRun:
             math.isclose(
                 value,
                 other.numbers[name],
-                rel_tol=_WALL_TOLERANCE if name in _WALL_RATIOS else _TOLERANCE,
+                rel_tol=_WALL_TOLERANCE if name.startswith(_WALL_RATIOS) else _TOLERANCE,
                 abs_tol=1e-12,
             )
             for name, value in self.numbers.items()
@@ -136,14 +137,29 @@ def natural_run(definition: RunDefinition) -> NaturalRun | None:
 
 def _numbers_of_material(material: Mapping[str, float], scale: Scale) -> dict[str, float]:
     numbers = {
-        name: value / scale.of(MATERIAL_PARAMETERS[name].unit)
+        name: value / scale.of(_unit(name))
         for name, value in material.items()
         # Walls do not move, and of their elasticity only the contact's stiffness matters.
         if name != DENSITY and not name.startswith(_WALL)
     }
+    for wall in walls_among(name for name in material if name.startswith(_WALL)):
+        numbers |= _wall_ratios(material_on(material, wall), wall)
+    return numbers
+
+
+def _wall_ratios(material: Mapping[str, float], wall: str) -> dict[str, float]:
+    """Return the stiffness of contacts with a wall over that of contacts of two particles."""
     particles, walls = particle_moduli(material, "particle"), particle_moduli(material, "wall")
     ratios = (walls.young / particles.young, walls.shear / particles.shear)
-    return numbers | dict(zip(_WALL_RATIOS, ratios, strict=True))
+    names = _WALL_RATIOS if wall == PLAIN else [f"{name}: {wall}" for name in _WALL_RATIOS]
+    return dict(zip(names, ratios, strict=True))
+
+
+def _unit(name: str) -> str:
+    known = material_parameter(name)
+    if known is None:
+        raise KeyError(name)
+    return known.unit
 
 
 def _options(test: BulkTest, scale: Scale) -> tuple[dict[str, Any], dict[str, float]]:
@@ -175,9 +191,9 @@ def without_rounding_error(value: float) -> float:
 def in_si(run: NaturalRun, scale: Scale) -> dict[str, float]:
     """Return the material parameters of a run at a scale, without those of walls."""
     values = {
-        name: without_rounding_error(value * scale.of(MATERIAL_PARAMETERS[name].unit))
+        name: without_rounding_error(value * scale.of(known.unit))
         for name, value in run.numbers.items()
-        if name in MATERIAL_PARAMETERS
+        if (known := material_parameter(name)) is not None
     }
     return {**values, DENSITY: scale.density}
 

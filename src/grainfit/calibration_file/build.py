@@ -23,7 +23,7 @@ from grainfit.calibration_file.size_notes import size_notes
 from grainfit.campaign.cluster.executor import cluster_executor, is_available
 from grainfit.campaign.cluster.options import ClusterOptions
 from grainfit.campaign.work_folder import default_workdir
-from grainfit.contact_models.registry import MATERIAL_PARAMETERS
+from grainfit.contact_models.registry import material_parameter
 from grainfit.errors import Fault, InputError
 from grainfit.evaluation import response_name
 from grainfit.materials.time_step import RayleighTimeStep
@@ -113,9 +113,8 @@ class CalibrationSetup:
         with suppress(OSError):
             text = self.file.path.read_text(encoding="utf-8", errors="replace")
         fixed = self.file.fixed
-        units = {
-            name: MATERIAL_PARAMETERS[name].unit for name in fixed.keys() & MATERIAL_PARAMETERS
-        }
+        known = {name: material_parameter(name) for name in fixed}
+        units = {name: found.unit for name, found in known.items() if found is not None}
         return Provenance(self.file.path.name, text, fixed, units)
 
     @property
@@ -286,8 +285,7 @@ class CalibrationSetup:
 
     def quantity(self, name: str) -> Quantity:
         """Return the unit and the physical limits of a parameter."""
-        if name in MATERIAL_PARAMETERS:
-            known = MATERIAL_PARAMETERS[name]
+        if (known := material_parameter(name)) is not None:
             return Quantity(known.unit, known.lowest, known.highest)
         units = [p.unit for p in self.file.parameters if p.name == name and is_unit(p.unit)]
         return Quantity(units[0] if units and units[0] else None)

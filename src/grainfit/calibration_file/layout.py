@@ -2,15 +2,21 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
+from functools import partial
 from typing import Any
 
-from grainfit.bulk_tests.base import BulkTest
 from grainfit.bulk_tests.registry import BUILT_IN
 from grainfit.calibration_file.cluster import CLUSTER, cluster_options
 from grainfit.calibration_file.parameters import FixedOrFree, OwnParameter
 from grainfit.calibration_file.strategy_section import StrategySection, strategy_keys
 from grainfit.calibration_file.tests_section import Tests
+from grainfit.calibration_file.walls import (
+    TestWalls,
+    WallTable,
+    declared_walls,
+    note_unused_walls,
+)
 from grainfit.contact_models.base import Kind
 from grainfit.contact_models.registry import (
     MATERIAL_PARAMETERS,
@@ -23,7 +29,9 @@ from grainfit.errors import InputError
 from grainfit.materials.diameters import Diameters
 from grainfit.materials.parameters import MaterialParameter
 from grainfit.materials.sizes import LARGEST_FACTOR, ParticleSizes
+from grainfit.materials.walls import PLAIN, WALL_SECTIONS, on_wall, plain_name, wall_of
 from grainfit.options.kinds import Choice, Quantity, Text
+from grainfit.options.kinds import Kind as OptionKind
 from grainfit.options.places import Findings, Place
 from grainfit.options.tables import Key, Named, Table, Values
 from grainfit.problem import Parameter
@@ -32,13 +40,13 @@ from grainfit.solvers.registry import types_of_test
 
 MATERIAL_SECTIONS = {
     "particle": "The particles.",
-    "wall": "The walls, all of one material.",
+    "wall": "The walls; [wall.NAME] is a wall with a name.",
     "particle_particle": "Contacts between particles.",
-    "particle_wall": "Contacts between particles and walls.",
+    "particle_wall": "Contacts between particles and walls; [particle_wall.NAME] with one of them.",
 }
 _DIAMETER, _FACTOR = "diameter", "coarse_graining"
 #: Keys of ``[particle]`` that make up the sizes of the simulated particles.
-SIZES = (_DIAMETER, _FACTOR)
+_SIZES = (_DIAMETER, _FACTOR)
 _KINDS: dict[Kind, str] = {
     "contact": "normal and tangential force",
     "cohesion": "cohesion",
@@ -65,10 +73,10 @@ def _material_key(parameter: MaterialParameter) -> Key:
     )
 
 
-def _homes() -> dict[str, str]:
-    """Right sections of keys that users may put into a wrong one."""
+def _homes(wall: str = PLAIN) -> dict[str, str]:
+    """Right sections of keys that users may put into a wrong one, in those of a wall."""
     homes = {
-        **dict.fromkeys(SIZES, "[particle]"),
+        **dict.fromkeys(_SIZES, "[particle]"),
         "name": "the top of the file, above all sections",
     }
     homes |= dict.fromkeys(strategy_keys(), "[strategy]")
@@ -77,17 +85,18 @@ def _homes() -> dict[str, str]:
     homes |= dict.fromkeys(
         ("solver", "ranks", "timeout", "executable", "targets", "repeats"), "[[test]]"
     )
+    homes["walls"] = "[[test]]"
     for name in MATERIAL_PARAMETERS:
-        section, _, key = name.partition(".")
+        section, _, key = on_wall(name, wall).rpartition(".")
         homes[key] = f"{homes[key]} or [{section}]" if key in homes else f"[{section}]"
     return homes
 
 
-def _material_table(section: str) -> Table:
+def _material_table(section: str, wall: str = PLAIN) -> Table:
     keys = [
-        _material_key(parameter)
-        for name, parameter in MATERIAL_PARAMETERS.items()
-        if name.startswith(f"{section}.")
+        _material_key(parameter.of_wall(wall) if wall else parameter)
+        for parameter in MATERIAL_PARAMETERS.values()
+        if parameter.section == section
     ]
     if section == "particle":
         diameter = Key(
@@ -105,7 +114,16 @@ def _material_table(section: str) -> Table:
             example="2",
         )
         keys[:0] = [diameter, factor]
-    return Table(tuple(keys), homes=_homes())
+    return Table(tuple(keys), homes=_homes(wall))
+
+
+def _material_kind(section: str) -> OptionKind:
+    """Return the layout of a section: walls can have names."""
+    table = _material_table(section)
+    if section not in WALL_SECTIONS:
+        return table
+    reserved = [p.key for p in MATERIAL_PARAMETERS.values() if p.section in WALL_SECTIONS]
+    return WallTable(table, partial(_material_table, section), (*MATERIAL_SECTIONS, *reserved))
 
 
 def _contact_model_keys() -> tuple[Key, ...]:
@@ -125,7 +143,7 @@ LAYOUT = Table(
     (
         Key("name", Text(), "Name of the calibration, for people.", True, '"glass beads"'),
         *(
-            Key(section, _material_table(section), description)
+            Key(section, _material_kind(section), description)
             for section, description in MATERIAL_SECTIONS.items()
         ),
         Key(
@@ -180,11 +198,15 @@ def read_document(document: dict[str, Any], place: Place, *, planned: bool = Fal
         place.at("test").fault("is missing.", "Add a section [[test]] with type and targets.")
     simulated = _simulated(document)
     if simulated:
+        declared = declared_walls(values)
+        for one in simulated:
+            one.note_faults(declared, place)
         _note_missing_material(simulated, values, place)
         _note_parameters_without_effect(values, place)
         _note_impossible_tests(simulated, values, place)
         if len(simulated) == len(document["test"]):
             _note_useless_parameters(simulated, values, place)
+            note_unused_walls([w for one in simulated for w in one.used(declared)], values, place)
     if not any(isinstance(value, Parameter) or value is None for value in _parameters(values)):
         place.fault(
             "there is no free parameter, so there is nothing to calibrate.",
@@ -208,31 +230,37 @@ def simulated_sizes(values: Values) -> ParticleSizes | None:
     return None if sizes is None or factor is None else sizes.coarse_grained(factor)
 
 
-def _parameters(values: Values) -> list[Any]:
-    """Values of all material and own parameters; None where one, or a section, is faulty."""
-    found: list[Any] = []
-    for section in (*MATERIAL_SECTIONS, "parameters"):
-        table = values.get(section, {})
-        found += [None] if table is None else [v for k, v in table.items() if k not in SIZES]
+def material_values(values: Values) -> Values:
+    """Return what the sections of the material hold, by dotted name; None where it is faulty.
+
+    Sizes are no values of parameters: they are those of `simulated_sizes`.
+    """
+    found: Values = {}
+    for section in MATERIAL_SECTIONS:
+        for key, value in (values.get(section) or {}).items():
+            if isinstance(value, dict):
+                found |= {f"{section}.{key}.{own}": entry for own, entry in value.items()}
+            elif section != "particle" or key not in _SIZES:
+                found[f"{section}.{key}"] = value
     return found
 
 
-@dataclass(frozen=True)
-class _Simulated:
-    """A bulk test of the file: its place in the list, its class, and its table."""
+def _parameters(values: Values) -> list[Any]:
+    """Values of all material and own parameters; None where one, or a section, is faulty."""
+    own = values.get("parameters", {})
+    found = [*material_values(values).values()]
+    found += [None] if own is None else own.values()
+    return found + [None for section in MATERIAL_SECTIONS if values.get(section, {}) is None]
 
-    index: int
-    test: type[BulkTest]
-    table: dict[str, Any]
 
-
-def _simulated(document: dict[str, Any]) -> list[_Simulated]:
+def _simulated(document: dict[str, Any]) -> list[TestWalls]:
+    """Return the bulk tests of a file."""
     tests = document.get("test")
     if not isinstance(tests, list):
         return []
     known = {name: kind.bulk_test for name, kind in types_of_test().items()}
     return [
-        _Simulated(index, test, table)
+        TestWalls(index, test, table)
         for index, table in enumerate(tests)
         if isinstance(table, dict)
         and isinstance(table.get("type"), str)
@@ -240,47 +268,68 @@ def _simulated(document: dict[str, Any]) -> list[_Simulated]:
     ]
 
 
-def _words(simulated: list[_Simulated]) -> str:
+def _words(simulated: list[TestWalls]) -> str:
     names = list(dict.fromkeys(one.test.type for one in simulated))
     return f"the {' and the '.join(names)} test{'s' if len(names) > 1 else ''}"
 
 
-def _note_missing_material(simulated: list[_Simulated], values: Values, place: Place) -> None:
+def _note_missing_material(simulated: list[TestWalls], values: Values, place: Place) -> None:
+    without_effect = parameters_without_effect(chosen_models(values))
+    declared = declared_walls(values)
     needed = {
-        name
+        on_wall(name, wall)
         for one in simulated
         for name in one.test.material_parameters
-        if MATERIAL_PARAMETERS[name].default is None
-    } - parameters_without_effect(chosen_models(values))
+        if MATERIAL_PARAMETERS[name].default is None and name not in without_effect
+        for wall in ([PLAIN] if wall_of(name) is None else one.used(declared))
+    }
+    named = [wall for wall in declared if wall != PLAIN]
     for section in MATERIAL_SECTIONS:
-        keys = [
-            key
-            for key in _material_table(section).keys
-            if key.name == _DIAMETER or f"{section}.{key.name}" in needed
-        ]
-        if section not in values and keys:
-            names = ", ".join(key.name for key in keys)
-            words = _words(simulated)
-            verb = "need" if words.endswith("s") else "needs"
-            place.at(section).fault(
-                "is missing.", f"{words.capitalize()} {verb} [{section}] with {names}."
-            )
-        elif values.get(section) is not None:
-            for key in keys:
-                if key.name not in values[section]:
-                    key.note_missing(place.at(section))
+        for wall in (PLAIN, *(named if section in WALL_SECTIONS else ())):
+            path = (section, wall) if wall else (section,)
+            keys = [
+                key
+                for key in _material_table(section, wall).keys
+                if key.name == _DIAMETER or on_wall(f"{section}.{key.name}", wall) in needed
+            ]
+            _note_missing_keys(path, keys, simulated, values, place)
+
+
+def _note_missing_keys(
+    path: tuple[str, ...],
+    keys: list[Key],
+    simulated: list[TestWalls],
+    values: Values,
+    place: Place,
+) -> None:
+    """Note a section that is missing, or keys that it lacks."""
+    *around, last = path
+    outer = values.get(around[0], {}) if around else values
+    if not keys or outer is None:
+        return
+    if last not in outer:
+        names = ", ".join(key.name for key in keys)
+        words = _words(simulated)
+        verb = "need" if words.endswith("s") else "needs"
+        place.at(*path).fault(
+            "is missing.", f"{words.capitalize()} {verb} [{'.'.join(path)}] with {names}."
+        )
+    elif outer[last] is not None:
+        for key in keys:
+            if key.name not in outer[last]:
+                key.note_missing(place.at(*path))
 
 
 def _note_parameters_without_effect(values: Values, place: Place) -> None:
     chosen = chosen_models(values)
-    for name in sorted(parameters_without_effect(chosen)):
-        section, _, key = name.partition(".")
-        if key in (values.get(section) or {}):
+    without_effect = parameters_without_effect(chosen)
+    for name in sorted(material_values(values)):
+        if plain_name(name) in without_effect:
             fault = no_effect(name, chosen)
-            place.at(section, key).fault(fault.message, fault.remedy)
+            place.at(*name.split(".")).fault(fault.message, fault.remedy)
 
 
-def _note_useless_parameters(simulated: list[_Simulated], values: Values, place: Place) -> None:
+def _note_useless_parameters(simulated: list[TestWalls], values: Values, place: Place) -> None:
     words = _words(simulated)
     verb = "have" if words.endswith("s") else "has"
     for name in values.get("parameters") or ():
@@ -290,7 +339,7 @@ def _note_useless_parameters(simulated: list[_Simulated], values: Values, place:
         )
 
 
-def _note_impossible_tests(simulated: list[_Simulated], values: Values, place: Place) -> None:
+def _note_impossible_tests(simulated: list[TestWalls], values: Values, place: Place) -> None:
     """Note impossible geometries, which only the test itself can find from sizes and options."""
     sizes = simulated_sizes(values)
     if sizes is None:

@@ -10,9 +10,8 @@ from typing import Any
 
 from grainfit.calibration_file.content import CalibrationFile, SearchOptions
 from grainfit.calibration_file.layout import (
-    MATERIAL_SECTIONS,
-    SIZES,
     chosen_models,
+    material_values,
     read_document,
     simulated_sizes,
 )
@@ -105,13 +104,7 @@ def _fault(path: Path, message: str, remedy: str, line: int | None = None) -> In
 
 
 def _calibration_file(values: dict[str, Any], path: Path) -> CalibrationFile:
-    material = {
-        f"{section}.{key}": value
-        for section in MATERIAL_SECTIONS
-        for key, value in values.get(section, {}).items()
-    }
-    for key in SIZES:
-        material.pop(f"particle.{key}", None)
+    material = material_values(values)
     angles = tuple(v for v in material.values() if isinstance(v, MeasuredAngle))
     material |= {angle.name: angle.value for angle in angles}
     everything = material | values.get("parameters", {})

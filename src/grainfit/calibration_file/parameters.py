@@ -9,6 +9,7 @@ from typing import Any
 from grainfit.errors import InputError
 from grainfit.materials.parameters import MaterialParameter
 from grainfit.materials.wall_friction import MEASURED_BY_ANGLE, STEEPEST, friction_of_angle
+from grainfit.materials.walls import plain_name
 from grainfit.options.kinds import (
     Choice,
     Kind,
@@ -36,6 +37,12 @@ def _interval_keys(quantity: Quantity) -> tuple[Key, ...]:
         Key("max", quantity, "Upper bound.", required=True),
         _SCALE,
     )
+
+
+def is_value(table: dict[str, Any]) -> bool:
+    """Return whether a table is the value of a parameter: an interval, or a measured angle."""
+    keys = (*_interval_keys(Quantity(None)), *_ANGLE.keys)
+    return any(key.name in table for key in keys)
 
 
 def _note_bad_bounds(values: Values, place: Place) -> bool:
@@ -134,7 +141,7 @@ class FixedOrFree(Kind):
 
     @property
     def _is_angle(self) -> bool:
-        return self.parameter.name in MEASURED_BY_ANGLE
+        return plain_name(self.parameter.name) in MEASURED_BY_ANGLE
 
     @property
     def _quantity(self) -> Quantity:

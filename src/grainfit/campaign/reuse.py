@@ -27,7 +27,7 @@ from grainfit.campaign.campaign import evaluation_of
 from grainfit.campaign.repeats import seeds_of
 from grainfit.campaign.store.records import RunRecord
 from grainfit.campaign.store.store import STORE_NAME, RunStore, not_a_work_folder
-from grainfit.contact_models.registry import MATERIAL_PARAMETERS
+from grainfit.contact_models.registry import material_parameter
 from grainfit.errors import GrainfitError, InputError
 from grainfit.evaluation import (
     Curve,
@@ -178,7 +178,8 @@ class ScaledRunMatcher:
         known = in_si(run, per_density)
         for name, value in self._fixed.items():
             # A stiffness that is fixed says how dense the particles are.
-            if name in known and powers(MATERIAL_PARAMETERS[name].unit)[0]:
+            parameter = material_parameter(name)
+            if parameter is not None and name in known and powers(parameter.unit)[0]:
                 return without_rounding_error(value / known[name])
         low, high = self._densities
         return min(max(run.scale.density, low), high)

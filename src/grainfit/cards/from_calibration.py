@@ -7,7 +7,7 @@ from datetime import UTC, datetime
 
 from grainfit.bulk_tests.base import GRAVITY, TIME_STEP_FRACTION, Conditions
 from grainfit.bulk_tests.registry import recreate_test
-from grainfit.contact_models.registry import MATERIAL_PARAMETERS
+from grainfit.contact_models.registry import in_order, material_parameter
 from grainfit.errors import InputError, StoreError
 from grainfit.materials.card import CardParameter, CardResponse, MaterialCard, Origin, Program
 from grainfit.materials.sizes import ParticleSizes
@@ -76,9 +76,8 @@ def _parameters(
     given = {**(rayleigh.fixed if rayleigh else {}), **reading.fixed}
     values = {**given, **found}
     own = {parameter.name for parameter in reading.problem.measured}
-    first = [name for name in MATERIAL_PARAMETERS if name in values]
-    for name in dict.fromkeys([*first, *values]):
-        known = MATERIAL_PARAMETERS.get(name)
+    for name in dict.fromkeys([*in_order(values), *values]):
+        known = material_parameter(name)
         interval = intervals.get(name)
         yield CardParameter(
             name,

@@ -24,6 +24,7 @@ from dataclasses import dataclass
 from typing import ClassVar, Literal
 
 from grainfit.materials.parameters import MaterialParameter
+from grainfit.materials.walls import same_on_walls
 
 #: Largest share of the Rayleigh time step at which beds with a dashpot against rolling come to rest
 #: with the responses that smaller steps give.
@@ -86,14 +87,16 @@ class ContactModel:
 
     def is_damped(self, material: Mapping[str, float]) -> bool:
         """Return whether a dashpot acts; one whose parameter is not known counts."""
-        return any(material.get(name, 1.0) > 0 for name in self.dashpots)
+        found = {name: same_on_walls(name, material) for name in self.dashpots}
+        return any(not names or max(material[n] for n in names) > 0 for names in found.values())
 
     def set_parameters(self, material: Mapping[str, float]) -> list[str]:
         """Return the names of parameters that a material gives another value than the default."""
         return [
-            parameter.name
+            name
             for parameter in self.parameters
-            if material.get(parameter.name, parameter.default) != parameter.default
+            for name in same_on_walls(parameter.name, material)
+            if material[name] != parameter.default
         ]
 
 

@@ -10,6 +10,7 @@ from grainfit.contact_models.epsd2.contact_model import EPSD2
 from grainfit.contact_models.hertz_mindlin.contact_model import HERTZ_MINDLIN
 from grainfit.errors import Fault, InputError
 from grainfit.materials.parameters import BODY_PARAMETERS, SECTIONS, MaterialParameter
+from grainfit.materials.walls import PLAIN, on_wall, plain_name, wall_of, walls_among
 
 #: A new contact model is a line here. If several models of one kind
 #: have an effect by default, the first one acts.
@@ -37,18 +38,57 @@ def material_parameters(models: Iterable[ContactModel]) -> dict[str, MaterialPar
     return {parameter.name: parameter for parameter in sorted(declared, key=order)}
 
 
-#: All material parameters by dotted name.
+#: All material parameters by dotted name, those of walls with the names of the plain wall.
 MATERIAL_PARAMETERS: Mapping[str, MaterialParameter] = material_parameters(CONTACT_MODELS)
+
+
+def material_parameter(name: str) -> MaterialParameter | None:
+    """Return a material parameter, also one of a wall with a name; None if there is none.
+
+    Examples
+    --------
+    >>> material_parameter("particle_wall.steel.sliding_friction").symbol
+    'μ_pw_steel'
+    """
+    known, wall = MATERIAL_PARAMETERS.get(plain_name(name)), wall_of(name)
+    return known.of_wall(wall) if known is not None and wall else known
+
+
+def is_material_parameter(name: str) -> bool:
+    """Return True for the names of material parameters, those of walls with a name included."""
+    return plain_name(name) in MATERIAL_PARAMETERS
+
+
+def in_order(names: Iterable[str]) -> list[str]:
+    """Return the material parameters among some names, in the order of the calibration file."""
+    places = {name: place for place, name in enumerate(MATERIAL_PARAMETERS)}
+    return sorted(filter(is_material_parameter, names), key=lambda n: places[plain_name(n)])
+
+
+def parameters_of_walls(walls: Iterable[str]) -> list[str]:
+    """Return the names of all material parameters, those of walls for each of some walls."""
+    walls = tuple(walls)
+    return list(
+        dict.fromkeys(
+            one
+            for name in MATERIAL_PARAMETERS
+            for one in ([name] if wall_of(name) is None else [on_wall(name, w) for w in walls])
+        )
+    )
+
+
+def default_values(walls: Iterable[str] = ()) -> dict[str, float]:
+    """Return the defaults of parameters that have one, those of walls with a name included."""
+    return {
+        name: known.default
+        for name in parameters_of_walls((PLAIN, *walls))
+        if (known := MATERIAL_PARAMETERS[plain_name(name)]).default is not None
+    }
 
 
 def with_defaults(values: Mapping[str, float]) -> dict[str, float]:
     """Return the values of a material, completed by the defaults of parameters not given."""
-    defaults = {
-        name: known.default
-        for name, known in MATERIAL_PARAMETERS.items()
-        if known.default is not None
-    }
-    return {**defaults, **values}
+    return {**default_values(walls_among(values)), **values}
 
 
 def simulated_material(values: Mapping[str, float], factor: float) -> dict[str, float]:
@@ -70,9 +110,9 @@ def simulated_material(values: Mapping[str, float], factor: float) -> dict[str, 
     ----------
     Bierwisch, Kraft, Riedel & Moseler (2009), J. Mech. Phys. Solids 57:10-31.
     """
-    known = MATERIAL_PARAMETERS
-    powers = {name: known[name].coarse_graining_power for name in values.keys() & known.keys()}
-    return {name: value * factor ** powers.get(name, 0.0) for name, value in values.items()}
+    known = {name: material_parameter(name) for name in values}
+    powers = {name: 0.0 if p is None else p.coarse_graining_power for name, p in known.items()}
+    return {name: value * factor ** powers[name] for name, value in values.items()}
 
 
 def contact_law(
@@ -196,7 +236,8 @@ def contact_law_faults(
         law = contact_law(material, chosen)
     except InputError as error:
         return list(error.faults)
-    idle = sorted(parameters_without_effect(chosen) & material.keys())
+    without_effect = parameters_without_effect(chosen)
+    idle = sorted(name for name in material if plain_name(name) in without_effect)
     return [
         *(_not_in(solver, model, material) for model in law.without(solver)),
         *(no_effect(name, chosen) for name in idle),

@@ -7,7 +7,9 @@ in `grainfit.contact_models.registry`.
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+
+from grainfit.materials.walls import on_wall
 
 
 @dataclass(frozen=True)
@@ -49,8 +51,24 @@ class MaterialParameter:
 
     @property
     def key(self) -> str:
-        """Key in its section."""
-        return self.name.partition(".")[2]
+        """Key in its section, or in that of its wall."""
+        return self.name.rpartition(".")[2]
+
+    def of_wall(self, wall: str) -> MaterialParameter:
+        """Return the same parameter of a wall with a name.
+
+        Examples
+        --------
+        >>> BODY_PARAMETERS[1].of_wall("steel").symbol
+        'E_w_steel'
+        """
+        # Underscores part the words of an index.
+        return replace(
+            self,
+            name=on_wall(self.name, wall),
+            symbol=f"{self.symbol}_{wall.replace('_', ' ')}",
+            description=f"{self.description} ({wall})",
+        )
 
 
 #: Sections in the order of the calibration file: their words in a description, index of symbols.

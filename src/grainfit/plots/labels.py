@@ -8,7 +8,7 @@ from html import escape
 from markupsafe import Markup
 
 from grainfit.bulk_tests.registry import response_info
-from grainfit.contact_models.registry import MATERIAL_PARAMETERS
+from grainfit.contact_models.registry import material_parameter
 from grainfit.formatting import plain, unit_for_people
 from grainfit.work_folder.saved_calibration import SavedCalibration
 
@@ -72,7 +72,7 @@ class Label:
 
 def parameter_label(name: str, unit: str = "") -> Label:
     """Return the label of a parameter; a custom one is called by its name."""
-    known = MATERIAL_PARAMETERS.get(name)
+    known = material_parameter(name)
     if known is None:
         return Label(name, name, unit_for_people(unit), "")
     return Label(name, known.symbol, unit_for_people(known.unit), known.description)

@@ -51,10 +51,8 @@ def preview_tests(
 
 
 def _previewed(name: str, solver: Solver, values: Mapping[str, float], seed: int) -> PreviewedTest:
-    test = solver.bulk_test
-    assert test is not None
     try:
-        scene = test.scene(solver.run_parameters(values), seed)
+        scene = solver.experiment(values, seed)
         geometry = geometry_of(scene)
     except RunFailedError as error:
         raise InputError(Fault(f"test {name}", f"{error.reason.rstrip('.')}.")) from error

@@ -18,6 +18,7 @@ from grainfit.contact_models.registry import contact_law
 from grainfit.errors import Fault, InputError
 from grainfit.materials.sizes import ParticleSizes
 from grainfit.materials.time_step import rayleigh_time_step
+from grainfit.materials.walls import on_wall
 from grainfit.scenes.conditions import Clear, Condition, Loaded
 from grainfit.scenes.glued import Glued
 from grainfit.scenes.packing import Column
@@ -275,8 +276,13 @@ class Scene:
 
     @property
     def law(self) -> ContactLaw:
-        """Contact models that act."""
-        return contact_law(self.material, self.contact_models)
+        """Contact models that act between particles or on any surface."""
+        own = {
+            on_wall(name, surface): value
+            for surface, values in self.surfaces.items()
+            for name, value in values.items()
+        }
+        return contact_law({**self.material, **own}, self.contact_models)
 
     def material_on(self, surface: str) -> dict[str, float]:
         """Return the material parameters for contacts with a surface."""

@@ -28,6 +28,7 @@ from grainfit.run_definition import RunDefinition, without_defaults
 if TYPE_CHECKING:
     # Imports NumPy, which the state of a calibration does without.
     from grainfit.bulk_tests.base import BulkTest
+    from grainfit.scenes.scene import Scene
 
 
 @dataclass(frozen=True)
@@ -78,6 +79,11 @@ class Solver(ABC):
     def bulk_test(self) -> BulkTest | None:
         """The bulk test that it simulates; None for a model of the user."""
         return None
+
+    @property
+    def walls(self) -> Mapping[str, str]:
+        """Walls with a name by the parts of its bulk test; the others are of the plain wall."""
+        return {}
 
     def run_parameters(self, parameters: Mapping[str, float]) -> dict[str, float]:
         """Return the values of all parameters that a run depends on, free or fixed.
@@ -166,6 +172,19 @@ class Solver(ABC):
     def readiness(self) -> str:
         """Return the message that the solver is ready; called after `check`."""
         return f"{self.name} {self.version()}".rstrip() + " is ready."
+
+    def experiment(self, parameters: Mapping[str, float], seed: int) -> Scene:
+        """Return the scene of a run of its bulk test, even if the program cannot simulate it.
+
+        Raises
+        ------
+        InputError
+            The material is impossible.
+        RunFailedError
+            The test is of the user, and its function failed.
+        """
+        assert self.bulk_test is not None, "models of the user have no scene"
+        return self.bulk_test.scene(self.run_parameters(parameters), seed)
 
     def estimate_cost(self, parameters: Mapping[str, float]) -> RunCost | None:  # noqa: ARG002
         """Estimate the cost of a run; None if it is unknown."""

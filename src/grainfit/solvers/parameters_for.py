@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from typing_extensions import override
 
 from grainfit.bulk_tests.run_cost import RunCost
-from grainfit.contact_models.registry import MATERIAL_PARAMETERS
+from grainfit.contact_models.registry import is_material_parameter
 from grainfit.errors import Fault
 from grainfit.evaluation import Measured
 from grainfit.solvers.base import Solver, Workspace
@@ -17,6 +17,7 @@ from grainfit.solvers.base import Solver, Workspace
 if TYPE_CHECKING:
     # Imports NumPy, which the state of a calibration does without.
     from grainfit.bulk_tests.base import BulkTest
+    from grainfit.scenes.scene import Scene
 
 
 @dataclass(frozen=True)
@@ -71,6 +72,12 @@ class ParametersFor(Solver):
     def bulk_test(self) -> BulkTest | None:
         """The bulk test of the solver."""
         return self.solver.bulk_test
+
+    @property
+    @override
+    def walls(self) -> Mapping[str, str]:
+        """Walls with a name by the parts of its bulk test."""
+        return self.solver.walls
 
     @override
     def model(self) -> Mapping[str, Any]:
@@ -128,6 +135,11 @@ class ParametersFor(Solver):
         return self.solver.readiness()
 
     @override
+    def experiment(self, parameters: Mapping[str, float], seed: int) -> Scene:
+        """Return the scene of a run of the solver."""
+        return self.solver.experiment(self._taken(parameters), seed)
+
+    @override
     def estimate_cost(self, parameters: Mapping[str, float]) -> RunCost | None:
         """Estimate the cost of a run."""
         return self.solver.estimate_cost(self._taken(parameters))
@@ -145,6 +157,6 @@ class ParametersFor(Solver):
 
 def of_material(solver: Solver, free: Iterable[str]) -> Solver:
     """Return a solver of bulk tests that is passed only the material parameters among free ones."""
-    if MATERIAL_PARAMETERS.keys() >= set(free):
+    if all(is_material_parameter(name) for name in free):
         return solver
-    return ParametersFor(solver, takes=MATERIAL_PARAMETERS.__contains__)
+    return ParametersFor(solver, takes=is_material_parameter)

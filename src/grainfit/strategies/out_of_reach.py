@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import minimize
 
-from grainfit.contact_models.registry import MATERIAL_PARAMETERS
+from grainfit.contact_models.registry import material_parameter
 from grainfit.metamodels.designs import maximin_latin_hypercube
 from grainfit.metamodels.metamodels import Metamodels
 from grainfit.problem import Parameter, Problem, Target
@@ -146,7 +146,7 @@ def _suggestion(parameter: Parameter, position: float, bound: float, upper: bool
 
 def _within_physics(name: str, value: float, bound: float, upper: bool) -> float | None:
     """Physically possible suggestion, or None if the bound is already at the limit."""
-    known = MATERIAL_PARAMETERS.get(name)
+    known = material_parameter(name)
     if known is None:
         return value
     possible = min(value, known.highest) if upper else max(value, known.lowest)

@@ -144,6 +144,13 @@ class BulkTestContract:
             with pytest.raises(InputError, match="does not define"):
                 recreate_test(RunDefinition({"test": damaged}, {}, 1))
 
+    def test_every_wall_of_the_scene_belongs_to_one_part(self, bulk_test: BulkTest) -> None:
+        pieces = [piece for walls in (bulk_test.parts or {}).values() for piece in walls]
+
+        assert len(pieces) == len(set(pieces))
+        if bulk_test.parts is not None:
+            assert bulk_test.scene(self.material, _SEED).all_walls().keys() <= set(pieces)
+
     # --- options -------------------------------------------------------------------------------
 
     def test_every_option_is_described_and_in_the_schema(self, bulk_test: BulkTest) -> None:

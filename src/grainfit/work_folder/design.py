@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 
@@ -14,6 +14,7 @@ from grainfit.analysis.bench import Bench, material_of, other_tests
 from grainfit.analysis.information import Knowledge, recorded_measurable
 from grainfit.analysis.slopes import Cloud, corners
 from grainfit.analysis.test_plan import TestPlan, plan_tests
+from grainfit.analysis.wall_sensitivities import on_walls, without_sensitivities
 from grainfit.calibration_file.accuracies import read_accuracies
 from grainfit.calibration_file.planned import PlannedFile, load_planned_file
 from grainfit.campaign.batch import ExpectedWork
@@ -97,7 +98,8 @@ def design(
     if not simulate:
         found, missing = _recorded(planned, bench, middle, accuracy)
         before = Knowledge.of_intervals(parameters)
-        return plan_tests(found, before, wanted, bench.without(missing).remarks(), _RECORDED)
+        remarks = [*bench.without(missing).remarks(), *_unrecorded(bench, middle)]
+        return plan_tests(found, before, wanted, remarks, _RECORDED)
     cloud = _even_spread(parameters)
     points = _points(parameters)
     folder = Path(workdir or default_workdir(planned.file.path))
@@ -136,7 +138,11 @@ def _recorded(
         assert solver.bulk_test is not None, "the bench has bulk tests only"
         responses = [
             recorded_measurable(
-                f"{test}.{name}", info, material, planned.value(test, name, info), accuracy
+                f"{test}.{name}",
+                on_walls(info, solver),
+                material,
+                planned.value(test, name, info),
+                accuracy,
             )
             for name, info in solver.bulk_test.responses.items()
             if (accuracy := accuracy_of(test, name, info)) is not None
@@ -147,6 +153,13 @@ def _recorded(
         else:
             missing[test] = "Its sensitivities are not recorded; --simulate finds them."
     return found, missing
+
+
+def _unrecorded(bench: Bench, free: Collection[str]) -> Iterator[str]:
+    """Yield sentences on free parameters of walls whose effect on a test is not recorded."""
+    for test, solver in bench.solvers.items():
+        for name in sorted(without_sensitivities(solver).intersection(free)):
+            yield f"The effect of {name} on {test} is not recorded; --simulate finds it."
 
 
 def _points(parameters: Sequence[Parameter]) -> list[dict[str, float]]:

@@ -11,7 +11,7 @@ import pandas as pd
 from grainfit.bulk_tests.registry import class_of_test
 from grainfit.campaign.store.records import RunRecord
 from grainfit.campaign.store.store import RunStore
-from grainfit.contact_models.registry import MATERIAL_PARAMETERS
+from grainfit.contact_models.registry import material_parameter
 from grainfit.errors import Fault, InputError
 from grainfit.evaluation import ERROR_SUFFIX, scalars
 
@@ -61,9 +61,9 @@ def runs_table(records: Iterable[RunRecord]) -> pd.DataFrame:
     units = {
         "seconds": "s",
         **{
-            c: MATERIAL_PARAMETERS[n].unit
-            for n, c in parameters.items()
-            if n in MATERIAL_PARAMETERS
+            column: known.unit
+            for name, column in parameters.items()
+            if (known := material_parameter(name)) is not None
         },
     }
     for name, column in responses.items():

@@ -14,7 +14,7 @@ from grainfit.campaign.campaign import evaluation_of
 from grainfit.campaign.store.records import CalibrationRecord, RequestRecord, RunRecord
 from grainfit.campaign.store.store import STORE_NAME, UNUSABLE
 from grainfit.campaign.work_folder import RESULT_NAME, read_record, run_folder
-from grainfit.contact_models.registry import MATERIAL_PARAMETERS
+from grainfit.contact_models.registry import material_parameter
 from grainfit.curve_target import CurveTarget
 from grainfit.errors import Fault, GrainfitError, InputError, StoreError
 from grainfit.evaluation import ERROR_SUFFIX, Evaluation, names_of_tests, response_name
@@ -256,7 +256,8 @@ def _saved(
         result, fault = None, damaged_result(folder / RESULT_NAME, why)
     free = {parameter.name: parameter.unit for parameter in problem.parameters}
     fixed = {**_material(records.values(), free), **provenance.fixed}
-    known = {name: known.unit for name, known in MATERIAL_PARAMETERS.items()}
+    declared = {name: material_parameter(name) for name in {**fixed, **free}}
+    known = {name: found.unit for name, found in declared.items() if found is not None}
     return SavedCalibration(
         folder=folder,
         name=calibration.name,
@@ -274,7 +275,7 @@ def _saved(
         result=result,
         result_fault=fault,
         fixed=fixed,
-        units={n: u for n, u in {**known, **provenance.units, **free}.items() if n in fixed | free},
+        units={n: u for n, u in {**known, **provenance.units, **free}.items() if n in declared},
         source=provenance.file,
         source_text=provenance.text,
         version=str(about.get("version", "")),

@@ -53,5 +53,12 @@ def solver_of_run(record: RunRecord, free: set[str]) -> Solver:
             )
         )
     fixed = {name: value for name, value in definition.parameters.items() if name not in free}
-    ranks, models = definition.model.get("ranks", 1), definition.model.get("contact_models", ())
-    return of_material(program(test, fixed, int(ranks), contact_models=models), free)
+    model = definition.model
+    solver = program(
+        test,
+        fixed,
+        int(model.get("ranks", 1)),
+        contact_models=model.get("contact_models", ()),
+        walls=model.get("walls"),
+    )
+    return of_material(solver, free)

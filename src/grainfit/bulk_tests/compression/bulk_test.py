@@ -104,6 +104,11 @@ class Compression(BulkTest):
 
     type: ClassVar[str] = "compression"
     title: ClassVar[str] = "uniaxial, confined"
+    parts: ClassVar[Mapping[str, tuple[str, ...]]] = {
+        "pot": ("pot",),
+        "floor": ("floor",),
+        "piston": ("piston",),
+    }
     overlap_law: ClassVar[OverlapLaw] = UNDER_A_STRESS
     shown: ClassVar[Shown | None] = Shown(
         "bed", "loading_modulus", snapshot_file(_LOADED), _PICTURE

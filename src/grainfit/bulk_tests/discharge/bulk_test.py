@@ -74,6 +74,11 @@ class Discharge(BulkTest):
 
     type: ClassVar[str] = "discharge"
     title: ClassVar[str] = "flat-bottomed container"
+    parts: ClassVar[Mapping[str, tuple[str, ...]]] = {
+        # A box with a slot, or a tube with a round orifice.
+        "container": ("left", "right", "tube"),
+        "floor": ("left_shelf", "right_shelf", "floor", "door"),
+    }
     revision: ClassVar[int] = 1
     shown: ClassVar[Shown | None] = Shown("discharge", "mass_flow", snapshot_file(END), _PICTURE)
     responses: ClassVar[Mapping[str, ResponseInfo]] = {

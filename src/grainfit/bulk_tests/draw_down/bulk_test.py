@@ -83,6 +83,14 @@ class DrawDown(BulkTest):
 
     type: ClassVar[str] = "draw_down"
     title: ClassVar[str] = "two boxes and a slot"
+    parts: ClassVar[Mapping[str, tuple[str, ...]]] = {
+        "box": ("left", "right"),
+        "shelf": ("left_shelf", "right_shelf", "door"),
+        "floor": ("floor",),
+    }
+    own_friction: ClassVar[Mapping[str, tuple[str, ...]]] = {
+        "floor": ("floor_sliding_friction", "floor_rolling_friction")
+    }
     revision: ClassVar[int] = 1
     shown: ClassVar[Shown | None] = Shown(
         "draw-down", "angle_of_repose", snapshot_file(END), _PICTURE

@@ -71,6 +71,7 @@ class Drum(BulkTest):
 
     type: ClassVar[str] = "drum"
     title: ClassVar[str] = "rotating"
+    parts: ClassVar[Mapping[str, tuple[str, ...]]] = {"drum": ("drum",)}
     shown: ClassVar[Shown | None] = Shown("bed", "dynamic_angle", snapshot_file(_FRAMES), _PICTURE)
     responses: ClassVar[Mapping[str, ResponseInfo]] = {
         "dynamic_angle": ResponseInfo(

@@ -86,6 +86,13 @@ class Heap(BulkTest):
 
     type: ClassVar[str] = "heap"
     title: ClassVar[str] = "lifted cylinder"
+    parts: ClassVar[Mapping[str, tuple[str, ...]]] = {
+        "cylinder": ("cylinder",),
+        "plate": ("plate", "rim"),
+    }
+    own_friction: ClassVar[Mapping[str, tuple[str, ...]]] = {
+        "plate": ("plate_sliding_friction", "plate_rolling_friction")
+    }
     shown: ClassVar[Shown | None] = Shown("heap", "angle_of_repose", snapshot_file(_HEAP), _PICTURE)
     responses: ClassVar[Mapping[str, ResponseInfo]] = {
         "bulk_density": ResponseInfo(

@@ -15,6 +15,7 @@ from grainfit.bulk_tests.base import (
     TIME_STEP_FRACTION,
     BulkTest,
     ResponseInfo,
+    parts_of,
     read_sizes,
 )
 from grainfit.bulk_tests.own_scene.options import OptionValue
@@ -331,6 +332,12 @@ class OwnScene(BulkTest):
     def concepts(self, material: Mapping[str, float] | None = None) -> set[str]:
         """Return the concepts of the scene; none as long as the material is unknown."""
         return set() if material is None else self.planned(material).concepts()
+
+    def scene_parts(
+        self, material: Mapping[str, float] | None = None
+    ) -> Mapping[str, tuple[str, ...]]:
+        """Return every wall of the scene as a part; none as long as the material is unknown."""
+        return {} if material is None else parts_of(self.planned(material))
 
     def estimate_cost(self, solver: str, material: Mapping[str, float], ranks: int = 1) -> RunCost:
         """Estimate the cost of one run from its scene.

@@ -59,6 +59,10 @@ class Packing(BulkTest):
 
     type: ClassVar[str] = "packing"
     title: ClassVar[str] = "poured container"
+    parts: ClassVar[Mapping[str, tuple[str, ...]]] = {
+        "container": ("container",),
+        "floor": ("floor",),
+    }
     shown: ClassVar[Shown | None] = Shown("bed", "bulk_density", snapshot_file(_BED), _PICTURE)
     responses: ClassVar[Mapping[str, ResponseInfo]] = {
         "bulk_density": ResponseInfo(

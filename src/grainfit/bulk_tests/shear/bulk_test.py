@@ -91,6 +91,8 @@ class Shear(BulkTest):
 
     type: ClassVar[str] = "shear"
     title: ClassVar[str] = "plane shear under a normal stress"
+    #: Both plates are glued particles.
+    parts: ClassVar[Mapping[str, tuple[str, ...]]] = {}
     overlap_law: ClassVar[OverlapLaw] = IN_SHEAR
     shown: ClassVar[Shown | None] = Shown(
         "bed", "internal_friction_angle", snapshot_file(_LAST), _PICTURE

@@ -13,6 +13,8 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+from grainfit.materials.walls import same_on_walls
+
 #: Contact time of an elastic impact, divided by largest overlap over speed:
 #: 4/5 sqrt(pi) Gamma(2/5) / Gamma(9/10).
 _IMPACT_TIME = 4 / 5 * math.sqrt(math.pi) * math.gamma(2 / 5) / math.gamma(9 / 10)
@@ -135,9 +137,10 @@ def safe_time_step(material: Mapping[str, float]) -> float:
     [0.108, 0.128, 0.165, 0.2]
     """
     names = ("particle_particle.restitution", "particle_wall.restitution")
-    if not material.keys() >= set(names):
+    found = [same_on_walls(name, material) for name in names]
+    if not all(found):
         return _USUALLY_SAFE
-    lowest = min(material[name] for name in names)
+    lowest = min(material[name] for names_on_walls in found for name in names_on_walls)
     return min(_SAFE, _SAFE * _stable_share(lowest) / _stable_share(_RESTITUTION))
 
 

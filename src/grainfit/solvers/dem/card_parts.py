@@ -10,9 +10,10 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from grainfit.contact_models.base import ContactLaw
 from grainfit.contact_models.registry import (
-    MATERIAL_PARAMETERS,
     contact_law,
     contact_law_faults,
+    material_parameter,
+    parameters_of_walls,
     simulated_material,
     with_defaults,
 )
@@ -20,8 +21,9 @@ from grainfit.errors import Fault, InputError
 from grainfit.formatting import variable_name
 from grainfit.materials.card import CardParameter, MaterialCard
 from grainfit.materials.card_text import comment
-from grainfit.materials.parameters import BODY_PARAMETERS
+from grainfit.materials.parameters import BODY_PARAMETERS, MaterialParameter
 from grainfit.materials.sizes import ParticleSizes
+from grainfit.materials.walls import PLAIN, plain_name, walls_among
 
 _DECKS = {"lammps": "LAMMPS", "liggghts": "LIGGGHTS", "yade": "YADE"}
 #: Parameters of particles and walls that influence contacts.
@@ -76,12 +78,13 @@ def require_material(card: MaterialCard, solver: str) -> tuple[dict[str, float],
         raise InputError(faults)
     law = contact_law(values, card.contact_models)
     needs = _BODIES | law.needs(solver)
-    needed = [name for name in MATERIAL_PARAMETERS if name in needs]
+    needed = [n for n in parameters_of_walls(walls_of_card(card)) if plain_name(n) in needs]
     _require_nothing_missing([name for name in needed if name not in values], solver)
     faults = [
-        Fault(name, f"is {values[name]:g}, which no card for {solver} can hold.", _limits(name))
+        Fault(name, f"is {values[name]:g}, which no card for {solver} can hold.", _limits(known))
         for name in needed
-        if not MATERIAL_PARAMETERS[name].lowest <= values[name] <= MATERIAL_PARAMETERS[name].highest
+        if (known := material_parameter(name)) is not None
+        and not known.lowest <= values[name] <= known.highest
     ]
     if faults:
         raise InputError(faults)
@@ -115,8 +118,12 @@ def _require_nothing_missing(missing: Sequence[str], solver: str) -> None:
         )
 
 
-def _limits(name: str) -> str:
-    known = MATERIAL_PARAMETERS[name]
+def walls_of_card(card: MaterialCard) -> tuple[str, ...]:
+    """Return the walls that a card has parameters of, at least the plain one."""
+    return walls_among(card.values) or (PLAIN,)
+
+
+def _limits(known: MaterialParameter) -> str:
     return f"It must be from {known.lowest:g} to {known.highest:g} {known.unit}".rstrip() + "."
 
 

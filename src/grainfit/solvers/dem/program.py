@@ -9,7 +9,7 @@ import shutil
 import subprocess
 import tempfile
 from abc import abstractmethod
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property, lru_cache
 from pathlib import Path
@@ -22,6 +22,9 @@ from grainfit.bulk_tests.run_cost import RunCost
 from grainfit.contact_models.registry import (
     MATERIAL_PARAMETERS,
     contact_law_faults,
+    default_values,
+    material_parameter,
+    parameters_of_walls,
     parameters_without_effect,
     simulated_material,
     unusual_models,
@@ -36,10 +39,12 @@ from grainfit.errors import (
 )
 from grainfit.evaluation import Measured
 from grainfit.files import log_tail, text_of
+from grainfit.materials.walls import plain_name, wall_of
 from grainfit.scenes.run_output import RunOutput
 from grainfit.scenes.scene import Scene
 from grainfit.solvers.base import Solver, Workspace
 from grainfit.solvers.dem.deck import SceneDeck
+from grainfit.solvers.dem.parts import PartsOnWalls
 from grainfit.solvers.process.process import LOG_NAME, recorded_faults, run_process
 from grainfit.units import UnitError, to_unit
 
@@ -62,13 +67,16 @@ class DeckSolver(Solver):
         be named in a calibration file from somebody else.
     contact_models : iterable of str
         Contact models that replace the usual ones of their kind, such as ``"epsd2"``.
+    walls : mapping of str to str, optional
+        Walls with a name, by the parts of the test that are made of them, such as
+        ``{"plate": "steel"}``; the other parts are of the plain wall.
 
     Raises
     ------
     InputError
         A parameter is unknown, physically impossible, or belongs to a contact model that the solver
-        does not have, the test means nothing with the material, or the number of ranks is below
-        one.
+        does not have, the test means nothing with the material, it has no such part, or the number
+        of ranks is below one.
     """
 
     #: Name of the program for people, its usual name on the search path, and how to install it.
@@ -91,14 +99,16 @@ class DeckSolver(Solver):
         ranks: int = 1,
         executable: str | None = None,
         contact_models: Iterable[str] = (),
+        walls: Mapping[str, str] | None = None,
     ) -> None:
         if ranks < 1:
             raise InputError(Fault("ranks", f"{ranks} must be at least 1."))
         self.test = test
+        self._parts = PartsOnWalls(test, walls or {})
         self.material = _in_si(material)
         self.contact_models = unusual_models(contact_models)
         self._require_possible(self.material)
-        faults = [*test.material_faults(self.material)]
+        faults = [*test.material_faults(self._parts.material_of_test(self.material))]
         if faults:
             raise InputError(faults)
         self.ranks = ranks
@@ -116,6 +126,12 @@ class DeckSolver(Solver):
         """The bulk test that it simulates."""
         return self.test
 
+    @property
+    @override
+    def walls(self) -> Mapping[str, str]:
+        """Walls with a name by the parts of its bulk test."""
+        return self._parts.walls
+
     @override
     def model(self) -> Mapping[str, Any]:
         """Return solver, version, ranks and test."""
@@ -129,19 +145,28 @@ class DeckSolver(Solver):
             # Another number of ranks sums forces in another order, which gives another heap.
             "ranks": self.ranks,
             "test": self.test.definition(),
-            # Without a choice, runs keep the identity that they had before there was one.
+            # Without a choice, runs keep the identity that they had before there were any.
             **({"contact_models": list(self.contact_models)} if self.contact_models else {}),
+            **({"walls": dict(sorted(self.walls.items()))} if self.walls else {}),
         }
 
     @property
     @override
     def defaults(self) -> Mapping[str, float]:
         """Default values of material parameters."""
-        return with_defaults({})
+        return default_values(self._parts.named)
+
+    @override
+    def depends_on(self, names: Sequence[str]) -> tuple[str, ...]:
+        """Return the parameters of the particles, and of walls that a part is made of."""
+        used = self._parts.used({*self.material, *names})
+        return tuple(name for name in names if wall_of(name) in (None, *used))
 
     @override
     def run_parameters(self, parameters: Mapping[str, float]) -> dict[str, float]:
         """Return all material parameters, given the values of the free ones.
+
+        Those of walls are those of the walls that a part of the test is made of.
 
         Raises
         ------
@@ -149,10 +174,12 @@ class DeckSolver(Solver):
             A name is not a material parameter, a value is missing or physically impossible, or it
             belongs to a contact model that the solver does not have.
         """
-        values = with_defaults({**self.material, **parameters})
+        given = {**self.material, **parameters}
+        used = self._parts.used(given)
+        values = with_defaults(given)
         self._require_possible(values)
         idle = parameters_without_effect(self.contact_models)
-        needed = [name for name in MATERIAL_PARAMETERS if name not in idle]
+        needed = [name for name in parameters_of_walls(used) if plain_name(name) not in idle]
         missing = [name for name in needed if name not in values]
         if missing:
             raise InputError([Fault(name, "has no value.") for name in missing])
@@ -177,7 +204,7 @@ class DeckSolver(Solver):
             response cannot be measured.
         """
         material = self.run_parameters(parameters)
-        for fault in self.test.material_faults(material):
+        for fault in self.test.material_faults(self._parts.material_of_test(material)):
             raise RunFailedError(str(fault))
         with recorded_faults(workspace):
             run = self.simulate(self._scene(material, seed), workspace)
@@ -210,7 +237,8 @@ class DeckSolver(Solver):
         worse = self.test.worse_ends
         for end in (0, 1):
             values = {name: ends[worse.get(name, end)] for name, ends in intervals.items()}
-            faults += self.test.material_faults({**self.material, **values})
+            material = self._parts.material_of_test({**self.material, **values})
+            faults += self.test.material_faults(material)
         return list(dict.fromkeys(faults))
 
     def _require_concepts(self, concepts: Iterable[str]) -> None:
@@ -286,10 +314,17 @@ class DeckSolver(Solver):
         InputError
             The material is impossible, or the program lacks a concept of its scene.
         """
-        material = self.run_parameters(parameters)
+        values = self.run_parameters(parameters)
+        material = self._parts.material_of_test(values)
+        self._parts.require_parts(values)
         if self.missing:
             self._require_concepts(self.test.concepts(material))
         return self.test.estimate_cost(self.name, material, self.ranks)
+
+    @override
+    def experiment(self, parameters: Mapping[str, float], seed: int) -> Scene:
+        """Return the scene of a run, even if the program lacks a concept of it."""
+        return self._scene(self.run_parameters(parameters), seed)
 
     def scene(self, parameters: Mapping[str, float], seed: int) -> Scene:
         """Return the scene of a run.
@@ -299,13 +334,13 @@ class DeckSolver(Solver):
         InputError
             The material is impossible, or the program lacks a concept of its scene.
         """
-        scene = self._scene(self.run_parameters(parameters), seed)
+        scene = self.experiment(parameters, seed)
         self._require_concepts(scene.concepts())
         return scene
 
     def _scene(self, material: Mapping[str, float], seed: int) -> Scene:
         factor = self.test.sizes.coarse_graining
-        return self.test.scene(simulated_material(material, factor), seed)
+        return self._parts.scene(simulated_material(material, factor), seed)
 
     @override
     def default_timeout(self, parameters: Mapping[str, float]) -> float:
@@ -369,19 +404,20 @@ def _in_si(material: Mapping[str, float | str]) -> dict[str, float]:
 
 
 def _unit(name: str) -> str:
-    return MATERIAL_PARAMETERS[name].unit if name in MATERIAL_PARAMETERS else ""
+    known = material_parameter(name)
+    return "" if known is None else known.unit
 
 
 def _impossible(material: Mapping[str, float]) -> Iterator[Fault]:
     for name, value in material.items():
-        if name not in MATERIAL_PARAMETERS:
+        known = material_parameter(name)
+        if known is None:
             yield Fault(
                 name,
                 "is not a material parameter.",
                 f"Use one of {', '.join(MATERIAL_PARAMETERS)}.",
             )
             continue
-        known = MATERIAL_PARAMETERS[name]
         if not (math.isfinite(value) and known.lowest <= value <= known.highest):
             yield Fault(
                 name,

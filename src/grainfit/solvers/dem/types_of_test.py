@@ -8,11 +8,13 @@ from dataclasses import replace
 from functools import partial
 
 from grainfit.bulk_tests.base import TIME_STEP_FRACTION, BulkTest
-from grainfit.contact_models.registry import MATERIAL_PARAMETERS, contact_law
-from grainfit.options.kinds import Choice, Whole
+from grainfit.contact_models.registry import contact_law, is_material_parameter
+from grainfit.materials.walls import wall_of, walls_among
+from grainfit.options.kinds import Choice, Name, Whole
 from grainfit.options.paths import Program
-from grainfit.options.tables import Key
+from grainfit.options.tables import Key, Named, Table
 from grainfit.solvers.base import Solver
+from grainfit.solvers.dem.parts import parts_on_walls, walls_of
 from grainfit.solvers.dem.program import DeckSolver
 from grainfit.solvers.parameters_for import of_material
 from grainfit.solvers.type_of_test import TIMEOUT_KEY, FileEntry, TypeOfTest
@@ -24,7 +26,7 @@ def simulated(test: type[BulkTest], programs: Programs) -> TypeOfTest:
     """Return the type of test of a calibration file that simulates a bulk test."""
     return TypeOfTest(
         test.type,
-        (*_program_keys(tuple(programs)), *test.option_keys()),
+        (*_program_keys(tuple(programs)), *test.option_keys(), *_wall_keys(test)),
         partial(_solver, test, programs),
         test,
     )
@@ -57,20 +59,48 @@ def _program_keys(possible: tuple[str, ...]) -> tuple[Key, ...]:
     )
 
 
+def _wall_keys(test: type[BulkTest]) -> tuple[Key, ...]:
+    """Return the key that says what the parts of a test are made of; none without parts."""
+    if test.parts == {}:
+        return ()
+    names = "every wall of the scene" if test.parts is None else ", ".join(test.parts)
+    kind = (
+        Named(Name())
+        if test.parts is None
+        else Table(tuple(Key(part, Name(), f"Wall of the {part}.") for part in test.parts))
+    )
+    return (
+        Key(
+            "walls",
+            kind,
+            f"Walls with a name, [wall.NAME], that its parts are made of. Parts: {names}.",
+            default="the plain [wall], or the only one",
+            example=f'{{ {next(iter(test.parts or ("blade",)))} = "steel" }}',
+        ),
+    )
+
+
 def _solver(test: type[BulkTest], programs: Programs, entry: FileEntry) -> Solver:
     names = [key.name for key in test.option_keys()]
     options = {name: entry.options[name] for name in names if name in entry.options}
+    declared = walls_among((*entry.fixed, *entry.free))
+    walls = parts_on_walls(test, entry.options.get("walls", {}), declared)
+    used = (None, *walls_of(test, walls))
+    fixed = {
+        n: v for n, v in entry.fixed.items() if is_material_parameter(n) and wall_of(n) in used
+    }
     if entry.contact_models:
-        law = contact_law(entry.fixed, entry.contact_models)
+        law = contact_law(fixed, entry.contact_models)
         # Rounded down: the share becomes part of a run's identity.
-        safe = math.floor(100 * law.time_step_fraction(entry.fixed)) / 100
+        safe = math.floor(100 * law.time_step_fraction(fixed)) / 100
         options.setdefault("time_step_fraction", min(TIME_STEP_FRACTION, safe))
     assert entry.sizes is not None, "a file with a simulated test has been checked to have sizes"
     solver = programs[entry.options["solver"]](
         test(entry.sizes, **options).with_targets(entry.responses),
-        {name: value for name, value in entry.fixed.items() if name in MATERIAL_PARAMETERS},
+        fixed,
         entry.options.get("ranks", 1),
         entry.options.get("executable"),
         entry.contact_models,
+        walls,
     )
     return of_material(solver, entry.free)

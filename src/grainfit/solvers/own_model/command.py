@@ -22,6 +22,7 @@ from grainfit.evaluation import Measured
 from grainfit.exchange import finite_parameters, read_responses
 from grainfit.files import LARGEST_RESPONSES, is_file, log_tail, read_within
 from grainfit.formatting import variable_name
+from grainfit.materials.walls import wall_of
 from grainfit.options.python_file import PythonFile
 from grainfit.solvers.base import Solver, Workspace
 from grainfit.solvers.own_model import measure_folder
@@ -302,9 +303,11 @@ class Command(Solver):
             raise InputError(faults, str(self._model.path))
 
     def _mentions(self, name: str) -> bool:
+        if any(word.encode() in self._text for word in (JSON_NAME, variable_name(name))):
+            return True
         # A template may use only the last part: {% set p = particle %}{{ p.density }}.
-        words = (JSON_NAME, name.rpartition(".")[2], variable_name(name))
-        return any(word.encode() in self._text for word in words)
+        words = (name.rpartition(".")[2], wall_of(name) or "")
+        return all(word.encode() in self._text for word in words)
 
     def _require_program(self) -> None:
         program = self._command[0]

@@ -10,6 +10,7 @@ from grainfit.contact_models.contact import Contact
 from grainfit.contact_models.lammps import lammps_clauses, lammps_words
 from grainfit.materials.card import MaterialCard
 from grainfit.materials.card_text import about, header
+from grainfit.materials.walls import material_on
 from grainfit.solvers.dem.card_parts import (
     comments,
     fill,
@@ -17,6 +18,7 @@ from grainfit.solvers.dem.card_parts import (
     require_material,
     require_sizes,
     variables,
+    walls_of_card,
 )
 
 _TAKEN = ("rayleigh_time_step", "recommended_time_step")
@@ -36,12 +38,15 @@ class _ContactVariable:
         Suffix for contacts of different diameters; empty if there is only one diameter.
     coefficients : str
         Coefficients as in the decks of bulk tests.
+    wall : str
+        Name of the wall, if it has one.
     """
 
     name: str
     types: tuple[int, ...]
     suffix: str
     coefficients: str
+    wall: str = ""
 
 
 def render_lammps(card: MaterialCard) -> str:
@@ -56,7 +61,11 @@ def render_lammps(card: MaterialCard) -> str:
     sizes = require_sizes(card, "lammps")
     radii = [diameter / 2 for diameter in sizes.diameters]
     between = list(_between_particles(law, material, radii, card.gravity))
-    walls = list(_on_wall(law, material, radii, card.gravity))
+    walls = [
+        contact
+        for wall in walls_of_card(card)
+        for contact in _on_wall(law, material_on(material, wall), radii, card.gravity, wall)
+    ]
     taken = (*_TAKEN, *(found.name for found in (*between, *walls)))
     return fill(
         "lammps",
@@ -87,9 +96,10 @@ def _between_particles(
 
 
 def _on_wall(
-    law: ContactLaw, material: Mapping[str, float], radii: list[float], gravity: float
+    law: ContactLaw, material: Mapping[str, float], radii: list[float], gravity: float, wall: str
 ) -> Iterator[_ContactVariable]:
+    section = f"particle_wall_{wall}" if wall else "particle_wall"
     for i, radius in enumerate(radii, 1):
         suffix = f"_{i}" if len(radii) > 1 else ""
         coefficients = " ".join(lammps_clauses(law, Contact.on_wall(material, radius, gravity)))
-        yield _ContactVariable(f"particle_wall_contact{suffix}", (i,), suffix, coefficients)
+        yield _ContactVariable(f"{section}_contact{suffix}", (i,), suffix, coefficients, wall)

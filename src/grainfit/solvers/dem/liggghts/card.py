@@ -5,7 +5,14 @@ from __future__ import annotations
 from grainfit.contact_models.liggghts import liggghts_model, liggghts_properties
 from grainfit.materials.card import MaterialCard
 from grainfit.materials.card_text import about, header
-from grainfit.solvers.dem.card_parts import fill, origin, require_material, variables
+from grainfit.materials.walls import material_on, on_wall
+from grainfit.solvers.dem.card_parts import (
+    fill,
+    origin,
+    require_material,
+    variables,
+    walls_of_card,
+)
 
 _TAKEN = ("rayleigh_time_step", "recommended_time_step", "contact_model")
 #: Young's moduli, Pa, beyond which LIGGGHTS requires a confirmation.
@@ -26,7 +33,9 @@ def render_liggghts(card: MaterialCard) -> str:
     # Parameters at their default are not in the card.
     texts = {name: str(value) for name, value in values.items()}
     texts |= {parameter.name: f"${{{name}}}" for name, parameter in named}
-    moduli = values["particle.youngs_modulus"], values["wall.youngs_modulus"]
+    walls = walls_of_card(card)
+    walls_moduli = [values[on_wall("wall.youngs_modulus", wall)] for wall in walls]
+    moduli = [values["particle.youngs_modulus"], *walls_moduli]
     return fill(
         "liggghts",
         {
@@ -38,6 +47,7 @@ def render_liggghts(card: MaterialCard) -> str:
             "soft": min(moduli) < _SOFT,
             "hard": max(moduli) > _HARD,
             "contact_model": liggghts_model(law),
-            "properties": liggghts_properties(law, [texts]),
+            "walls": walls,
+            "properties": liggghts_properties(law, [material_on(texts, wall) for wall in walls]),
         },
     )

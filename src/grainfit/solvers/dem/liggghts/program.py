@@ -12,11 +12,13 @@ from typing import ClassVar
 from typing_extensions import override
 
 from grainfit.errors import Fault, InputError, SolverNotFoundError
+from grainfit.materials.walls import plain_name
 from grainfit.solvers.dem.deck import SceneDeck
 from grainfit.solvers.dem.liggghts.scene_deck import MISSING, LiggghtsSceneDeck
 from grainfit.solvers.dem.program import DeckSolver, program_help
 
 _INSTALL = "Install it with: apt-get install liggghts"
+_RESTITUTIONS = ("particle_particle.restitution", "particle_wall.restitution")
 _REFUSED_RESTITUTION = 0.05
 
 
@@ -38,11 +40,11 @@ class Liggghts(DeckSolver):
         faults = [
             Fault(
                 name,
-                f"{self.material[name]:g} is refused by LIGGGHTS.",
+                f"{value:g} is refused by LIGGGHTS.",
                 f"Use a restitution above {_REFUSED_RESTITUTION:g}, or LAMMPS.",
             )
-            for name in ("particle_particle.restitution", "particle_wall.restitution")
-            if self.material.get(name, 1.0) <= _REFUSED_RESTITUTION
+            for name, value in self.material.items()
+            if plain_name(name) in _RESTITUTIONS and value <= _REFUSED_RESTITUTION
         ]
         if faults:
             raise InputError(faults)

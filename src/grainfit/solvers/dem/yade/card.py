@@ -2,17 +2,38 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from typing import NamedTuple
+
 from grainfit.contact_models.contact import Contact
 from grainfit.contact_models.yade import yade_law, yade_physics, yade_words
 from grainfit.materials.card import MaterialCard
 from grainfit.materials.card_text import about, header
+from grainfit.materials.walls import on_wall
 from grainfit.solvers.dem.card_parts import (
     comments,
     fill,
     origin,
     require_material,
     require_sizes,
+    walls_of_card,
 )
+
+
+class _Wall(NamedTuple):
+    """A wall in the card: name of its variable, its sections, and whether its density is known."""
+
+    variable: str
+    body: str
+    contact: str
+    has_density: bool
+
+
+def _wall(name: str, material: Mapping[str, float]) -> _Wall:
+    body, contact = (
+        on_wall(f"{section}.", name).removesuffix(".") for section in ("wall", "particle_wall")
+    )
+    return _Wall(f"wall_{name}" if name else "wall", body, contact, f"{body}.density" in material)
 
 
 def render_yade(card: MaterialCard) -> str:
@@ -38,6 +59,6 @@ def render_yade(card: MaterialCard) -> str:
             "notes": comments(found.notes(contact) for found in words),
             "physics": yade_physics(law, contact),
             "law": ", ".join(f"{name}={value}" for name, value, _ in yade_law(law, contact)),
-            "has_wall_density": "wall.density" in material,
+            "walls": [_wall(wall, material) for wall in walls_of_card(card)],
         },
     )

@@ -11,6 +11,7 @@ from typing_extensions import override
 
 from grainfit.bulk_tests.base import BulkTest
 from grainfit.errors import Fault, InputError, SolverNotFoundError
+from grainfit.materials.walls import plain_name
 from grainfit.solvers.dem.deck import SceneDeck
 from grainfit.solvers.dem.program import DeckSolver, program_help
 from grainfit.solvers.dem.yade.scene_deck import MISSING, YadeSceneDeck
@@ -44,24 +45,25 @@ class Yade(DeckSolver):
         ranks: int = 1,
         executable: str | None = None,
         contact_models: Iterable[str] = (),
+        walls: Mapping[str, str] | None = None,
     ) -> None:
         if ranks > 1:
             message = f"YADE runs on one core here, not on {ranks}: with threads, two runs of one"
             message += " seed differ."
             raise InputError(Fault("ranks", message, "Leave it out; several runs go at a time."))
-        super().__init__(test, material, ranks, executable, contact_models)
+        super().__init__(test, material, ranks, executable, contact_models, walls)
 
     @override
     def _require_possible(self, material: Mapping[str, float]) -> None:
         super()._require_possible(material)
-        faults = list(_damping_faults((name, material.get(name, 0.0)) for name in _DAMPING))
+        faults = list(_damping_faults(material.items()))
         if faults:
             raise InputError(faults)
 
     @override
     def interval_faults(self, intervals: Mapping[str, tuple[float, float]]) -> list[Fault]:
         """Return why runs cannot succeed in a part of the intervals."""
-        damped = list(_damping_faults((n, intervals[n][1]) for n in _DAMPING if n in intervals))
+        damped = list(_damping_faults((name, ends[1]) for name, ends in intervals.items()))
         # Materials with damping are refused before the test is asked about them.
         return damped or super().interval_faults(intervals)
 
@@ -81,7 +83,7 @@ class Yade(DeckSolver):
 
 def _damping_faults(values: Iterable[tuple[str, float]]) -> Iterator[Fault]:
     for name, value in values:
-        if value > 0:
+        if plain_name(name) in _DAMPING and value > 0:
             yield Fault(
                 name,
                 f"{value:g} is above 0, and YADE has no rolling damping.",
