@@ -177,8 +177,8 @@ class ScaledRunMatcher:
         per_density = replace(self._natural.scale, density=1.0)
         known = in_si(run, per_density)
         for name, value in self._fixed.items():
-            # A stiffness that is fixed says how dense the particles are.
-            if name in known and powers(MATERIAL_PARAMETERS[name].unit)[0]:
+            # A stiffness that is fixed says how dense the particles are; no cohesion says nothing.
+            if value and known.get(name) and powers(MATERIAL_PARAMETERS[name].unit)[0]:
                 return without_rounding_error(value / known[name])
         low, high = self._densities
         return min(max(run.scale.density, low), high)

@@ -23,6 +23,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import ClassVar, Literal
 
+from grainfit.contact_models.contact import Contact
 from grainfit.materials.parameters import MaterialParameter
 
 #: Largest share of the Rayleigh time step at which beds with a dashpot against rolling come to rest
@@ -41,6 +42,26 @@ class SolverWords:
     solver: ClassVar[str]
     #: Parameters of the model that the solver has no place for, by dotted name.
     unused: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class Attraction:
+    """Attraction of two bodies in contact.
+
+    Parameters
+    ----------
+    pull_off : float
+        Largest tension that the contact bears when it is pulled slowly, N.
+    under_load : float
+        Attraction under the typical load of the contact, N.
+    overlap, contact_radius : float
+        At rest without a load, m.
+    """
+
+    pull_off: float
+    under_load: float
+    overlap: float
+    contact_radius: float
 
 
 @dataclass(frozen=True)
@@ -64,6 +85,8 @@ class ContactModel:
         Sentences on how far solvers differ while one of the dashpots acts.
     safe_time_step : callable, optional
         Largest safe share of the Rayleigh time step for a material, apart from rolling dashpots.
+    attraction : callable, optional
+        Attraction of a contact, of models of cohesion.
     """
 
     name: str
@@ -73,6 +96,7 @@ class ContactModel:
     dashpots: tuple[str, ...] = ()
     solver_difference: str = ""
     safe_time_step: Callable[[Mapping[str, float]], float] | None = None
+    attraction: Callable[[Contact], Attraction] | None = None
 
     @property
     def solvers(self) -> tuple[str, ...]:
@@ -83,6 +107,10 @@ class ContactModel:
     def is_optional(self) -> bool:
         """Whether every parameter has a default, at which the model does nothing."""
         return all(parameter.default is not None for parameter in self.parameters)
+
+    def shares_parameters(self, other: ContactModel) -> bool:
+        """Return whether both models have a parameter in common."""
+        return not {p.name for p in self.parameters}.isdisjoint(p.name for p in other.parameters)
 
     def is_damped(self, material: Mapping[str, float]) -> bool:
         """Return whether a dashpot acts; one whose parameter is not known counts."""

@@ -22,6 +22,7 @@ from grainfit.bulk_tests.run_cost import RunCost
 from grainfit.contact_models.registry import (
     MATERIAL_PARAMETERS,
     contact_law_faults,
+    idle_faults,
     parameters_without_effect,
     unusual_models,
     with_defaults,
@@ -95,9 +96,10 @@ class DeckSolver(Solver):
             raise InputError(Fault("ranks", f"{ranks} must be at least 1."))
         self.test = test
         self.material = _in_si(material)
-        self.contact_models = unusual_models(contact_models)
+        named = tuple(contact_models)
+        self.contact_models = unusual_models(named)
         self._require_possible(self.material)
-        faults = [*test.material_faults(self.material)]
+        faults = [*test.material_faults(self.material), *idle_faults(self.material, named)]
         if faults:
             raise InputError(faults)
         self.ranks = ranks
