@@ -29,6 +29,11 @@ from grainfit.materials.parameters import MaterialParameter
 #: Largest share of the Rayleigh time step at which beds with a dashpot against rolling come to rest
 #: with the responses that smaller steps give.
 SAFE_WITH_ROLLING_DASHPOT = 0.12
+#: The same for cohesive beds whose particles overlap by at most `LARGEST_OVERLAP`.
+SAFE_WITH_COHESION = 0.12
+#: Largest overlap of cohesive particles without a load, over their diameter: those that overlap
+#: more are too soft for their cohesion, which then acts as if they were smaller.
+LARGEST_OVERLAP = 0.05
 
 Kind = Literal["contact", "cohesion", "rolling"]
 #: In the order in which solvers need the keywords.
@@ -142,6 +147,11 @@ class ContactLaw:
         """Keywords of all models, for all solvers."""
         return [words for model in self.models for words in model.words]
 
+    @property
+    def cohesion(self) -> ContactModel | None:
+        """The model of cohesion that acts."""
+        return next((model for model in self.models if model.attraction is not None), None)
+
     def without(self, solver: str) -> list[ContactModel]:
         """Return the models that a solver does not have."""
         return [model for model in self.models if solver not in model.solvers]
@@ -157,6 +167,8 @@ class ContactLaw:
         shares = [m.safe_time_step(material) for m in self.models if m.safe_time_step is not None]
         if any(model.is_damped(material) for model in self.models):
             shares.append(SAFE_WITH_ROLLING_DASHPOT)
+        if self.cohesion is not None:
+            shares.append(SAFE_WITH_COHESION)
         return min(shares)
 
     def solver_difference(self, material: Mapping[str, float]) -> str:

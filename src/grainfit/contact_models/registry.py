@@ -48,6 +48,11 @@ def material_parameters(models: Iterable[ContactModel]) -> dict[str, MaterialPar
 #: All material parameters by dotted name.
 MATERIAL_PARAMETERS: Mapping[str, MaterialParameter] = material_parameters(CONTACT_MODELS)
 
+#: Names of the parameters of cohesion.
+COHESION = tuple(
+    dict.fromkeys(p.name for m in CONTACT_MODELS if m.attraction is not None for p in m.parameters)
+)
+
 
 def with_defaults(values: Mapping[str, float]) -> dict[str, float]:
     """Return the values of a material, completed by the defaults of parameters not given."""

@@ -18,9 +18,6 @@ from __future__ import annotations
 import math
 from functools import lru_cache
 
-from scipy.integrate import solve_ivp
-from scipy.optimize import brentq
-
 from grainfit.contact_models.contact import Contact
 from grainfit.contact_models.hertz_mindlin.model import particle_moduli
 
@@ -45,9 +42,8 @@ def viscoelastic_damping(contact: Contact) -> float:
     stiffness = 4 / 3 * particle_moduli(contact.material, contact.body).young * math.sqrt(radius)
     length = (mass * contact.impact_speed**2 / stiffness) ** (2 / 5)
     # In units of length and length over speed, the damping force is number sqrt(overlap) speed.
-    return (
-        _damping_number(restitution) * contact.impact_speed / (length * math.sqrt(radius * length))
-    )
+    contact_radius = math.sqrt(radius * length)
+    return float(_damping_number(restitution) * contact.impact_speed / (length * contact_radius))
 
 
 def restitution_at(number: float) -> float:
@@ -67,6 +63,9 @@ def restitution_at(number: float) -> float:
         return state[0]
 
     overlap.terminal, overlap.direction = True, -1  # type: ignore[attr-defined]
+    # SciPy takes a second to import, and only decks and cards of cohesive materials need it.
+    from scipy.integrate import solve_ivp
+
     found = solve_ivp(
         rates, (0, _LONGEST), (0.0, 1.0), "LSODA", events=overlap, rtol=1e-9, atol=1e-12
     )
@@ -75,4 +74,6 @@ def restitution_at(number: float) -> float:
 
 @lru_cache(maxsize=256)
 def _damping_number(restitution: float) -> float:
+    from scipy.optimize import brentq
+
     return float(brentq(lambda number: restitution_at(number) - restitution, 0.0, _LARGEST))

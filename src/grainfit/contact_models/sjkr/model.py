@@ -9,8 +9,6 @@ from __future__ import annotations
 
 import math
 
-from scipy.optimize import brentq
-
 from grainfit.contact_models.base import Attraction
 from grainfit.contact_models.contact import Contact
 from grainfit.contact_models.hertz_mindlin.model import (
@@ -18,6 +16,9 @@ from grainfit.contact_models.hertz_mindlin.model import (
     hertz_stiffness,
     particle_moduli,
 )
+
+#: Newton's method doubles the digits in each.
+_ITERATIONS = 12
 
 
 def attraction(contact: Contact) -> Attraction:
@@ -42,12 +43,12 @@ def area_attraction(contact: Contact, area: float) -> Attraction:
     moduli = particle_moduli(contact.material, contact.body)
     slope = contact.value("cohesion_energy_density") * area
     overlap = (3 * slope / (4 * moduli.young)) ** 2 / radius
-
-    def surplus(loaded: float) -> float:
-        return (hertz_stiffness(loaded, moduli, radius) - slope) * loaded - load
-
-    largest = overlap + 4 * hertz_overlap(load, moduli, radius)
-    loaded = brentq(surplus, overlap, largest) if load > 0 else overlap
+    loaded = overlap + 4 * hertz_overlap(load, moduli, radius)
+    if loaded > overlap:
+        # From above: Newton's iterations on a convex function stay above its root.
+        for _ in range(_ITERATIONS):
+            elastic = hertz_stiffness(loaded, moduli, radius)
+            loaded -= ((elastic - slope) * loaded - load) / (1.5 * elastic - slope)
     pull_off = slope**3 / (12 * moduli.young**2 * radius)
     return Attraction(pull_off, slope * loaded, overlap, math.sqrt(radius * overlap))
 
