@@ -16,8 +16,8 @@ from grainfit.cards import CardParameter, MaterialCard, render
 from grainfit.contact_models.dmt.model import pull_off_force
 from grainfit.contact_models.hertz_mindlin.model import hertz_stiffness, particle_moduli
 from grainfit.contact_models.jkr.model import force_at
-from grainfit.contact_models.sjkr2.model import area_over_overlap
 from grainfit.contact_models.sjkr.model import sphere_area
+from grainfit.contact_models.sjkr2.model import area_over_overlap
 from grainfit.errors import InputError
 from grainfit.solvers.dem.lammps.program import Lammps
 from grainfit.solvers.dem.liggghts.program import Liggghts

@@ -148,6 +148,12 @@ class ContactLaw:
         return [words for model in self.models for words in model.words]
 
     @property
+    def defaults(self) -> dict[str, float]:
+        """Default values of the models' parameters that have one."""
+        declared = (parameter for model in self.models for parameter in model.parameters)
+        return {p.name: p.default for p in declared if p.default is not None}
+
+    @property
     def cohesion(self) -> ContactModel | None:
         """The model of cohesion that acts."""
         return next((model for model in self.models if model.attraction is not None), None)

@@ -306,9 +306,13 @@ class Heap(BulkTest):
         require_separate(bed)
         end = run.snapshot(_HEAP)
         write_vtk(run.folder / "heap.vtk", end)
-        heap = self._without_clinging(end)
         setup = self.setup
         plate = setup.plate_radius
+        try:
+            heap = self._without_clinging(end)
+        except NotMeasurableError as error:
+            draw_heap(run.folder / _PICTURE, end, plate, self.ground, str(error))
+            raise
         silhouettes = heap_silhouettes(on_plate(heap, plate), plate, self.views)
         angle = self._measure_angle(heap, silhouettes, run.folder / _PICTURE)
         density = bulk_density(
