@@ -289,6 +289,17 @@ class TestMeasure:
         assert (tmp_path / "heap.png").read_bytes().startswith(b"\x89PNG")
         assert (tmp_path / "heap.vtk").read_bytes().startswith(b"# vtk DataFile")
 
+    def test_a_bed_that_clings_to_the_lifted_cylinder_is_no_heap(self, tmp_path):
+        bed, lifted = self.cubic_bed(0.0101), self.cubic_bed(0.01)
+        upper = lifted[:, 2] > 0.06
+        # The cylinder has a radius of 60 mm.
+        lifted[upper] += [0.005, 0.0, 0.05]
+        self.write_run(tmp_path, bed, lifted)
+        share = 100 * upper.mean()
+        with pytest.raises(NotMeasurableError, match=f"{share:.0f} % of the particles cling"):
+            self.measure(tmp_path)
+        assert (tmp_path / "heap.png").read_bytes().startswith(b"\x89PNG")
+
     def test_particles_squeezed_into_each_other_are_no_bed(self, tmp_path):
         bed = self.cubic_bed(0.0085)
         self.write_run(tmp_path, bed, bed)

@@ -221,3 +221,39 @@ def test_simulated_runs_of_two_sizes_are_the_same_run(diameter: float, tmp_path:
     difference = sum(other["angle"]) / 3 - sum(one["angle"]) / 3
     # Seeds of this small heap scatter by 1.5 degrees: three standard errors of a mean of three.
     assert abs(difference) < 3 * 1.5 * math.sqrt(2 / 3)
+
+
+@dataclass(frozen=True)
+class Sticky(Material):
+    """Beads with a surface energy over rho g d^2."""
+
+    energy: float = 0.005
+
+    @property
+    def values(self) -> dict[str, float]:
+        energy = self.energy * self.density * 9.81 * self.diameter**2
+        return {**super().values, "particle_particle.surface_energy": energy}
+
+
+def test_cohesion_is_compared_without_its_unit() -> None:
+    scale = Scale(0.01, 2000.0, 9.81)
+    assert scale.of("J/m^2") == pytest.approx(2000.0 * 9.81 * 0.01**2)
+    assert scale.of("J/m^3") == pytest.approx(2000.0 * 9.81 * 0.01)
+
+    store = stored(Sticky(0.010, 2000.0).solver(), RESPONSES)
+    [run] = taken(store, Sticky(0.002, 1000.0), **ROLLING)
+    assert run.definition.parameters["particle_particle.surface_energy"] == pytest.approx(
+        0.005 * 1000.0 * 9.81 * 0.002**2
+    )
+    # The same surface energy is a larger Bond number on small particles.
+    same_energy = Sticky(0.002, 1000.0, energy=0.005 * 2000.0 / 1000.0 * 25)
+    assert taken(store, same_energy, **ROLLING) == []
+    assert taken(store, FINE, **ROLLING) == []
+    assert taken(stored(BEADS.solver(), RESPONSES), Sticky(0.002, 1000.0), **ROLLING) == []
+
+
+def test_a_free_density_follows_from_a_fixed_cohesion_or_no_cohesion_says_nothing() -> None:
+    store = stored(Sticky(0.010, 2000.0).solver(), RESPONSES)
+    [run] = taken(store, Sticky(0.002, 1000.0), particle__density=(800.0, 1200.0))
+    assert run.definition.parameters[DENSITY] == pytest.approx(1000.0, rel=1e-9)
+    assert taken(store, FINE, particle__density=(800.0, 1200.0)) == []

@@ -4,13 +4,27 @@ import pytest
 from programs import contacts
 
 from grainfit.contact_models.registry import CONTACT_MODELS
+from grainfit.testing.cohesion_contract import (
+    DmtContract,
+    JkrContract,
+    Sjkr2Contract,
+    SjkrContract,
+)
 from grainfit.testing.contact_model_contract import (
     Epsd2Contract,
     EpsdContract,
     HertzMindlinContract,
 )
 
-CONTRACTS = (HertzMindlinContract, EpsdContract, Epsd2Contract)
+CONTRACTS = (
+    HertzMindlinContract,
+    EpsdContract,
+    Epsd2Contract,
+    SjkrContract,
+    Sjkr2Contract,
+    JkrContract,
+    DmtContract,
+)
 
 
 def programs(model):
@@ -33,6 +47,30 @@ class TestEpsd(EpsdContract):
 
 class TestEpsd2(Epsd2Contract):
     @pytest.fixture(params=programs(Epsd2Contract.model))
+    def program(self, request):
+        return contacts(request.param)
+
+
+class TestSjkr(SjkrContract):
+    @pytest.fixture(params=programs(SjkrContract.model))
+    def program(self, request):
+        return contacts(request.param)
+
+
+class TestSjkr2(Sjkr2Contract):
+    @pytest.fixture(params=programs(Sjkr2Contract.model))
+    def program(self, request):
+        return contacts(request.param)
+
+
+class TestJkr(JkrContract):
+    @pytest.fixture(params=programs(JkrContract.model))
+    def program(self, request):
+        return contacts(request.param)
+
+
+class TestDmt(DmtContract):
+    @pytest.fixture(params=programs(DmtContract.model))
     def program(self, request):
         return contacts(request.param)
 

@@ -154,6 +154,14 @@ def ridge(particles: Particles) -> Particles:
     return particles.select(np.abs(particles.positions[:, 1]) < 3 * DIAMETER)
 
 
+def stump_on_a_foot() -> Particles:
+    """A cone of 50 degrees that stands in one of 12 degrees."""
+    steep, flat = heap(50, 10, 1), heap(12, 5, 2)
+    x, y, z = flat.positions.T / DIAMETER
+    outside = z > 10 - math.tan(math.radians(50)) * np.hypot(x, y)
+    return joined(steep, flat.select(outside))
+
+
 @pytest.mark.parametrize(
     ("particles", "reason"),
     [
@@ -170,6 +178,10 @@ def ridge(particles: Particles) -> Particles:
         (ridge(heap(25, 8, 1)), "flanks"),
         (joined(moved(heap(25, 4, 1), (-9, 0, 0)), moved(heap(25, 4, 2), (9, 0, 0))), "flanks"),
         (heap(70, 16, 1), "only 0 of 24 flanks"),
+        (
+            stump_on_a_foot(),
+            "the flanks have two slopes, 3[0-9] degrees above and 12 degrees below",
+        ),
     ],
     ids=[
         "nothing",
@@ -185,6 +197,7 @@ def ridge(particles: Particles) -> Particles:
         "ridge",
         "two heaps",
         "too steep",
+        "two slopes",
     ],
 )
 @pytest.mark.parametrize("ground", [0.0, DIAMETER])

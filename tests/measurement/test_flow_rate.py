@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from grainfit.errors import NotMeasurableError
-from grainfit.measurement.flow_rate import flow_rate
+from grainfit.measurement.flow_rate import flow_rate, stopped_flow
 
 
 def emptied(rate: float, full: float = 2.0, residue: float = 0.2) -> tuple[np.ndarray, np.ndarray]:
@@ -72,3 +72,16 @@ def test_series_without_a_flow_is_not_measurable(
 ) -> None:
     with pytest.raises(NotMeasurableError, match=f"^mass flow: .*{reason}"):
         flow_rate(time, mass)
+
+
+def test_an_arch_has_no_flow_and_the_mean_flow_as_its_error() -> None:
+    time = np.linspace(3.0, 5.0, 50)
+    half = stopped_flow(time, np.maximum(2.0 - 10 * (time - 3.0), 1.5), 0.001)
+    assert (half.value, half.standard_error) == (0.0, pytest.approx(0.5 / 2))
+    assert (half.start[1], half.end[1]) == (0.5, 0.5)
+
+    # Nothing has left: one particle in that time would not have been noticed.
+    none = stopped_flow(time, np.full(50, 2.0), 0.001)
+    assert (none.value, none.standard_error) == (0.0, pytest.approx(0.001 / 2))
+    with pytest.raises(NotMeasurableError, match="fewer than two records"):
+        stopped_flow(np.array([0.0]), np.array([1.0]), 0.001)

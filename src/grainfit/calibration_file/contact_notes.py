@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 
 from grainfit.bulk_tests.base import BulkTest
 from grainfit.calibration_file.content import CalibrationFile
-from grainfit.contact_models.registry import contact_law
+from grainfit.contact_models.registry import COHESION, contact_law
 from grainfit.errors import InputError
 from grainfit.formatting import in_a_row
 
@@ -28,6 +28,8 @@ def contact_notes(file: CalibrationFile, bulk_tests: Mapping[str, BulkTest]) -> 
         return
     yield from _crossing(sorted(set(solvers.values())), law.solver_difference(file.fixed))
     lowest = {p.name: p.minimum for p in file.parameters if p.name.endswith(".restitution")}
+    cohesive = {p.name: p.maximum for p in file.parameters if p.name in COHESION}
+    law = contact_law({**file.fixed, **cohesive}, file.contact_models)
     safe = law.time_step_fraction({**file.fixed, **lowest})
     for name, test in bulk_tests.items():
         fraction = test.conditions.time_step_fraction

@@ -24,6 +24,7 @@ from grainfit.contact_models.registry import (
     parameters_without_effect,
     selectable_models,
     unusual_models,
+    usual_models,
 )
 from grainfit.errors import InputError
 from grainfit.materials.diameters import Diameters
@@ -132,11 +133,16 @@ def _contact_model_keys() -> tuple[Key, ...]:
             kind,
             Choice(names),
             f"Model of {_KINDS[kind]}.",
-            default=f'"{names[0]}"',
-            example=f'"{names[1]}"',
+            default=_usual_words(kind),
+            example=f'"{next(name for name in names if name not in usual_models(kind))}"',
         )
         for kind, names in selectable_models().items()
     )
+
+
+def _usual_words(kind: Kind) -> str:
+    usual = " or ".join(f'"{name}"' for name in usual_models(kind))
+    return usual if len(usual_models(kind)) == 1 else f"{usual}, by the parameter given"
 
 
 LAYOUT = Table(
@@ -218,8 +224,12 @@ def read_document(document: dict[str, Any], place: Place, *, planned: bool = Fal
 
 def chosen_models(values: Values) -> tuple[str, ...]:
     """Return the contact models that a file chooses, without those that act anyway."""
+    return unusual_models(_named_models(values))
+
+
+def _named_models(values: Values) -> tuple[str, ...]:
     table = values.get("contact_models") or {}
-    return unusual_models(name for name in table.values() if name is not None)
+    return tuple(name for name in table.values() if name is not None)
 
 
 def simulated_sizes(values: Values) -> ParticleSizes | None:
@@ -321,7 +331,8 @@ def _note_missing_keys(
 
 
 def _note_parameters_without_effect(values: Values, place: Place) -> None:
-    chosen = chosen_models(values)
+    # Those that would act anyway too: of a kind with several, the others are not meant.
+    chosen = _named_models(values)
     without_effect = parameters_without_effect(chosen)
     for name in sorted(material_values(values)):
         if plain_name(name) in without_effect:

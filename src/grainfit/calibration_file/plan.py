@@ -10,6 +10,7 @@ from itertools import chain
 from grainfit.calibration.readiness import Obstacle, obstacles
 from grainfit.calibration.verification import VERIFICATION_RUNS
 from grainfit.calibration_file.build import CalibrationSetup
+from grainfit.calibration_file.cohesion_lines import cohesion_lines
 from grainfit.calibration_file.size_notes import size_lines
 from grainfit.campaign.cluster.executor import describe_cluster, executed_by
 from grainfit.curve_target import CurveTarget
@@ -90,6 +91,7 @@ def describe_plan(setup: CalibrationSetup, *, call_scenes: bool = True) -> Plan:
         )
     lines += setup.file.notes
     lines += size_lines(setup.file.sizes, setup.bulk_tests, _middle(setup))
+    lines += cohesion_lines(setup.file, setup.bulk_tests)
     lines += _rayleigh_lines(setup)
     cluster = setup.cluster or setup.file.cluster
     if cluster is not None:

@@ -177,9 +177,9 @@ class ScaledRunMatcher:
         per_density = replace(self._natural.scale, density=1.0)
         known = in_si(run, per_density)
         for name, value in self._fixed.items():
-            # A stiffness that is fixed says how dense the particles are.
+            # A stiffness that is fixed says how dense the particles are; no cohesion says nothing.
             parameter = material_parameter(name)
-            if parameter is not None and name in known and powers(parameter.unit)[0]:
+            if parameter is not None and value and known.get(name) and powers(parameter.unit)[0]:
                 return without_rounding_error(value / known[name])
         low, high = self._densities
         return min(max(run.scale.density, low), high)

@@ -23,12 +23,18 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import ClassVar, Literal
 
+from grainfit.contact_models.contact import Contact
 from grainfit.materials.parameters import MaterialParameter
 from grainfit.materials.walls import same_on_walls
 
 #: Largest share of the Rayleigh time step at which beds with a dashpot against rolling come to rest
 #: with the responses that smaller steps give.
 SAFE_WITH_ROLLING_DASHPOT = 0.12
+#: The same for cohesive beds whose particles overlap by at most `LARGEST_OVERLAP`.
+SAFE_WITH_COHESION = 0.12
+#: Largest overlap of cohesive particles without a load, over their diameter: those that overlap
+#: more are too soft for their cohesion, which then acts as if they were smaller.
+LARGEST_OVERLAP = 0.05
 
 Kind = Literal["contact", "cohesion", "rolling"]
 #: In the order in which solvers need the keywords.
@@ -42,6 +48,26 @@ class SolverWords:
     solver: ClassVar[str]
     #: Parameters of the model that the solver has no place for, by dotted name.
     unused: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class Attraction:
+    """Attraction of two bodies in contact.
+
+    Parameters
+    ----------
+    pull_off : float
+        Largest tension that the contact bears when it is pulled slowly, N.
+    under_load : float
+        Attraction under the typical load of the contact, N.
+    overlap, contact_radius : float
+        At rest without a load, m.
+    """
+
+    pull_off: float
+    under_load: float
+    overlap: float
+    contact_radius: float
 
 
 @dataclass(frozen=True)
@@ -65,6 +91,8 @@ class ContactModel:
         Sentences on how far solvers differ while one of the dashpots acts.
     safe_time_step : callable, optional
         Largest safe share of the Rayleigh time step for a material, apart from rolling dashpots.
+    attraction : callable, optional
+        Attraction of a contact, of models of cohesion.
     """
 
     name: str
@@ -74,6 +102,7 @@ class ContactModel:
     dashpots: tuple[str, ...] = ()
     solver_difference: str = ""
     safe_time_step: Callable[[Mapping[str, float]], float] | None = None
+    attraction: Callable[[Contact], Attraction] | None = None
 
     @property
     def solvers(self) -> tuple[str, ...]:
@@ -84,6 +113,10 @@ class ContactModel:
     def is_optional(self) -> bool:
         """Whether every parameter has a default, at which the model does nothing."""
         return all(parameter.default is not None for parameter in self.parameters)
+
+    def shares_parameters(self, other: ContactModel) -> bool:
+        """Return whether both models have a parameter in common."""
+        return not {p.name for p in self.parameters}.isdisjoint(p.name for p in other.parameters)
 
     def is_damped(self, material: Mapping[str, float]) -> bool:
         """Return whether a dashpot acts; one whose parameter is not known counts."""
@@ -117,6 +150,17 @@ class ContactLaw:
         """Keywords of all models, for all solvers."""
         return [words for model in self.models for words in model.words]
 
+    @property
+    def defaults(self) -> dict[str, float]:
+        """Default values of the models' parameters that have one."""
+        declared = (parameter for model in self.models for parameter in model.parameters)
+        return {p.name: p.default for p in declared if p.default is not None}
+
+    @property
+    def cohesion(self) -> ContactModel | None:
+        """The model of cohesion that acts."""
+        return next((model for model in self.models if model.attraction is not None), None)
+
     def without(self, solver: str) -> list[ContactModel]:
         """Return the models that a solver does not have."""
         return [model for model in self.models if solver not in model.solvers]
@@ -132,6 +176,8 @@ class ContactLaw:
         shares = [m.safe_time_step(material) for m in self.models if m.safe_time_step is not None]
         if any(model.is_damped(material) for model in self.models):
             shares.append(SAFE_WITH_ROLLING_DASHPOT)
+        if self.cohesion is not None:
+            shares.append(SAFE_WITH_COHESION)
         return min(shares)
 
     def solver_difference(self, material: Mapping[str, float]) -> str:

@@ -28,12 +28,15 @@ class Contact:
         Of the other particle, m; None is a wall.
     load : float
         Typical normal force, N.
+    gravity : float
+        m/s^2.
     """
 
     material: Mapping[str, float]
     radius: float
     other_radius: float | None
     load: float
+    gravity: float
 
     @classmethod
     def between(
@@ -46,7 +49,8 @@ class Contact:
     ) -> Contact:
         """Return the contact of two particles under a load in particle weights."""
         masses = particle_mass(material, radius), particle_mass(material, other)
-        return cls(material, radius, other, load * (2 * _reduced(*masses) * gravity))
+        weight = 2 * _reduced(*masses) * gravity
+        return cls(material, radius, other, load * weight, gravity)
 
     @classmethod
     def on_wall(
@@ -58,7 +62,7 @@ class Contact:
     ) -> Contact:
         """Return the contact of a particle with a wall under a load in particle weights."""
         weight = particle_mass(material, radius) * gravity
-        return cls(material, radius, None, load * weight)
+        return cls(material, radius, None, load * weight, gravity)
 
     @property
     def body(self) -> Literal["particle", "wall"]:
@@ -75,6 +79,25 @@ class Contact:
         if self.other_radius is None:
             return self.radius
         return _reduced(self.radius, self.other_radius)
+
+    @property
+    def effective_mass(self) -> float:
+        """m*, kg: m_i m_j / (m_i + m_j) of two spheres, m of a sphere on a wall."""
+        own = particle_mass(self.material, self.radius)
+        if self.other_radius is None:
+            return own
+        return _reduced(own, particle_mass(self.material, self.other_radius))
+
+    @property
+    def weight(self) -> float:
+        """Weight that loads are counted in, N: of the particle, or 2 m* g of two."""
+        return self.gravity * self.effective_mass * (1 if self.other_radius is None else 2)
+
+    @property
+    def impact_speed(self) -> float:
+        """Typical speed of an impact, sqrt(g d) with the mean diameter d, m/s."""
+        other = self.radius if self.other_radius is None else self.other_radius
+        return math.sqrt(self.gravity * (self.radius + other))
 
     @property
     def rolling_inertia(self) -> float:

@@ -5,19 +5,27 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 
 from grainfit.contact_models.base import KINDS, ContactLaw, ContactModel, Kind
+from grainfit.contact_models.dmt.contact_model import DMT
 from grainfit.contact_models.epsd.contact_model import EPSD
 from grainfit.contact_models.epsd2.contact_model import EPSD2
 from grainfit.contact_models.hertz_mindlin.contact_model import HERTZ_MINDLIN
+from grainfit.contact_models.jkr.contact_model import JKR
+from grainfit.contact_models.sjkr.contact_model import SJKR
+from grainfit.contact_models.sjkr2.contact_model import SJKR2
 from grainfit.errors import Fault, InputError
 from grainfit.materials.parameters import BODY_PARAMETERS, SECTIONS, MaterialParameter
 from grainfit.materials.walls import PLAIN, on_wall, plain_name, wall_of, walls_among
 
 #: A new contact model is a line here. If several models of one kind
-#: have an effect by default, the first one acts.
+#: have an effect by default, or act through the same parameters, the first one acts.
 CONTACT_MODELS: tuple[ContactModel, ...] = (
     HERTZ_MINDLIN,
     EPSD,
     EPSD2,
+    SJKR,
+    SJKR2,
+    JKR,
+    DMT,
 )
 
 #: The order of parameters is part of a calibration's identity, so that the first keys keep their
@@ -40,6 +48,11 @@ def material_parameters(models: Iterable[ContactModel]) -> dict[str, MaterialPar
 
 #: All material parameters by dotted name, those of walls with the names of the plain wall.
 MATERIAL_PARAMETERS: Mapping[str, MaterialParameter] = material_parameters(CONTACT_MODELS)
+
+#: Names of the parameters of cohesion.
+COHESION = tuple(
+    dict.fromkeys(p.name for m in CONTACT_MODELS if m.attraction is not None for p in m.parameters)
+)
 
 
 def material_parameter(name: str) -> MaterialParameter | None:
@@ -123,7 +136,8 @@ def contact_law(
     """Return the contact models that act in a material.
 
     Those are the chosen models and, of every other kind, the model that has a parameter away from
-    its default, or else the first one that has an effect by default.
+    its default, or else the first one that has an effect by default. A chosen model whose
+    parameters are all at their defaults does nothing, as if it was not chosen.
 
     Parameters
     ----------
@@ -149,14 +163,24 @@ def _acting(
     models: list[ContactModel], material: Mapping[str, float], chosen: tuple[str, ...]
 ) -> list[ContactModel]:
     """Return the model of one kind that acts, or none."""
-    asked_for = [
-        model
-        for model in models
-        if model.name in chosen or (model.is_optional and model.set_parameters(material))
-    ]
-    if len(asked_for) > 1:
-        raise InputError([_contradiction(model, asked_for, material) for model in asked_for])
+    named = [model for model in models if model.name in chosen]
+    asked_for = [model for model in named if not model.is_optional]
+    asked_for += [m for m in _standing(models, named) if m.set_parameters(material)]
+    if len(named) > 1 or len(asked_for) > 1:
+        wrong = named if len(named) > 1 else asked_for
+        raise InputError([_contradiction(model, wrong, material) for model in wrong])
     return (asked_for or [model for model in models if not model.is_optional])[:1]
+
+
+def _standing(
+    models: Iterable[ContactModel], named: Iterable[ContactModel] = ()
+) -> list[ContactModel]:
+    """Return the optional models, of those that share parameters the named or the first one."""
+    standing: list[ContactModel] = []
+    for model in (*named, *models):
+        if model.is_optional and not any(model.shares_parameters(other) for other in standing):
+            standing.append(model)
+    return standing
 
 
 def _contradiction(
@@ -171,16 +195,26 @@ def _contradiction(
 
 
 def selectable_models() -> dict[Kind, tuple[str, ...]]:
-    """Return the names of the models that must be chosen by name, by kind, the usual one first.
+    """Return the names of the models that can be chosen by name, by kind, the usual one first.
 
-    Of a kind with one model, and of models that act through a parameter of their own, nothing need
-    be chosen.
+    Of a kind with one model, and of models that each act through parameters of their own, nothing
+    need be chosen.
     """
-    needed = {
-        kind: tuple(m.name for m in CONTACT_MODELS if m.kind == kind and not m.is_optional)
-        for kind in KINDS
+    kinds = {kind: [m for m in CONTACT_MODELS if m.kind == kind] for kind in KINDS}
+    return {
+        kind: tuple(model.name for model in models)
+        for kind, models in kinds.items()
+        if len(models) > len(_usual(models))
     }
-    return {kind: names for kind, names in needed.items() if len(names) > 1}
+
+
+def usual_models(kind: Kind) -> tuple[str, ...]:
+    """Return the names of the models of a kind that act without being chosen."""
+    return tuple(model.name for model in _usual([m for m in CONTACT_MODELS if m.kind == kind]))
+
+
+def _usual(models: list[ContactModel]) -> list[ContactModel]:
+    return [*[model for model in models if not model.is_optional][:1], *_standing(models)]
 
 
 def unusual_models(chosen: Iterable[str]) -> tuple[str, ...]:
@@ -205,16 +239,24 @@ def unusual_models(chosen: Iterable[str]) -> tuple[str, ...]:
     if faults:
         raise InputError(faults)
     contact_law({}, chosen)
-    usual = {names[0] for names in selectable.values()}
+    usual = {name for kind in selectable for name in usual_models(kind)}
     return tuple(name for name in dict.fromkeys(chosen) if name not in usual)
 
 
 def parameters_without_effect(chosen: Iterable[str]) -> frozenset[str]:
     """Return the names of parameters that belong only to models replaced by the chosen ones."""
-    law = contact_law({}, chosen)
-    acting = {parameter.name for model in law.models for parameter in model.parameters}
-    replaced = [m for m in CONTACT_MODELS if not m.is_optional and m not in law.models]
-    return frozenset(p.name for model in replaced for p in model.parameters) - acting
+    chosen = tuple(chosen)
+    named = [model for model in CONTACT_MODELS if model.name in chosen]
+    kinds = {model.kind for model in named}
+    acting = [*contact_law({}, chosen).models, *named]
+    replaced = [
+        m for m in CONTACT_MODELS if m not in acting and (m.kind in kinds or not m.is_optional)
+    ]
+    return frozenset(_names(replaced) - _names(acting))
+
+
+def _names(models: Iterable[ContactModel]) -> set[str]:
+    return {parameter.name for model in models for parameter in model.parameters}
 
 
 def contact_law_faults(
@@ -236,11 +278,21 @@ def contact_law_faults(
         law = contact_law(material, chosen)
     except InputError as error:
         return list(error.faults)
-    without_effect = parameters_without_effect(chosen)
-    idle = sorted(name for name in material if plain_name(name) in without_effect)
     return [
         *(_not_in(solver, model, material) for model in law.without(solver)),
-        *(no_effect(name, chosen) for name in idle),
+        *idle_faults(material, chosen),
+    ]
+
+
+def idle_faults(material: Mapping[str, float], chosen: Iterable[str]) -> list[Fault]:
+    """Return the faults of values that have no effect with the chosen contact models."""
+    chosen = tuple(chosen)
+    without_effect = parameters_without_effect(chosen)
+    return [
+        no_effect(name, chosen)
+        for name in sorted(material)
+        if plain_name(name) in without_effect
+        and material[name] != MATERIAL_PARAMETERS[plain_name(name)].default
     ]
 
 

@@ -41,6 +41,9 @@ _FEWEST_FLANKS = 0.75
 _LARGEST_ERROR = 2.0
 #: Largest distance of the heap's centroid from the axis, in radii of the heap's base.
 _LARGEST_OFFSET = 0.15
+#: Largest difference between the inclinations of the upper and the lower half of the flanks,
+#: degrees, and in standard errors: cones of simulated beads have one of 0 to 5 degrees.
+_LARGEST_BEND, _SIGNIFICANT = 15.0, 3.0
 
 Array = NDArray[np.float64]
 
@@ -266,6 +269,7 @@ def _measure(
     flanks = _fit_flanks(distance[window], outlines[:, window], diameter)
     angles = np.array([math.nan if flank is None else flank.angle for flank in flanks])
     error = _require_flanks(angles)
+    _require_one_slope(distance[window], outlines[:, window], float(np.nanmean(angles)), diameter)
     views = tuple(
         View(azimuth, _mirror(flanks[2 * i + 1]), flanks[2 * i])
         for i, azimuth in enumerate(azimuths)
@@ -354,6 +358,32 @@ def _require_flanks(angles: Array) -> float:
             "degrees, so this is no heap about the axis."
         )
     return error
+
+
+def _require_one_slope(distance: Array, outlines: Array, angle: float, diameter: float) -> None:
+    """Raise `NotMeasurableError` if the flanks are bent: one angle would be that of neither part.
+
+    A cohesive heap may stand as a stump on a flat foot, or have a rounded top.
+    """
+    surfaces = outlines + outline_depth(distance, angle, diameter)
+    middle = len(distance) // 2
+    parts = np.array(
+        [
+            [
+                math.degrees(math.atan(-_robust_line(distance[part], surface[part])[0]))
+                for part in (slice(middle), slice(middle, None))
+            ]
+            for surface in surfaces
+        ]
+    )
+    upper, lower = parts.mean(axis=0)
+    error = _standard_error(parts[:, 0] - parts[:, 1])
+    if abs(upper - lower) > max(_LARGEST_BEND, _SIGNIFICANT * error):
+        raise NotMeasurableError(
+            f"the flanks have two slopes, {upper:.0f} degrees above and {lower:.0f} degrees below, "
+            "so this is no cone; use a test that suits cohesive materials, such as shear at two "
+            "stresses."
+        )
 
 
 def _fit_flanks(distance: Array, outlines: Array, diameter: float) -> list[Flank | None]:

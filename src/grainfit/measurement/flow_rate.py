@@ -82,8 +82,7 @@ def flow_rate(time: NDArray[np.float64], remaining: NDArray[np.float64]) -> Flow
     NotMeasurableError
         Nothing flows, or it was recorded too rarely.
     """
-    if len(time) < 2 or not np.all(np.diff(time) > 0):
-        raise NotMeasurableError("mass flow: the mass over time has fewer than two records.")
+    _require_series(time)
     left = np.maximum.accumulate(remaining[0] - remaining)
     total = float(left[-1])
     if total <= 0:
@@ -102,6 +101,39 @@ def flow_rate(time: NDArray[np.float64], remaining: NDArray[np.float64]) -> Flow
     error = _error_of_mean(flows)
     start, end = (low, float(masses[0])), (high, float(masses[-1]))
     return FlowRate(value, error, start, end)
+
+
+def stopped_flow(
+    time: NDArray[np.float64], remaining: NDArray[np.float64], particle_mass: float
+) -> FlowRate:
+    """Return the flow of a material that arches: zero.
+
+    Its standard error is the mean flow of the whole record, in which some mass may have left before
+    the arch formed, and that of one particle at least.
+
+    Parameters
+    ----------
+    time : ndarray of shape (n,)
+        s, increasing.
+    remaining : ndarray of shape (n,)
+        Mass in the container, kg.
+    particle_mass : float
+        kg.
+
+    Raises
+    ------
+    NotMeasurableError
+        It was recorded too rarely.
+    """
+    _require_series(time)
+    left = float(remaining[0] - remaining.min())
+    error = max(left, particle_mass) / float(time[-1] - time[0])
+    return FlowRate(0.0, error, (float(time[0]), left), (float(time[-1]), left))
+
+
+def _require_series(time: NDArray[np.float64]) -> None:
+    if len(time) < 2 or not np.all(np.diff(time) > 0):
+        raise NotMeasurableError("mass flow: the mass over time has fewer than two records.")
 
 
 def _time_of(time: NDArray[np.float64], left: NDArray[np.float64], mass: float) -> float:

@@ -286,7 +286,7 @@ class Scene:
 
     def material_on(self, surface: str) -> dict[str, float]:
         """Return the material parameters for contacts with a surface."""
-        return {**self.material, **self.surfaces.get(surface, {})}
+        return {**self.law.defaults, **self.material, **self.surfaces.get(surface, {})}
 
     def all_walls(self) -> dict[str, Wall]:
         """Return the walls of all stages by name."""

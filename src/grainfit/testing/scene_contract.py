@@ -26,8 +26,10 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from grainfit.contact_models.contact import particle_mass
+from grainfit.contact_models.base import ContactModel
+from grainfit.contact_models.contact import Contact, particle_mass
 from grainfit.contact_models.hertz_mindlin.model import hertz_overlap, particle_moduli
+from grainfit.contact_models.registry import CONTACT_MODELS
 from grainfit.errors import InputError, RunFailedError
 from grainfit.materials.sizes import ParticleSizes
 from grainfit.scenes.conditions import AtRest, Clear, Elapsed, Loaded
@@ -139,6 +141,18 @@ def settle(series: Series | None = None) -> Stage:
 def resting_overlap(values: Mapping[str, float], load: float = WEIGHT, curve: float = 1.0) -> float:
     """Return the Hertz overlap of a particle on a wall under a load, m."""
     return hertz_overlap(load, particle_moduli(values, "wall"), curve * RADIUS)
+
+
+def _attracting(model: ContactModel, name: str, weights: float) -> float:
+    """Return the value of a parameter at which a wall bears so many weights of a particle."""
+    low, high = 0.0, 1e9
+    assert model.attraction is not None
+    for _ in range(100):
+        middle = (low + high) / 2
+        contact = Contact.on_wall({**DAMPED, name: middle}, RADIUS, GRAVITY)
+        enough = model.attraction(contact).pull_off > weights * WEIGHT
+        low, high = (low, middle) if enough else (middle, high)
+    return high
 
 
 def final_velocities(run: RunOutput, scene: Scene) -> NDArray[np.float64]:
@@ -302,6 +316,31 @@ class SceneContract(SimulatedScenes):
         assert overlap == pytest.approx(RADIUS - self.rests_at(DAMPED), rel=2e-3)
         assert out.series("hold")["load"] == pytest.approx(-WEIGHT, rel=1e-2)
         assert out.series("hold")["side"] == pytest.approx(0, abs=1e-3 * WEIGHT)
+
+    @pytest.mark.parametrize(
+        "model", [m for m in CONTACT_MODELS if m.attraction is not None], ids=lambda m: m.name
+    )
+    def test_a_particle_hangs_under_a_plane_that_attracts_it_enough(
+        self, solver: DeckSolver, run: Run, model: ContactModel
+    ) -> None:
+        if solver.name not in model.solvers:
+            pytest.skip(f"{solver.name} has no {model.name}")
+        [name] = [p.name for p in model.parameters if p.name.startswith("particle_wall.")]
+        assert model.attraction is not None
+        ends = {}
+        for weights in (0.6, 2.5):
+            value = _attracting(model, name, weights)
+            values = {**DAMPED, name: value}
+            overlap = model.attraction(Contact.on_wall(values, RADIUS, GRAVITY)).overlap
+            ceiling = {"ceiling": Wall(Plane("z", 0.05, upwards=False))}
+            start = spheres([(0.0, 0.0, 0.05 - RADIUS + overlap)])
+            found = run(
+                scene_of(start, ceiling, frames(0.05), values, contact_models=(model.name,))
+            )
+            ends[weights] = 0.05 - RADIUS - found.snapshot("frame1").positions[0, 2]
+        # Half of g t^2, or a part of the overlap.
+        assert ends[0.6] > 0.004
+        assert -0.1 * RADIUS < ends[2.5] < 0.0
 
     def test_planes_of_six_directions_meet_particles_on_the_side_of_their_normal(
         self, run: Run

@@ -142,6 +142,14 @@ class SingleContacts(ABC):
     rolling_dashpot: ClassVar[str] = "beyond the limit"
     #: Parameter that decides the rolling friction on the floor, and its factor.
     floor_rolling_friction: ClassVar[tuple[str, float]] = ("particle_wall.rolling_friction", 1.0)
+    #: Tension that a contact with the floor bears, over the pull-off force of JKR.
+    floor_pull_off: ClassVar[float] = 1.0
+    #: Parameter that decides the surface energy on the floor.
+    floor_surface_energy: ClassVar[str] = "particle_wall.surface_energy"
+    #: Restitution of impacts with hardly any cohesion, by that of the material.
+    restitutions: ClassVar[Mapping[float, float]] = {0.3: 0.3, 0.79: 0.79}
+    #: Attractions that add to the normal force in the limit of friction.
+    friction_by_adhesion: ClassVar[float] = 1.0
 
     def __init__(self, command: Sequence[str]) -> None:
         self.command = list(command)
@@ -211,6 +219,9 @@ class LammpsContacts(_DumpingProgram):
     input_name: ClassVar[str] = "in.lammps"
     rolling_load: ClassVar[str] = "typical"
     rolling_dashpot: ClassVar[str] = "within the limit"
+    #: Regions have no contacts beyond the overlap of zero.
+    floor_pull_off: ClassVar[float] = 8 / 9
+    friction_by_adhesion: ClassVar[float] = 2.0
     _format_word: ClassVar[str] = "line "
 
     def write(self, scene: Scene, folder: Path) -> None:
@@ -225,11 +236,13 @@ class LammpsContacts(_DumpingProgram):
             for j, other in enumerate(scene.radii[i - 1 :], i):
                 contact = Contact.between(scene.material, radius, other, scene.typical_gravity)
                 text += f"pair_coeff {i} {j} {' '.join(lammps_clauses(scene.law, contact))}\n"
+        # As in the decks of bulk tests; a plane of ``wall/gran`` holds on beyond contact.
+        text += "region floor plane 0 0 0 0 0 1 units box\n"
         for i, radius in enumerate(scene.radii, 1):
             contact = Contact.on_wall(scene.material, radius, scene.typical_gravity)
             clauses = " ".join(lammps_clauses(scene.law, contact))
             text += f"group size{i} type {i}\n"
-            text += f"fix floor{i} size{i} wall/gran granular {clauses} zplane 0.0 NULL\n"
+            text += f"fix floor{i} size{i} wall/gran/region granular {clauses} region floor\n"
         (folder / self.input_name).write_text(text + self._ending(scene), encoding="ascii")
 
 
@@ -269,6 +282,8 @@ class YadeContacts(SingleContacts):
     floor_radius: ClassVar[float] = 0.5
     rolling_load: ClassVar[str] = "typical"
     rolling_dashpot: ClassVar[str] = "none"
+    restitutions: ClassVar[Mapping[float, float]] = {0.3: 0.42, 0.79: 0.80}
+    floor_surface_energy: ClassVar[str] = "particle_particle.surface_energy"
     floor_rolling_friction: ClassVar[tuple[str, float]] = (
         "particle_particle.rolling_friction",
         0.5,

@@ -11,11 +11,12 @@ from numpy.typing import NDArray
 
 from grainfit.bulk_tests.discharge.setup import DischargeSetup
 from grainfit.bulk_tests.shared.slot_box import SlotBox
+from grainfit.bulk_tests.shared.validity import arch
 from grainfit.bulk_tests.view import MeasuredDrawing, Outline, RunView, moved
 from grainfit.errors import NotMeasurableError
 from grainfit.evaluation import Response
 from grainfit.measurement.drawing import Drawing, Line, surface_path, wall_line
-from grainfit.measurement.flow_rate import FlowRate, flow_rate
+from grainfit.measurement.flow_rate import FlowRate, flow_rate, stopped_flow
 from grainfit.measurement.height_map import height_map
 from grainfit.measurement.particles import Particles
 from grainfit.measurement.sheet import OVERSAMPLING, sheet
@@ -77,6 +78,27 @@ class DischargeView(RunView):
         container = self.setup.container
         return container.depth / 2 if isinstance(container, SlotBox) else 0.0
 
+    @property
+    def arch(self) -> str:
+        """Description of an arch over the orifice that has stopped the flow; empty without one."""
+        container, positions = self.setup.container, self.end.positions
+        is_slot = isinstance(container, SlotBox)
+        across = positions[:, 0] if is_slot else np.hypot(positions[:, 0], positions[:, 1])
+        held = (np.abs(across) < self._orifice / 2) & (positions[:, 2] > 0)
+        return arch(self.end.select(held), "slot" if is_slot else "orifice")
+
+    def flow(self) -> FlowRate:
+        """Return the mass flow; a material that arches has none, which is a result.
+
+        Raises
+        ------
+        NotMeasurableError
+            Nothing flows, though nothing holds it, or it was recorded too rarely.
+        """
+        if self.arch:
+            return stopped_flow(self.time, self.mass, float(self.end.masses.mean()))
+        return flow_rate(self.time, self.mass)
+
     def picture(self, path: Path, measured: tuple[FlowRate, Response] | str) -> None:
         """Write a PNG of the rest in the container and of the mass in it over time.
 
@@ -93,10 +115,10 @@ class DischargeView(RunView):
         else:
             flow, density = measured
             title = f"Mass flow {flow.value:.3g} ± {flow.standard_error:.1g} kg/s"
+            how = "the flow is measured while 10 to 50 % of the mass that leaves has left"
             subtitle = (
                 f"bulk density {density.value:.0f} ± {density.standard_error:.0f} kg/m^3 "
-                "(± standard error); the flow is measured while 10 to 50 % of the mass that leaves "
-                "has left"
+                f"(± standard error); {self.arch or how}"
             )
         panels = [
             SideView(self._shown, self._extent, self._walls).panel(_PANEL_WIDTH),
@@ -172,7 +194,7 @@ class DischargeView(RunView):
     def measured_drawing(self, target: float | None) -> MeasuredDrawing:
         """Draw the mass in the container over time, the fitted flow, and the target's slope."""
         try:
-            flow = flow_rate(self.time, self.mass)
+            flow = self.flow()
         except NotMeasurableError:
             return MeasuredDrawing(self.drawing(), "")
         full, duration = float(self.mass[0]), float(self.time[-1] - self.time[0])
@@ -201,7 +223,7 @@ class DischargeView(RunView):
             "slope of the drawn mass in the container over time, while 10 to 50 % of the mass that "
             "leaves has left"
         )
-        return MeasuredDrawing(drawing, words)
+        return MeasuredDrawing(drawing, self.arch or words)
 
     def outlines(self) -> Sequence[Outline]:
         """Return the edges of the container."""

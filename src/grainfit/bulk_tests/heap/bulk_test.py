@@ -24,6 +24,7 @@ from grainfit.measurement.angle_of_repose import (
     on_plate,
 )
 from grainfit.measurement.bulk_density import bulk_density
+from grainfit.measurement.clinging import clinging
 from grainfit.measurement.heap_size import base_radius, heap_height, heap_profile
 from grainfit.measurement.particles import Particles, write_vtk
 from grainfit.measurement.picture import draw_heap
@@ -41,6 +42,8 @@ from grainfit.scenes.shapes import Cylinder, Disc
 DECK_REVISION = "e11f78288590e984"
 #: Snapshots of a run, and its picture.
 _SETTLED, _HEAP, _PICTURE = "settled", "heap", "heap.png"
+#: Largest share of the particles that may hang on the lifted cylinder.
+_LARGEST_CLINGING = 0.05
 #: The bed is at rest soon after the shortest fill stage; the lift ends before its longest travel.
 _FILL_SHARE = 1.25
 _LIFT_SHARE = 0.9
@@ -318,10 +321,15 @@ class Heap(BulkTest):
         run.require_complete([stage.name for stage in self._stages()], "cylinder")
         bed = run.snapshot(_SETTLED)
         require_separate(bed)
-        heap = run.snapshot(_HEAP)
-        write_vtk(run.folder / "heap.vtk", heap)
+        end = run.snapshot(_HEAP)
+        write_vtk(run.folder / "heap.vtk", end)
         setup = self.setup
         plate = setup.plate_radius
+        try:
+            heap = self._without_clinging(end)
+        except NotMeasurableError as error:
+            draw_heap(run.folder / _PICTURE, end, plate, self.ground, str(error))
+            raise
         silhouettes = heap_silhouettes(on_plate(heap, plate), plate, self.views)
         angle = self._measure_angle(heap, silhouettes, run.folder / _PICTURE)
         density = bulk_density(
@@ -348,10 +356,28 @@ class Heap(BulkTest):
     def view(self, run: RunOutput) -> HeapView:
         """Read the heap of a run, to be drawn."""
         plate = self.setup.plate_radius
-        heap = on_plate(run.snapshot(_HEAP), plate)
+        heap = on_plate(self._without_clinging(run.snapshot(_HEAP)), plate)
         if not len(heap):
             raise NotMeasurableError("no particles are left on the plate")
         return HeapView(heap, plate, self.setup.rim_height, self.ground, self.views)
+
+    def _without_clinging(self, end: Particles) -> Particles:
+        """Return the particles without those that hang on the lifted cylinder.
+
+        Raises
+        ------
+        NotMeasurableError
+            They are so many that the heap is not that of the bed.
+        """
+        hanging = clinging(end, self.setup.cylinder_radius)
+        share = float(end.masses[hanging].sum() / end.masses.sum()) if len(end) else 0.0
+        if share > _LARGEST_CLINGING:
+            raise NotMeasurableError(
+                f"angle of repose: {100 * share:.0f} % of the particles cling to the lifted "
+                "cylinder, so that the heap is not that of the bed; use a wider cylinder, or less "
+                "cohesion on walls."
+            )
+        return end.select(~hanging)
 
     def _measure_angle(
         self, heap: Particles, silhouettes: Sequence[Silhouette], picture: Path

@@ -45,8 +45,8 @@ def require_held(stress: float, wanted: float, within: float, stage: str) -> Non
         )
 
 
-def require_emptied(held: Particles, orifice: str) -> None:
-    """Raise `RunFailedError` if particles at rest are held above an orifice.
+def arch(held: Particles, orifice: str) -> str:
+    """Describe the particles at rest that are held above an orifice; empty if there are none.
 
     Parameters
     ----------
@@ -55,11 +55,18 @@ def require_emptied(held: Particles, orifice: str) -> None:
     orifice : str
         In a word, such as ``"slot"``.
     """
-    if len(held) >= _FEWEST_HELD:
-        raise RunFailedError(
-            f"the material arches over the {orifice}: {len(held)} particles are at rest above its "
-            f"middle, so the flow did not end by itself; use a wider {orifice}"
-        )
+    if len(held) < _FEWEST_HELD:
+        return ""
+    return (
+        f"the material arches over the {orifice}: {len(held)} particles are at rest above its "
+        "middle, so the flow did not end by itself"
+    )
+
+
+def require_emptied(held: Particles, orifice: str) -> None:
+    """Raise `RunFailedError` if particles at rest are held above an orifice, see `arch`."""
+    if found := arch(held, orifice):
+        raise RunFailedError(f"{found}; use a wider {orifice}")
 
 
 def require_apex_below(apex: float, shelf: float, clearance: float, diameter: float) -> None:

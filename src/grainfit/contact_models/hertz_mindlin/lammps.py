@@ -24,9 +24,7 @@ class HertzMindlinLammps(LammpsWords):
     def clauses(self, contact: Contact) -> Mapping[str, str]:
         """Return normal and tangential force of a contact."""
         moduli = particle_moduli(contact.material, contact.body)
-        poissons_ratio = contact.material["particle.poissons_ratio"]
-        # LAMMPS computes E* of two particles of this material, also for a wall.
-        modulus = 2 * (1 - poissons_ratio**2) * moduli.young
+        modulus, poissons_ratio = elastic_coefficients(contact)
         return {
             "normal": f"hertz/material {modulus} {contact.value('restitution')} {poissons_ratio} "
             "damping coeff_restitution",
@@ -40,3 +38,11 @@ class HertzMindlinLammps(LammpsWords):
             "hertz/material: E, restitution, nu. mindlin: 8 G*, tangential over normal damping, "
             "sliding friction."
         )
+
+
+def elastic_coefficients(contact: Contact) -> tuple[float, float]:
+    """Return Young's modulus (Pa) and Poisson's ratio of two particles as stiff as a contact."""
+    # LAMMPS computes E* of two particles of this material, also for a wall.
+    poissons_ratio = contact.material["particle.poissons_ratio"]
+    moduli = particle_moduli(contact.material, contact.body)
+    return 2 * (1 - poissons_ratio**2) * moduli.young, poissons_ratio

@@ -19,10 +19,14 @@ from typing_extensions import override
 
 from grainfit.bulk_tests.base import BulkTest
 from grainfit.bulk_tests.run_cost import RunCost
+from grainfit.contact_models.cohesive_contacts import overlap_faults
 from grainfit.contact_models.registry import (
+    COHESION,
     MATERIAL_PARAMETERS,
+    contact_law,
     contact_law_faults,
     default_values,
+    idle_faults,
     material_parameter,
     parameters_of_walls,
     parameters_without_effect,
@@ -106,9 +110,10 @@ class DeckSolver(Solver):
         self.test = test
         self._parts = PartsOnWalls(test, walls or {})
         self.material = _in_si(material)
-        self.contact_models = unusual_models(contact_models)
+        named = tuple(contact_models)
+        self.contact_models = unusual_models(named)
         self._require_possible(self.material)
-        faults = [*test.material_faults(self._parts.material_of_test(self.material))]
+        faults = [*self._material_faults(self.material), *idle_faults(self.material, named)]
         if faults:
             raise InputError(faults)
         self.ranks = ranks
@@ -204,7 +209,7 @@ class DeckSolver(Solver):
             response cannot be measured.
         """
         material = self.run_parameters(parameters)
-        for fault in self.test.material_faults(self._parts.material_of_test(material)):
+        for fault in self._material_faults(material):
             raise RunFailedError(str(fault))
         with recorded_faults(workspace):
             run = self.simulate(self._scene(material, seed), workspace)
@@ -239,7 +244,19 @@ class DeckSolver(Solver):
             values = {name: ends[worse.get(name, end)] for name, ends in intervals.items()}
             material = self._parts.material_of_test({**self.material, **values})
             faults += self.test.material_faults(material)
+        softest = {name: ends[plain_name(name) in COHESION] for name, ends in intervals.items()}
+        faults += self._cohesion_faults({**self.material, **softest})
         return list(dict.fromkeys(faults))
+
+    def _material_faults(self, material: Mapping[str, float]) -> Iterator[Fault]:
+        """Iterate over why the test means nothing with a material."""
+        yield from self.test.material_faults(self._parts.material_of_test(material))
+        yield from self._cohesion_faults(material)
+
+    def _cohesion_faults(self, material: Mapping[str, float]) -> list[Fault]:
+        values, conditions = with_defaults(material), self.test.conditions
+        law = contact_law(values, self.contact_models)
+        return overlap_faults(law, values, conditions.sizes.real.diameters, conditions.gravity)
 
     def _require_concepts(self, concepts: Iterable[str]) -> None:
         """Raise `InputError` if the program lacks a concept of the scene."""

@@ -1,0 +1,77 @@
+"""How cohesive the contacts of a calibration file are: Bond number, pull-off force, overlap."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from itertools import product
+
+from grainfit.bulk_tests.base import BulkTest
+from grainfit.bulk_tests.sensitivities import DENSITY, MODULUS
+from grainfit.calibration_file.content import CalibrationFile
+from grainfit.contact_models.cohesive_contacts import (
+    CohesiveContact,
+    cohesive_contact,
+    contacts_of,
+)
+from grainfit.contact_models.contact import TYPICAL_LOAD
+from grainfit.contact_models.registry import COHESION, contact_law, with_defaults
+from grainfit.errors import InputError
+from grainfit.materials.walls import plain_name
+
+#: Parameters whose intervals change how cohesive the particles are.
+_COUNTING = (DENSITY, MODULUS, *COHESION)
+
+
+def cohesion_lines(file: CalibrationFile, bulk_tests: Mapping[str, BulkTest]) -> Iterator[str]:
+    """Yield how cohesive contacts are within the intervals; nothing for a dry material.
+
+    Parameters
+    ----------
+    file : CalibrationFile
+        The calibration file.
+    bulk_tests : mapping of str to BulkTest
+        Its simulated tests by name.
+    """
+    conditions = {
+        (t.conditions.gravity, t.conditions.sizes.real.sauter_diameter) for t in bulk_tests.values()
+    }
+    for gravity, diameter in sorted(conditions):
+        found: dict[str, list[CohesiveContact]] = {}
+        model = ""
+        for material in _corners(file):
+            try:
+                law = contact_law(material, file.contact_models)
+            except InputError:
+                return
+            model = law.cohesion.name if law.cohesion is not None else model
+            for words, contact in contacts_of(material, diameter, gravity).items():
+                found.setdefault(words, []).append(cohesive_contact(law, contact))
+        for words, contacts in found.items():
+            if any(contact.bond_number > 0 for contact in contacts):
+                particles = f"{1000 * diameter:g} mm"
+                yield f"Cohesion ({model}), {words}, {particles}: {_numbers(contacts)}."
+
+
+def _corners(file: CalibrationFile) -> Iterator[dict[str, float]]:
+    """Iterate over the materials at the ends of the intervals that count."""
+    middles = {p.name: (p.minimum + p.maximum) / 2 for p in file.parameters}
+    material = with_defaults({**middles, **file.fixed})
+    ends = {
+        p.name: (p.minimum, p.maximum) for p in file.parameters if plain_name(p.name) in _COUNTING
+    }
+    for values in product(*ends.values()):
+        yield {**material, **dict(zip(ends, values, strict=True))}
+
+
+def _numbers(contacts: list[CohesiveContact]) -> str:
+    return (
+        f"Bond number {_range([c.bond_number for c in contacts])} (attraction under "
+        f"{TYPICAL_LOAD:g} particle weights over one), pull-off force "
+        f"{_range([c.pull_off for c in contacts])} particle weights, overlap without a load "
+        f"{_range([100 * c.overlap for c in contacts])} % of the diameter"
+    )
+
+
+def _range(values: list[float]) -> str:
+    low, high = f"{min(values):.2g}", f"{max(values):.2g}"
+    return low if low == high else f"{low} to {high}"

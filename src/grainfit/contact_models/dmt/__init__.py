@@ -1,0 +1,1 @@
+"""DMT: adhesion of hard elastic spheres, with the surface energy."""

@@ -1,0 +1,1 @@
+"""JKR: adhesion of soft elastic spheres, with the surface energy."""

@@ -1,0 +1,40 @@
+"""JKR in the syntax of LAMMPS: ``jkr`` in place of Hertz."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import ClassVar
+
+from grainfit.contact_models.contact import Contact
+from grainfit.contact_models.hertz_mindlin.lammps import elastic_coefficients
+from grainfit.contact_models.lammps import LammpsWords
+from grainfit.contact_models.viscoelastic import viscoelastic_damping
+
+_NOTES = """\
+{name}: E, damping, nu, surface energy (J/m^2; the work of adhesion is twice as much). LAMMPS has no
+damping with the same restitution at all speeds for a cohesive force. With this one, an impact
+without cohesion has the restitution of the material at the speed sqrt(g d), with a gravity of
+{gravity} m/s^2; slower impacts have more, faster ones less."""
+
+
+class JkrLammps(LammpsWords):
+    """``jkr`` with ``damping viscoelastic``; Hertz stays where there is no surface energy."""
+
+    name: ClassVar[str] = "jkr"
+    legend = "Cohesion: E, viscoelastic damping 1/(m s), nu, surface energy J/m^2."
+
+    def clauses(self, contact: Contact) -> Mapping[str, str]:
+        """Return the normal force of a contact; none without surface energy."""
+        energy = contact.value("surface_energy")
+        if energy == 0:
+            return {}
+        modulus, poissons_ratio = elastic_coefficients(contact)
+        damping = viscoelastic_damping(contact)
+        return {
+            "normal": f"{self.name} {modulus} {damping} {poissons_ratio} {energy} "
+            "damping viscoelastic"
+        }
+
+    def notes(self, gravity: float) -> str:
+        """Return the meaning of the coefficients."""
+        return _NOTES.format(name=self.name, gravity=gravity)

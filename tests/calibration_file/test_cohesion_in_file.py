@@ -1,0 +1,128 @@
+"""Cohesion in a calibration file: the model, its numbers, and particles that are too soft."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from grainfit.calibration_file.build import CalibrationSetup, build_calibration
+from grainfit.calibration_file.load import load_calibration_file
+from grainfit.calibration_file.plan import describe_plan
+from grainfit.options.places import FileFault
+
+EXAMPLES = Path(__file__).parents[2] / "examples"
+GLASS_BEADS = (EXAMPLES / "glass_beads" / "calibration.toml").read_text(encoding="utf-8")
+BETWEEN, ON_WALL = "restitution = 0.79\n", "restitution = 0.82\n"
+
+
+def sticky(energy: str = "0.3", on_wall: str = "0", chosen: str = "") -> str:
+    text = GLASS_BEADS.replace(BETWEEN, f"{BETWEEN}surface_energy = {energy}\n")
+    text = text.replace(ON_WALL, f"{ON_WALL}surface_energy = {on_wall}\n")
+    return (
+        text.replace("[wall]", f'[contact_models]\ncohesion = "{chosen}"\n\n[wall]')
+        if chosen
+        else text
+    )
+
+
+def damp(chosen: str = "", solver: str = "liggghts") -> str:
+    text = GLASS_BEADS.replace(BETWEEN, f'{BETWEEN}cohesion_energy_density = "2 kJ/m^3"\n')
+    text = text.replace('"lammps"', f'"{solver}"')
+    return (
+        text.replace("[wall]", f'[contact_models]\ncohesion = "{chosen}"\n\n[wall]')
+        if chosen
+        else text
+    )
+
+
+def setup_of(folder: Path, text: str) -> CalibrationSetup:
+    path = folder / "calibration.toml"
+    path.write_text(text, encoding="utf-8")
+    return build_calibration(load_calibration_file(path))
+
+
+def identity(setup: CalibrationSetup) -> str:
+    values = setup.problem.from_unit([0.5] * setup.problem.dimension)
+    return setup.solvers["heap"].definition(values, 1).identity
+
+
+def test_no_cohesion_is_the_run_of_a_file_without_it(tmp_path: Path) -> None:
+    dry = identity(setup_of(tmp_path, GLASS_BEADS))
+
+    assert identity(setup_of(tmp_path, sticky("0"))) == dry
+    assert identity(setup_of(tmp_path, sticky("0.3"))) != dry
+
+
+def test_the_usual_model_chosen_by_name_is_the_same_run(tmp_path: Path) -> None:
+    usual = identity(setup_of(tmp_path, sticky()))
+
+    assert identity(setup_of(tmp_path, sticky(chosen="jkr"))) == usual
+    assert identity(setup_of(tmp_path, sticky(chosen="dmt"))) != usual
+    assert setup_of(tmp_path, damp("sjkr2")).solvers["heap"].model()["contact_models"] == ["sjkr2"]
+
+
+def test_a_parameter_of_another_model_is_named(faults_of: Callable[..., list[FileFault]]) -> None:
+    [fault] = faults_of(text=damp("jkr", "lammps"))
+
+    assert fault.key == "particle_particle.cohesion_energy_density"
+    assert "is no parameter of the contact model jkr. Leave it out." in str(fault)
+    assert fault.line is not None
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        (damp(solver="lammps"), "belongs to the contact model sjkr, which lammps does not have"),
+        (
+            sticky().replace('"lammps"', '"liggghts"'),
+            "jkr, which liggghts does not have. Use lammps",
+        ),
+        (sticky(chosen="dmt").replace('"lammps"', '"liggghts"'), "Use lammps or yade"),
+    ],
+)
+def test_a_solver_without_the_model_is_refused(tmp_path: Path, text: str, words: str) -> None:
+    with pytest.raises(Exception, match=words):
+        setup_of(tmp_path, text)
+
+
+def test_the_bond_number_is_that_of_the_intervals(tmp_path: Path) -> None:
+    text = sticky('{ min = 0, max = "0.5 J/m^2" }', "0.1")
+    lines = [line for line in describe_plan(setup_of(tmp_path, text)).lines if "Bond" in line]
+
+    # 3 pi gamma R* over the weight of a bead of the lowest density, with R* = 2.5 mm and 5 mm.
+    assert "Cohesion (jkr), two particles, 10 mm: Bond number 0 to 1.6 (attraction" in lines[0]
+    assert "Cohesion (jkr), a particle and a wall, 10 mm: Bond number 0.33 to 0.65" in lines[1]
+    dry = describe_plan(setup_of(tmp_path, GLASS_BEADS)).lines
+    assert not any("Cohesion" in line for line in dry)
+
+
+def test_particles_that_are_too_soft_for_their_cohesion_are_refused(tmp_path: Path) -> None:
+    problems = describe_plan(setup_of(tmp_path, sticky('{ min = 0, max = "20 J/m^2" }'))).problems
+    assert "360000 Pa is too soft for this cohesion (jkr)" in problems[0]
+    assert "particles overlap by 9.4 % of their diameter" in problems[0]
+    assert "Give them at least 9.6e+05 Pa, or less cohesion" in problems[0]
+
+    stiff = sticky('{ min = 0, max = "20 J/m^2" }').replace('"0.36 MPa"', '"0.96 MPa"')
+    assert describe_plan(setup_of(tmp_path, stiff)).problems == ()
+
+
+def test_a_time_step_that_is_too_large_for_cohesion_is_named(tmp_path: Path) -> None:
+    undamped = '"lammps"\ntime_step_fraction = 0.15'
+    free = sticky('{ min = 0, max = "0.5 J/m^2" }').replace('"lammps"', undamped)
+    free = free.replace("rolling_damping = 0.25", "rolling_damping = 0")
+
+    assert any(
+        "more than the 0.12 that is safe" in note for note in setup_of(tmp_path, free).notes()
+    )
+    dry = free.replace('{ min = 0, max = "0.5 J/m^2" }', "0")
+    assert not any("that is safe" in note for note in setup_of(tmp_path, dry).notes())
+
+
+def test_the_example_of_a_cohesive_material_is_ready() -> None:
+    plan = describe_plan(
+        build_calibration(load_calibration_file(EXAMPLES / "cohesive_sand" / "calibration.toml"))
+    )
+    assert plan.problems == ()
+    assert any("Cohesion (jkr)" in line for line in plan.lines)

@@ -1,0 +1,124 @@
+"""Cards of a cohesive material: each program computes with the cohesion of its card."""
+
+from __future__ import annotations
+
+import json
+import shutil
+import subprocess
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from test_solvers_read_cards import LAMMPS, LIGGGHTS, OVERLAP, RADIUS, YADE, deck, printed, start
+
+from grainfit.cards import CardParameter, MaterialCard, render
+from grainfit.contact_models.dmt.model import pull_off_force
+from grainfit.contact_models.hertz_mindlin.model import hertz_stiffness, particle_moduli
+from grainfit.contact_models.jkr.model import force_at
+from grainfit.contact_models.sjkr.model import sphere_area
+from grainfit.contact_models.sjkr2.model import area_over_overlap
+from grainfit.errors import InputError
+from grainfit.solvers.dem.lammps.program import Lammps
+from grainfit.solvers.dem.liggghts.program import Liggghts
+
+BETWEEN, ON_WALL = 0.3, 0.2
+STICKY = {"surface_energy": 1.0}
+DAMP = {"cohesion_energy_density": 1e4}
+
+
+def with_cohesion(card: MaterialCard, of: Mapping[str, float], *models: str) -> MaterialCard:
+    parameters = [
+        CardParameter(f"{section}.{key}", "", "", "", share * unit, "given")
+        for key, unit in of.items()
+        for section, share in (("particle_particle", BETWEEN), ("particle_wall", ON_WALL))
+    ]
+    return replace(card, parameters=(*card.parameters, *parameters), contact_models=models)
+
+
+def hertz(card: MaterialCard, body: str, radius: float) -> float:
+    return hertz_stiffness(OVERLAP, particle_moduli(card.values, body), radius) * OVERLAP
+
+
+def require_forces(found: Mapping[str, float], between: float, on_wall: float) -> None:
+    assert found["pushed"] == pytest.approx(between, rel=1e-6)
+    assert found["lifted"] == pytest.approx(on_wall, rel=1e-6)
+
+
+@pytest.mark.parametrize("model", ["jkr", "dmt"])
+def test_lammps(card: MaterialCard, tmp_path: Path, model: str) -> None:
+    sticky = with_cohesion(card, STICKY, model)
+    (tmp_path / "card.inc").write_text(render(sticky, "lammps"))
+    (tmp_path / "in.test").write_text(deck(LAMMPS, []))
+    start(Lammps, tmp_path)
+
+    def force(body: str, radius: float, energy: float) -> float:
+        if model == "jkr":
+            return force_at(OVERLAP, energy, particle_moduli(card.values, body).young, radius)
+        return hertz(card, body, radius) - pull_off_force(energy, radius)
+
+    require_forces(
+        printed(tmp_path / "solver.log"),
+        force("particle", RADIUS / 2, BETWEEN),
+        force("wall", RADIUS, ON_WALL),
+    )
+
+
+@pytest.mark.skipif(
+    shutil.which("liggghts") is None, reason="LIGGGHTS is not installed: apt-get install liggghts"
+)
+@pytest.mark.parametrize("model", ["sjkr", "sjkr2"])
+def test_liggghts(card: MaterialCard, tmp_path: Path, model: str) -> None:
+    (tmp_path / "card.inc").write_text(render(with_cohesion(card, DAMP, model), "liggghts"))
+    (tmp_path / "in.test").write_text(deck(LIGGGHTS, []))
+    start(Liggghts, tmp_path)
+    areas = [
+        sphere_area(2 * RADIUS - OVERLAP, RADIUS, RADIUS),
+        sphere_area(RADIUS - OVERLAP, RADIUS, None),
+    ]
+    if model == "sjkr2":
+        areas = [area_over_overlap(RADIUS, other) * OVERLAP for other in (RADIUS, None)]
+
+    require_forces(
+        printed(tmp_path / "solver.log"),
+        hertz(card, "particle", RADIUS / 2) - 1e4 * BETWEEN * areas[0],
+        hertz(card, "wall", RADIUS) - 1e4 * ON_WALL * areas[1],
+    )
+
+
+@pytest.mark.skipif(
+    shutil.which("yade") is None, reason="YADE is not installed: apt-get install yade"
+)
+def test_yade(card: MaterialCard, tmp_path: Path) -> None:
+    text = render(with_cohesion(card, STICKY, "dmt"), "yade")
+    (tmp_path / "material.py").write_text(text, encoding="utf-8")
+    adhesion = '"adhesion": found.adhesionForce, "acts": contact_law.includeAdhesion,'
+    (tmp_path / "test.py").write_text(YADE.replace('"kno": found.kno,', adhesion))
+    command = ["yade", "-n", "-x", "test.py"]
+    done = subprocess.run(
+        command, cwd=tmp_path, capture_output=True, text=True, timeout=120, check=False
+    )
+    assert (tmp_path / "found.json").is_file(), done.stdout + done.stderr
+    found = json.loads((tmp_path / "found.json").read_text())
+    # One surface energy and half the radius on a wall, as the card says.
+    for contact in (found["particles"], found["wall"]):
+        assert contact["acts"]
+        assert contact["adhesion"] == pytest.approx(pull_off_force(BETWEEN, RADIUS / 2))
+    assert f"surface energy of {BETWEEN / 2} and {2 * BETWEEN / 3} J/m^2" in text
+    assert f"not of {ON_WALL}" in text
+
+
+@pytest.mark.parametrize(
+    ("of", "models", "to", "words"),
+    [
+        (STICKY, (), "liggghts", "jkr, which liggghts does not have. Use lammps"),
+        (STICKY, (), "yade", "jkr, which yade does not have. Use lammps"),
+        (DAMP, (), "lammps", "sjkr, which lammps does not have. Use liggghts"),
+        ({**STICKY, **DAMP}, (), "lammps", "sjkr and jkr cannot act together"),
+    ],
+)
+def test_no_card_for_a_program_without_the_model(
+    card: MaterialCard, of: Mapping[str, float], models: tuple[str, ...], to: str, words: str
+) -> None:
+    with pytest.raises(InputError, match=words):
+        render(with_cohesion(card, of, *models), to)
