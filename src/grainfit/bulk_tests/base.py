@@ -12,7 +12,7 @@ from __future__ import annotations
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Collection, Iterable, Mapping, Sequence
-from dataclasses import InitVar, dataclass, fields
+from dataclasses import InitVar, dataclass, fields, replace
 from functools import cache
 from typing import Any, ClassVar, Self
 
@@ -26,6 +26,7 @@ from grainfit.contact_models.registry import MATERIAL_PARAMETERS
 from grainfit.errors import Fault, InputError
 from grainfit.evaluation import Measured
 from grainfit.materials.diameters import Diameters
+from grainfit.materials.particle_shape import ASPECT_RATIO, ParticleShape
 from grainfit.materials.sizes import ParticleSizes
 from grainfit.options.fields import Amount, option, option_keys, read_options
 from grainfit.options.kinds import Quantity
@@ -206,6 +207,8 @@ class BulkTest(ABC):
             "scenes": SCENES_REVISION,
             "diameters": list(self.sizes.diameters),
             "mass_fractions": list(self.sizes.mass_fractions),
+            # Runs of spheres keep the identity that they had before there were shapes.
+            **({"shape": self.sizes.shape.definition()} if self.sizes.shape else {}),
             **self.resolved_options(),
         }
 
@@ -230,7 +233,7 @@ class BulkTest(ABC):
         KeyError, TypeError, ValueError, AttributeError
             The definition is damaged or incomplete.
         """
-        sizes = ParticleSizes(tuple(definition["diameters"]), tuple(definition["mass_fractions"]))
+        sizes = sizes_of_definition(definition)
         return cls(sizes, **{key.name: definition[key.name] for key in cls.option_keys()})
 
     @property
@@ -258,7 +261,18 @@ class BulkTest(ABC):
 
     def time_step(self, material: Mapping[str, float]) -> float:
         """Return the time step of a run with this material, s."""
-        return time_step(self.sizes, material, float(self.time_step_fraction))
+        return time_step(self._sizes_of(material), material, float(self.time_step_fraction))
+
+    def of_shape(self, material: Mapping[str, float]) -> Self:
+        """Return the test with particles of the aspect ratio of a material; spheres stay so."""
+        sizes = self._sizes_of(material)
+        return self if sizes == self.sizes else self._with_sizes(sizes)
+
+    def _sizes_of(self, material: Mapping[str, float]) -> ParticleSizes:
+        return self.sizes.with_aspect_ratio(material.get(ASPECT_RATIO))
+
+    def _with_sizes(self, sizes: ParticleSizes) -> Self:
+        return replace(self, sizes=sizes)
 
     def material_faults(self, material: Mapping[str, float]) -> Iterable[Fault]:  # noqa: ARG002
         """Return why the test means nothing with a material; nothing by default.
@@ -306,7 +320,8 @@ class BulkTest(ABC):
         seed : int
             Insertion seed.
         """
-        return self.scene_of(self.column(seed), material)
+        test = self.of_shape(material)
+        return test.scene_of(test.column(seed), material)
 
     def column(self, seed: int) -> Column:
         """Return the particles at the beginning: by default a column that falls.
@@ -345,7 +360,8 @@ class BulkTest(ABC):
         """
         # They do not follow from the particles, which take long to place when they are many.
         empty = Column(np.empty((0, 3)), np.empty(0, dtype=np.int64), self.sizes.sauter_diameter)
-        return self.scene_of(empty, _ANY_MATERIAL).concepts()
+        shaped = {"clumps"} if self.sizes.shape else set()
+        return self.scene_of(empty, _ANY_MATERIAL).concepts() | shaped
 
     @abstractmethod
     def measure(self, run: RunOutput) -> Mapping[str, Measured]:
@@ -418,6 +434,21 @@ def _option_keys(test: type[BulkTest]) -> tuple[Key, ...]:
     shared = {field.name for field in fields(BulkTest)}
     # Those that all tests have come last.
     return tuple(sorted(option_keys(test), key=lambda key: key.name in shared))
+
+
+def sizes_of_definition(definition: Mapping[str, Any]) -> ParticleSizes:
+    """Return the particle sizes in the definition of a test.
+
+    Raises
+    ------
+    KeyError, TypeError, ValueError
+        The definition is damaged or incomplete.
+    """
+    return ParticleSizes(
+        tuple(definition["diameters"]),
+        tuple(definition["mass_fractions"]),
+        ParticleShape.from_definition(definition.get("shape")),
+    )
 
 
 def read_sizes(sizes: ParticleSizes | None, diameter: Any) -> ParticleSizes:

@@ -3,9 +3,14 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 from grainfit.errors import Fault, InputError
+from grainfit.materials.particle_shape import ParticleShape
+
+if TYPE_CHECKING:
+    from grainfit.materials.clumps import Clump
 
 
 @dataclass(frozen=True)
@@ -15,9 +20,11 @@ class ParticleSizes:
     Parameters
     ----------
     diameters : tuple of float
-        Sphere diameters, m.
+        Sphere diameters, m; of clumps, those of spheres of equal volume.
     mass_fractions : tuple of float
         Share of the mass in each diameter (as a sieve gives it); sums to one.
+    shape : ParticleShape, optional
+        Shape of all particles, see `grainfit.materials.clumps`; None is a sphere.
 
     Examples
     --------
@@ -27,6 +34,7 @@ class ParticleSizes:
 
     diameters: tuple[float, ...]
     mass_fractions: tuple[float, ...] = (1.0,)
+    shape: ParticleShape | None = None
 
     def __post_init__(self) -> None:
         if not self.diameters or len(self.diameters) != len(self.mass_fractions):
@@ -46,9 +54,28 @@ class ParticleSizes:
             )
 
     @property
+    def clump(self) -> Clump | None:
+        """The clump that all particles are; None for spheres, and for an unknown aspect ratio."""
+        return None if self.shape is None else self.shape.clump
+
+    def with_aspect_ratio(self, aspect_ratio: float | None) -> ParticleSizes:
+        """Return the same sizes at another aspect ratio; None, and spheres, change nothing."""
+        if self.shape is None or aspect_ratio is None:
+            return self
+        return replace(self, shape=self.shape.with_aspect_ratio(aspect_ratio))
+
+    @property
     def smallest_radius(self) -> float:
-        """Radius of the smallest particle, m: it sets the Rayleigh time step."""
-        return min(self.diameters) / 2
+        """Radius of the smallest sphere, m: it sets the Rayleigh time step."""
+        clump = self.clump
+        return min(self.diameters) * (0.5 if clump is None else clump.smallest_radius)
+
+    @property
+    def outer_diameters(self) -> tuple[float, ...]:
+        """Diameters of the spheres about the centres that contain the particles, m."""
+        clump = self.clump
+        scale = 1.0 if clump is None else 2 * clump.outer_radius
+        return tuple(scale * diameter for diameter in self.diameters)
 
     @property
     def number_fractions(self) -> tuple[float, ...]:

@@ -16,6 +16,7 @@ from scipy.spatial import cKDTree
 
 from grainfit.errors import Fault, InputError
 from grainfit.materials.sizes import ParticleSizes
+from grainfit.scenes.clump_packing import place_clumps
 
 #: Share of the column's volume that is solid: well below the jamming limit of random sequential
 #: addition (0.38), so that places are found quickly.
@@ -165,12 +166,18 @@ class Column:
         Height of the column, m.
     velocities : ndarray of shape (n, 3), optional
         Velocities, m/s; None is at rest.
+    orientations : ndarray of shape (n, 4), optional
+        Orientations of clumps as quaternions, the scalar last; None is that of their shape.
+    spins : ndarray of shape (n, 3), optional
+        Angular velocities of clumps, rad/s; None is at rest.
     """
 
     positions: NDArray[np.float64]
     size_indices: NDArray[np.int64]
     height: float
     velocities: NDArray[np.float64] | None = None
+    orientations: NDArray[np.float64] | None = None
+    spins: NDArray[np.float64] | None = None
 
 
 def particle_numbers(sizes: ParticleSizes, count: int) -> list[int]:
@@ -197,9 +204,10 @@ def mean_particle_volume(sizes: ParticleSizes) -> float:
 
 def column_height(sizes: ParticleSizes, count: int, footprint: Footprint) -> float:
     """Return the first height to try for a random column of this many particles, m."""
-    area = (footprint.area + footprint.area_of_centres(max(sizes.diameters) / 2)) / 2
+    largest = max(sizes.outer_diameters)
+    area = (footprint.area + footprint.area_of_centres(largest / 2)) / 2
     height = count * mean_particle_volume(sizes) / (_SOLID_FRACTION * area)
-    return max(height, 2 * max(sizes.diameters))
+    return max(height, 2 * largest)
 
 
 def random_column(sizes: ParticleSizes, count: int, footprint: Footprint, seed: int) -> Column:
@@ -230,6 +238,8 @@ def random_column(sizes: ParticleSizes, count: int, footprint: Footprint, seed: 
     height = column_height(sizes, count, footprint)
     period = footprint.period
     numbers = particle_numbers(sizes, count)
+    if sizes.clump is not None:
+        return _clump_column(random, sizes, numbers, footprint, height)
     positions = np.empty((0, 3))
     indices = np.empty(0, dtype=np.int64)
     diameters = np.array(sizes.diameters)
@@ -253,6 +263,27 @@ def random_column(sizes: ParticleSizes, count: int, footprint: Footprint, seed: 
             missing -= len(places)
     order = random.permutation(count)
     return Column(positions[order], indices[order], height)
+
+
+def _clump_column(
+    random: np.random.Generator,
+    sizes: ParticleSizes,
+    numbers: list[int],
+    footprint: Footprint,
+    height: float,
+) -> Column:
+    """Fill an upright container with clumps, from a first height on."""
+
+    def draw(count: int, diameter: float) -> NDArray[np.float64]:
+        return _candidates(random, count, diameter, footprint, height)
+
+    def grow() -> None:
+        nonlocal height
+        height *= _GROWTH
+
+    placed = place_clumps(random, sizes, numbers, draw, footprint.period, _CLEARANCE, grow)
+    placed = placed.take(random.permutation(sum(numbers)))
+    return Column(placed.positions, placed.size_indices, height, orientations=placed.orientations)
 
 
 def random_in_tube(
@@ -294,6 +325,8 @@ def random_in_tube(
     if count * mean_particle_volume(sizes) > _JAMMED * math.pi * radius**2 * length:
         raise no_room
     numbers = particle_numbers(sizes, count)
+    if sizes.clump is not None:
+        return _clumps_in_tube(random, sizes, numbers, (radius, length), no_room)
     indices = random.permutation(np.repeat(np.arange(len(numbers)), numbers))
     radii = (1 + 2 * _CLEARANCE) / 2 * np.array(sizes.diameters)[indices]
     reach = radius - radii
@@ -307,6 +340,33 @@ def random_in_tube(
         outside = np.maximum(np.hypot(places[:, 1], places[:, 2]) / reach, 1.0)
         places[:, 1:] /= outside[:, None]
     raise no_room
+
+
+def _clumps_in_tube(
+    random: np.random.Generator,
+    sizes: ParticleSizes,
+    numbers: list[int],
+    tube: tuple[float, float],
+    no_room: InputError,
+) -> Column:
+    """Place clumps in a lying tube of this radius and length."""
+    radius, length = tube
+
+    def draw(count: int, diameter: float) -> NDArray[np.float64]:
+        reach = radius - (1 + _CLEARANCE) * diameter / 2
+        distance = reach * np.sqrt(random.random(count))
+        azimuth = 2 * math.pi * random.random(count)
+        return np.column_stack(
+            (length * random.random(count), distance * np.cos(azimuth), distance * np.sin(azimuth))
+        )
+
+    def grow() -> None:
+        raise no_room
+
+    period = (length, 0.0, 0.0)
+    placed = place_clumps(random, sizes, numbers, draw, period, _CLEARANCE, grow)
+    placed = placed.take(random.permutation(sum(numbers)))
+    return Column(placed.positions, placed.size_indices, radius, orientations=placed.orientations)
 
 
 def _push_apart(places: NDArray[np.float64], radii: NDArray[np.float64], period: float) -> bool:

@@ -16,6 +16,7 @@ from grainfit.bulk_tests.base import (
     BulkTest,
     ResponseInfo,
     read_sizes,
+    sizes_of_definition,
 )
 from grainfit.bulk_tests.own_scene.options import OptionValue
 from grainfit.bulk_tests.own_scene.picture import ParticlesView, draw_particles
@@ -196,9 +197,7 @@ class OwnScene(BulkTest):
         """
         test = cls.__new__(cls)
         test._set(
-            sizes=ParticleSizes(
-                tuple(definition["diameters"]), tuple(definition["mass_fractions"])
-            ),
+            sizes=sizes_of_definition(definition),
             gravity=float(definition["gravity"]),
             time_step_fraction=float(definition["time_step_fraction"]),
             functions={},
@@ -232,6 +231,11 @@ class OwnScene(BulkTest):
             return None
         return Shown("particles", next(iter(responses)), snapshot_file(END), _PICTURE)
 
+    def _with_sizes(self, sizes: ParticleSizes) -> Self:
+        test = copy(self)
+        test._set(sizes=sizes)
+        return test
+
     def executes(self) -> tuple[str, ...]:
         """Describe the two functions, each by its file."""
         return tuple(
@@ -254,7 +258,7 @@ class OwnScene(BulkTest):
         function = self.functions["scene"]
         possible = {
             "material": with_defaults(material),
-            "sizes": self.sizes,
+            "sizes": self._sizes_of(material),
             "seed": seed,
             "gravity": self.gravity,
             "time_step": self.time_step(material),

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from pathlib import Path
 from typing import ClassVar
 
 from grainfit.contact_models.contact import Contact
 from grainfit.contact_models.lammps import lammps_clauses, lammps_words
 from grainfit.scenes.run_output import snapshot_file
-from grainfit.scenes.scene import Load, Motion, Rotation, Stage, Wall
+from grainfit.scenes.scene import Load, Motion, Rotation, Scene, Stage, Wall
 from grainfit.scenes.shapes import Block, Cone, Cylinder, Disc, Plane, Shape
+from grainfit.solvers.dem.lammps.rigid_clumps import BODIES, RigidClumps
 from grainfit.solvers.dem.script import PARTICLES, ScriptDeck
 from grainfit.solvers.dem.script_words import command, continued, heading
 
@@ -34,6 +36,10 @@ class LammpsSceneDeck(ScriptDeck):
         f"Reads {PARTICLES}; writes stages.csv, snapshots/*.dump and series_*.csv.",
     )
 
+    def __init__(self, scene: Scene, folder: Path) -> None:
+        self.clumps = None if scene.clumps is None else RigidClumps(scene)
+        super().__init__(scene, folder)
+
     def head(self) -> Iterator[str]:
         """Iterate over the settings of the simulation."""
         yield command("units", "si")
@@ -41,11 +47,18 @@ class LammpsSceneDeck(ScriptDeck):
         yield command("atom_modify", "map array")
         yield command("boundary", self.boundary())
         yield command("newton", "off")
-        yield command("comm_modify", "vel yes")
+        cutoff = "" if self.clumps is None else f" cutoff {self.clumps.reach}"
+        yield command("comm_modify", f"vel yes{cutoff}")
         yield command("processors", "* * 1".ljust(23) + " # a bed is split from above only")
-        yield command("read_data", PARTICLES)
+        if self.clumps is None:
+            yield command("read_data", PARTICLES)
+        else:
+            yield from self.clumps.read(PARTICLES)
         yield command("neighbor", f"{0.3 * self.scene.sizes.sauter_diameter} bin")
         yield command("neigh_modify", "delay 0 every 1 check yes")
+        if self.clumps is not None:
+            yield command("neigh_modify", "exclude molecule/intra all")
+            return
         yield "# Particles are no molecules: without this, one alone would have no kinetic energy."
         yield command("compute_modify", "thermo_temp extra/dof 0")
 
@@ -54,9 +67,68 @@ class LammpsSceneDeck(ScriptDeck):
         kinds = (self.size_indices + 1).tolist()
         return len(self.scene.sizes.diameters), kinds
 
+    # --- clumps --------------------------------------------------------------------------------
+
+    def write_particles(self) -> None:
+        """Write the particles of the beginning; of clumps, the bodies, too."""
+        if self.clumps is None:
+            super().write_particles()
+            return
+        (self.folder / PARTICLES).write_text(self.clumps.data(), encoding="ascii")
+        (self.folder / BODIES).write_text(self.clumps.bodies(), encoding="ascii")
+
+    @property
+    def loose_spheres(self) -> int:
+        """Number of spheres of loose particles: the first glued one has the next number."""
+        return super().loose_spheres if self.clumps is None else self.clumps.number_of_spheres
+
+    @property
+    def largest_radius(self) -> float:
+        """Radius of the largest sphere, m."""
+        return max(self._radii)
+
+    @property
+    def kinetic(self) -> str:
+        """Expression of the kinetic energy of the loose particles; of clumps, of rotation, too."""
+        return super().kinetic if self.clumps is None else "c_translation+c_rotation"
+
+    @property
+    def shown_energy(self) -> str:
+        """Word for the kinetic energy in the log."""
+        return super().shown_energy if self.clumps is None else "v_kinetic"
+
+    @property
+    def count(self) -> str:
+        """Expression of the number of loose particles."""
+        if self.clumps is None:
+            return super().count
+        return f"count({self.loose})/{len(self.clumps.spheres.clump)}"
+
+    def integration(self) -> Iterator[str]:
+        """Iterate over gravity and the integration of the loose particles."""
+        if self.clumps is None:
+            return super().integration()
+        return self.clumps.integration(self.loose)
+
+    def strike_off(self, height: float) -> Iterator[str]:
+        """Remove the loose particles whose centre is above a height."""
+        if self.clumps is None:
+            return super().strike_off(height)
+        return self.clumps.strike_off(self.loose, height)
+
+    @property
+    def snapshot_columns(self) -> str:
+        """Columns of a snapshot; of clumps, the number of the clump, too."""
+        return super().snapshot_columns + ("" if self.clumps is None else " mol")
+
+    # --- contacts ------------------------------------------------------------------------------
+
     @property
     def _radii(self) -> list[float]:
-        return [diameter / 2 for diameter in self.scene.sizes.diameters]
+        """Radius of the spheres of each type, m."""
+        if self.clumps is None:
+            return [diameter / 2 for diameter in self.scene.sizes.diameters]
+        return self.clumps.radii
 
     def contacts(self) -> Iterator[str]:
         """Iterate over the contact law of each pair of sizes."""
@@ -70,6 +142,8 @@ class LammpsSceneDeck(ScriptDeck):
                 contact = Contact.between(
                     material, radius, other, scene.weight_gravity, scene.typical_load
                 )
+                if self.clumps is not None:
+                    contact = self.clumps.between(contact, i, j)
                 yield continued(
                     command("pair_coeff", f"{i} {j}"), lammps_clauses(self.law, contact)
                 )
@@ -113,6 +187,8 @@ class LammpsSceneDeck(ScriptDeck):
             contact = Contact.on_wall(
                 material, radius, self.scene.weight_gravity, self.scene.typical_load
             )
+            if self.clumps is not None:
+                contact = self.clumps.on_wall(contact, number)
             clauses = lammps_clauses(self.law, contact)
             clauses[-1] += f" region {name}{measured}"
             yield continued(
