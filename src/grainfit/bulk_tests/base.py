@@ -205,10 +205,7 @@ class BulkTest(ABC):
             "type": self.type,
             "revision": self.revision,
             "scenes": SCENES_REVISION,
-            "diameters": list(self.sizes.diameters),
-            "mass_fractions": list(self.sizes.mass_fractions),
-            # Runs of spheres keep the identity that they had before there were shapes.
-            **({"shape": self.sizes.shape.definition()} if self.sizes.shape else {}),
+            **definition_of_sizes(self.sizes),
             **self.resolved_options(),
         }
 
@@ -410,9 +407,11 @@ class BulkTest(ABC):
         step = self.time_step(material)
         steps = math.ceil(duration / step)
         speed = _SPEED.get(solver, min(_SPEED.values())) * ranks**_RANKS_EXPONENT
-        seconds = steps * particles / speed
+        clump = self._sizes_of(material).clump
+        spheres = 1 if clump is None else len(clump)
+        seconds = steps * particles * spheres / speed
         fraction = self.conditions.time_step_fraction
-        return RunCost(step, steps, seconds, particles, fraction)
+        return RunCost(step, steps, seconds, particles, fraction, spheres)
 
     def default_timeout(self, cost: RunCost) -> float:
         """Return the wall time after which a run of this cost hangs, s."""
@@ -434,6 +433,17 @@ def _option_keys(test: type[BulkTest]) -> tuple[Key, ...]:
     shared = {field.name for field in fields(BulkTest)}
     # Those that all tests have come last.
     return tuple(sorted(option_keys(test), key=lambda key: key.name in shared))
+
+
+def definition_of_sizes(sizes: ParticleSizes) -> dict[str, Any]:
+    """Return particle sizes in the definition of a test; the aspect ratio is a parameter."""
+    # Runs of spheres keep the identity that they had before there were shapes.
+    shape = {} if sizes.shape is None else {"shape": sizes.shape.definition()}
+    return {
+        "diameters": list(sizes.diameters),
+        "mass_fractions": list(sizes.mass_fractions),
+        **shape,
+    }
 
 
 def sizes_of_definition(definition: Mapping[str, Any]) -> ParticleSizes:

@@ -22,6 +22,8 @@ from grainfit.contact_models.registry import (
 from grainfit.errors import InputError
 from grainfit.materials.diameters import Diameters
 from grainfit.materials.parameters import MaterialParameter
+from grainfit.materials.particle_shape import ASPECT_RATIO, FAMILIES, aspect_ratio_faults
+from grainfit.materials.shape_option import Shapes
 from grainfit.options.kinds import Choice, Text
 from grainfit.options.places import Findings, Place
 from grainfit.options.tables import Key, Named, Table, Values
@@ -35,6 +37,8 @@ MATERIAL_SECTIONS = {
     "particle_particle": "Contacts between particles.",
     "particle_wall": "Contacts between particles and walls.",
 }
+#: Keys of sections of the material that are no parameters.
+_NO_PARAMETERS = ("diameter", "shape")
 _KINDS: dict[Kind, str] = {
     "contact": "normal and tangential force",
     "cohesion": "cohesion",
@@ -63,7 +67,11 @@ def _material_key(parameter: MaterialParameter) -> Key:
 
 def _homes() -> dict[str, str]:
     """Right sections of keys that users may put into a wrong one."""
-    homes = {"diameter": "[particle]", "name": "the top of the file, above all sections"}
+    homes = {
+        "diameter": "[particle]",
+        "shape": "[particle]",
+        "name": "the top of the file, above all sections",
+    }
     homes |= dict.fromkeys(strategy_keys(), "[strategy]")
     homes |= {key.name: "[cluster]" for key in CLUSTER}
     homes |= {key.name: "[[test]]" for test in BUILT_IN.values() for key in test.option_keys()}
@@ -89,7 +97,16 @@ def _material_table(section: str) -> Table:
             "Particle diameter, or a list of { value, mass_fraction }.",
             example='"10 mm"',
         )
-        keys.insert(0, diameter)
+        families = ", ".join(f"{name} ({f.words})" for name, f in FAMILIES.items())
+        shape = Key(
+            "shape",
+            Shapes(),
+            f"Particles that are clumps of spheres: {families}, or {{ spheres = [...] }}; the "
+            "diameter is that of a sphere of equal volume.",
+            default="none: particles are spheres",
+            example='"two_spheres"',
+        )
+        keys = [diameter, shape, *keys]
     return Table(tuple(keys), homes=_homes())
 
 
@@ -167,6 +184,7 @@ def read_document(document: dict[str, Any], place: Place, *, planned: bool = Fal
     if simulated:
         _note_missing_material(simulated, values, place)
         _note_parameters_without_effect(values, place)
+        _note_impossible_shape(values, place)
         _note_impossible_tests(simulated, values, place)
         if len(simulated) == len(document["test"]):
             _note_useless_parameters(simulated, values, place)
@@ -190,7 +208,9 @@ def _parameters(values: Values) -> list[Any]:
     found: list[Any] = []
     for section in (*MATERIAL_SECTIONS, "parameters"):
         table = values.get(section, {})
-        found += [None] if table is None else [v for k, v in table.items() if k != "diameter"]
+        found += (
+            [None] if table is None else [v for k, v in table.items() if k not in _NO_PARAMETERS]
+        )
     return found
 
 
@@ -255,6 +275,27 @@ def _note_parameters_without_effect(values: Values, place: Place) -> None:
         if key in (values.get(section) or {}):
             fault = no_effect(name, chosen)
             place.at(section, key).fault(fault.message, fault.remedy)
+
+
+def _note_impossible_shape(values: Values, place: Place) -> None:
+    """Note an aspect ratio that is missing, has no effect, or is out of the range of the shape."""
+    particle = values.get("particle") or {}
+    shape, given = particle.get("shape"), ASPECT_RATIO.partition(".")[2]
+    if "shape" in particle and shape is None:
+        return
+    if given not in particle:
+        if shape is not None and shape.has_aspect_ratio:
+            remedy = "Give a value, such as 1.5, or an interval { min = 1.0, max = 2.0 }."
+            place.at("particle", given).fault(f"is missing for the shape {shape}.", remedy)
+        return
+    ratio = particle[given]
+    ends = (ratio.minimum, ratio.maximum) if isinstance(ratio, Parameter) else (ratio,)
+    for end in ends:
+        faults = [] if end is None else aspect_ratio_faults(shape, end)
+        for fault in faults:
+            place.at("particle", given).fault(fault.message, fault.remedy)
+        if faults:
+            return
 
 
 def _note_useless_parameters(simulated: list[_Simulated], values: Values, place: Place) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import re
 import tomllib
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -104,7 +105,9 @@ def _calibration_file(values: dict[str, Any], path: Path) -> CalibrationFile:
         for section in MATERIAL_SECTIONS
         for key, value in values.get(section, {}).items()
     }
-    sizes = material.pop("particle.diameter", None)
+    sizes, shape = (material.pop(f"particle.{key}", None) for key in ("diameter", "shape"))
+    if sizes is not None and shape is not None:
+        sizes = replace(sizes, shape=shape)
     angles = tuple(v for v in material.values() if isinstance(v, MeasuredAngle))
     material |= {angle.name: angle.value for angle in angles}
     everything = material | values.get("parameters", {})

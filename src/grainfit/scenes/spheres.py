@@ -42,7 +42,8 @@ class ClumpSpheres:
             "nij,kj->nki", Rotation.from_quat(orientations).as_matrix(), self.clump.positions
         )
         scale = np.array(self.diameters)[size_indices]
-        return centres[:, None, :] + scale[:, None, None] * turned
+        found: NDArray[np.float64] = centres[:, None, :] + scale[:, None, None] * turned
+        return found
 
     def radii(self, size_indices: NDArray[np.int64]) -> NDArray[np.float64]:
         """Return the radii of the spheres of clumps, m, shape (clumps, spheres)."""

@@ -83,13 +83,15 @@ def centres(found: Particles, sizes: ParticleSizes) -> NDArray[np.float64]:
     first, second = clump.positions[:, 0]
     share = -first / (second - first)
     pairs = found.positions.reshape(-1, 2, 3)
-    return pairs[:, 0] * (1 - share) + pairs[:, 1] * share
+    found_centres: NDArray[np.float64] = pairs[:, 0] * (1 - share) + pairs[:, 1] * share
+    return found_centres
 
 
 def axes(found: Particles) -> NDArray[np.float64]:
     """Return the directions from the first to the second sphere of clumps of two."""
     pairs = np.diff(found.positions.reshape(-1, 2, 3), axis=1)[:, 0]
-    return pairs / np.linalg.norm(pairs, axis=1)[:, None]
+    directions: NDArray[np.float64] = pairs / np.linalg.norm(pairs, axis=1)[:, None]
+    return directions
 
 
 def moments(sizes: ParticleSizes) -> NDArray[np.float64]:

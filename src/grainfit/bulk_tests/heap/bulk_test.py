@@ -7,7 +7,7 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any, ClassVar, Self
 
-from grainfit.bulk_tests.base import BulkTest, ResponseInfo
+from grainfit.bulk_tests.base import BulkTest, ResponseInfo, definition_of_sizes
 from grainfit.bulk_tests.heap.setup import HeapSetup, plan_setup
 from grainfit.bulk_tests.heap.view import HeapView
 from grainfit.bulk_tests.sensitivities import DENSITY, MODULUS, ROLLING, SLIDING, Sensitivities
@@ -210,8 +210,7 @@ class Heap(BulkTest):
             "revision": self.revision,
             "deck": DECK_REVISION,
             "packing": SCENES_REVISION,
-            "diameters": list(self.sizes.diameters),
-            "mass_fractions": list(self.sizes.mass_fractions),
+            **definition_of_sizes(self.sizes),
             "setup": setup,
             "plate_sliding_friction": self.plate_sliding_friction,
             "plate_rolling_friction": self.plate_rolling_friction,

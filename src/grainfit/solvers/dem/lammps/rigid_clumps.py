@@ -45,11 +45,6 @@ class RigidClumps:
 
     # --- particles -----------------------------------------------------------------------------
 
-    @cached_property
-    def _orientations(self) -> NDArray[np.float64]:
-        given = self.scene.particles.orientations
-        return np.tile([0.0, 0.0, 0.0, 1.0], (self.count, 1)) if given is None else given
-
     @property
     def number_of_spheres(self) -> int:
         """Number of spheres of all clumps."""
@@ -96,14 +91,13 @@ class RigidClumps:
 
     def _rows(self) -> Iterator[str]:
         """Iterate over the atoms: id, type, diameter, density, place, image flags."""
-        scene, sizes = self.scene, self.scene.particles.size_indices
-        places = self.spheres.places(scene.particles.positions, self._orientations, sizes)
-        places = places.reshape(-1, 3)
+        scene = self.scene
+        places, radii = scene.particles.outlines(self.spheres)
         low, high = np.array(scene.box.low), np.array(scene.box.high)
         periodic = np.array([axis in scene.box.periodic for axis in "xyz"])
         images = np.where(periodic, np.floor((places - low) / (high - low)), 0.0)
         places = places - images * (high - low)
-        diameters = 2 * self.spheres.radii(sizes).reshape(-1)
+        diameters = 2 * radii
         solid = scene.material["particle.density"]
         density = solid * self.spheres.clump.overlap_factor
         rows = zip(
@@ -133,7 +127,7 @@ class RigidClumps:
         diameters = np.array(scene.sizes.diameters)[column.size_indices]
         solid = scene.material["particle.density"]
         masses = solid * math.pi / 6 * diameters**3
-        turned = Rotation.from_quat(self._orientations).as_matrix()
+        turned = Rotation.from_quat(column.turns).as_matrix()
         moments = np.array(self.spheres.clump.moments)
         inertia = np.einsum("nij,j,nkj->nik", turned, moments, turned)
         inertia *= (masses * diameters**2)[:, None, None]
