@@ -9,16 +9,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from grainfit.contact_models.contact import Contact, particle_mass
 from grainfit.scenes.scene import Scene
 from grainfit.scenes.spheres import ClumpSpheres
+from grainfit.solvers.dem.lammps.sphere_types import SphereTypes
 from grainfit.solvers.dem.script_words import command, continued
 
 BODIES = "clumps.txt"
@@ -41,6 +40,7 @@ class RigidClumps:
         assert scene.clumps is not None, "a scene of spheres needs no rigid bodies"
         self.scene = scene
         self.spheres: ClumpSpheres = scene.clumps
+        self.kinds = SphereTypes.of(scene.sizes, with_spheres=bool(scene.glued))
         self.count = len(scene.particles.size_indices)
 
     # --- particles -----------------------------------------------------------------------------
@@ -49,20 +49,6 @@ class RigidClumps:
     def number_of_spheres(self) -> int:
         """Number of spheres of all clumps."""
         return self.count * len(self.spheres.clump)
-
-    @property
-    def radii(self) -> list[float]:
-        """Radius of each type: of the clumps' spheres, and of glued particles, m."""
-        glued = [d / 2 for d in self.scene.sizes.diameters] if self.scene.glued else []
-        return [*self.spheres.radii_of_kinds, *glued]
-
-    @cached_property
-    def _masses(self) -> list[float]:
-        """Mass of the particle that the spheres of each type belong to, kg."""
-        diameters = list(self.spheres.kind_diameters())
-        if self.scene.glued:
-            diameters += self.scene.sizes.diameters
-        return [particle_mass(self.scene.material, diameter / 2) for diameter in diameters]
 
     @cached_property
     def types(self) -> NDArray[np.int64]:
@@ -79,7 +65,7 @@ class RigidClumps:
             (
                 "Random column of clumps: id type diameter density x y z, images; sphere clump\n",
                 f"{len(self.types)} atoms",
-                f"{len(self.radii)} atom types\n",
+                f"{len(self.kinds.radii)} atom types\n",
                 f"{x!r} {x2!r} xlo xhi\n{y!r} {y2!r} ylo yhi\n{z!r} {z2!r} zlo zhi\n",
                 "Atoms\n",
                 *self._rows(),
@@ -188,27 +174,6 @@ class RigidClumps:
         return " ".join(
             "INF INF" if axis in box.periodic else f"{low} {high}"
             for axis, low, high in zip("xyz", box.low, box.high, strict=True)
-        )
-
-    # --- contacts ------------------------------------------------------------------------------
-
-    def between(self, contact: Contact, first: int, second: int) -> Contact:
-        """Return a contact of spheres of two types with the masses of their clumps."""
-        masses = [self._masses[first - 1], self._masses[second - 1]]
-        load = 2 * masses[0] * masses[1] / sum(masses)
-        return self._heavy(contact, sum(masses) / 2, load)
-
-    def on_wall(self, contact: Contact, number: int) -> Contact:
-        """Return a contact of a sphere of a type with a wall, with the mass of its clump."""
-        mass = self._masses[number - 1]
-        return self._heavy(contact, mass, mass)
-
-    def _heavy(self, contact: Contact, mass: float, load: float) -> Contact:
-        """Return a contact whose density makes a sphere as heavy as its clump."""
-        density = mass / (4 / 3 * math.pi * contact.radius**3)
-        load *= self.scene.typical_load * self.scene.weight_gravity
-        return replace(
-            contact, material={**contact.material, "particle.density": density}, load=load
         )
 
     # --- commands ------------------------------------------------------------------------------

@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from functools import cached_property
 from pathlib import Path
 from typing import ClassVar
 
-from grainfit.contact_models.contact import Contact
 from grainfit.contact_models.lammps import lammps_clauses, lammps_words
 from grainfit.scenes.run_output import snapshot_file
 from grainfit.scenes.scene import Load, Motion, Rotation, Scene, Stage, Wall
 from grainfit.scenes.shapes import Block, Cone, Cylinder, Disc, Plane, Shape
 from grainfit.solvers.dem.lammps.rigid_clumps import BODIES, RigidClumps
+from grainfit.solvers.dem.lammps.sphere_types import SphereTypes
 from grainfit.solvers.dem.script import PARTICLES, ScriptDeck
 from grainfit.solvers.dem.script_words import command, continued, heading
 
@@ -85,7 +86,7 @@ class LammpsSceneDeck(ScriptDeck):
     @property
     def largest_radius(self) -> float:
         """Radius of the largest sphere, m."""
-        return max(self._radii)
+        return max(self._kinds.radii)
 
     @property
     def kinetic(self) -> str:
@@ -123,31 +124,27 @@ class LammpsSceneDeck(ScriptDeck):
 
     # --- contacts ------------------------------------------------------------------------------
 
-    @property
-    def _radii(self) -> list[float]:
-        """Radius of the spheres of each type, m."""
+    @cached_property
+    def _kinds(self) -> SphereTypes:
+        """Types of spheres."""
         if self.clumps is None:
-            return [diameter / 2 for diameter in self.scene.sizes.diameters]
-        return self.clumps.radii
+            return SphereTypes.of(self.scene.sizes)
+        return self.clumps.kinds
 
     def contacts(self) -> Iterator[str]:
         """Iterate over the contact law of each pair of sizes."""
         yield heading("particles: one type for each diameter")
         yield from (f"# {words.legend}" for words in lammps_words(self.law) if words.legend)
         yield command("pair_style", "granular")
-        scene, radii = self.scene, self._radii
+        scene, kinds = self.scene, self._kinds
         material = scene.material_on("wall")
-        for i, radius in enumerate(radii, 1):
-            for j, other in enumerate(radii[i - 1 :], i):
-                contact = Contact.between(
-                    material, radius, other, scene.weight_gravity, scene.typical_load
-                )
-                if self.clumps is not None:
-                    contact = self.clumps.between(contact, i, j)
+        for i in self._numbers():
+            for j in self._numbers()[i - 1 :]:
+                contact = kinds.between(material, i, j, scene.weight_gravity, scene.typical_load)
                 yield continued(
                     command("pair_coeff", f"{i} {j}"), lammps_clauses(self.law, contact)
                 )
-        for number in range(1, len(radii) + 1):
+        for number in self._numbers():
             yield command("group", f"size{number} type {number}")
 
     # --- walls ---------------------------------------------------------------------------------
@@ -171,7 +168,7 @@ class LammpsSceneDeck(ScriptDeck):
             yield from self._put(name, wall)
 
     def _numbers(self) -> range:
-        return range(1, len(self._radii) + 1)
+        return range(1, len(self._kinds.radii) + 1)
 
     def _put(self, name: str, wall: Wall) -> Iterator[str]:
         motion = self.moving_walls().get(name)
@@ -183,12 +180,10 @@ class LammpsSceneDeck(ScriptDeck):
         yield command("region", f"{name} {self._region(wall.shape)}{move}")
         material = self.scene.material_on(wall.surface)
         measured = " contacts" if name in self.measured_walls() else ""
-        for number, radius in enumerate(self._radii, 1):
-            contact = Contact.on_wall(
-                material, radius, self.scene.weight_gravity, self.scene.typical_load
+        for number in self._numbers():
+            contact = self._kinds.on_wall(
+                material, number, self.scene.weight_gravity, self.scene.typical_load
             )
-            if self.clumps is not None:
-                contact = self.clumps.on_wall(contact, number)
             clauses = lammps_clauses(self.law, contact)
             clauses[-1] += f" region {name}{measured}"
             yield continued(

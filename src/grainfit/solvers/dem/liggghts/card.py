@@ -5,6 +5,7 @@ from __future__ import annotations
 from grainfit.contact_models.liggghts import liggghts_model, liggghts_properties
 from grainfit.materials.card import MaterialCard
 from grainfit.materials.card_text import about, header
+from grainfit.solvers.dem.card_clumps import clump_lines, liggghts_template
 from grainfit.solvers.dem.card_parts import fill, origin, require_material, variables
 
 _TAKEN = ("rayleigh_time_step", "recommended_time_step", "contact_model")
@@ -33,6 +34,7 @@ def render_liggghts(card: MaterialCard) -> str:
             "header": header(card),
             "origin": origin(card, "liggghts"),
             "card": card,
+            "clump": clump_lines(card.sizes, values["particle.density"], liggghts_template),
             "variables": named,
             "about": about,
             "soft": min(moduli) < _SOFT,
