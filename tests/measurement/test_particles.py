@@ -141,3 +141,25 @@ def test_vtk_file_holds_positions_radii_and_masses(tmp_path: Path) -> None:
     for name, expected in (("radius", particles.radii), ("mass", particles.masses)):
         header = f"SCALARS {name} double 1\nLOOKUP_TABLE default\n".encode()
         np.testing.assert_array_equal(values(header, 5), expected)
+
+
+def test_spheres_of_a_clump_share_its_volume_and_count_as_one(dump: Path) -> None:
+    # Two pairs of spheres that overlap, one of them cut by a period, and half of a third.
+    places = [(0.0, 0.1), (0.2, 0.106), (0.0, 0.3), (0.0, 0.306), (0.0, 0.5)]
+    rows = [
+        f"{n} 1 {x} 0 {z} 0.005 0.001 {owner}"
+        for n, ((x, z), owner) in enumerate(zip(places, (7, 7, 3, 3, 5), strict=True), 1)
+    ]
+    dump.write_text(frame(tuple(rows), f"{COLUMNS} mol"))
+    particles = read_dump(dump)
+
+    lens = np.pi * (4 * 0.005 + 0.006) * (2 * 0.005 - 0.006) ** 2 / 12
+    volume = 2 * 4 / 3 * np.pi * 0.005**3 - lens
+    assert particles.count == 3
+    assert particles.clumps is not None
+    assert particles.clumps.tolist() == [7, 7, 3, 3, 5]
+    assert particles.volumes == pytest.approx([volume / 2] * 5, rel=1e-4)
+    assert particles.diameter == pytest.approx((6 * volume / np.pi) ** (1 / 3), rel=1e-4)
+    chosen = particles.select(particles.positions[:, 2] > 0.2)
+    assert chosen.clumps is not None
+    assert chosen.clumps.tolist() == [3, 3, 5]

@@ -26,6 +26,7 @@ from grainfit.contact_models.registry import MATERIAL_PARAMETERS
 from grainfit.errors import Fault, InputError
 from grainfit.evaluation import Measured
 from grainfit.materials.diameters import Diameters
+from grainfit.materials.particle_shape import ASPECT_RATIO
 from grainfit.materials.sizes import ParticleSizes
 from grainfit.options.fields import Amount, option, option_keys, read_options
 from grainfit.options.kinds import Quantity
@@ -267,7 +268,18 @@ class BulkTest(ABC):
 
     def time_step(self, material: Mapping[str, float]) -> float:
         """Return the time step of a run with this material, s."""
-        return time_step(self.sizes, material, float(self.time_step_fraction))
+        return time_step(self._sizes_of(material), material, float(self.time_step_fraction))
+
+    def of_shape(self, material: Mapping[str, float]) -> Self:
+        """Return the test with particles of the aspect ratio of a material; spheres stay so."""
+        sizes = self._sizes_of(material)
+        return self if sizes == self.sizes else self._with_sizes(sizes)
+
+    def _sizes_of(self, material: Mapping[str, float]) -> ParticleSizes:
+        return self.sizes.with_aspect_ratio(material.get(ASPECT_RATIO))
+
+    def _with_sizes(self, sizes: ParticleSizes) -> Self:
+        return replace(self, sizes=sizes)
 
     def material_faults(self, material: Mapping[str, float]) -> Iterable[Fault]:  # noqa: ARG002
         """Return why the test means nothing with a material; nothing by default.
@@ -315,7 +327,8 @@ class BulkTest(ABC):
         seed : int
             Insertion seed.
         """
-        return self.scene_of(self.column(seed), material)
+        test = self.of_shape(material)
+        return test.scene_of(test.column(seed), material)
 
     def column(self, seed: int) -> Column:
         """Return the particles at the beginning: by default a column that falls.
@@ -354,7 +367,8 @@ class BulkTest(ABC):
         """
         # They do not follow from the particles, which take long to place when they are many.
         empty = Column(np.empty((0, 3)), np.empty(0, dtype=np.int64), self.sizes.sauter_diameter)
-        return self.scene_of(empty, _ANY_MATERIAL).concepts()
+        shaped = {"clumps"} if self.sizes.shape else set()
+        return self.scene_of(empty, _ANY_MATERIAL).concepts() | shaped
 
     def scene_parts(
         self,
@@ -419,9 +433,11 @@ class BulkTest(ABC):
         step = self.time_step(material)
         steps = math.ceil(duration / step)
         speed = _SPEED.get(solver, min(_SPEED.values())) * ranks**_RANKS_EXPONENT
-        seconds = steps * particles / speed
+        clump = self._sizes_of(material).clump
+        spheres = 1 if clump is None else len(clump)
+        seconds = steps * particles * spheres / speed
         fraction = self.conditions.time_step_fraction
-        return RunCost(step, steps, seconds, particles, fraction)
+        return RunCost(step, steps, seconds, particles, fraction, spheres)
 
     def default_timeout(self, cost: RunCost) -> float:
         """Return the wall time after which a run of this cost hangs, s."""

@@ -126,7 +126,7 @@ def natural_run(definition: RunDefinition) -> NaturalRun | None:
     recorded = dict(definition.model["test"])
     natural = {
         key: recorded[key]
-        for key in ("type", "revision", "scenes", "deck", "packing")
+        for key in ("type", "revision", "scenes", "deck", "packing", "shape")
         if key in recorded
     }
     natural |= test.sizes.definition()

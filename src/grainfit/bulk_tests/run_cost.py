@@ -21,6 +21,8 @@ class RunCost:
         Number of particles, glued ones included.
     time_step_fraction : float, optional
         Time step over the Rayleigh time step.
+    spheres : int
+        Number of spheres of each particle.
     """
 
     time_step: float
@@ -28,9 +30,12 @@ class RunCost:
     wall_seconds: float
     particles: int | None = None
     time_step_fraction: float | None = None
+    spheres: int = 1
 
     def __str__(self) -> str:
         particles = "particle" if self.particles == 1 else "particles"
+        if self.spheres > 1:
+            particles += f" of {self.spheres} spheres"
         words = "" if self.particles is None else f"{self.particles} {particles}, "
         words += f"time step {self.time_step:.3g} s"
         if self.time_step_fraction is not None:

@@ -26,6 +26,7 @@ from grainfit.campaign.work_folder import default_workdir
 from grainfit.contact_models.registry import material_parameter
 from grainfit.errors import Fault, InputError
 from grainfit.evaluation import response_name
+from grainfit.materials.particle_shape import ASPECT_RATIO
 from grainfit.materials.time_step import RayleighTimeStep
 from grainfit.options.fields import option_keys
 from grainfit.options.kinds import Quantity, suggest
@@ -383,7 +384,10 @@ def _rayleigh(file: CalibrationFile) -> RayleighTimeStep | None:
     if file.sizes is None or not known.issuperset(_RAYLEIGH):
         return None
     fixed = {name: file.fixed[name] for name in _RAYLEIGH if name in file.fixed}
-    return RayleighTimeStep(file.sizes.smallest_radius, fixed)
+    # That of the most slender particles, which have the smallest spheres.
+    largest = {parameter.name: parameter.maximum for parameter in file.parameters}
+    sizes = file.sizes.with_aspect_ratio({**file.fixed, **largest}.get(ASPECT_RATIO))
+    return RayleighTimeStep(sizes.smallest_radius, fixed)
 
 
 def _entry(file: CalibrationFile, test: TestSpecification) -> FileEntry:

@@ -29,6 +29,8 @@ from grainfit.contact_models.registry import (
 from grainfit.errors import InputError
 from grainfit.materials.diameters import Diameters
 from grainfit.materials.parameters import MaterialParameter
+from grainfit.materials.particle_shape import ASPECT_RATIO, FAMILIES, aspect_ratio_faults
+from grainfit.materials.shape_option import Shapes
 from grainfit.materials.sizes import LARGEST_FACTOR, ParticleSizes
 from grainfit.materials.walls import PLAIN, WALL_SECTIONS, on_wall, plain_name, wall_of
 from grainfit.options.kinds import Choice, Quantity, Text
@@ -45,9 +47,9 @@ MATERIAL_SECTIONS = {
     "particle_particle": "Contacts between particles.",
     "particle_wall": "Contacts between particles and walls; [particle_wall.NAME] with one of them.",
 }
-_DIAMETER, _FACTOR = "diameter", "coarse_graining"
-#: Keys of ``[particle]`` that make up the sizes of the simulated particles.
-_SIZES = (_DIAMETER, _FACTOR)
+_DIAMETER, _SHAPE, _FACTOR = "diameter", "shape", "coarse_graining"
+#: Keys of ``[particle]`` that make up the simulated particles, and are no parameters.
+_PARTICLES = (_DIAMETER, _SHAPE, _FACTOR)
 _KINDS: dict[Kind, str] = {
     "contact": "normal and tangential force",
     "cohesion": "cohesion",
@@ -77,7 +79,7 @@ def _material_key(parameter: MaterialParameter) -> Key:
 def _homes(wall: str = PLAIN) -> dict[str, str]:
     """Right sections of keys that users may put into a wrong one, in those of a wall."""
     homes = {
-        **dict.fromkeys(_SIZES, "[particle]"),
+        **dict.fromkeys(_PARTICLES, "[particle]"),
         "name": "the top of the file, above all sections",
     }
     homes |= dict.fromkeys(strategy_keys(), "[strategy]")
@@ -106,6 +108,15 @@ def _material_table(section: str, wall: str = PLAIN) -> Table:
             "Particle diameter, or a list of { value, mass_fraction }.",
             example='"10 mm"',
         )
+        families = ", ".join(f"{name} ({f.words})" for name, f in FAMILIES.items())
+        shape = Key(
+            _SHAPE,
+            Shapes(),
+            f"Particles that are clumps of spheres: {families}, or {{ spheres = [...] }}; the "
+            "diameter is that of a sphere of equal volume.",
+            default="none: particles are spheres",
+            example='"two_spheres"',
+        )
         factor = Key(
             _FACTOR,
             Quantity("", lowest=1.0, highest=LARGEST_FACTOR),
@@ -114,7 +125,7 @@ def _material_table(section: str, wall: str = PLAIN) -> Table:
             default="1",
             example="2",
         )
-        keys[:0] = [diameter, factor]
+        keys[:0] = [diameter, shape, factor]
     return Table(tuple(keys), homes=_homes(wall))
 
 
@@ -209,6 +220,7 @@ def read_document(document: dict[str, Any], place: Place, *, planned: bool = Fal
             one.note_faults(declared, place)
         _note_missing_material(simulated, values, place)
         _note_parameters_without_effect(values, place)
+        _note_impossible_shape(values, place)
         _note_impossible_tests(simulated, values, place)
         if len(simulated) == len(document["test"]):
             _note_useless_parameters(simulated, values, place)
@@ -236,8 +248,10 @@ def simulated_sizes(values: Values) -> ParticleSizes | None:
     """Return the sizes of the simulated particles; None where a file has none, or faulty ones."""
     particle = values.get("particle") or {}
     sizes: ParticleSizes | None = particle.get(_DIAMETER)
-    factor = particle.get(_FACTOR, 1.0)
-    return None if sizes is None or factor is None else sizes.coarse_grained(factor)
+    factor, shape = particle.get(_FACTOR, 1.0), particle.get(_SHAPE)
+    if sizes is None or factor is None or (_SHAPE in particle and shape is None):
+        return None
+    return replace(sizes, shape=shape).coarse_grained(factor)
 
 
 def material_values(values: Values) -> Values:
@@ -250,7 +264,7 @@ def material_values(values: Values) -> Values:
         for key, value in (values.get(section) or {}).items():
             if isinstance(value, dict):
                 found |= {f"{section}.{key}.{own}": entry for own, entry in value.items()}
-            elif section != "particle" or key not in _SIZES:
+            elif section != "particle" or key not in _PARTICLES:
                 found[f"{section}.{key}"] = value
     return found
 
@@ -338,6 +352,27 @@ def _note_parameters_without_effect(values: Values, place: Place) -> None:
         if plain_name(name) in without_effect:
             fault = no_effect(name, chosen)
             place.at(*name.split(".")).fault(fault.message, fault.remedy)
+
+
+def _note_impossible_shape(values: Values, place: Place) -> None:
+    """Note an aspect ratio that is missing, has no effect, or is out of the range of the shape."""
+    particle = values.get("particle") or {}
+    shape, given = particle.get(_SHAPE), ASPECT_RATIO.partition(".")[2]
+    if _SHAPE in particle and shape is None:
+        return
+    if given not in particle:
+        if shape is not None and shape.has_aspect_ratio:
+            remedy = "Give a value, such as 1.5, or an interval { min = 1.0, max = 2.0 }."
+            place.at("particle", given).fault(f"is missing for the shape {shape}.", remedy)
+        return
+    ratio = particle[given]
+    ends = (ratio.minimum, ratio.maximum) if isinstance(ratio, Parameter) else (ratio,)
+    for end in ends:
+        faults = [] if end is None else aspect_ratio_faults(shape, end)
+        for fault in faults:
+            place.at("particle", given).fault(fault.message, fault.remedy)
+        if faults:
+            return
 
 
 def _note_useless_parameters(simulated: list[TestWalls], values: Values, place: Place) -> None:

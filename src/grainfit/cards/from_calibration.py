@@ -10,6 +10,7 @@ from grainfit.bulk_tests.registry import recreate_test
 from grainfit.contact_models.registry import in_order, material_parameter
 from grainfit.errors import InputError, StoreError
 from grainfit.materials.card import CardParameter, CardResponse, MaterialCard, Origin, Program
+from grainfit.materials.particle_shape import ASPECT_RATIO
 from grainfit.materials.sizes import ParticleSizes
 from grainfit.materials.time_step import RayleighTimeStep
 from grainfit.result import ParameterInterval, ResponseResult
@@ -41,7 +42,8 @@ def make_card(
     conditions = _conditions(reading)
     origin: Origin = "calibrated" if status == "calibrated" else "not calibrated"
     parameters = tuple(_parameters(reading, answer.parameters, origin, intervals))
-    sizes = _sizes(reading, conditions)
+    ratio = next((p.value for p in parameters if p.name == ASPECT_RATIO), 1.0)
+    sizes = _sizes(reading, conditions, ratio)
     rayleigh = _rayleigh_time_step(parameters, sizes)
     fraction = min((found.time_step_fraction for found in conditions), default=TIME_STEP_FRACTION)
     return MaterialCard(
@@ -121,9 +123,11 @@ def _conditions(reading: SavedCalibration) -> list[Conditions]:
     return list(dict.fromkeys(test.conditions for test in tests if test is not None))
 
 
-def _sizes(reading: SavedCalibration, conditions: list[Conditions]) -> ParticleSizes | None:
+def _sizes(
+    reading: SavedCalibration, conditions: list[Conditions], aspect_ratio: float
+) -> ParticleSizes | None:
     if conditions:
-        return conditions[0].sizes
+        return conditions[0].sizes.with_aspect_ratio(aspect_ratio)
     rayleigh = reading.problem.rayleigh
     return None if rayleigh is None else ParticleSizes((2 * rayleigh.radius,))
 

@@ -30,6 +30,7 @@ def render_json(card: MaterialCard) -> str:
         },
         "contact_models": card.contact_models,
         "particle_sizes": None if sizes is None else sizes.definition(),
+        "particle_shape": _shape(card),
         "gravity": card.gravity,
         "provenance": {
             "calibration_file": card.calibration_file,
@@ -45,6 +46,18 @@ def render_json(card: MaterialCard) -> str:
     text = json.dumps(data, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
     # Half a character, as in a file name that is not valid Unicode, becomes JSON's \udcff.
     return text.encode("utf-8", "backslashreplace").decode()
+
+
+def _shape(card: MaterialCard) -> dict[str, Any] | None:
+    """Return the clump at the volume of a sphere of diameter 1; None for spheres."""
+    clump = None if card.sizes is None else card.sizes.clump
+    if clump is None:
+        return None
+    spheres = zip(clump.positions.tolist(), clump.radii.tolist(), strict=True)
+    return {
+        "spheres": [{"position": place, "radius": radius} for place, radius in spheres],
+        "moments_of_inertia": clump.moments,
+    }
 
 
 def _parameter(parameter: CardParameter) -> dict[str, Any]:

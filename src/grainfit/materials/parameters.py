@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
+from grainfit.materials.particle_shape import ASPECT_RATIO, LARGEST_ASPECT_RATIO
 from grainfit.materials.walls import on_wall
 
 
@@ -115,7 +116,7 @@ def declare(
     )
 
 
-#: Elasticity and density of particles and walls.
+#: Elasticity and density of particles and walls, and the shape of particles.
 BODY_PARAMETERS = (
     *declare(
         BODIES, "youngs_modulus", "E", "Pa", "Young's modulus", (1e3, 1e13), example='"0.36 MPa"'
@@ -129,5 +130,15 @@ BODY_PARAMETERS = (
         "density of the solid",
         (1.0, 3e4),
         example='"2100 kg/m^3"',
+    ),
+    MaterialParameter(
+        ASPECT_RATIO,
+        "L/D_p",
+        "",
+        "particle aspect ratio: largest extent over the width, of a shape that has one",
+        1.0,
+        LARGEST_ASPECT_RATIO,
+        default=1.0,
+        example="1.5",
     ),
 )

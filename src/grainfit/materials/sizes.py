@@ -5,10 +5,14 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 from grainfit.errors import Fault, InputError
 from grainfit.formatting import millimetres, percent
+from grainfit.materials.particle_shape import ParticleShape
+
+if TYPE_CHECKING:
+    from grainfit.materials.clumps import Clump
 
 #: Diameters that particles can have, m.
 SMALLEST_DIAMETER, LARGEST_DIAMETER = 1e-7, 1.0
@@ -39,11 +43,13 @@ class ParticleSizes:
     Parameters
     ----------
     diameters : tuple of float
-        Sphere diameters, m.
+        Sphere diameters, m; of clumps, those of spheres of equal volume.
     mass_fractions : tuple of float
         Share of the mass in each diameter (as a sieve gives it); sums to one.
     coarse_graining : float
         Number of real diameters in a simulated one: the diameters are those of the simulation.
+    shape : ParticleShape, optional
+        Shape of all particles, see `grainfit.materials.clumps`; None is a sphere.
     origin : Origin, optional
         Continuous distribution that the real ones stand for. Sizes that agree are equal whatever
         it is.
@@ -57,6 +63,7 @@ class ParticleSizes:
     diameters: tuple[float, ...]
     mass_fractions: tuple[float, ...] = (1.0,)
     coarse_graining: float = 1.0
+    shape: ParticleShape | None = None
     origin: Origin | None = field(default=None, compare=False, repr=False)
 
     def __post_init__(self) -> None:
@@ -97,17 +104,21 @@ class ParticleSizes:
             tuple(definition["diameters"]),
             tuple(definition["mass_fractions"]),
             definition.get("coarse_graining", 1.0),
+            ParticleShape.from_definition(definition.get("shape")),
         )
 
     def definition(self) -> dict[str, Any]:
-        """Return everything that identifies the sizes, as JSON."""
-        found = {
+        """Return everything that identifies the sizes, as JSON; an aspect ratio is a parameter."""
+        found: dict[str, Any] = {
             "diameters": list(self.diameters),
             "mass_fractions": list(self.mass_fractions),
         }
-        # Runs of real sizes keep the identity that they had before there were others.
-        factor = self.coarse_graining
-        return found if factor == 1 else {**found, "coarse_graining": factor}
+        # Runs of spheres of real sizes keep the identity that they had before there were others.
+        if self.coarse_graining != 1:
+            found["coarse_graining"] = self.coarse_graining
+        if self.shape is not None:
+            found["shape"] = self.shape.definition()
+        return found
 
     def coarse_grained(self, factor: float) -> ParticleSizes:
         """Return these particles enlarged by a factor, for fewer particles and longer time steps.
@@ -149,9 +160,28 @@ class ParticleSizes:
         return shown.replace("%)", "% of the mass)", 1)
 
     @property
+    def clump(self) -> Clump | None:
+        """The clump that all particles are; None for spheres, and for an unknown aspect ratio."""
+        return None if self.shape is None else self.shape.clump
+
+    def with_aspect_ratio(self, aspect_ratio: float | None) -> ParticleSizes:
+        """Return the same sizes at another aspect ratio; None, and spheres, change nothing."""
+        if self.shape is None or aspect_ratio is None:
+            return self
+        return replace(self, shape=self.shape.with_aspect_ratio(aspect_ratio))
+
+    @property
     def smallest_radius(self) -> float:
-        """Radius of the smallest particle, m: it sets the Rayleigh time step."""
-        return min(self.diameters) / 2
+        """Radius of the smallest sphere, m: it sets the Rayleigh time step."""
+        clump = self.clump
+        return min(self.diameters) * (0.5 if clump is None else clump.smallest_radius)
+
+    @property
+    def outer_diameters(self) -> tuple[float, ...]:
+        """Diameters of the spheres about the centres that contain the particles, m."""
+        clump = self.clump
+        scale = 1.0 if clump is None else 2 * clump.outer_radius
+        return tuple(scale * diameter for diameter in self.diameters)
 
     @property
     def number_fractions(self) -> tuple[float, ...]:

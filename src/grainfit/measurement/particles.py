@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import pairwise
 from pathlib import Path
 
@@ -13,17 +15,22 @@ from numpy.typing import NDArray
 
 from grainfit.errors import NotMeasurableError
 from grainfit.files import LARGEST_RUN_OUTPUT, read_within
+from grainfit.materials.clumps import body_of
 
 _NEEDED = ("x", "y", "z", "radius", "mass")
 _FRAME = b"ITEM: TIMESTEP"
 #: Column with the number of the glued set, 0 for loose particles; missing where all are loose.
 _GLUED = "v_glued"
+#: Column with the number of the clump; missing where particles are spheres.
+_CLUMP = "mol"
 
 
 #: No bulk solid is beyond these limits, m and kg; squares and volumes within them are finite.
 _FARTHEST = 1e9
 _RADII = (1e-12, 1e9)
 _MASSES = (1e-60, 1e30)
+#: Clumps of which the shortest is measured for the volume of all.
+_TRIED = 50
 
 
 def _within(values: NDArray[np.float64], limits: tuple[float, float]) -> NDArray[np.bool_]:
@@ -33,7 +40,7 @@ def _within(values: NDArray[np.float64], limits: tuple[float, float]) -> NDArray
 
 @dataclass(frozen=True)
 class Particles:
-    """Spheres at rest.
+    """Spheres at rest: particles, or parts of particles that are clumps.
 
     Parameters
     ----------
@@ -43,6 +50,8 @@ class Particles:
         Radii, m.
     masses : ndarray of shape (n,)
         Masses, kg.
+    clumps : ndarray of shape (n,), optional
+        Number of the clump that each sphere is a part of; None where particles are spheres.
 
     Raises
     ------
@@ -53,6 +62,7 @@ class Particles:
     positions: NDArray[np.float64]
     radii: NDArray[np.float64]
     masses: NDArray[np.float64]
+    clumps: NDArray[np.int64] | None = None
 
     def __post_init__(self) -> None:
         n = len(self.radii)
@@ -77,13 +87,41 @@ class Particles:
         return len(self.radii)
 
     @property
+    def count(self) -> int:
+        """Number of particles, a clump being one."""
+        return len(self) if self.clumps is None else len(np.unique(self.clumps))
+
+    @property
     def diameter(self) -> float:
-        """Median particle diameter, m."""
-        return 2 * float(np.median(self.radii))
+        """Median particle diameter, m; of clumps, that of spheres of equal volume."""
+        if self.clumps is None:
+            return 2 * float(np.median(self.radii))
+        volumes = np.bincount(self.clumps, self.volumes)
+        return float(np.cbrt(6 / math.pi * np.median(volumes[volumes > 0])))
+
+    @cached_property
+    def volumes(self) -> NDArray[np.float64]:
+        """Volumes of the spheres, m^3, of which those of a clump add up to that of the clump."""
+        spheres: NDArray[np.float64] = 4 / 3 * math.pi * self.radii**3
+        return spheres if self.clumps is None else self._overlap_factor * spheres
+
+    @property
+    def _overlap_factor(self) -> float:
+        """Volume of a clump over the sum of its spheres: all have one shape."""
+        assert self.clumps is not None, "spheres do not overlap"
+        sizes = np.bincount(self.clumps)
+        whole = np.flatnonzero(sizes == sizes.max())[:_TRIED]
+        found = [np.flatnonzero(self.clumps == number) for number in whole]
+        # One that a period cuts is the longest.
+        spheres = min(found, key=lambda which: np.ptp(self.positions[which], axis=0).max())
+        radii = self.radii[spheres]
+        volume, *_ = body_of(self.positions[spheres], radii)
+        return volume / float(4 / 3 * math.pi * (radii**3).sum())
 
     def select(self, which: NDArray[np.bool_] | slice) -> Particles:
-        """Return only the particles of a slice, or for which the mask of shape (n,) is true."""
-        return Particles(self.positions[which], self.radii[which], self.masses[which])
+        """Return only the spheres of a slice, or for which the mask of shape (n,) is true."""
+        clumps = None if self.clumps is None else self.clumps[which]
+        return Particles(self.positions[which], self.radii[which], self.masses[which], clumps)
 
 
 @dataclass(frozen=True)
@@ -201,7 +239,8 @@ def _parse_frame(content: bytes, glued: int) -> Particles:
         raise NotMeasurableError("is truncated: its last line has no end.")
     table = _parse_rows(rows, columns, first_line + header + 1)
     table = table[table[:, -1] == glued]
-    return Particles(table[:, :3].copy(), table[:, 3].copy(), table[:, 4].copy())
+    clumps = table[:, 5].astype(np.int64) if _CLUMP in columns else None
+    return Particles(table[:, :3].copy(), table[:, 3].copy(), table[:, 4].copy(), clumps)
 
 
 def _particle_count(lines: list[str]) -> int:
@@ -217,16 +256,16 @@ def _particle_count(lines: list[str]) -> int:
 
 
 def _parse_rows(rows: list[str], columns: list[str], first_line: int) -> NDArray[np.float64]:
-    """Parse the needed columns and the glued set, shape (n, 6), sorted by id where there is one."""
+    """Parse the needed columns, clump and glued set, shape (n, 7), sorted by id if there is one."""
     if not rows:
-        return np.empty((0, len(_NEEDED) + 1))
+        return np.empty((0, len(_NEEDED) + 2))
     for number, row in enumerate(rows):
         if len(row.split()) != len(columns):
             raise NotMeasurableError(
                 f"line {first_line + number} has {len(row.split())} values for "
                 f"{len(columns)} columns."
             )
-    named = [*_NEEDED, *(name for name in (_GLUED, "id") if name in columns)]
+    named = [*_NEEDED, *(name for name in (_CLUMP, _GLUED, "id") if name in columns)]
     wanted = [columns.index(name) for name in named]
     try:
         table = np.loadtxt(rows, usecols=wanted, ndmin=2, comments=None)
@@ -234,8 +273,11 @@ def _parse_rows(rows: list[str], columns: list[str], first_line: int) -> NDArray
         raise NotMeasurableError(f"holds something that is not a number: {error}.") from None
     if "id" in columns:
         table = table[np.argsort(table[:, -1], kind="stable")]
-    sets = table[:, named.index(_GLUED)] if _GLUED in columns else np.zeros(len(table))
-    return np.column_stack((table[:, : len(_NEEDED)], sets))
+    none = np.zeros(len(table))
+    clumps, sets = (
+        table[:, named.index(name)] if name in columns else none for name in (_CLUMP, _GLUED)
+    )
+    return np.column_stack((table[:, : len(_NEEDED)], clumps, sets))
 
 
 def write_vtk(path: Path, particles: Particles) -> None:

@@ -81,7 +81,7 @@ class Geometry:
     Parameters
     ----------
     positions : ndarray of shape (n, 3)
-        Centres of the loose particles, m.
+        Centres of the spheres of loose particles, m.
     radii : ndarray of shape (n,)
         m.
     walls : tuple of DrawnWall
@@ -90,6 +90,8 @@ class Geometry:
         Walls whose shape cannot be drawn.
     glued : tuple of DrawnGlued
         Glued sets.
+    each : int
+        Number of spheres of each loose particle.
     """
 
     positions: Array
@@ -97,6 +99,7 @@ class Geometry:
     walls: tuple[DrawnWall, ...]
     not_drawn: tuple[str, ...]
     glued: tuple[DrawnGlued, ...] = ()
+    each: int = 1
 
     @property
     def spheres(self) -> list[tuple[Array, Array, State | None]]:
@@ -141,7 +144,9 @@ def geometry_of(scene: Scene) -> Geometry:
         The scene.
     """
     radii = np.array(scene.sizes.diameters)[scene.particles.size_indices] / 2
-    positions = scene.particles.positions
+    positions, each = scene.particles.positions, 1
+    if scene.clumps is not None:
+        (positions, radii), each = scene.particles.outlines(scene.clumps), len(scene.clumps.clump)
     found: dict[str, Triangles] = {}
     not_drawn = []
     for name, wall in scene.all_walls().items():
@@ -154,7 +159,7 @@ def geometry_of(scene: Scene) -> Geometry:
     size = float(np.ptp(np.concatenate(there), axis=0).max())
     walls = [_drawn(scene, name, triangles, size) for name, triangles in found.items()]
     glued = [_drawn_glued(scene, name, size) for name in scene.glued]
-    return _centred(Geometry(positions, radii, tuple(walls), tuple(not_drawn), tuple(glued)))
+    return _centred(Geometry(positions, radii, tuple(walls), tuple(not_drawn), tuple(glued), each))
 
 
 def _points(found: Mapping[str, Triangles]) -> list[Array]:

@@ -89,9 +89,10 @@ def _scene(geometry: Geometry) -> dict[str, Any]:
     """Data of the drawing in three dimensions: lengths as small whole numbers."""
     step = float(np.abs(geometry.corners).max()) / _STEPS
     table = np.column_stack([geometry.positions, geometry.radii])
-    every = -(-len(table) // _MOST_PARTICLES)
+    every = -(-len(table) // (_MOST_PARTICLES * geometry.each))
+    shown = table.reshape(-1, geometry.each, 4)[::every].reshape(-1, 4)
     return {
-        "particles": _packed(table[::every] / step),
+        "particles": _packed(shown / step),
         "outlines": [
             np.round(edge / step).tolist() for wall in geometry.walls for edge in wall.edges
         ],

@@ -85,16 +85,34 @@ def _particle_faults(scene: Scene) -> Iterator[Fault]:
         yield Fault(
             "particles", "velocities are not one for each particle.", "Give (n, 3) of them."
         )
+    yield from _clump_faults(scene)
     outside = (column.positions < scene.box.low) | (column.positions > scene.box.high)
     if outside.any():
         lost, first = int(outside.any(axis=1).sum()), column.positions[outside.any(axis=1)][0]
         message = f"{lost} of {count} begin outside of the box, the first at {first.tolist()} m."
         yield Fault("particles", message, "Make the box larger, or move them.")
         return
-    overlaps = _overlaps(column, sizes.diameters)
+    overlaps = _overlaps(column, sizes.diameters) if scene.clumps is None else 0
     if overlaps:
         message = f"{overlaps} pairs overlap at the beginning, and would burst apart."
         yield Fault("particles", message, "Use random_column(), or place them farther apart.")
+
+
+def _clump_faults(scene: Scene) -> Iterator[Fault]:
+    """Orientations and spins belong to clumps, one for each."""
+    column, count = scene.particles, len(scene.particles.size_indices)
+    for name, values, width in (
+        ("orientations", column.orientations, 4),
+        ("spins", column.spins, 3),
+    ):
+        if values is None:
+            continue
+        if scene.clumps is None:
+            remedy = "Leave them out: spheres look the same from all sides, and begin without spin."
+            yield Fault("particles", f"have {name}, and are spheres.", remedy)
+        elif values.shape != (count, width) or not np.isfinite(values).all():
+            message = f"{name} are not one for each clump."
+            yield Fault("particles", message, f"Give ({count}, {width}) of them.")
 
 
 def _glued_faults(name: str, body: Glued, scene: Scene) -> Iterator[Fault]:

@@ -16,6 +16,8 @@ from scipy.spatial import cKDTree
 
 from grainfit.errors import Fault, InputError
 from grainfit.materials.sizes import ParticleSizes
+from grainfit.scenes.clump_packing import place_clumps
+from grainfit.scenes.spheres import ClumpSpheres, random_orientations
 
 #: Share of the column's volume that is solid: well below the jamming limit of random sequential
 #: addition (0.38), so that places are found quickly.
@@ -165,12 +167,30 @@ class Column:
         Height of the column, m.
     velocities : ndarray of shape (n, 3), optional
         Velocities, m/s; None is at rest.
+    orientations : ndarray of shape (n, 4), optional
+        Orientations of clumps as quaternions, the scalar last; None is that of their shape.
+    spins : ndarray of shape (n, 3), optional
+        Angular velocities of clumps, rad/s; None is at rest.
     """
 
     positions: NDArray[np.float64]
     size_indices: NDArray[np.int64]
     height: float
     velocities: NDArray[np.float64] | None = None
+    orientations: NDArray[np.float64] | None = None
+    spins: NDArray[np.float64] | None = None
+
+    @property
+    def turns(self) -> NDArray[np.float64]:
+        """Orientations of clumps, also where they are not turned, shape (n, 4)."""
+        if self.orientations is not None:
+            return self.orientations
+        return np.tile([0.0, 0.0, 0.0, 1.0], (len(self.size_indices), 1))
+
+    def outlines(self, spheres: ClumpSpheres) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Return centres and radii of the spheres of clumps, clump by clump, m."""
+        places = spheres.places(self.positions, self.turns, self.size_indices)
+        return places.reshape(-1, 3), spheres.radii(self.size_indices).reshape(-1)
 
 
 def particle_numbers(sizes: ParticleSizes, count: int) -> list[int]:
@@ -197,9 +217,10 @@ def mean_particle_volume(sizes: ParticleSizes) -> float:
 
 def column_height(sizes: ParticleSizes, count: int, footprint: Footprint) -> float:
     """Return the first height to try for a random column of this many particles, m."""
-    area = (footprint.area + footprint.area_of_centres(max(sizes.diameters) / 2)) / 2
+    largest = max(sizes.outer_diameters)
+    area = (footprint.area + footprint.area_of_centres(largest / 2)) / 2
     height = count * mean_particle_volume(sizes) / (_SOLID_FRACTION * area)
-    return max(height, 2 * max(sizes.diameters))
+    return max(height, 2 * largest)
 
 
 def random_column(sizes: ParticleSizes, count: int, footprint: Footprint, seed: int) -> Column:
@@ -230,6 +251,8 @@ def random_column(sizes: ParticleSizes, count: int, footprint: Footprint, seed: 
     height = column_height(sizes, count, footprint)
     period = footprint.period
     numbers = particle_numbers(sizes, count)
+    if sizes.clump is not None:
+        return _clump_column(random, sizes, numbers, footprint, height)
     positions = np.empty((0, 3))
     indices = np.empty(0, dtype=np.int64)
     diameters = np.array(sizes.diameters)
@@ -253,6 +276,27 @@ def random_column(sizes: ParticleSizes, count: int, footprint: Footprint, seed: 
             missing -= len(places)
     order = random.permutation(count)
     return Column(positions[order], indices[order], height)
+
+
+def _clump_column(
+    random: np.random.Generator,
+    sizes: ParticleSizes,
+    numbers: list[int],
+    footprint: Footprint,
+    height: float,
+) -> Column:
+    """Fill an upright container with clumps, from a first height on."""
+
+    def draw(count: int, diameter: float) -> NDArray[np.float64]:
+        return _candidates(random, count, diameter, footprint, height)
+
+    def grow() -> None:
+        nonlocal height
+        height *= _GROWTH
+
+    placed = place_clumps(random, sizes, numbers, draw, footprint.period, _CLEARANCE, grow)
+    placed = placed.take(random.permutation(sum(numbers)))
+    return Column(placed.positions, placed.size_indices, height, orientations=placed.orientations)
 
 
 def random_in_tube(
@@ -295,12 +339,15 @@ def random_in_tube(
         raise no_room
     numbers = particle_numbers(sizes, count)
     indices = random.permutation(np.repeat(np.arange(len(numbers)), numbers))
+    if sizes.clump is not None:
+        spheres = ClumpSpheres(sizes.clump, sizes.diameters)
+        column = _clumps_in_tube(random, spheres, indices, (radius, length))
+        if column is None:
+            raise no_room
+        return column
     radii = (1 + 2 * _CLEARANCE) / 2 * np.array(sizes.diameters)[indices]
     reach = radius - radii
-    distance, azimuth = reach * np.sqrt(random.random(count)), 2 * math.pi * random.random(count)
-    places = np.column_stack(
-        (length * random.random(count), distance * np.cos(azimuth), distance * np.sin(azimuth))
-    )
+    places = _in_tube(random, reach, length)
     for _ in range(_MOST_PUSHES):
         if not _push_apart(places, radii, length):
             return Column(places, indices, radius)
@@ -309,11 +356,64 @@ def random_in_tube(
     raise no_room
 
 
-def _push_apart(places: NDArray[np.float64], radii: NDArray[np.float64], period: float) -> bool:
-    """Push each pair of particles that overlap apart in place; return whether there were any."""
+def _clumps_in_tube(
+    random: np.random.Generator,
+    spheres: ClumpSpheres,
+    indices: NDArray[np.int64],
+    tube: tuple[float, float],
+) -> Column | None:
+    """Place clumps in a lying tube of this radius and length; None if they find no room."""
+    (radius, length), count = tube, len(indices)
+    outer = np.array(spheres.diameters)[indices] * spheres.clump.outer_radius
+    reach = radius - (1 + _CLEARANCE) * outer
+    centres = _in_tube(random, reach, length)
+    orientations = random_orientations(random, count)
+    arms = spheres.places(np.zeros((count, 3)), orientations, indices)
+    radii = (1 + 2 * _CLEARANCE) * spheres.radii(indices).reshape(-1)
+    owners = np.repeat(np.arange(count), arms.shape[1])
+    for _ in range(_MOST_PUSHES):
+        outside = np.maximum(np.hypot(centres[:, 1], centres[:, 2]) / reach, 1.0)
+        centres[:, 1:] /= outside[:, None]
+        centres[:, 0] %= length
+        places = (centres[:, None] + arms).reshape(-1, 3)
+        before = places.copy()
+        if not _push_apart(places, radii, length, owners):
+            return Column(centres, indices, radius, orientations=orientations)
+        moved = places - before
+        moved[:, 0] -= length * np.round(moved[:, 0] / length)
+        # The mean: two clumps that overlap in several places would jump far apart.
+        pushed = np.bincount(owners, moved.any(axis=1), minlength=count)
+        np.add.at(centres, owners, moved / np.maximum(pushed, 1.0)[owners, None])
+    return None
+
+
+def _in_tube(
+    random: np.random.Generator, reach: NDArray[np.float64], length: float
+) -> NDArray[np.float64]:
+    """Draw places in a lying tube, each up to its own distance from the axis."""
+    count = len(reach)
+    distance, azimuth = reach * np.sqrt(random.random(count)), 2 * math.pi * random.random(count)
+    return np.column_stack(
+        (length * random.random(count), distance * np.cos(azimuth), distance * np.sin(azimuth))
+    )
+
+
+def _push_apart(
+    places: NDArray[np.float64],
+    radii: NDArray[np.float64],
+    period: float,
+    owners: NDArray[np.int64] | None = None,
+) -> bool:
+    """Push each pair of spheres that overlap apart in place; return whether there were any.
+
+    Spheres of one owner may overlap.
+    """
     places[:, 0] %= period
     tree = cKDTree(places, boxsize=(period, 0.0, 0.0))
     first, second = tree.query_pairs(2 * radii.max(), output_type="ndarray").T
+    if owners is not None:
+        apart = owners[first] != owners[second]
+        first, second = first[apart], second[apart]
     between = places[second] - places[first]
     between[:, 0] -= period * np.round(between[:, 0] / period)
     gap = np.linalg.norm(between, axis=1)

@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 
@@ -24,6 +25,7 @@ from grainfit.scenes.glued import Glued
 from grainfit.scenes.packing import Column
 from grainfit.scenes.records import Force, Frames, RadialForce, Series, Travel
 from grainfit.scenes.shapes import Cylinder, Shape, Vector
+from grainfit.scenes.spheres import ClumpSpheres, clump_spheres
 
 #: Raised whenever packing or decks of scenes change the outcome of runs: part of their identity.
 SCENES_REVISION = 1
@@ -31,12 +33,15 @@ SCENES_REVISION = 1
 WALL = "wall"
 #: Gravity that particle weights are counted with in a scene without gravity, m/s^2.
 STANDARD_GRAVITY = 9.81
+#: Upper limit of the energy of spins, over that about the axis of the largest moment of inertia.
+_MORE_THAN_SPINS = 1.01
 #: Largest length of a triangle in a periodic box, over the period.
 _SHARE_OF_PERIOD = 0.25
 #: Names that decks use themselves.
 _TAKEN = {
     "walls": {
         *("gravity", "motion", "series", "walls", "above", "all", "loose", "glued", "surplus"),
+        "beyond",
         *("youngs_modulus", "poissons_ratio"),
     },
     "stages": {"end", "restless", "broken", "unstable", "unloaded"},
@@ -217,7 +222,7 @@ class Scene:
     material : mapping of str to float
         All material parameters by dotted name; those with a default may be missing.
     sizes : ParticleSizes
-        Particle size distribution.
+        Particle size distribution, and the shape of loose particles. Glued ones are spheres.
     particles : Column
         Loose particles at the beginning.
     box : Box
@@ -288,6 +293,11 @@ class Scene:
         """Return the material parameters for contacts with a surface."""
         return {**self.law.defaults, **self.material, **self.surfaces.get(surface, {})}
 
+    @cached_property
+    def clumps(self) -> ClumpSpheres | None:
+        """Spheres of the loose particles that are clumps; None if they are spheres."""
+        return clump_spheres(self.sizes)
+
     def all_walls(self) -> dict[str, Wall]:
         """Return the walls of all stages by name."""
         later = [wall for stage in self.stages for wall in stage.put.items()]
@@ -322,13 +332,16 @@ class Scene:
 
     @property
     def initial_energy(self) -> float:
-        """Kinetic energy of the loose particles at the beginning, J."""
-        velocities = self.particles.velocities
-        if velocities is None:
-            return 0.0
+        """Kinetic energy of the loose particles at the beginning, J; of spins, an upper limit."""
+        velocities, spins = self.particles.velocities, self.particles.spins
         masses = [particle_mass(self.material, d / 2) for d in self.sizes.diameters]
         own = np.array(masses)[self.particles.size_indices]
-        return float((own * (velocities**2).sum(axis=1)).sum() / 2)
+        energy = 0.0 if velocities is None else (own * (velocities**2).sum(axis=1)).sum() / 2
+        if spins is not None and self.clumps is not None:
+            diameters = np.array(self.sizes.diameters)[self.particles.size_indices]
+            largest = max(self.clumps.clump.moments) * own * diameters**2
+            energy += _MORE_THAN_SPINS * (largest * (spins**2).sum(axis=1)).sum() / 2
+        return float(energy)
 
     @property
     def energy_at_rest(self) -> float:
@@ -370,6 +383,8 @@ class Scene:
         walls = self.all_walls().values()
         found = {type(wall.shape).__name__.lower() for wall in walls}
         found |= {type(m).__name__.lower() for s in self.stages for _, m in s.all_motions()}
+        if self.clumps is not None:
+            found.add("clumps")
         if self.glued:
             found.add("glued")
         if any(len({type(m) for m in self.motions_of(wall)}) > 1 for wall in self.all_walls()):

@@ -252,7 +252,7 @@ class SceneContract(SimulatedScenes):
         motions = {"velocity", "load", "velocity and load", "rotation"}
         axes = {f"periodic {axes}" for axes in ("x", "y", "z", "xy", "xz", "yz", "xyz")}
 
-        assert set(solver.missing) <= shapes | motions | axes | {"glued", "frames"}
+        assert set(solver.missing) <= shapes | motions | axes | {"glued", "frames", "clumps"}
 
     # --- gravity, time step, files -------------------------------------------------------------
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -63,7 +63,7 @@ class DischargeView(RunView):
             The container is empty.
         """
         inside = self._inside
-        return Particles(inside.positions - [0.0, self._middle, 0.0], inside.radii, inside.masses)
+        return replace(inside, positions=inside.positions - [0.0, self._middle, 0.0])
 
     @property
     def _inside(self) -> Particles:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -125,7 +125,7 @@ class DrawDownView(RunView):
         found, setup = self.surfaces.particles, self.surfaces.setup
         found = found.select(found.positions[:, 2] > setup.floor)
         middle = np.array([0.0, setup.box.depth / 2, setup.floor])
-        return Particles(found.positions - middle, found.radii, found.masses)
+        return replace(found, positions=found.positions - middle)
 
     def drawing(self) -> Drawing:
         """Draw the surfaces from the side."""

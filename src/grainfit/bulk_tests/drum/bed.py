@@ -199,7 +199,7 @@ class TurningBed:
         layers = 2 * math.ceil((radius + d) / (_LAYER * d))
         edges = np.linspace(-cells, cells, cells + 1) * _CELL * d / 2
         levels = np.linspace(-layers, layers, layers + 1) * _LAYER * d / 2
-        volumes = np.broadcast_to(4 / 3 * math.pi * self.last.radii**3, along.shape)
+        volumes = np.broadcast_to(self.last.volumes, along.shape)
         filled, *_ = np.histogram2d(
             along.ravel(), above.ravel(), bins=(edges, levels), weights=volumes.ravel()
         )

@@ -6,7 +6,7 @@ import itertools
 import math
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -96,7 +96,7 @@ def seen_along_axis(particles: Particles, setup: DrumSetup) -> Particles:
     """Return particles with the axis of the drum along y, and its lowest point at the origin."""
     x, y, z = particles.positions.T
     places = np.column_stack((y, setup.drum_length / 2 - x, z + setup.drum_radius))
-    return Particles(places, particles.radii, particles.masses)
+    return replace(particles, positions=places)
 
 
 def _extent(setup: DrumSetup, diameter: float) -> tuple[float, float, float, float]:

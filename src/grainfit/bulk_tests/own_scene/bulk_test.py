@@ -231,6 +231,11 @@ class OwnScene(BulkTest):
             return None
         return Shown("particles", next(iter(responses)), snapshot_file(END), _PICTURE)
 
+    def _with_sizes(self, sizes: ParticleSizes) -> Self:
+        test = copy(self)
+        test._set(sizes=sizes)
+        return test
+
     def executes(self) -> tuple[str, ...]:
         """Describe the two functions, each by its file."""
         return tuple(
@@ -253,7 +258,7 @@ class OwnScene(BulkTest):
         function = self.functions["scene"]
         possible = {
             "material": with_defaults(material),
-            "sizes": self.sizes,
+            "sizes": self._sizes_of(material),
             "seed": seed,
             "gravity": self.gravity,
             "time_step": self.time_step(material),

@@ -25,6 +25,8 @@ def require_separate(bed: Particles) -> None:
     if not len(bed):
         raise NotMeasurableError("no particles are left in the container")
     pairs = cKDTree(bed.positions).query_pairs(2 * bed.radii.max(), output_type="ndarray")
+    if bed.clumps is not None:
+        pairs = pairs[np.diff(bed.clumps[pairs], axis=1).ravel() != 0]
     distance = np.linalg.norm(bed.positions[pairs[:, 0]] - bed.positions[pairs[:, 1]], axis=1)
     overlap = 1 - distance / bed.radii[pairs].sum(axis=1)
     touching = overlap[overlap > 0]
@@ -55,10 +57,10 @@ def arch(held: Particles, orifice: str) -> str:
     orifice : str
         In a word, such as ``"slot"``.
     """
-    if len(held) < _FEWEST_HELD:
+    if held.count < _FEWEST_HELD:
         return ""
     return (
-        f"the material arches over the {orifice}: {len(held)} particles are at rest above its "
+        f"the material arches over the {orifice}: {held.count} particles are at rest above its "
         "middle, so the flow did not end by itself"
     )
 

@@ -184,11 +184,16 @@ class Shear(BulkTest):
         """Cross-section of the bed."""
         return PeriodicRectangle(self.setup.length, self.setup.depth)
 
+    def column(self, seed: int) -> Column:
+        """Return the bed at the beginning."""
+        return random_column(self.sizes, self.setup.particle_count, self.footprint, seed)
+
     def scene(self, material: Mapping[str, float], seed: int) -> Scene:
         """Return the experiment with a material and an insertion seed."""
-        column = random_column(self.sizes, self.setup.particle_count, self.footprint, seed)
+        test = self.of_shape(material)
+        column = test.column(seed)
         # Another stream of the same seed: plates do not resemble beds.
-        return self._between_plates(column, material, np.random.default_rng([seed, 1]))
+        return test._between_plates(column, material, np.random.default_rng([seed, 1]))
 
     def scene_of(self, column: Column, material: Mapping[str, float]) -> Scene:
         """Return the experiment with a bed of particles from z = 0 upwards."""

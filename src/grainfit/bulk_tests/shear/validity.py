@@ -66,7 +66,7 @@ def _require_inertial_number(
     setup: ShearSetup, frame: Frame, records: Sequence[Record], gap: float
 ) -> None:
     speed = plate_speed(records)
-    density = frame.bed.masses.sum() / (4 / 3 * math.pi * (frame.bed.radii**3).sum())
+    density = frame.bed.masses.sum() / frame.bed.volumes.sum()
     found = speed / gap * setup.diameter / math.sqrt(setup.normal_stress / density)
     if not abs(found / setup.inertial_number - 1) <= _INERTIAL:
         raise RunFailedError(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from grainfit.bulk_tests.shear.flow import Frame, Profile
 from grainfit.bulk_tests.view import MeasuredDrawing, Outline, RunView
@@ -42,7 +42,7 @@ class ShearView(RunView):
         """Return the view of a snapshot."""
         bed = frame.bed
         middle = [length / 2, depth / 2, frame.plates[0]]
-        centred = Particles(bed.positions - middle, bed.radii, bed.masses)
+        centred = replace(bed, positions=bed.positions - middle)
         return cls(centred, frame, profile, length, depth)
 
     def drawing(self) -> Drawing:

@@ -43,6 +43,7 @@ from grainfit.errors import (
 )
 from grainfit.evaluation import Measured
 from grainfit.files import log_tail, text_of
+from grainfit.materials.particle_shape import ASPECT_RATIO, aspect_ratio_faults
 from grainfit.materials.walls import plain_name, wall_of
 from grainfit.scenes.run_output import RunOutput
 from grainfit.scenes.scene import Scene
@@ -112,6 +113,9 @@ class DeckSolver(Solver):
         self.material = _in_si(material)
         named = tuple(contact_models)
         self.contact_models = unusual_models(named)
+        shape = test.sizes.shape
+        if shape is not None and shape.aspect_ratio is not None:
+            self.material.setdefault(ASPECT_RATIO, shape.aspect_ratio)
         self._require_possible(self.material)
         faults = [*self._material_faults(self.material), *idle_faults(self.material, named)]
         if faults:
@@ -192,7 +196,8 @@ class DeckSolver(Solver):
 
     def _require_possible(self, material: Mapping[str, float]) -> None:
         law_faults = contact_law_faults(material, self.name, self.contact_models)
-        faults = [*_impossible(material), *law_faults]
+        shape, ratio = self.test.sizes.shape, material.get(ASPECT_RATIO, 1.0)
+        faults = [*_impossible(material), *law_faults, *aspect_ratio_faults(shape, ratio)]
         if faults:
             raise InputError(faults)
 
@@ -240,6 +245,8 @@ class DeckSolver(Solver):
         """Return why the test means nothing with a material at an end of the intervals."""
         faults: list[Fault] = []
         worse = self.test.worse_ends
+        for ratio in intervals.get(ASPECT_RATIO, ()):
+            faults += aspect_ratio_faults(self.test.sizes.shape, ratio)
         for end in (0, 1):
             values = {name: ends[worse.get(name, end)] for name, ends in intervals.items()}
             material = self._parts.material_of_test({**self.material, **values})

@@ -53,7 +53,7 @@ class ScriptDeck(SceneDeck):
         #: Computes that sum quantities of the particles at a wall, by wall: they stay from stage to
         #: stage, and go with the wall.
         self._sums: dict[str, list[str]] = {}
-        self._glued = GluedSets(scene, self.follow, self.hold, self.no_spin)
+        self._glued = GluedSets(scene, self.follow, self.hold, self.no_spin, self.loose_spheres)
         #: Group of the particles that move, are counted, and touch walls.
         self.loose = LOOSE if scene.glued else "all"
 
@@ -148,6 +148,11 @@ class ScriptDeck(SceneDeck):
         (self.folder / PARTICLES).write_text(text, encoding="ascii")
 
     @property
+    def loose_spheres(self) -> int:
+        """Number of spheres of loose particles: the first glued one has the next number."""
+        return len(self.scene.particles.size_indices)
+
+    @property
     def size_indices(self) -> NDArray[np.int64]:
         """Index of every particle's diameter, loose ones before glued ones."""
         glued = (body.size_indices for body in self.scene.glued.values())
@@ -169,9 +174,19 @@ class ScriptDeck(SceneDeck):
     # --- settings ------------------------------------------------------------------------------
 
     @property
-    def _kinetic(self) -> str:
+    def kinetic(self) -> str:
         """Expression of the kinetic energy of the loose particles."""
         return f"ke({self.loose})" if self.scene.glued else "ke"
+
+    @property
+    def count(self) -> str:
+        """Expression of the number of loose particles."""
+        return f"count({self.loose})" if self.scene.glued else "atoms"
+
+    @property
+    def shown_energy(self) -> str:
+        """Word for the kinetic energy in the log."""
+        return "ke"
 
     @property
     def snapshot_columns(self) -> str:
@@ -179,24 +194,32 @@ class ScriptDeck(SceneDeck):
         columns = "id type x y z radius mass"
         return f"{columns} {COLUMN}" if self.scene.glued else columns
 
+    @property
+    def largest_radius(self) -> float:
+        """Radius of the largest sphere, m."""
+        return max(self.scene.sizes.diameters) / 2
+
     def boundary(self) -> str:
         """Return the arguments of ``boundary``."""
         return " ".join("p" if axis in self.scene.box.periodic else "f" for axis in "xyz")
 
+    def integration(self) -> Iterator[str]:
+        """Iterate over gravity and the integration of the loose particles."""
+        gravity = f"gravity {self.loose} gravity {self.scene.gravity} vector 0.0 0.0 -1.0"
+        yield command("fix", gravity)
+        yield command("fix", f"motion {self.loose} nve/sphere")
+
     def motion(self) -> Iterator[str]:
         """Iterate over gravity, integration, and the variables that stages look at."""
         scene = self.scene
-        gravity = f"gravity {self.loose} gravity {scene.gravity} vector 0.0 0.0 -1.0"
-        yield command("fix", gravity)
-        yield command("fix", f"motion {self.loose} nve/sphere")
+        yield from self.integration()
         yield command("timestep", f"{scene.time_step}")
         yield ""
-        yield command("variable", f"kinetic equal {self._kinetic}")
+        yield command("variable", f"kinetic equal {self.kinetic}")
         yield command("variable", "now equal step")
         yield command("variable", "elapsed equal step*dt")
-        count = f"count({self.loose})" if scene.glued else "atoms"
-        yield command("variable", f"remaining equal {count}")
-        yield command("thermo_style", "custom step atoms time ke cpu")
+        yield command("variable", f"remaining equal {self.count}")
+        yield command("thermo_style", f"custom step atoms time {self.shown_energy} cpu")
         yield command("thermo_modify", "lost ignore norm no")
         yield command("thermo", f"{scene.steps(scene.check_interval)}")
         yield command("print", f'"{STAGES_HEADER}" file {STAGES}')
@@ -208,13 +231,7 @@ class ScriptDeck(SceneDeck):
         yield heading(f"{stage.name}: {stage.remark}" if stage.remark else stage.name)
         yield command("variable", f"stage string {stage.name}")
         if stage.strike_off is not None:
-            yield command("region", f"above block INF INF INF INF {stage.strike_off} INF units box")
-            yield command("group", "surplus region above")
-            if self.scene.glued:
-                yield command("group", "surplus subtract surplus glued")
-            yield command("delete_atoms", "group surplus compress no")
-            yield command("group", "surplus delete")
-            yield command("region", "above delete")
+            yield from self.strike_off(stage.strike_off)
         yield from self.change_walls(stage)
         yield command("variable", "start equal ${now}")
         yield from self._start_motions(stage)
@@ -233,6 +250,16 @@ class ScriptDeck(SceneDeck):
         yield self._note_end(stage.name, self._end_of(stage))
         if stage.snapshot:
             yield from self.snapshot(stage.snapshot)
+
+    def strike_off(self, height: float) -> Iterator[str]:
+        """Remove the loose particles whose centre is above a height."""
+        yield command("region", f"above block INF INF INF INF {height} INF units box")
+        yield command("group", "surplus region above")
+        if self.scene.glued:
+            yield command("group", "surplus subtract surplus glued")
+        yield command("delete_atoms", "group surplus compress no")
+        yield command("group", "surplus delete")
+        yield command("region", "above delete")
 
     def _start_motions(self, stage: Stage) -> Iterator[str]:
         yield from self._glued.stop_moved(stage)
@@ -301,7 +328,7 @@ class ScriptDeck(SceneDeck):
             yield self._jump(rest, f"{name}_done")
         elif isinstance(until, Clear):
             bottom = self.scene.all_walls()[until.wall].shape.bottom  # type: ignore[union-attr]
-            radius = max(self.scene.sizes.diameters) / 2
+            radius = self.largest_radius
             yield command("variable", f"top equal ${{highest}}+{radius}")
             yield command("variable", f"below equal {bottom}+${{{until.wall}_travel}}")
             yield self._jump(f"({rest}) && (${{top}} < ${{below}})", f"{name}_done")
@@ -405,7 +432,7 @@ class ScriptDeck(SceneDeck):
             yield command("variable", f"{name} equal mass({self.loose},{name})")
             self.undo.append(command("region", f"{name} delete"))
         elif isinstance(quantity, KineticEnergy):
-            yield command("variable", f"{name} equal {self._kinetic}")
+            yield command("variable", f"{name} equal {self.kinetic}")
 
     def is_new_sum(self, wall: str, sum_: str) -> bool:
         """Note a sum of forces on a wall; return whether no earlier stage has defined it."""

@@ -29,6 +29,8 @@ class GluedSets:
         Commands that let the variable ``NAME_travel`` grow with a speed, and stay as it is.
     no_spin : str
         Arguments of ``set`` that take the angular velocity from particles.
+    loose : int
+        Number of spheres of loose particles, which have the first numbers.
     """
 
     def __init__(
@@ -37,17 +39,19 @@ class GluedSets:
         follow: Callable[[str, float], Iterator[str]],
         hold: Callable[[str], Iterator[str]],
         no_spin: str,
+        loose: int,
     ) -> None:
         self._scene = scene
         self._follow = follow
         self._hold = hold
         self._no_spin = no_spin
+        self._loose = loose
         #: Sets that moved in the last stage: they keep their velocity until it is set to zero.
         self._moved: list[str] = []
 
     def define(self) -> Iterator[str]:
         """Define groups, and variables of forces and travels."""
-        first = len(self._scene.particles.size_indices) + 1
+        first = self._loose + 1
         for name, body in self._scene.glued.items():
             last = first + len(body.size_indices) - 1
             yield command("group", f"{name} id {first}:{last}")

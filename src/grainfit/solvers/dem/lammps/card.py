@@ -6,11 +6,11 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 from grainfit.contact_models.base import ContactLaw
-from grainfit.contact_models.contact import Contact
 from grainfit.contact_models.lammps import lammps_clauses, lammps_words
 from grainfit.materials.card import MaterialCard
 from grainfit.materials.card_text import about, header
 from grainfit.materials.walls import material_on
+from grainfit.solvers.dem.card_clumps import clump_lines, lammps_molecule
 from grainfit.solvers.dem.card_parts import (
     comments,
     fill,
@@ -20,6 +20,7 @@ from grainfit.solvers.dem.card_parts import (
     variables,
     walls_of_card,
 )
+from grainfit.solvers.dem.lammps.sphere_types import SphereTypes
 
 _TAKEN = ("rayleigh_time_step", "recommended_time_step")
 
@@ -59,12 +60,12 @@ def render_lammps(card: MaterialCard) -> str:
     """
     material, law = require_material(card, "lammps")
     sizes = require_sizes(card, "lammps")
-    radii = [diameter / 2 for diameter in sizes.diameters]
-    between = list(_between_particles(law, material, radii, card.gravity))
+    kinds = SphereTypes.of(sizes)
+    between = list(_between_particles(law, material, kinds, card.gravity))
     walls = [
         contact
         for wall in walls_of_card(card)
-        for contact in _on_wall(law, material_on(material, wall), radii, card.gravity, wall)
+        for contact in _on_wall(law, material_on(material, wall), kinds, card.gravity, wall)
     ]
     taken = (*_TAKEN, *(found.name for found in (*between, *walls)))
     return fill(
@@ -73,7 +74,8 @@ def render_lammps(card: MaterialCard) -> str:
             "header": header(card),
             "origin": origin(card, "lammps"),
             "card": card,
-            "sizes": sizes,
+            "kinds": kinds,
+            "clump": clump_lines(sizes, material["particle.density"], lammps_molecule),
             "variables": list(variables(card.parameters, taken)),
             "about": about,
             "notes": comments(words.notes(card.gravity) for words in lammps_words(law)),
@@ -84,22 +86,23 @@ def render_lammps(card: MaterialCard) -> str:
 
 
 def _between_particles(
-    law: ContactLaw, material: Mapping[str, float], radii: list[float], gravity: float
+    law: ContactLaw, material: Mapping[str, float], kinds: SphereTypes, gravity: float
 ) -> Iterator[_ContactVariable]:
-    for i, radius in enumerate(radii, 1):
-        for j, other in enumerate(radii[i - 1 :], i):
-            suffix = f"_{i}_{j}" if len(radii) > 1 else ""
-            contact = Contact.between(material, radius, other, gravity)
-            coefficients = " ".join(lammps_clauses(law, contact))
+    count = len(kinds.radii)
+    for i in range(1, count + 1):
+        for j in range(i, count + 1):
+            suffix = f"_{i}_{j}" if count > 1 else ""
+            coefficients = " ".join(lammps_clauses(law, kinds.between(material, i, j, gravity)))
             name = f"particle_particle_contact{suffix}"
             yield _ContactVariable(name, (i, j), suffix, coefficients)
 
 
 def _on_wall(
-    law: ContactLaw, material: Mapping[str, float], radii: list[float], gravity: float, wall: str
+    law: ContactLaw, material: Mapping[str, float], kinds: SphereTypes, gravity: float, wall: str
 ) -> Iterator[_ContactVariable]:
     section = f"particle_wall_{wall}" if wall else "particle_wall"
-    for i, radius in enumerate(radii, 1):
-        suffix = f"_{i}" if len(radii) > 1 else ""
-        coefficients = " ".join(lammps_clauses(law, Contact.on_wall(material, radius, gravity)))
+    count = len(kinds.radii)
+    for i in range(1, count + 1):
+        suffix = f"_{i}" if count > 1 else ""
+        coefficients = " ".join(lammps_clauses(law, kinds.on_wall(material, i, gravity)))
         yield _ContactVariable(f"{section}_contact{suffix}", (i,), suffix, coefficients, wall)

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from functools import cached_property
+from pathlib import Path
 from typing import ClassVar
 
-from grainfit.contact_models.contact import Contact
 from grainfit.contact_models.lammps import lammps_clauses, lammps_words
 from grainfit.scenes.run_output import snapshot_file
-from grainfit.scenes.scene import Load, Motion, Rotation, Stage, Wall
+from grainfit.scenes.scene import Load, Motion, Rotation, Scene, Stage, Wall
 from grainfit.scenes.shapes import Block, Cone, Cylinder, Disc, Plane, Shape
+from grainfit.solvers.dem.lammps.rigid_clumps import BODIES, RigidClumps
+from grainfit.solvers.dem.lammps.sphere_types import SphereTypes
 from grainfit.solvers.dem.script import PARTICLES, ScriptDeck
 from grainfit.solvers.dem.script_words import command, continued, heading
 
@@ -34,6 +37,10 @@ class LammpsSceneDeck(ScriptDeck):
         f"Reads {PARTICLES}; writes stages.csv, snapshots/*.dump and series_*.csv.",
     )
 
+    def __init__(self, scene: Scene, folder: Path) -> None:
+        self.clumps = None if scene.clumps is None else RigidClumps(scene)
+        super().__init__(scene, folder)
+
     def head(self) -> Iterator[str]:
         """Iterate over the settings of the simulation."""
         yield command("units", "si")
@@ -41,11 +48,18 @@ class LammpsSceneDeck(ScriptDeck):
         yield command("atom_modify", "map array")
         yield command("boundary", self.boundary())
         yield command("newton", "off")
-        yield command("comm_modify", "vel yes")
+        cutoff = "" if self.clumps is None else f" cutoff {self.clumps.reach}"
+        yield command("comm_modify", f"vel yes{cutoff}")
         yield command("processors", "* * 1".ljust(23) + " # a bed is split from above only")
-        yield command("read_data", PARTICLES)
+        if self.clumps is None:
+            yield command("read_data", PARTICLES)
+        else:
+            yield from self.clumps.read(PARTICLES)
         yield command("neighbor", f"{0.3 * self.scene.sizes.sauter_diameter} bin")
         yield command("neigh_modify", "delay 0 every 1 check yes")
+        if self.clumps is not None:
+            yield command("neigh_modify", "exclude molecule/intra all")
+            return
         yield "# Particles are no molecules: without this, one alone would have no kinetic energy."
         yield command("compute_modify", "thermo_temp extra/dof 0")
 
@@ -54,26 +68,83 @@ class LammpsSceneDeck(ScriptDeck):
         kinds = (self.size_indices + 1).tolist()
         return len(self.scene.sizes.diameters), kinds
 
+    # --- clumps --------------------------------------------------------------------------------
+
+    def write_particles(self) -> None:
+        """Write the particles of the beginning; of clumps, the bodies, too."""
+        if self.clumps is None:
+            super().write_particles()
+            return
+        (self.folder / PARTICLES).write_text(self.clumps.data(), encoding="ascii")
+        (self.folder / BODIES).write_text(self.clumps.bodies(), encoding="ascii")
+
     @property
-    def _radii(self) -> list[float]:
-        return [diameter / 2 for diameter in self.scene.sizes.diameters]
+    def loose_spheres(self) -> int:
+        """Number of spheres of loose particles: the first glued one has the next number."""
+        return super().loose_spheres if self.clumps is None else self.clumps.number_of_spheres
+
+    @property
+    def largest_radius(self) -> float:
+        """Radius of the largest sphere, m."""
+        return max(self._kinds.radii)
+
+    @property
+    def kinetic(self) -> str:
+        """Expression of the kinetic energy of the loose particles; of clumps, of rotation, too."""
+        return super().kinetic if self.clumps is None else "c_translation+c_rotation"
+
+    @property
+    def shown_energy(self) -> str:
+        """Word for the kinetic energy in the log."""
+        return super().shown_energy if self.clumps is None else "v_kinetic"
+
+    @property
+    def count(self) -> str:
+        """Expression of the number of loose particles."""
+        if self.clumps is None:
+            return super().count
+        return f"count({self.loose})/{len(self.clumps.spheres.clump)}"
+
+    def integration(self) -> Iterator[str]:
+        """Iterate over gravity and the integration of the loose particles."""
+        if self.clumps is None:
+            return super().integration()
+        return self.clumps.integration(self.loose)
+
+    def strike_off(self, height: float) -> Iterator[str]:
+        """Remove the loose particles whose centre is above a height."""
+        if self.clumps is None:
+            return super().strike_off(height)
+        return self.clumps.strike_off(self.loose, height)
+
+    @property
+    def snapshot_columns(self) -> str:
+        """Columns of a snapshot; of clumps, the number of the clump, too."""
+        return super().snapshot_columns + ("" if self.clumps is None else " mol")
+
+    # --- contacts ------------------------------------------------------------------------------
+
+    @cached_property
+    def _kinds(self) -> SphereTypes:
+        """Types of spheres."""
+        if self.clumps is None:
+            return SphereTypes.of(self.scene.sizes)
+        return self.clumps.kinds
 
     def contacts(self) -> Iterator[str]:
         """Iterate over the contact law of each pair of sizes."""
         yield heading("particles: one type for each diameter")
         yield from (f"# {words.legend}" for words in lammps_words(self.law) if words.legend)
         yield command("pair_style", "granular")
-        scene, radii = self.scene, self._radii
+        scene, kinds = self.scene, self._kinds
         material = scene.material_on("wall")
-        for i, radius in enumerate(radii, 1):
-            for j, other in enumerate(radii[i - 1 :], i):
-                contact = Contact.between(
-                    material, radius, other, scene.weight_gravity, scene.typical_load
-                )
+        for i in self._numbers():
+            for j in self._numbers()[i - 1 :]:
+                contact = kinds.between(material, i, j, scene.weight_gravity, scene.typical_load)
                 yield continued(
                     command("pair_coeff", f"{i} {j}"), lammps_clauses(self.law, contact)
                 )
-        for number in range(1, len(radii) + 1):
+        for number in self._numbers():
             yield command("group", f"size{number} type {number}")
 
     # --- walls ---------------------------------------------------------------------------------
@@ -97,7 +168,7 @@ class LammpsSceneDeck(ScriptDeck):
             yield from self._put(name, wall)
 
     def _numbers(self) -> range:
-        return range(1, len(self._radii) + 1)
+        return range(1, len(self._kinds.radii) + 1)
 
     def _put(self, name: str, wall: Wall) -> Iterator[str]:
         motion = self.moving_walls().get(name)
@@ -109,9 +180,9 @@ class LammpsSceneDeck(ScriptDeck):
         yield command("region", f"{name} {self._region(wall.shape)}{move}")
         material = self.scene.material_on(wall.surface)
         measured = " contacts" if name in self.measured_walls() else ""
-        for number, radius in enumerate(self._radii, 1):
-            contact = Contact.on_wall(
-                material, radius, self.scene.weight_gravity, self.scene.typical_load
+        for number in self._numbers():
+            contact = self._kinds.on_wall(
+                material, number, self.scene.weight_gravity, self.scene.typical_load
             )
             clauses = lammps_clauses(self.law, contact)
             clauses[-1] += f" region {name}{measured}"

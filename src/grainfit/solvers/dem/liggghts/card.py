@@ -6,6 +6,7 @@ from grainfit.contact_models.liggghts import liggghts_model, liggghts_properties
 from grainfit.materials.card import MaterialCard
 from grainfit.materials.card_text import about, header
 from grainfit.materials.walls import material_on, on_wall
+from grainfit.solvers.dem.card_clumps import clump_lines, liggghts_template
 from grainfit.solvers.dem.card_parts import (
     fill,
     origin,
@@ -42,6 +43,7 @@ def render_liggghts(card: MaterialCard) -> str:
             "header": header(card),
             "origin": origin(card, "liggghts"),
             "card": card,
+            "clump": clump_lines(card.sizes, values["particle.density"], liggghts_template),
             "variables": named,
             "about": about,
             "soft": min(moduli) < _SOFT,

@@ -20,7 +20,11 @@ MISSING: Mapping[str, str] = {
     "velocity and load": (
         "LIGGGHTS moves a wall either at a velocity or under a load, not the same wall in turn; "
         "use a load in every stage, its largest speed is the velocity of the approach"
-    )
+    ),
+    "clumps": (
+        "LIGGGHTS inserts clumps by its own fixes only, at places that are not those of the other "
+        'programs, and cannot strike them off; use solver = "lammps"'
+    ),
 }
 
 

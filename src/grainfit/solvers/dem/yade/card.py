@@ -10,6 +10,7 @@ from grainfit.contact_models.yade import yade_law, yade_physics, yade_words
 from grainfit.materials.card import MaterialCard
 from grainfit.materials.card_text import about, header
 from grainfit.materials.walls import on_wall
+from grainfit.solvers.dem.card_clumps import clump_lines, yade_clump
 from grainfit.solvers.dem.card_parts import (
     comments,
     fill,
@@ -54,6 +55,7 @@ def render_yade(card: MaterialCard) -> str:
             "header": header(card),
             "origin": origin(card, "yade"),
             "card": card,
+            "clump": clump_lines(card.sizes, material["particle.density"], yade_clump),
             "about": about,
             "quoted": repr,
             "notes": comments(found.notes(contact) for found in words),

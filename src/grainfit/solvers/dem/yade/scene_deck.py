@@ -37,6 +37,7 @@ MISSING: Mapping[str, str] = {
     "rotation": _SCRIPTED.format(what="turning walls"),
     "lying cylinder": _SCRIPTED.format(what="tubes that lie"),
     "frames": _SCRIPTED.format(what="frames of a stage"),
+    "clumps": ('the decks of YADE have no particles other than spheres; use solver = "lammps"'),
 }
 #: R* of a particle on a wall in YADE over its radius.
 _RADIUS_SHARE = 1 / 2

@@ -1,0 +1,137 @@
+"""Clumps: overlapping spheres as a rigid body, with the mass and inertia of their union."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+#: Lines across the longest side of a clump along which its volume is integrated.
+_LINES = 480
+#: Products of inertia below this share of the largest moment are rounding errors.
+_ROUNDING = 1e-4
+#: Volume of a sphere of diameter 1.
+_UNIT_VOLUME = math.pi / 6
+
+
+@dataclass(frozen=True)
+class Clump:
+    """Overlapping spheres as one rigid body with the volume of a sphere of diameter 1.
+
+    Parameters
+    ----------
+    positions : ndarray of shape (n, 3)
+        Centres of the spheres; the centre of mass is at 0, the axes are the principal ones.
+    radii : ndarray of shape (n,)
+        Radii of the spheres.
+    moments : tuple of float
+        Principal moments of inertia over the mass.
+    """
+
+    positions: NDArray[np.float64]
+    radii: NDArray[np.float64]
+    moments: tuple[float, float, float]
+
+    def __len__(self) -> int:
+        return len(self.radii)
+
+    @property
+    def outer_radius(self) -> float:
+        """Distance of the outermost point from the centre of mass."""
+        return float((np.linalg.norm(self.positions, axis=1) + self.radii).max())
+
+    @property
+    def smallest_radius(self) -> float:
+        """Radius of the smallest sphere."""
+        return float(self.radii.min())
+
+    @property
+    def overlap_factor(self) -> float:
+        """Volume of the union over the sum of the volumes of the spheres."""
+        return _UNIT_VOLUME / float(4 / 3 * math.pi * (self.radii**3).sum())
+
+
+@lru_cache(maxsize=64)
+def clump_of(spheres: tuple[tuple[float, float, float, float], ...]) -> Clump:
+    """Return the clump of spheres, at the volume of a sphere of diameter 1.
+
+    Parameters
+    ----------
+    spheres : tuple of tuple of float
+        x, y, z and radius of each sphere, in any unit.
+    """
+    table = np.array(spheres, dtype=float)
+    positions, radii = table[:, :3], table[:, 3]
+    volume, centre, inertia = body_of(positions, radii)
+    turned = np.eye(3)
+    products = inertia - np.diag(np.diag(inertia))
+    if np.abs(products).max() > _ROUNDING * np.diag(inertia).max():
+        turned = np.linalg.eigh(inertia)[1]
+        turned[:, 2] *= np.linalg.det(turned)
+    moments = np.diag(turned.T @ inertia @ turned)
+    scale = (_UNIT_VOLUME / volume) ** (1 / 3)
+    x, y, z = (float(m) * scale**2 / volume for m in moments)
+    return Clump(scale * (positions - centre) @ turned, scale * radii, (x, y, z))
+
+
+def body_of(
+    positions: NDArray[np.float64], radii: NDArray[np.float64]
+) -> tuple[float, NDArray[np.float64], NDArray[np.float64]]:
+    """Return volume, centre and inertia about it of the union of spheres, at a density of 1.
+
+    Along x, the union is integrated exactly: lines in that direction pass through it.
+
+    Parameters
+    ----------
+    positions : ndarray of shape (n, 3)
+        Centres.
+    radii : ndarray of shape (n,)
+        Radii.
+    """
+    low, high = (positions - radii[:, None]).min(axis=0), (positions + radii[:, None]).max(axis=0)
+    step = float((high - low)[1:].max()) / _LINES
+    y, z = (
+        np.arange(round((high[axis] - low[axis]) / step)) * step + low[axis] + step / 2
+        for axis in (1, 2)
+    )
+    lines = np.stack([a.ravel() for a in np.meshgrid(y, z, indexing="ij")], axis=1)
+    beside = ((lines[:, None, :] - positions[None, :, 1:]) ** 2).sum(axis=2)
+    half = np.sqrt(np.maximum(radii**2 - beside, 0.0))
+    starts, ends = positions[:, 0] - half, positions[:, 0] + half
+    starts[half == 0] = ends[half == 0] = np.inf
+    powers = _moments_along(starts, ends)
+    length, first, second = (part * step**2 for part in powers)
+    volume = float(length.sum())
+    by_line = np.column_stack((first, length * lines[:, 0], length * lines[:, 1]))
+    centre = by_line.sum(axis=0) / volume
+    squares = np.array(
+        [
+            [second.sum(), first @ lines[:, 0], first @ lines[:, 1]],
+            [0.0, length @ lines[:, 0] ** 2, length @ (lines[:, 0] * lines[:, 1])],
+            [0.0, 0.0, length @ lines[:, 1] ** 2],
+        ]
+    )
+    squares += np.triu(squares, 1).T
+    squares -= volume * np.outer(centre, centre)
+    return volume, centre, np.trace(squares) * np.eye(3) - squares
+
+
+def _moments_along(
+    starts: NDArray[np.float64], ends: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+    """Integrate 1, x and x^2 over the union of the intervals of each row; inf is no interval."""
+    order = np.argsort(starts, axis=1)
+    starts, ends = (np.take_along_axis(a, order, axis=1) for a in (starts, ends))
+    found = [np.zeros(len(starts)) for _ in range(3)]
+    reached = np.full(len(starts), -np.inf)
+    for column in range(starts.shape[1]):
+        begin = np.maximum(starts[:, column], reached)
+        end = np.maximum(ends[:, column], begin)
+        is_there = np.isfinite(begin)
+        for power, total in enumerate(found, 1):
+            total[is_there] += (end[is_there] ** power - begin[is_there] ** power) / power
+        reached = np.where(is_there, end, reached)
+    return found[0], found[1], found[2]

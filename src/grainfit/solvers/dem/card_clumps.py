@@ -1,0 +1,121 @@
+"""Clumps in material cards: the template of each solver, as comments to copy."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from grainfit.materials.sizes import ParticleSizes
+from grainfit.scenes.spheres import ClumpSpheres, clump_spheres
+
+
+@dataclass(frozen=True)
+class CardClump:
+    """A clump of one diameter.
+
+    Parameters
+    ----------
+    diameter : float
+        Of a sphere of equal volume, m.
+    spheres : tuple of tuple of float
+        x, y, z and radius of each sphere, from the centre of mass along the principal axes, m.
+    types : tuple of int
+        Type of each sphere in LAMMPS: that of its radius.
+    mass : float
+        kg.
+    inertia : tuple of float
+        Principal moments, kg m^2.
+    """
+
+    diameter: float
+    spheres: tuple[tuple[float, ...], ...]
+    types: tuple[int, ...]
+    mass: float
+    inertia: tuple[float, float, float]
+
+
+def clump_lines(
+    sizes: ParticleSizes | None, density: float, write: Callable[[CardClump], Iterator[str]]
+) -> list[str]:
+    """Return the comments on the clumps of a card; none for spheres.
+
+    Parameters
+    ----------
+    sizes : ParticleSizes or None
+        Particle sizes, as far as they are known.
+    density : float
+        Of the solid, kg/m^3.
+    write : callable
+        Yields the template of a clump for a solver.
+    """
+    spheres = None if sizes is None else clump_spheres(sizes)
+    if sizes is None or spheres is None:
+        return []
+    lines = [
+        f"Particles are clumps of spheres: {sizes.shape}. Mass and inertia are those of the union",
+        "of the spheres. Positions are from the centre of mass, along the principal axes.",
+    ]
+    for index in range(len(sizes.diameters)):
+        clump = _clump(spheres, index, density)
+        lines += ["", f"Clump with the volume of a sphere of {clump.diameter!r} m:"]
+        lines += [f"    {line}".rstrip() for line in write(clump)]
+    return ["#", *(f"# {line}".rstrip() for line in lines)]
+
+
+def _clump(spheres: ClumpSpheres, index: int, density: float) -> CardClump:
+    diameter, clump = spheres.diameters[index], spheres.clump
+    indices = np.array([index])
+    radii = spheres.radii(indices)[0].tolist()
+    places = (diameter * clump.positions).tolist()
+    mass = density * math.pi / 6 * diameter**3
+    x, y, z = (mass * diameter**2 * moment for moment in clump.moments)
+    return CardClump(
+        diameter,
+        tuple((*place, radius) for place, radius in zip(places, radii, strict=True)),
+        tuple((spheres.kinds(indices)[0] + 1).tolist()),
+        mass,
+        (x, y, z),
+    )
+
+
+def lammps_molecule(clump: CardClump) -> Iterator[str]:
+    """Yield a molecule file for LAMMPS, for ``fix rigid/small`` with ``mol``."""
+    yield "(molecule file: insert it by fix deposit or fix pour with the keywords mol and rigid;"
+    yield "its inertia needs fix rigid/small with the keywords mol and reinit no)"
+    yield f"{len(clump.spheres)} atoms"
+    yield f"{clump.mass!r} mass"
+    yield "0.0 0.0 0.0 com"
+    yield f"{' '.join(map(repr, clump.inertia))} 0.0 0.0 0.0 inertia"
+    numbered = [*enumerate(clump.spheres, 1)]
+    whole = sum(radius**3 for *_, radius in clump.spheres)
+    for title, rows in (
+        ("Coords", [f"{n} {x!r} {y!r} {z!r}" for n, (x, y, z, _) in numbered]),
+        ("Types", [f"{n} {kind}" for n, kind in enumerate(clump.types, 1)]),
+        ("Diameters", [f"{n} {2 * radius!r}" for n, (*_, radius) in numbered]),
+        ("Masses", [f"{n} {clump.mass * radius**3 / whole!r}" for n, (*_, radius) in numbered]),
+    ):
+        yield from ("", title, "", *rows)
+
+
+def liggghts_template(clump: CardClump) -> Iterator[str]:
+    """Yield a particle template for LIGGGHTS, for ``fix multisphere``."""
+    x, y, z = clump.inertia
+    density = clump.mass / (math.pi / 6 * clump.diameter**3)
+    yield "fix clump all particletemplate/multisphere 15485863 atom_type 1 &"
+    yield f"    density constant {density!r} nspheres {len(clump.spheres)} ntry 1000000 spheres &"
+    yield from (f"    {' '.join(map(repr, sphere))} &" for sphere in clump.spheres)
+    yield f"    type 1 mass {clump.mass!r} inertia_tensor {x!r} 0.0 0.0 {y!r} 0.0 {z!r} use_density"
+
+
+def yade_clump(clump: CardClump) -> Iterator[str]:
+    """Yield a clump for YADE, of bodies that have this material."""
+    rows = (f"(({x!r}, {y!r}, {z!r}), {radius!r})," for x, y, z, radius in clump.spheres)
+    yield "spheres = ["
+    yield from (f"    {row}" for row in rows)
+    yield "]"
+    yield "clump, members = O.bodies.appendClumped([utils.sphere(c, r) for c, r in spheres])"
+    yield f"O.bodies[clump].state.mass = {clump.mass!r}"
+    yield f"O.bodies[clump].state.inertia = ({', '.join(map(repr, clump.inertia))})"
