@@ -47,7 +47,7 @@ def test_an_aspect_ratio_needs_a_family_that_has_it() -> None:
 
 
 def test_sizes_of_clumps_are_those_of_spheres_of_equal_volume() -> None:
-    sizes = ParticleSizes((0.01, 0.005), (0.5, 0.5), ParticleShape("two_spheres"))
+    sizes = ParticleSizes((0.01, 0.005), (0.5, 0.5), shape=ParticleShape("two_spheres"))
     slender = sizes.with_aspect_ratio(2.0)
 
     assert sizes.clump is None

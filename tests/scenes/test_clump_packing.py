@@ -21,7 +21,7 @@ from grainfit.scenes.packing import (
 from grainfit.scenes.spheres import ClumpSpheres
 
 DIAMETERS = (0.010, 0.006)
-SIZES = ParticleSizes(DIAMETERS, (0.6, 0.4), ParticleShape("grain", aspect_ratio=2.0))
+SIZES = ParticleSizes(DIAMETERS, (0.6, 0.4), shape=ParticleShape("grain", aspect_ratio=2.0))
 
 
 def outlines(column: Column) -> tuple[NDArray[np.float64], NDArray[np.float64], int]:
