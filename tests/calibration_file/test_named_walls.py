@@ -21,6 +21,8 @@ from grainfit.preview.preview import preview_tests
 from grainfit.preview.words import wall_words
 from grainfit.run_definition import RunDefinition
 from grainfit.solvers.base import Solver
+from grainfit.solvers.own_model.command import Command
+from grainfit.work_folder.design import design
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 GLASS_BEADS = (EXAMPLES / "glass_beads" / "calibration.toml").read_text(encoding="utf-8")
@@ -314,3 +316,24 @@ def test_a_measurement_is_proposed_for_the_friction_of_a_cylinder(tmp_path: Path
     # No trial varied the friction of plates: nothing is promised of it.
     assert found.narrowing.keys() >= {steel}
     assert SLIDING not in found.narrowing
+
+
+def test_a_plan_of_tests_says_which_effect_is_not_recorded(tmp_path: Path) -> None:
+    path = tmp_path / "calibration.toml"
+    path.write_text(TWO_WALLS, encoding="utf-8")
+    remarks = design(path, tests=["heap", "draw_down"]).remarks
+
+    assert f"The effect of {SLIDING} on heap is not recorded; --simulate finds it." in remarks
+    # The floor of a draw-down is by default of the walls, which were varied.
+    assert not any("on draw_down" in remark for remark in remarks)
+
+
+def test_a_model_of_the_user_depends_on_the_walls_that_it_mentions(tmp_path: Path) -> None:
+    model = tmp_path / "model"
+    model.mkdir()
+    deck = "{{ particle_wall.steel.restitution }} {{ wall.density }}\n"
+    (model / "in.own.j2").write_text(deck, encoding="utf-8")
+    own = Command(model, ["cat", "in.own"])
+
+    names = [f"particle_wall.{wall}.restitution" for wall in ("steel", "brass")]
+    assert own.depends_on([*names, "wall.density"]) == (names[0], "wall.density")

@@ -6,7 +6,7 @@ The trials varied the friction of all parts together, but for parts that had one
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
+from dataclasses import fields, replace
 
 from grainfit.bulk_tests.base import ResponseInfo
 from grainfit.bulk_tests.sensitivities import WALL_SLIDING
@@ -45,5 +45,9 @@ def on_walls(info: ResponseInfo, solver: Solver) -> ResponseInfo:
 def without_sensitivities(solver: Solver) -> set[str]:
     """Return parameters of walls whose effect on a test is not known: no trial varied them."""
     test = solver.bulk_test
-    parts = () if test is None else test.own_friction
-    return {on_wall(WALL_SLIDING, solver.walls[part]) for part in parts if part in solver.walls}
+    if test is None or not solver.walls:
+        return set()
+    defaults = {field.name: field.default for field in fields(test)}
+    # A part whose friction is by default that of the walls was varied with them.
+    apart = [p for p, own in test.own_friction.items() if any(defaults[o] is not None for o in own)]
+    return {on_wall(WALL_SLIDING, solver.walls[part]) for part in apart if part in solver.walls}
