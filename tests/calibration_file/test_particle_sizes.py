@@ -259,10 +259,13 @@ def test_the_plan_tells_the_price_of_the_finest_class(written: Callable[..., Pat
 
 def test_a_price_is_told_of_what_is_left(written: Callable[..., Path]) -> None:
     lines, _ = plan_of(
-        written('diameter = { sieve_curve = "sieve.csv", smallest = "1.5 mm", classes = 10 }')
+        written(
+            "diameter.log_normal = { median = 3e-3, geometric_standard_deviation = 1.6 }\n"
+            'diameter.smallest = "1.2 mm"'
+        )
     )
 
-    share = 100 * gf.SieveCurve((0.001, 0.002), (0, 0.12)).passing(0.0015)
+    share = 100 * gf.LogNormal(median=3e-3, geometric_standard_deviation=1.6).passing(1.2e-3)
     assert f"The finest {share:.3g} % of the mass are left out." in lines
     assert "which leaves out another 5 % of the mass" in lines
 
