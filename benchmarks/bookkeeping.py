@@ -12,8 +12,8 @@ import time
 from pathlib import Path
 
 from grainfit.campaign.campaign import Campaign, CampaignOptions
+from grainfit.campaign.folder_lock import hold
 from grainfit.campaign.store.store import RunStore
-from grainfit.campaign.work_folder import hold
 from grainfit.evaluation import Proposal
 from grainfit.solvers.own_model.python_callable import PythonCallable
 

@@ -21,8 +21,9 @@ from grainfit.calibration.calibrate import Simulate
 from grainfit.calibration.loop import CalibrationLoop, LoopOptions
 from grainfit.calibration.provenance import Provenance
 from grainfit.campaign.campaign import Campaign, CampaignOptions
+from grainfit.campaign.folder_lock import hold
 from grainfit.campaign.store.store import RunStore
-from grainfit.campaign.work_folder import RESULT_NAME, hold
+from grainfit.campaign.work_folder import RESULT_NAME
 from grainfit.contact_models.registry import MATERIAL_PARAMETERS
 from grainfit.evaluation import Proposal, Stage
 from grainfit.solvers.own_model.python_callable import PythonCallable

@@ -6,10 +6,16 @@ again; at its end, status, parameters, responses and history are compared with t
 undisturbed calibration. With several workers, where the order in which runs finish decides the next
 proposals, and where the record of the proposals is destroyed, only the status is compared.
 
-A full disk is a file system of 32 MB, which only root may mount; without that the row is left out.
+A full disk is a file system of 32 MB, which only root may mount; the server of a shared store is
+Debian's PostgreSQL. Where these are not to be had, the rows are left out.
 Exits with code 1 when a run was lost or repeated, or a result differs.
 
+With --cells, single cells of a finished store are damaged instead, one at a time, and the work
+folder is used with every command (see `grainfit.testing.damaged_cells`). Exits with code 1 when one
+of them neither answers nor ends with a message that names the file.
+
     python benchmarks/faults.py [--kills N] [--seed N] [--json PATH]
+    python benchmarks/faults.py --cells N [--seed N]
 """
 
 from __future__ import annotations
@@ -38,6 +44,8 @@ from grainfit.testing.crash_harness import (
     remove_folders,
     truncate_newest,
 )
+from grainfit.testing.damaged_cells import USES, complaints, finished_calibration
+from grainfit.testing.server_faults import cut_connections, restart_servers
 
 #: Called with the work folder; reports every fault.
 Infliction = Callable[[Path, Progress], Tally]
@@ -52,7 +60,7 @@ def inflictions(kills: int, seed: int) -> Iterator[Infliction]:
     for inflict in (kill_solvers, kill_pool_workers):
         yield partial(_inflict, inflict, some, seed)
     yield partial(_truncate, some, seed)
-    for inflict in (damage_stores, fill_disks, remove_folders):
+    for inflict in (damage_stores, fill_disks, remove_folders, restart_servers, cut_connections):
         yield partial(_inflict, inflict, some, seed)
 
 
@@ -75,12 +83,29 @@ def _show_progress(tally: Tally) -> None:
     print(f"\r{tally.fault}: {tally.injected} ", end="", file=sys.stderr, flush=True)
 
 
+def damage_cells(times: int, seed: int) -> int:
+    """Damage single cells, and return how many uses of a work folder ended badly."""
+    bad = 0
+    with tempfile.TemporaryDirectory() as folder, threadpool_limits(1, user_api="blas"):
+        original = finished_calibration(Path(folder) / "original")
+        for number in range(times):
+            for complaint in complaints(original, Path(folder), seed + number, USES):
+                bad += 1
+                print(f"\r{complaint}", file=sys.stderr)
+            print(f"\rcells damaged: {number + 1} ", end="", file=sys.stderr, flush=True)
+    print(f"\n{times} cells damaged, {len(USES)} uses of each work folder, {bad} ended badly")
+    return bad
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--kills", type=int, default=100, help="of the first kind; of others 1/5")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--json", type=Path)
+    parser.add_argument("--cells", type=int, help="damage only single cells of a store, N times")
     options = parser.parse_args()
+    if options.cells:
+        sys.exit(1 if damage_cells(options.cells, options.seed) else 0)
     rows, complaints = [], []
     print("| fault | injected | runs lost | runs repeated | answer equal |")
     print("|---|---|---|---|---|", flush=True)
@@ -89,7 +114,7 @@ def main() -> None:
         with tempfile.TemporaryDirectory() as folder, threadpool_limits(1, user_api="blas"):
             try:
                 tally = inflict(Path(folder), _show_progress)
-            except PermissionError as error:
+            except (PermissionError, FileNotFoundError) as error:
                 print(f"\rleft out: {error}", file=sys.stderr)
                 continue
         row = {

@@ -22,10 +22,11 @@ from rich.progress import track
 from grainfit.calibration_file.build import CalibrationSetup, build_calibration
 from grainfit.calibration_file.load import load_calibration_file
 from grainfit.campaign.campaign import Campaign, CampaignOptions
+from grainfit.campaign.folder_lock import hold
 from grainfit.campaign.reuse import models_of, runs_of
 from grainfit.campaign.store.records import RequestRecord, RunRecord
 from grainfit.campaign.store.store import RunStore
-from grainfit.campaign.work_folder import RECORD_NAME, hold, recover, run_folder
+from grainfit.campaign.work_folder import RECORD_NAME, recover, run_folder
 from grainfit.evaluation import Proposal, Response
 from grainfit.metamodels.designs import maximin_latin_hypercube
 from grainfit.metamodels.known_runs import nearest_runs

@@ -51,6 +51,49 @@ def test_targets_must_be_finite_numbers(value: float) -> None:
         Target("angle", value)
 
 
+@pytest.mark.parametrize(
+    ("make", "key", "shown"),
+    [
+        (lambda: Target("angle", 5e-324), "angle.value", "5e-324"),
+        (lambda: Target("angle", 1e308), "angle.value", "1e+308"),
+        (lambda: Target("angle", 30.0, tolerance=1e300), "angle.tolerance", "1e+300"),
+        (lambda: Target("angle", 30.0, uncertainty=1e-300), "angle.uncertainty", "1e-300"),
+        (lambda: Target("angle", 30.0, uncertainty=1e-9), "angle.uncertainty", "the value is 30"),
+        (lambda: Target("angle", 30.0, uncertainty="1e-300 %"), "angle.uncertainty", "3e-301"),
+        (lambda: Target("angle", 0, 1.0, 1e-12), "angle.tolerance", "the uncertainty is 1"),
+        (lambda: Target("angle", 30.0, weight=1e300), "angle.weight", "1e+300"),
+        (lambda: Target("angle", 30.0, weight=1e-300), "angle.weight", "1e-300"),
+        (lambda: Parameter("friction", -1e308, 1e308), "friction.min", "-1e+308"),
+        (lambda: Parameter("friction", 5e-324, 1.0, "log"), "friction.min", "5e-324"),
+        (lambda: Parameter("friction", 1.0, 1.0 + 1e-15), "friction", "almost equal"),
+        (
+            lambda: Parameter("friction", 0, 1, measured=0.5, uncertainty=1e-300),
+            "friction.uncertainty",
+            "1e-300, nothing beside its interval of 1",
+        ),
+        (
+            lambda: Parameter("friction", 0, 1, measured=0.5, uncertainty=1e300),
+            "friction.uncertainty",
+            "1e+300, too much beside its interval of 1",
+        ),
+        (lambda: problem_with(rayleigh_weight=1e300), "rayleigh_weight", "1e+300"),
+    ],
+)
+def test_numbers_that_cannot_be_computed_with_are_refused(
+    make: Callable[[], object], key: str, shown: str
+) -> None:
+    with pytest.raises(InputError) as caught:
+        make()
+    assert caught.value.faults[0].key == key
+    assert shown in caught.value.faults[0].message
+    assert caught.value.faults[0].remedy
+
+
+def test_tiny_values_and_wide_tolerances_are_possible() -> None:
+    assert Target("offset", 1e-17, tolerance=0.2).tolerance == 0.2
+    assert Target("offset", 1e-12).tolerance == pytest.approx(2e-14)
+
+
 def test_tolerance_is_the_users_then_the_uncertainty_then_two_percent() -> None:
     assert Target("a", 50.0, uncertainty=2.0, tolerance=1.5).tolerance == 1.5
     assert Target("a", 50.0, uncertainty=2.0).tolerance == 2.0

@@ -27,6 +27,25 @@ def as_number(value: object) -> float:
         return math.nan
 
 
+#: Sizes of numbers that are computed with: products of several are numbers, too.
+SMALLEST, LARGEST = 1e-30, 1e30
+#: Smallest share of a number that floating-point numbers resolve with digits to spare.
+SMALLEST_SHARE = 1e-9
+#: Why a number is refused, and what to do.
+NOT_COMPUTABLE = f"Give 0, or a number of {SMALLEST:g} to {LARGEST:g} in size: check its unit."
+
+
+def is_computable(value: float) -> bool:
+    """Return True if a number is zero, or of a size that can be computed with.
+
+    Examples
+    --------
+    >>> is_computable(0.0), is_computable(-3e5), is_computable(5e-324), is_computable(1e300)
+    (True, True, False, False)
+    """
+    return value == 0 or SMALLEST <= abs(value) <= LARGEST
+
+
 def count_faults(given: Mapping[str, object]) -> list[Fault]:
     """Return a fault for every value that is not a whole number from 1 on.
 

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from grainfit.checks import as_number
+from grainfit.checks import NOT_COMPUTABLE, SMALLEST_SHARE, as_number, is_computable
 from grainfit.correlations import symmetric_matrix
 from grainfit.errors import Fault, InputError
 from grainfit.units import percentage
@@ -88,6 +88,7 @@ class CurveTarget:
         if self.covariance is not None:
             self._read_covariance(self.covariance)
             self._require_invertible("covariance")
+            self._require_computable("covariance", self.standard_uncertainties)
             return
         for key in _ERRORS:
             object.__setattr__(self, key, self._read_error(key))
@@ -95,6 +96,8 @@ class CurveTarget:
             remedy = 'Give a number above 0, or a percentage such as "2 %" where no value is 0.'
             self._raise([Fault(f"{self.name}.uncertainty", "is not above 0 everywhere.", remedy)])
         self._require_invertible("uncertainty")
+        for key in _ERRORS:
+            self._require_computable(key, self._deviations(key, np.asarray(self.values)))
 
     def _raise(self, faults: Sequence[Fault]) -> None:
         if faults:
@@ -108,6 +111,10 @@ class CurveTarget:
         if not all(map(math.isfinite, numbers)):
             words = "are not all finite numbers."
             self._raise([Fault(f"{self.name}.{key}", words, "Give a list of finite numbers.")])
+        for position, number in enumerate(numbers, 1):
+            if not is_computable(number):
+                words = f"has {number!r} at position {position}."
+                self._raise([Fault(f"{self.name}.{key}", words, NOT_COMPUTABLE)])
         return numbers
 
     def _point_faults(self) -> list[Fault]:
@@ -157,6 +164,17 @@ class CurveTarget:
         object.__setattr__(self, "uncertainty", None)
         object.__setattr__(self, "common_uncertainty", 0.0)
         object.__setattr__(self, "covariance", tuple(map(tuple, matrix.tolist())))
+
+    def _require_computable(self, key: str, errors: Array) -> None:
+        """Raise `InputError` if standard uncertainties are of no size to compute with."""
+        largest, size = float(np.max(errors)), float(np.max(np.abs(self.values)))
+        if not all(map(is_computable, errors.tolist())):
+            words = f"is {largest:g} at most."
+            self._raise([Fault(f"{self.name}.{key}", words, NOT_COMPUTABLE)])
+        if 0 < largest < SMALLEST_SHARE * size:
+            words = f"is {largest:g} at most, and the largest value {size:g}."
+            remedy = f"Give at least {SMALLEST_SHARE:g} times as much; no measurement is as exact."
+            self._raise([Fault(f"{self.name}.{key}", words, remedy)])
 
     def _require_invertible(self, key: str) -> None:
         """Raise `InputError` unless the covariance of the errors can be inverted."""

@@ -64,6 +64,10 @@ class StoreError(GrainfitError):
     """The run store cannot be used (locked by another process, newer version, damaged)."""
 
 
+class StoreUnreachableError(StoreError):
+    """The server of a run store does not answer, or it has cut a connection; it may come back."""
+
+
 class ExecutorError(GrainfitError):
     """The executor cannot execute more runs, or not runs of this kind."""
 

@@ -11,7 +11,13 @@ from typing import Any, Literal, get_args
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from grainfit.checks import as_number, count_faults
+from grainfit.checks import (
+    NOT_COMPUTABLE,
+    SMALLEST_SHARE,
+    as_number,
+    count_faults,
+    is_computable,
+)
 from grainfit.contact_models.registry import MATERIAL_PARAMETERS
 from grainfit.correlations import (
     Correlation,
@@ -28,6 +34,8 @@ from grainfit.units import UnitError, percentage, to_si, to_unit
 
 #: Relative tolerance of a target for which neither an uncertainty nor a tolerance is given.
 DEFAULT_RELATIVE_TOLERANCE = 0.02
+#: Largest weight of a target; the smallest is its inverse.
+LARGEST_WEIGHT = 1e6
 
 Scale = Literal["linear", "log"]
 Statistic = Literal["mean", "median"]
@@ -220,6 +228,11 @@ def _measurement_faults(parameter: Parameter) -> Sequence[Fault]:
     if not 0 < spread < math.inf:
         shown = _shown(given["uncertainty"])
         return [Fault(f"{name}.uncertainty", f"is {shown}.", "It must be a number above 0.")]
+    width = parameter.maximum - parameter.minimum
+    if not SMALLEST_SHARE <= spread / width <= 1 / SMALLEST_SHARE:
+        word, remedy = ("nothing", "Fix it") if spread < width else ("too much", "Leave it out")
+        message = f"is {_shown(given['uncertainty'])}, {word} beside its interval of {width:g}."
+        return [Fault(f"{name}.uncertainty", message, f"{remedy}, or check its unit.")]
     return []
 
 
@@ -236,6 +249,13 @@ def _interval_faults(parameter: Parameter) -> Sequence[Fault]:
     ]
     if faults:
         return faults
+    faults = [
+        Fault(f"{name}.{key}", f"is {value}.", NOT_COMPUTABLE)
+        for key, value in (("min", low), ("max", high))
+        if not is_computable(value)
+    ]
+    if faults:
+        return faults
     if low >= high:
         word = "equal" if low == high else "swapped"
         return [
@@ -243,6 +263,9 @@ def _interval_faults(parameter: Parameter) -> Sequence[Fault]:
         ]
     if parameter.scale == "log" and low <= 0:
         return [Fault(f"{name}.min", f"is {low:g} on a log scale.", "It must be above 0 there.")]
+    if high - low < SMALLEST_SHARE * max(abs(low), abs(high)):
+        words = f"bounds are almost equal (min {low!r}, max {high!r})."
+        return [Fault(name, words, "Fix the parameter, or give a wider interval.")]
     return []
 
 
@@ -296,12 +319,15 @@ class Target:
         for key, share in shares.items():
             object.__setattr__(self, key, share)
         _read_quantities(self, {key: key for key in _TARGET_WIDTHS})
-        faults = list(_target_faults(self))
+        faults = list(_target_faults(self)) or self._faults_of_size()
         if faults:
             raise InputError(faults)
         if self.tolerance is None:
             object.__setattr__(self, "tolerance", self._usual_tolerance)
         _make_plain(self, "value", "uncertainty", "tolerance", "weight")
+
+    def _faults_of_size(self) -> list[Fault]:
+        return _faults_of_size(self)
 
     @property
     def _usual_tolerance(self) -> float:
@@ -408,6 +434,30 @@ def _target_faults(target: Target) -> Sequence[Fault]:
                 )
             )
     return faults
+
+
+def _faults_of_size(target: Target) -> list[Fault]:
+    """Return the faults of numbers that are too large or too small, alone or beside others."""
+    given = {key: getattr(target, key) for key in ("value", *_TARGET_WIDTHS)}
+    sizes = {key: abs(float(number)) for key, number in given.items() if number is not None}
+    faults = [
+        Fault(f"{target.name}.{key}", f"is {given[key]}.", NOT_COMPUTABLE)
+        for key, size in sizes.items()
+        if not is_computable(size)
+    ]
+    if not 1 / LARGEST_WEIGHT <= target.weight <= LARGEST_WEIGHT:
+        remedy = f"Give {1 / LARGEST_WEIGHT:g} to {LARGEST_WEIGHT:g}; 1 is usual."
+        faults.append(Fault(f"{target.name}.weight", f"is {target.weight:g}.", remedy))
+    return faults or [
+        Fault(
+            f"{target.name}.{key}",
+            f"is {width:g}, and the {other} is {size:g}.",
+            f"Give at least {SMALLEST_SHARE:g} times as much; no measurement is as exact.",
+        )
+        for key, width in sizes.items()
+        for other, size in sizes.items()
+        if key != "value" and width < SMALLEST_SHARE * size
+    ]
 
 
 @dataclass(frozen=True)
@@ -550,9 +600,10 @@ class Problem:
                 Fault(name, f"is given as a {words} more than once.", "Keep one of them.")
                 for name in sorted({name for name in names if list(names).count(name) > 1})
             ]
-        if not 0 <= as_number(self.rayleigh_weight) < math.inf:
+        if not 0 <= as_number(self.rayleigh_weight) <= LARGEST_WEIGHT:
             given = _shown(self.rayleigh_weight)
-            faults.append(Fault("rayleigh_weight", f"is {given}.", "It must be 0 or above."))
+            remedy = f"It must be 0 or above, and at most {LARGEST_WEIGHT:g}."
+            faults.append(Fault("rayleigh_weight", f"is {given}.", remedy))
         faults += _scope_faults(self.tests, self.parameters)
         if self.rayleigh is not None:
             faults += self.rayleigh.faults(self.intervals)

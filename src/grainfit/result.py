@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any, Literal
 
 from grainfit.errors import StoreError
-from grainfit.files import write_atomically
+from grainfit.files import LARGEST_RESULT, read_within, write_atomically
 from grainfit.formatting import (
     counted,
     deviation_off,
@@ -422,7 +422,7 @@ class Result:
         >>> Result.from_json("beads.grainfit/result.json")  # doctest: +SKIP
         """
         try:
-            return _read(Path(path).read_bytes())
+            return _read(read_within(Path(path), LARGEST_RESULT))
         except OSError as error:
             raise StoreError(f"{str(path)!r} cannot be read: {error.strerror}.") from error
         except (ValueError, RecursionError) as error:

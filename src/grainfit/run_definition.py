@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
@@ -99,6 +100,8 @@ class RunDefinition:
             raise TypeError(f"{given!r} does not map names to values")
         try:
             parameters = {str(name): float(value) for name, value in given.items()}
+            if not all(map(math.isfinite, parameters.values())):
+                raise ValueError("a parameter of a run is not finite")
             return cls(model, parameters, int(seed))
         except OverflowError as error:
             raise ValueError(f"a number of a run is too large: {error}") from error

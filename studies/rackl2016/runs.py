@@ -9,8 +9,9 @@ from pathlib import Path
 from types import TracebackType
 
 from grainfit.campaign.campaign import Campaign, CampaignOptions
+from grainfit.campaign.folder_lock import hold
 from grainfit.campaign.store.store import RunStore
-from grainfit.campaign.work_folder import hold, recover
+from grainfit.campaign.work_folder import recover
 from grainfit.evaluation import Evaluation, Proposal
 from grainfit.solvers.base import Solver
 

@@ -133,6 +133,11 @@ def test_a_plane_bed_has_one_angle(angle: float) -> None:
         assert math.degrees(math.atan2(z2 - z1, y2 - y1)) == pytest.approx(flank.angle)
         # Half a layer of cells below the surface at most.
         assert z1 == pytest.approx(slope * y1 - 0.01, abs=0.002)
+    curve = angles.surface.curve()
+    across, heights = np.array(curve.coordinates), np.array(curve.values)
+    middle = np.abs(across) < 0.6 * RADIUS * math.cos(math.radians(angle))
+    assert middle.sum() > 15
+    assert heights[middle] == pytest.approx(slope * across[middle] - 0.01, abs=0.003)
 
 
 def test_the_halves_of_a_bent_surface_have_their_own_angles() -> None:

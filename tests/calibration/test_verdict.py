@@ -10,6 +10,7 @@ import pytest
 import grainfit as gf
 from grainfit.calibration.verdict import judge, reasons
 from grainfit.calibration.verification import FreshRuns
+from grainfit.evaluation import Evaluation, Proposal
 from grainfit.metamodels.outliers import Outliers
 from grainfit.result import MetamodelQuality, OutOfReach
 from grainfit.strategies.answer import Answer
@@ -85,6 +86,47 @@ def test_noise_is_named_with_the_runs_it_would_take() -> None:
     assert "80 %" in words or "80%" in words
     assert "about 12 more runs" in words
     assert "scatters by 0.8 in angle (tolerance 0.5)" in words
+
+
+@pytest.mark.parametrize(
+    ("fails", "words"),
+    [
+        ([True, False, False, True], "about 24 more runs at the answer, as 2 of 4 runs failed"),
+        ([True, True], "About 12 more runs at the answer would have to succeed, but 2 of 2 runs"),
+        ([False], "It would take about 12 more runs at the answer: one run scatters"),
+    ],
+)
+@pytest.mark.parametrize("verified", [True, False])
+def test_estimate_of_runs_counts_the_failing_ones(
+    fails: list[bool], words: str, verified: bool
+) -> None:
+    proposal = Proposal({"friction": 0.5}, 1, "verification")
+    ended = [
+        Evaluation(
+            proposal, {}, runs={"heap": "a"}, failed_runs={"heap": "no heap"} if fail else {}
+        )
+        for fail in fails
+    ]
+    fresh = replace(FRESH, evaluations=ended) if verified else replace(FRESH, search=ended)
+    [found] = reasons(PROBLEM, judge(PROBLEM, answer(0.8), fresh, 0.95, 3))
+    assert words in found
+    if any(fails):
+        assert f"failed {'there' if verified else 'in the search'}" in found
+
+
+def test_too_few_fresh_seeds_are_said_to_have_failed() -> None:
+    failed = Evaluation(
+        Proposal({"friction": 0.5}, 1, "verification"),
+        {},
+        runs={"heap": "a"},
+        failed_runs={"heap": "no heap"},
+    )
+    none = FreshRuns({"angle": {}}, ())
+    [allowed] = reasons(PROBLEM, judge(PROBLEM, answer(0.99), none, 0.95, 3))
+    assert "allow more runs" in allowed
+    fresh = replace(none, evaluations=(failed, failed))
+    [found] = reasons(PROBLEM, judge(PROBLEM, answer(0.99), fresh, 0.95, 3))
+    assert "0 of 3 runs with fresh seeds at the answer succeeded: 2 of 2 runs there failed" in found
 
 
 def test_a_calibrated_material_needs_no_reason() -> None:

@@ -14,7 +14,7 @@ import pytest
 from grainfit.calibration_file.build import build_calibration
 from grainfit.calibration_file.load import load_calibration_file
 from grainfit.calibration_file.plan import describe_plan
-from grainfit.errors import InputError, NotMeasurableError
+from grainfit.errors import InputError, NotMeasurableError, StoreError
 from grainfit.files import (
     LARGEST_PYTHON_FILE,
     LARGEST_RUN_OUTPUT,
@@ -24,9 +24,13 @@ from grainfit.files import (
 )
 from grainfit.measurement.particles import read_dump
 from grainfit.options.csv_file import read_csv
+from grainfit.result import Result
+from grainfit.scenes.run_output import RunOutput
 from grainfit.scenes.stl import read_stl
 from grainfit.solvers.own_model import model_folder
 from grainfit.solvers.own_model.command import Command
+from grainfit.solvers.own_model.model_folder import ModelFolder
+from grainfit.solvers.own_model.model_input import Templates
 
 FILE = """
 name = "sand"
@@ -163,7 +167,13 @@ def test_a_table_that_is_too_large_is_refused(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(
     ("read", "error"),
-    [(read_csv, InputError), (read_stl, InputError), (read_dump, NotMeasurableError)],
+    [
+        (read_csv, InputError),
+        (read_stl, InputError),
+        (read_dump, NotMeasurableError),
+        (Result.from_json, StoreError),
+        (lambda path: Templates(ModelFolder(path.parent, ())).check(path.name), InputError),
+    ],
 )
 @pytest.mark.usefixtures("little_memory")
 def test_no_file_is_read_beyond_its_limit(
@@ -171,6 +181,16 @@ def test_no_file_is_read_beyond_its_limit(
 ) -> None:
     with pytest.raises(error, match="it has 20000 MB, and at most"):
         read(sparse(tmp_path / "file", 20_000_000_000))
+
+
+@pytest.mark.usefixtures("little_memory")
+def test_no_output_of_a_run_is_read_beyond_its_limit(tmp_path: Path) -> None:
+    sparse(tmp_path / "series_flow.csv", 20_000_000_000)
+    with pytest.raises(NotMeasurableError, match="it has 20000 MB, and at most 500 MB"):
+        RunOutput(tmp_path).series("flow")
+    sparse(tmp_path / "stages.csv", 20_000_000_000)
+    with pytest.raises(NotMeasurableError, match="it has 20000 MB, and at most 20 MB"):
+        _ = RunOutput(tmp_path).stages
 
 
 def test_a_file_that_grows_is_read_up_to_its_limit() -> None:

@@ -270,6 +270,24 @@ def test_a_price_is_told_of_what_is_left(written: Callable[..., Path]) -> None:
     assert "which leaves out another 5 % of the mass" in lines
 
 
+def test_prices_name_real_sizes_where_particles_are_coarse_grained(
+    written: Callable[..., Path],
+) -> None:
+    def lines_of(factor: int) -> str:
+        path = written('diameter = { sieve_curve = "sieve.csv" }\ncoarse_graining = ' + f"{factor}")
+        # Room for the large ones.
+        path.write_text(f'{path.read_text()}cylinder_radius = "25 mm"\n')
+        return plan_of(path)[0]
+
+    def told(lines: str) -> list[str]:
+        found = [one for one in lines.splitlines() if "Particle sizes:" in one or "finest" in one]
+        return [re.sub(r"take \S+ of", "take", line) for line in found]
+
+    real, coarse = told(lines_of(1)), told(lines_of(2))
+    assert len(real) == 3
+    assert coarse == real
+
+
 def seconds_of(sizes: gf.ParticleSizes) -> float:
     material = {
         "particle.density": 2100.0,

@@ -10,8 +10,9 @@ from typing import Any
 import pytest
 
 from grainfit.campaign.campaign import RETRY_PAUSES, Campaign, CampaignOptions
+from grainfit.campaign.folder_lock import hold, is_held
 from grainfit.campaign.store.store import RunStore
-from grainfit.campaign.work_folder import hold, is_held, recover
+from grainfit.campaign.work_folder import recover
 from grainfit.errors import FailureKind, InputError, RunFailedError, StoreError
 from grainfit.evaluation import Proposal, Response
 from grainfit.solvers.base import Solver, Workspace

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import random
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from statistics import stdev
+from typing import Any
 
 import pytest
 
@@ -234,8 +236,11 @@ def test_a_calibration_with_runs_from_elsewhere_is_resumed_as_it_was(
     assert again.runs.reused == again.runs.total
 
 
-def test_a_source_that_is_no_work_folder_is_an_error(tmp_path: Path) -> None:
+@pytest.mark.parametrize("given", [lambda folder: [folder], str, Path])
+def test_a_source_that_is_no_work_folder_is_an_error(
+    tmp_path: Path, given: Callable[[Path], Any]
+) -> None:
     problem, solver = drum()
-    with pytest.raises(gf.InputError, match=r"is not a work folder of grainfit"):
-        gf.calibrate(problem, solver, runs_from=[tmp_path])
+    with pytest.raises(gf.InputError, match=f"'{tmp_path}' is not a work folder of grainfit"):
+        gf.calibrate(problem, solver, runs_from=given(tmp_path))
     assert not list(tmp_path.iterdir())

@@ -1,8 +1,12 @@
 """The run store keeps what it was given, and says when it cannot."""
 
+import os
 import re
 import shutil
 import sqlite3
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
@@ -226,3 +230,59 @@ def test_a_store_of_another_version_is_not_read_either(tmp_path: Path) -> None:
         StoreError, match=re.escape(f"{tmp_path}/runs.sqlite has schema version 99")
     ):
         RunStore.read_only(tmp_path)
+
+
+@pytest.mark.parametrize("name", ["runs.sqlite-wal", "runs.sqlite-shm"])
+def test_unusable_file_beside_a_store_is_named_as_the_cause(tmp_path: Path, name: str) -> None:
+    RunStore.in_folder(tmp_path).close()
+    (tmp_path / name).mkdir()
+    with pytest.raises(StoreError, match=f"{name}' cannot be written: Is a directory") as caught:
+        RunStore.in_folder(tmp_path)
+    assert "full" not in str(caught.value)
+
+
+@pytest.fixture
+def public() -> Iterator[Path]:
+    """Return a folder that every user may enter."""
+    with tempfile.TemporaryDirectory() as folder:
+        Path(folder).chmod(0o755)
+        yield Path(folder)
+
+
+@contextmanager
+def without_root() -> Iterator[None]:
+    """Act as a user whom permissions concern."""
+    if os.geteuid():
+        yield
+        return
+    os.seteuid(65534)
+    try:
+        yield
+    finally:
+        os.seteuid(0)
+
+
+@pytest.mark.parametrize("name", ["runs.sqlite-wal", "runs.sqlite-shm", "runs.sqlite"])
+def test_missing_permission_is_named_as_the_cause(tmp_path: Path, public: Path, name: str) -> None:
+    store = RunStore.in_folder(tmp_path)
+    store.save(RunRecord("a", "heap", "finished", RUN))
+    killed = Path(shutil.copytree(tmp_path, public / "killed"))
+    store.close()
+    for path in (killed, *killed.iterdir()):
+        path.chmod(0o777)
+    (killed / name).chmod(0o444)
+    with (
+        without_root(),
+        pytest.raises(StoreError, match=f"{name}' cannot be written: Permission denied") as caught,
+    ):
+        RunStore.in_folder(killed).save(RunRecord("b", "heap", "finished", RUN))
+    assert "full" not in str(caught.value)
+
+
+def test_log_removed_while_the_store_is_in_use_is_told(tmp_path: Path) -> None:
+    store = RunStore.in_folder(tmp_path)
+    store.save(RunRecord("a", "heap", "finished", RUN))
+    (tmp_path / "runs.sqlite-wal").unlink()
+    with pytest.raises(StoreError, match=r"runs\.sqlite-wal beside it, was removed"):
+        store.save(RunRecord("b", "heap", "finished", RUN))
+    store.close()

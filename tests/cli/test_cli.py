@@ -10,8 +10,8 @@ from pathlib import Path
 
 import pytest
 
+from grainfit.campaign.folder_lock import hold
 from grainfit.campaign.store.store import RunStore
-from grainfit.campaign.work_folder import hold
 from grainfit.errors import StoreError
 from grainfit.work_folder.status import read_status
 

@@ -16,10 +16,11 @@ from typer.testing import CliRunner, Result
 from grainfit.calibration.calibrate import calibrate
 from grainfit.calibration_file.build import CalibrationSetup, build_calibration
 from grainfit.calibration_file.load import load_calibration_file
+from grainfit.campaign.folder_lock import hold
 from grainfit.campaign.reuse import runs_of
 from grainfit.campaign.store.records import RunRecord
 from grainfit.campaign.store.store import RunStore
-from grainfit.campaign.work_folder import RECORD_NAME, hold
+from grainfit.campaign.work_folder import RECORD_NAME
 from grainfit.cli.app import app
 from grainfit.cli.runs_console import print_runs, size
 from grainfit.errors import GrainfitError, InputError, SolverNotFoundError, StoreError

@@ -6,6 +6,7 @@ import socket
 import subprocess
 import tempfile
 from collections.abc import Iterator
+from contextlib import ExitStack
 from pathlib import Path
 
 import pytest
@@ -14,18 +15,20 @@ HERE = Path(__file__).parent
 PROGRAMS = ("slurmctld", "slurmd", "munged", "sbatch")
 
 
-def free_ports() -> int:
-    """A port that is free, and so is the next one."""
+def free_ports(count: int) -> int:
+    """The first of some ports in a row that are all free."""
     for _ in range(50):
-        with socket.socket() as first, socket.socket() as second:
+        with ExitStack() as stack:
+            first = stack.enter_context(socket.socket())
             first.bind(("127.0.0.1", 0))
             port: int = first.getsockname()[1]
             try:
-                second.bind(("127.0.0.1", port + 1))
-            except OSError:
+                for number in range(port + 1, port + count):
+                    stack.enter_context(socket.socket()).bind(("127.0.0.1", number))
+            except (OSError, OverflowError):
                 continue
             return port
-    raise RuntimeError("no two ports are free")
+    raise RuntimeError(f"no {count} ports in a row are free")
 
 
 @pytest.fixture(scope="session")
@@ -41,7 +44,9 @@ def _slurm() -> Iterator[Path]:
     # Not pytest's own folder: the path of a socket must be short.
     folder = Path(tempfile.mkdtemp(prefix="slurm-"))
     try:
-        subprocess.run([HERE / "start_slurm.sh", folder, str(free_ports())], check=True, timeout=60)
+        subprocess.run(
+            [HERE / "start_slurm.sh", folder, str(free_ports(3))], check=True, timeout=60
+        )
         yield folder
     finally:
         subprocess.run([HERE / "stop_slurm.sh", folder], check=False, timeout=60)

@@ -12,7 +12,7 @@ for _ in $(seq 50); do
     sleep 0.2
 done
 scontrol shutdown 2>/dev/null
-pids=("$folder"/slurmctld.pid "$folder"/slurmd.pid "$folder"/munge/pid)
+pids=("$folder"/{slurmctld.,node1.,node2.,munge/}pid)
 
 # Each removes its own when it has ended.
 wait_for() {
@@ -21,7 +21,7 @@ wait_for() {
         return
     done
 }
-wait_for "${pids[@]:0:2}"
+wait_for "${pids[@]:0:3}"
 for pid in "${pids[@]}"; do
     [ -e "$pid" ] && kill "$(cat "$pid")" 2>/dev/null
 done

@@ -1,4 +1,4 @@
-"""Calibrations in jobs of a real Slurm: undisturbed, disturbed, refused, interrupted."""
+"""Calibrations in jobs of a real Slurm of two nodes: disturbed, refused, interrupted."""
 
 from __future__ import annotations
 
@@ -11,9 +11,11 @@ import sys
 import time
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import ExitStack, contextmanager
 from dataclasses import replace
 from pathlib import Path
 
+import psutil
 import pytest
 
 import grainfit as gf
@@ -100,16 +102,62 @@ def let_its_time_run_out(job: str) -> None:
     until(lambda: jobs()[job] == "TIMEOUT")
 
 
+def node_of(job: str) -> str:
+    return slurm_says("squeue", "--noheader", f"--jobs={job}", "--format=%N").strip()
+
+
+def set_node(node: str, state: str) -> None:
+    slurm_says("scontrol", "update", f"nodename={node}", f"state={state}", "reason=test")
+
+
 def take_its_node_down(job: str) -> None:
-    slurm_says("scontrol", "update", "nodename=node", "state=down", "reason=test")
+    node = node_of(job)
+    set_node(node, "down")
     until(lambda: jobs()[job] != "RUNNING")
-    slurm_says("scontrol", "update", "nodename=node", "state=resume")
+    set_node(node, "resume")
+
+
+def preempt(job: str) -> None:
+    """Have a job of a higher priority take its node."""
+    request = ("--partition=urgent", f"--nodelist={node_of(job)}", "--cpus-per-task=8")
+    said = slurm_says("sbatch", "--output=/dev/null", "--wrap=true", *request)
+    until(lambda: jobs()[said.split()[-1]] == "COMPLETED")
+
+
+def preempt_and_requeue(job: str) -> None:
+    """As on a cluster where every job may be requeued, whatever it says itself."""
+    slurm_says("scontrol", "update", f"jobid={job}", "requeue=1")
+    preempt(job)
+    assert "Restarts=1" in slurm_says("scontrol", "show", "job", job)
+
+
+def end_its_processes(job: str) -> None:
+    """End what a job is on its node at once, without a word to Slurm's controller."""
+    for process in psutil.process_iter(["cmdline"]):
+        if f"slurmstepd: [{job}.batch]" in " ".join(process.info["cmdline"] or []):
+            for one in [process, *process.children(recursive=True)]:
+                one.kill()
+
+
+#: Name and start of every node.
+NODES = [(node, "slurmd", "-N", node) for node in ("node1", "node2")]
+
+
+def is_running(slurm: Path, daemon: str) -> bool:
+    pid = int((slurm / f"{daemon}.pid").read_text())
+    return psutil.pid_exists(pid) and psutil.Process(pid).status() != psutil.STATUS_ZOMBIE
+
+
+def kill_daemon(slurm: Path, daemon: str) -> None:
+    os.kill(int((slurm / f"{daemon}.pid").read_text()), signal.SIGKILL)
+    until(lambda: not is_running(slurm, daemon))
 
 
 DRUM = """
 import os
 import random
 import time
+from contextlib import suppress
 from pathlib import Path
 
 def drum(parameters, seed):
@@ -117,20 +165,24 @@ def drum(parameters, seed):
     job = os.environ.get("SLURM_JOB_ID", "none")
     with (folder / "calls").open("a") as calls:
         calls.write(f"{job}\\n")
-    if (folder / "halt").exists() and job != "none":
-        (folder / "halt").rename(folder / "halted")
-        time.sleep(100)
+    while (folder / "hold").exists():
+        time.sleep(0.02)
+    if job != "none":
+        with suppress(FileNotFoundError):
+            (folder / "halt").rename(folder / "halted")
+            (folder / "halted").write_text(job)
+            time.sleep(100)
     noise = random.Random(seed).gauss(0, 0.3)
     return {"angle": 20 + 40 * parameters["friction"] + noise}
 """
 
 
-def calibrate_drum(folder: Path, options: ClusterOptions | None) -> Result:
+def calibrate_drum(folder: Path, options: ClusterOptions | None, **rest: int) -> Result:
     problem = gf.Problem(
         [gf.Parameter("friction", 0.1, 0.9)], [gf.Target("angle", 36.0, uncertainty=0.4)]
     )
     solver = PythonCallable.from_file(f"{folder}/drum.py:drum", ["angle"])
-    return calibrate_in(options, folder / "work", problem, solver, max_runs=14)
+    return calibrate_in(options, folder / "work", problem, solver, **{"max_runs": 14, **rest})
 
 
 def calibrate_heap(folder: Path, options: ClusterOptions | None) -> Result:
@@ -148,9 +200,11 @@ def calibrate_in(
     problem: gf.Problem,
     solver: Solver,
     max_runs: int,
+    design_runs: int = 4,
+    workers: int = 1,
 ) -> Result:
-    rest = {"max_runs": max_runs, "seed": 3, "verification_runs": 2}
-    rest["strategy"] = gf.Sequential(design_runs=4)
+    rest = {"max_runs": max_runs, "seed": 3, "verification_runs": 2, "workers": workers}
+    rest["strategy"] = gf.Sequential(design_runs=design_runs)
     if options is None:
         return gf.calibrate(problem, solver, workdir=folder, **rest)
     with cluster_executor(options, folder) as executor:
@@ -173,47 +227,176 @@ def calls(folder: Path) -> list[str]:
     return path.read_text().split() if path.exists() else []
 
 
-def test_what_happens_to_jobs_costs_the_runs_in_them_alone(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """The node of a job goes down, another reaches its walltime, a third is cancelled.
+@pytest.fixture
+def _quick(monkeypatch: pytest.MonkeyPatch) -> None:
+    """All that has to be noticed is noticed three times as fast as usual."""
+    for name, seconds in (("HEARTBEAT", 2), ("LOST", 6), ("STATUS", 3), ("LOOK", 1)):
+        home = slurm_jobs if name == "STATUS" else parsl_executor
+        monkeypatch.setattr(home, f"_{name}_SECONDS", seconds)
+
+
+@pytest.mark.usefixtures("_quick")
+def test_what_happens_to_jobs_costs_the_runs_in_them_alone(tmp_path: Path) -> None:
+    """The node of a job goes down, others reach the walltime, are cancelled, preempted, requeued.
 
     In the end the calibration is, to the last digit, what it is on this machine; and so is one of a
     real heap.
     """
-    # All that has to be noticed is noticed three times as fast as usual.
-    for name, seconds in (("HEARTBEAT", 2), ("LOST", 6), ("STATUS", 3), ("LOOK", 1)):
-        home = slurm_jobs if name == "STATUS" else parsl_executor
-        monkeypatch.setattr(home, f"_{name}_SECONDS", seconds)
     drum, here = drum_folder(tmp_path / "drum"), drum_folder(tmp_path / "drum here")
-    disturbances = (take_its_node_down, let_its_time_run_out, cancel)
+    disturbances = (
+        *(take_its_node_down, preempt),
+        *(let_its_time_run_out, cancel, preempt_and_requeue),
+    )
+    many = {"max_runs": 40, "design_runs": 32}
     disturbed = []
     with ThreadPoolExecutor() as threads:
-        drums = threads.submit(calibrate_drum, drum, ONE_JOB)
+        drums = threads.submit(calibrate_drum, drum, ONE_JOB, **many)
         for disturb in disturbances:
             # A run that is lost three times is given up: each time it is another one.
             enough = len(calls(drum)) + 2
             until(lambda enough=enough: len(calls(drum)) >= enough)
-            halt(drum)
-            disturbed.append(calls(drum)[-1])
+            disturbed.append(halt(drum))
             disturb(disturbed[-1])
-            if len(disturbed) == 1:
+            if len(disturbed) == 2:
                 # Not before: the node was that of all jobs.
                 heaps = threads.submit(calibrate_heap, tmp_path / "heap", ONE_JOB)
-                drums_alone = threads.submit(calibrate_drum, here, None)
+                drums_alone = threads.submit(calibrate_drum, here, None, **many)
         heaps_alone = threads.submit(calibrate_heap, tmp_path / "heap here", None)
     assert same(drums.result()) == same(drums_alone.result())
     assert same(heaps.result()) == same(heaps_alone.result())
-    assert len(calls(drum)) == len(calls(here)) + 3, "those that were lost, and no others"
-    assert len(set(calls(drum))) == 4
-    assert [jobs()[job] for job in disturbed] == ["NODE_FAIL", "TIMEOUT", "CANCELLED"]
+    assert len(calls(drum)) == len(calls(here)) + 5, "those that were lost, and no others"
+    assert len(set(disturbed)) == 5
+    # The last one was requeued, and cancelled in the end.
+    ends = ["NODE_FAIL", "PREEMPTED", "TIMEOUT", "CANCELLED", "CANCELLED"]
+    assert [jobs()[job] for job in disturbed] == ends
 
 
-def halt(folder: Path) -> None:
-    """Have the next run halt, and wait until it has."""
+def halt(folder: Path) -> str:
+    """Have the next run halt, wait until it has, and return its job."""
     (folder / "halt").touch()
-    until((folder / "halted").exists)
-    (folder / "halted").unlink()
+    halted = folder / "halted"
+    until(lambda: halted.exists() and halted.read_text())
+    job = halted.read_text()
+    halted.unlink()
+    return job
+
+
+@pytest.fixture
+def _whole_cluster(slurm: Path) -> Iterator[None]:
+    """Have controller and nodes in the end, whatever happened to them."""
+    yield
+    for name, *start in (("slurmctld", "slurmctld"), *NODES):
+        if not is_running(slurm, name):
+            slurm_says(*start)
+    for node, *_ in NODES:
+        if "DOWN" in slurm_says("scontrol", "show", "node", node):
+            set_node(node, "resume")
+    until(lambda: slurm_says("sinfo", "-h", "-p", "short", "-t", "idle", "-o", "%D").strip() == "2")
+
+
+@contextmanager
+def silent_controller(slurm: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+    """Kill Slurm's controller, and start it again in the end."""
+    # Slurm's commands give up after 1 s instead of 9 s.
+    impatient = slurm / "impatient.conf"
+    usual = (slurm / "slurm.conf").read_text()
+    impatient.write_text(f"{usual}\nMessageTimeout=2\n")
+    kill_daemon(slurm, "slurmctld")
+    with monkeypatch.context() as patch:
+        patch.setenv("SLURM_CONF", str(impatient))
+        try:
+            yield
+        finally:
+            slurm_says("slurmctld")
+
+
+@pytest.mark.usefixtures("_quick", "_whole_cluster")
+def test_a_silent_controller_and_a_lost_node_cost_the_current_runs_alone(
+    slurm: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A calibration over two nodes goes on without Slurm's controller, and without one node.
+
+    While the controller is silent, one more executor needs a second job, and another one whose job
+    is lost needs a new one: both get it afterwards.
+    """
+    monkeypatch.setattr(slurm_jobs, "_FAILED_START_SECONDS", 3.0)
+    drum, here = drum_folder(tmp_path / "drum"), drum_folder(tmp_path / "drum here")
+    # Two such jobs do not fit on one node.
+    over_both = replace(ONE_JOB, jobs=2, cores_per_run=5)
+    many = {"max_runs": 40, "design_runs": 32, "workers": 2}
+    hold, free = drum / "hold", tmp_path / "free"
+    hold.touch()
+    with ThreadPoolExecutor() as threads, ExitStack() as stack:
+        stack.callback(hold.unlink, missing_ok=True)
+        drums = threads.submit(calibrate_drum, drum, over_both, **many)
+        drums_alone = threads.submit(calibrate_drum, here, None, **many)
+        growing = stack.enter_context(
+            cluster_executor(replace(ONE_JOB, jobs=2), tmp_path / "growing")
+        )
+        losing = stack.enter_context(cluster_executor(ONE_JOB, tmp_path / "losing"))
+        wait = f"touch {free}.awaited; while [ ! -e {free} ]; do sleep 0.1; done"
+        stack.callback(free.touch)
+        growing.submit(subprocess.run, ["sh", "-c", wait], check=True)
+        lost_job = losing.submit(*WHERE).result(NEVER_HERE)
+        slurm_says("scontrol", "update", f"jobid={lost_job}", "requeue=1")
+        cancel(lost_job)
+        until(lambda: not has_a_job(losing))
+        # Requeued by an administrator, it would be one job too many.
+        slurm_says("scontrol", "requeue", lost_job)
+        until(lambda: jobs()[lost_job] == "CANCELLED")
+        until(Path(f"{free}.awaited").exists)
+        until(lambda: len(calls(drum)) == 2)
+        assert {node_of(job) for job in calls(drum)} == {"node1", "node2"}
+
+        with silent_controller(slurm, monkeypatch):
+            waiting = [executor.submit(*WHERE) for executor in (growing, losing)]
+            hold.unlink()
+            until(lambda: len(calls(drum)) >= 8)
+            hold.touch()
+            for folder in ("growing", "losing"):
+                until(lambda folder=folder: submissions(tmp_path / folder) >= 5)
+        assert len({lost_job, *(future.result(NEVER_HERE) for future in waiting)}) == 3
+        stack.close()
+
+        lost_job = halt(drum)
+        node = node_of(lost_job)
+        kill_daemon(slurm, node)
+        end_its_processes(lost_job)
+        so_far = len(calls(drum))
+        until(lambda: len(calls(drum)) >= so_far + 3)
+        set_node(node, "down")
+        until(lambda: jobs()[lost_job] == "NODE_FAIL")
+    there, alone = drums.result(), drums_alone.result()
+    assert there.status == alone.status == "calibrated"
+    assert designed(there) == designed(alone)
+    assert there.parameters == pytest.approx(alone.parameters, rel=0.02)
+    made = [run for summary in there.history for run in summary.runs.values()]
+    assert len(made) == len(set(made))
+    assert len(calls(drum)) == len(made) + 1, "the one that was lost, and no others"
+
+
+#: A call whose result is the job that executes it.
+WHERE = (os.getenv, "SLURM_JOB_ID")
+
+
+def has_a_job(executor: object) -> bool:
+    """Return True as long as an executor believes to have a job, or workers in it."""
+    parsl = executor._kernel.executors["grainfit"]
+    ended = all(status.terminal for status in parsl.status_facade.values())
+    return bool(parsl.connected_managers()) or not ended
+
+
+def submissions(folder: Path) -> int:
+    """Number of jobs that were submitted, or should have been."""
+    scripts = (folder / "parsl").glob("*/submit_scripts/parsl.grainfit.block-*")
+    return len({path.name.split(".")[2] for path in scripts})
+
+
+def designed(result: Result) -> dict[tuple[object, ...], object]:
+    """Responses at the parameter sets that do not depend on the order in which runs end."""
+    stage = result.history[0].stage
+    runs = [run for run in result.history if run.stage == stage]
+    return {(*run.parameters.values(), run.seed): run.responses for run in runs}
 
 
 def test_runs_of_several_ranks_are_the_same_in_a_job(tmp_path: Path) -> None:

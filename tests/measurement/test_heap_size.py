@@ -11,7 +11,7 @@ from synthetic_heaps import DIAMETER, heap, particles_of
 from grainfit.errors import NotMeasurableError
 from grainfit.evaluation import Response
 from grainfit.measurement.angle_of_repose import heap_silhouettes
-from grainfit.measurement.heap_size import base_radius, heap_height
+from grainfit.measurement.heap_size import base_radius, heap_height, heap_profile
 from grainfit.measurement.particles import Particles
 from grainfit.measurement.silhouette import Silhouette
 
@@ -59,6 +59,35 @@ def test_height_is_that_of_the_cone(angle: float, plateau: float) -> None:
     # No sphere fills the tip of a cone, the less the steeper it is.
     blunt = 0.8 if plateau else 1.5
     assert 8.0 - blunt < found.value / DIAMETER < 8.0
+
+
+@pytest.mark.parametrize("angle", ANGLES)
+def test_profile_of_a_cone_falls_with_its_inclination(angle: float) -> None:
+    """The outline lies up to half a particle diameter below the cone that envelops the spheres."""
+    silhouettes = heap_silhouettes(heap(angle, 8.0, 1), WIDE_PLATE, 12)
+
+    profile = heap_profile(silhouettes, DIAMETER, WIDE_PLATE)
+
+    radii = np.array(profile.coordinates)
+    cone = 8.0 * DIAMETER - radii * math.tan(math.radians(angle))
+    flank = (cone > 1.5 * DIAMETER) & (cone < 5 * DIAMETER)
+    below = cone[flank] - np.array(profile.values)[flank]
+    assert flank.sum() > 7
+    assert below.min() > -0.1 * DIAMETER
+    assert below.max() < 0.6 * DIAMETER
+    assert profile.values[-1] == 0
+    assert profile.stays
+
+
+def test_profile_is_zero_beyond_the_edge_of_the_plate() -> None:
+    plate = 6 * DIAMETER
+    silhouettes = heap_silhouettes(heap(22.0, 8.0, 1), plate, 12)
+
+    profile = heap_profile(silhouettes, DIAMETER, plate)
+
+    assert profile.coordinates[-1] == pytest.approx(plate + DIAMETER / 2)
+    assert profile.values[-2] > 3 * DIAMETER
+    assert profile.values[-1] == 0
 
 
 @pytest.fixture(scope="module")
@@ -154,3 +183,5 @@ def test_blank_photographs_are_not_measurable() -> None:
             base_radius(silhouettes, 0.0, 0.01)
         with pytest.raises(NotMeasurableError, match=r"^heap height: the silhouettes are blank"):
             heap_height(silhouettes, 0.01)
+        with pytest.raises(NotMeasurableError, match=r"^heap profile: the silhouettes are blank"):
+            heap_profile(silhouettes, 0.01, 0.1)

@@ -15,7 +15,7 @@ import pytest
 
 import grainfit
 from grainfit.analysis import Analysis
-from grainfit.campaign.work_folder import hold
+from grainfit.campaign.folder_lock import hold
 from grainfit.errors import StoreError
 from grainfit.report.page import render_page
 from grainfit.report.rendering import script_json

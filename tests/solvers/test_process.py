@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import signal
 import subprocess
 import sys
@@ -158,6 +159,35 @@ def test_time_out_ends_the_whole_family(tmp_path):
     leader, child = pids_in(tmp_path)
     assert not is_running(leader)
     assert wait_for(lambda: not is_running(child))
+
+
+@pytest.mark.slow
+def test_time_out_does_not_count_a_suspension(tmp_path):
+    """As of a laptop that sleeps: program and watcher stand still for longer than the time-out."""
+    waits = "import os, time\nwith open('new', 'w') as file: file.write(str(os.getpid()))\n"
+    waits += "os.rename('new', 'pids')\n"
+    waits += "while not os.path.exists('go'): time.sleep(0.05)"
+    watcher = (
+        "import sys; from pathlib import Path;"
+        "from grainfit.solvers.base import Workspace;"
+        "from grainfit.solvers.process.process import run_process;"
+        "print(run_process([sys.executable, '-c', sys.argv[1]], Workspace(Path(), timeout=7.0)))"
+    )
+    command = [PYTHON, "-c", watcher, waits]
+    process = subprocess.Popen(command, cwd=tmp_path, stdout=subprocess.PIPE, text=True)
+    family = [process.pid, *pids_in(tmp_path)]
+
+    for pid in family:
+        os.kill(pid, signal.SIGSTOP)
+    time.sleep(8.0)
+    for pid in family:
+        os.kill(pid, signal.SIGCONT)
+    time.sleep(0.5)
+    (tmp_path / "go").touch()
+    said, _ = process.communicate(timeout=60)
+
+    assert process.returncode == 0
+    assert float(said) < 7.0
 
 
 def test_cancelling_ends_the_whole_family(tmp_path):

@@ -15,9 +15,9 @@ import pytest
 from rich.console import Console
 
 import grainfit
+from grainfit.campaign.folder_lock import hold
 from grainfit.campaign.store.records import RequestRecord, RunRecord
 from grainfit.campaign.store.store import RunStore
-from grainfit.campaign.work_folder import hold
 from grainfit.cli.console import print_status
 from grainfit.errors import StoreError
 from grainfit.run_definition import RunDefinition

@@ -12,7 +12,7 @@ from __future__ import annotations
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Collection, Iterable, Mapping, Sequence
-from dataclasses import InitVar, dataclass, fields
+from dataclasses import InitVar, dataclass, fields, replace
 from functools import cache
 from typing import Any, ClassVar, Self
 
@@ -184,7 +184,12 @@ class BulkTest(ABC):
         object.__setattr__(self, "sizes", read_sizes(self.sizes, diameter))
         for name, value in read_options(self.option_keys(), self.given_options()).items():
             object.__setattr__(self, name, value)
-        self.prepare()
+        try:
+            self.prepare()
+        except InputError as error:
+            if self.sizes.coarse_graining == 1:
+                raise
+            raise _with_factor(error, self.sizes.coarse_graining) from None
 
     def prepare(self) -> None:
         """Derive values from the options; raise `InputError` when they are impossible.
@@ -204,8 +209,7 @@ class BulkTest(ABC):
             "type": self.type,
             "revision": self.revision,
             "scenes": SCENES_REVISION,
-            "diameters": list(self.sizes.diameters),
-            "mass_fractions": list(self.sizes.mass_fractions),
+            **self.sizes.definition(),
             **self.resolved_options(),
         }
 
@@ -230,7 +234,7 @@ class BulkTest(ABC):
         KeyError, TypeError, ValueError, AttributeError
             The definition is damaged or incomplete.
         """
-        sizes = ParticleSizes(tuple(definition["diameters"]), tuple(definition["mass_fractions"]))
+        sizes = ParticleSizes.from_definition(definition)
         return cls(sizes, **{key.name: definition[key.name] for key in cls.option_keys()})
 
     @property
@@ -418,6 +422,12 @@ def _option_keys(test: type[BulkTest]) -> tuple[Key, ...]:
     shared = {field.name for field in fields(BulkTest)}
     # Those that all tests have come last.
     return tuple(sorted(option_keys(test), key=lambda key: key.name in shared))
+
+
+def _with_factor(error: InputError, factor: float) -> InputError:
+    """Return the faults of a test with the factor that may have caused them."""
+    hint = f"Particles are {factor:g} times as large as the real ones (particle.coarse_graining)."
+    return InputError([replace(f, remedy=f"{f.remedy} {hint}".strip()) for f in error.faults])
 
 
 def read_sizes(sizes: ParticleSizes | None, diameter: Any) -> ParticleSizes:

@@ -122,14 +122,14 @@ def natural_run(definition: RunDefinition) -> NaturalRun | None:
         options, loads = _options(test, scale)
     except (InputError, KeyError, TypeError, ValueError, ZeroDivisionError):
         return None
-    diameters = [_rounded(d / scale.length) for d in test.sizes.diameters]
     recorded = dict(definition.model["test"])
     natural = {
         key: recorded[key]
         for key in ("type", "revision", "scenes", "deck", "packing")
         if key in recorded
     }
-    natural |= {"diameters": diameters, "mass_fractions": list(test.sizes.mass_fractions)}
+    natural |= test.sizes.definition()
+    natural["diameters"] = [_rounded(d / scale.length) for d in test.sizes.diameters]
     model = {**definition.model, "test": {**natural, "options": options}}
     return NaturalRun(model, numbers | loads, scale, test)
 

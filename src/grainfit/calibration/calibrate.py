@@ -21,11 +21,12 @@ from grainfit.calibration.scopes import repeats_of, restricted, with_scopes
 from grainfit.calibration.timeouts import default_timeouts
 from grainfit.calibration.verification import VERIFICATION_RUNS
 from grainfit.campaign.campaign import Campaign, CampaignOptions
+from grainfit.campaign.folder_lock import hold
 from grainfit.campaign.keep import Keep
 from grainfit.campaign.reuse import needed_responses, open_source, take_runs
 from grainfit.campaign.store.shared import SharedRuns, share
 from grainfit.campaign.store.store import RunStore
-from grainfit.campaign.work_folder import RESULT_NAME, hold, recover
+from grainfit.campaign.work_folder import RESULT_NAME, recover
 from grainfit.checks import count_faults
 from grainfit.errors import Fault, InputError
 from grainfit.problem import Problem
@@ -53,7 +54,7 @@ def calibrate(
     timeouts: Mapping[str, float] | None = None,
     repeats: int | Mapping[str, int] = 1,
     executor: Executor | None = None,
-    runs_from: Sequence[str | Path] = (),
+    runs_from: str | Path | Sequence[str | Path] = (),
     store: str | None = None,
     keep: Keep = "all",
     retry_failed: bool = False,
@@ -98,7 +99,7 @@ def calibrate(
         Executor of the runs, ``workers`` at a time: processes, or the nodes of a cluster. They must
         see the work folder at the same path. It is not shut down. By default threads that wait for
         solver processes.
-    runs_from : sequence of path or str
+    runs_from : path, str, or sequence of these
         Work folders, or addresses of stores, whose runs are reused if they belong to this problem;
         their targets and intervals may have been different. They are only read.
     store : str, optional
@@ -170,13 +171,13 @@ def calibrate(
         stack.callback(runs.close)
         if folder is not None:
             recover(folder, runs)
-        for source in runs_from:
+        for source in [runs_from] if isinstance(runs_from, str | Path) else runs_from:
             with open_source(source) as other:
                 take_runs(other, problem, solvers, runs)
         shared = None
         if store is not None:
             shared = stack.enter_context(share(store, folder, runs))
-            take_runs(shared.store, problem, solvers, runs)
+            shared.patiently(lambda other: take_runs(other, problem, solvers, runs))
         if retry_failed:
             _forget_failed(runs, shared)
         limits = default_timeouts(problem, solvers) | dict(timeouts or {})

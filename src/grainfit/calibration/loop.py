@@ -82,6 +82,9 @@ class CalibrationLoop:
         #: Number of runs of the warm start, by their source.
         self._origins: Mapping[str, int] = {}
         self._verification_asked = 0
+        #: Notices of the search and of the campaign, in the order in which they came.
+        self._notices: list[str] = []
+        self._taken = (0, 0)
         self._stage = "design"
         self._requested = 0
         #: Requests of earlier starts of this calibration that this start has not reached yet.
@@ -140,7 +143,7 @@ class CalibrationLoop:
 
     def run(self) -> Result:
         """Run the calibration to its end. Ctrl-C stops it and returns the best result so far."""
-        self._recorded.extend(self._store.requests(self._identity))
+        self._recorded.extend(self._requests_of_earlier_starts())
         known = self._runs_known_before()
         runs = [run for evaluation in known for run in evaluation.runs.values()]
         self._store.begin_calibration(
@@ -178,6 +181,17 @@ class CalibrationLoop:
         known_runs = sum(self._origins.values())
         result = make_result(about, self._strategy, outcome, self._evaluations, known_runs)
         return with_intervals(result, self._problem, self._evaluations, known)
+
+    def _requests_of_earlier_starts(self) -> list[RequestRecord]:
+        recorded = self._store.requests(self._identity)
+        names = [parameter.name for parameter in self._problem.parameters]
+        for request in recorded:
+            try:
+                request.require_part_of(names, self._campaign.solvers)
+            except ValueError as error:
+                place = f"table requests, row {self._identity} {request.position}"
+                raise self._store.damaged(f"{place}: {error}") from error
+        return recorded
 
     def _search_and_verify(self) -> Outcome:
         """Alternate between search and fresh seeds at its answer until the verdict is known."""
@@ -438,7 +452,7 @@ class CalibrationLoop:
         # Runs of an evaluation of one test, on average.
         each = campaign.runs_per_set / campaign.tests
         left = max(self._strategy.expected_left * each, asked * each - _runs(verified), 0)
-        left = math.ceil(left)
+        left = math.ceil(self._with_failing(left))
         simulated = _runs(evaluations) - sum(e.reused for e in evaluations)
         seconds = sum(e.simulated_seconds for e in evaluations)
         self._options.on_progress(
@@ -450,10 +464,28 @@ class CalibrationLoop:
                 left,
                 seconds / simulated * left / self._options.workers if simulated else None,
                 min(self._deviations(), default=None),
-                tuple(self._strategy.notices),
+                self._all_notices(),
                 self._origins,
             )
         )
+
+    def _all_notices(self) -> tuple[str, ...]:
+        sources = tuple(self._strategy.notices), self._campaign.notices
+        for source, taken in zip(sources, self._taken, strict=True):
+            self._notices += source[taken:]
+        self._taken = len(sources[0]), len(sources[1])
+        return tuple(self._notices)
+
+    def _with_failing(self, successful: float) -> float:
+        """Return the runs that give a number of successful ones, within the budget."""
+        done = _runs(self._evaluations)
+        failed = sum(len(e.failed_runs) for e in self._evaluations)
+        # The design has its number of runs, however many fail.
+        if self._stage == "design" or failed == done:
+            return successful
+        expected = successful * done / (done - failed)
+        most = self._options.max_runs
+        return expected if most is None else max(successful, min(expected, most - done))
 
     def _deviations(self) -> list[float]:
         """Return the largest relative deviation of each evaluation that has all responses.

@@ -177,9 +177,12 @@ def reasons(problem: Problem, outcome: Outcome) -> Iterator[str]:
     elif with_all < outcome.confidence:
         yield _about_noise(problem, outcome)
     elif outcome.lacking and not outcome.contradictions:
+        failed, ended = outcome.fresh.failures
+        failing = bool(failed and outcome.fresh.evaluations)
+        advice = f"{_of(failed, ended)} there failed" if failing else "allow more runs"
         yield (
             f"Undecided because only {outcome.fresh.count} of {outcome.fewest_fresh} runs with "
-            "fresh seeds at the answer could be made: allow more runs."
+            f"fresh seeds at the answer {'succeeded' if failing else 'could be made'}: {advice}."
         )
 
 
@@ -264,7 +267,27 @@ def _about_noise(problem: Problem, outcome: Outcome) -> str:
         f"Every expected response is within its tolerance with a probability of "
         f"{plain_probability(answer.probability_all_met)}, and "
         f"{plain_probability(outcome.confidence)} is asked for. "
-        f"It would take about {counted(answer.runs_needed * runs, 'more run')} at the answer: "
+        f"{_runs_to_take(outcome, answer.runs_needed * runs)}: "
         f"{one} scatters by {scatter}. A wider tolerance, a larger sample in the test, or a "
         "response that scatters less would help more."
     )
+
+
+def _runs_to_take(outcome: Outcome, successful: int) -> str:
+    """Say how many runs would give a number of successful ones; failing runs count, too."""
+    failed, ended = outcome.fresh.failures
+    where = "there" if outcome.fresh.evaluations else "in the search"
+    if failed and failed == ended:
+        words = f"{counted(successful, 'more run')} at the answer would have to succeed"
+        return f"About {words}, but {_of(failed, ended)} failed {where}"
+    if not failed:
+        return f"It would take about {counted(successful, 'more run')} at the answer"
+    runs = math.ceil(successful * ended / (ended - failed))
+    return (
+        f"It would take about {counted(runs, 'more run')} at the answer, as {_of(failed, ended)} "
+        f"failed {where}"
+    )
+
+
+def _of(failed: int, ended: int) -> str:
+    return f"{failed} of {counted(ended, 'run')}"

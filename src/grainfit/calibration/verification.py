@@ -92,10 +92,20 @@ class FreshRuns:
         By name of the target and seed of the run.
     evaluations : sequence of Evaluation
         The runs themselves, failed ones included.
+    search : sequence of Evaluation
+        The runs that verify nothing: where there are none at the answer, they tell how many fail.
     """
 
     values: Mapping[str, Mapping[int, float]]
     evaluations: Sequence[Evaluation]
+    search: Sequence[Evaluation] = ()
+
+    @property
+    def failures(self) -> tuple[int, int]:
+        """Number of failed runs, and of all: those at the answer, or of the search without any."""
+        known = self.evaluations or self.search
+        failed = sum(len(evaluation.failed_runs) for evaluation in known)
+        return failed, sum(len(evaluation.runs) for evaluation in known)
 
     @property
     def count(self) -> int:
@@ -132,9 +142,11 @@ def runs_near(
     """
     values: dict[str, dict[int, float]] = {target.name: {} for target in problem.targets}
     near: list[Evaluation] = []
+    search: list[Evaluation] = []
     shifts: dict[tuple[float, ...], dict[str, float] | None] = {}
     for evaluation in evaluations:
         if evaluation.proposal.stage != "verification":
+            search.append(evaluation)
             continue
         place = tuple(evaluation.proposal.parameters.values())
         if place not in shifts:
@@ -146,7 +158,7 @@ def runs_near(
         for name, response in evaluation.responses.items():
             if name in values:
                 values[name][evaluation.proposal.seed] = response.value + shift[name]
-    return FreshRuns(values, near)
+    return FreshRuns(values, near, search)
 
 
 def _shift(

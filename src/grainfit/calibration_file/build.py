@@ -148,6 +148,7 @@ class CalibrationSetup:
         ...     print(note)
         """
         # SciPy, which takes a second, is needed for this only.
+        from grainfit.analysis.coarse_graining_notes import coarse_graining_notes
         from grainfit.analysis.expected import expected_narrowing
         from grainfit.analysis.stiffness_notes import stiffness_notes
 
@@ -155,6 +156,7 @@ class CalibrationSetup:
             *expected_narrowing(self.problem, self.solvers).notes,
             *stiffness_notes(self.problem, self.bulk_tests, self.file.fixed),
             *contact_notes(self.file, self.bulk_tests),
+            *coarse_graining_notes(self.solvers, self.problem),
             *same_simulation_notes(self.file.tests),
             *size_notes(self.bulk_tests),
         )
@@ -164,7 +166,7 @@ class CalibrationSetup:
         workdir: str | Path | None = None,
         *,
         strategy: str | Strategy | None = None,
-        runs_from: Sequence[str | Path] = (),
+        runs_from: str | Path | Sequence[str | Path] = (),
         store: str | None = None,
         retry_failed: bool = False,
         on_progress: Callable[[Progress], None] | None = None,

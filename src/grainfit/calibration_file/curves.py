@@ -97,10 +97,7 @@ class CurveTable(Kind):
                 coordinate=self.coordinate or points.coordinate,
             )
         except InputError as error:
-            for fault in error.faults:
-                key = fault.key.rpartition(".")[2]
-                at = place.at(key if key in values else CURVE)
-                at.fault(fault.message, fault.remedy)
+            place.note(error, values, place.at(CURVE))
             return None
 
     def _column(self, values: Values, key: str, unit: str | None, place: Place) -> Column | None:

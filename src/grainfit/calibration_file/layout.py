@@ -22,7 +22,8 @@ from grainfit.contact_models.registry import (
 from grainfit.errors import InputError
 from grainfit.materials.diameters import Diameters
 from grainfit.materials.parameters import MaterialParameter
-from grainfit.options.kinds import Choice, Text
+from grainfit.materials.sizes import LARGEST_FACTOR, ParticleSizes
+from grainfit.options.kinds import Choice, Quantity, Text
 from grainfit.options.places import Findings, Place
 from grainfit.options.tables import Key, Named, Table, Values
 from grainfit.problem import Parameter
@@ -35,6 +36,9 @@ MATERIAL_SECTIONS = {
     "particle_particle": "Contacts between particles.",
     "particle_wall": "Contacts between particles and walls.",
 }
+_DIAMETER, _FACTOR = "diameter", "coarse_graining"
+#: Keys of ``[particle]`` that make up the sizes of the simulated particles.
+SIZES = (_DIAMETER, _FACTOR)
 _KINDS: dict[Kind, str] = {
     "contact": "normal and tangential force",
     "cohesion": "cohesion",
@@ -63,7 +67,10 @@ def _material_key(parameter: MaterialParameter) -> Key:
 
 def _homes() -> dict[str, str]:
     """Right sections of keys that users may put into a wrong one."""
-    homes = {"diameter": "[particle]", "name": "the top of the file, above all sections"}
+    homes = {
+        **dict.fromkeys(SIZES, "[particle]"),
+        "name": "the top of the file, above all sections",
+    }
     homes |= dict.fromkeys(strategy_keys(), "[strategy]")
     homes |= {key.name: "[cluster]" for key in CLUSTER}
     homes |= {key.name: "[[test]]" for test in BUILT_IN.values() for key in test.option_keys()}
@@ -84,12 +91,20 @@ def _material_table(section: str) -> Table:
     ]
     if section == "particle":
         diameter = Key(
-            "diameter",
+            _DIAMETER,
             Diameters(),
             "Particle diameter, or a list of { value, mass_fraction }.",
             example='"10 mm"',
         )
-        keys.insert(0, diameter)
+        factor = Key(
+            _FACTOR,
+            Quantity("", lowest=1.0, highest=LARGEST_FACTOR),
+            "Simulated particles are this many times as large as the real ones, in the same "
+            "geometry.",
+            default="1",
+            example="2",
+        )
+        keys[:0] = [diameter, factor]
     return Table(tuple(keys), homes=_homes())
 
 
@@ -185,12 +200,20 @@ def chosen_models(values: Values) -> tuple[str, ...]:
     return unusual_models(name for name in table.values() if name is not None)
 
 
+def simulated_sizes(values: Values) -> ParticleSizes | None:
+    """Return the sizes of the simulated particles; None where a file has none, or faulty ones."""
+    particle = values.get("particle") or {}
+    sizes: ParticleSizes | None = particle.get(_DIAMETER)
+    factor = particle.get(_FACTOR, 1.0)
+    return None if sizes is None or factor is None else sizes.coarse_grained(factor)
+
+
 def _parameters(values: Values) -> list[Any]:
     """Values of all material and own parameters; None where one, or a section, is faulty."""
     found: list[Any] = []
     for section in (*MATERIAL_SECTIONS, "parameters"):
         table = values.get(section, {})
-        found += [None] if table is None else [v for k, v in table.items() if k != "diameter"]
+        found += [None] if table is None else [v for k, v in table.items() if k not in SIZES]
     return found
 
 
@@ -233,7 +256,7 @@ def _note_missing_material(simulated: list[_Simulated], values: Values, place: P
         keys = [
             key
             for key in _material_table(section).keys
-            if key.name == "diameter" or f"{section}.{key.name}" in needed
+            if key.name == _DIAMETER or f"{section}.{key.name}" in needed
         ]
         if section not in values and keys:
             names = ", ".join(key.name for key in keys)
@@ -269,7 +292,7 @@ def _note_useless_parameters(simulated: list[_Simulated], values: Values, place:
 
 def _note_impossible_tests(simulated: list[_Simulated], values: Values, place: Place) -> None:
     """Note impossible geometries, which only the test itself can find from sizes and options."""
-    sizes = (values.get("particle") or {}).get("diameter")
+    sizes = simulated_sizes(values)
     if sizes is None:
         return
     for one in simulated:

@@ -9,7 +9,13 @@ from pathlib import Path
 from typing import Any
 
 from grainfit.calibration_file.content import CalibrationFile, SearchOptions
-from grainfit.calibration_file.layout import MATERIAL_SECTIONS, chosen_models, read_document
+from grainfit.calibration_file.layout import (
+    MATERIAL_SECTIONS,
+    SIZES,
+    chosen_models,
+    read_document,
+    simulated_sizes,
+)
 from grainfit.calibration_file.line_numbers import key_lines
 from grainfit.calibration_file.parameters import MeasuredAngle
 from grainfit.errors import InputError
@@ -104,14 +110,15 @@ def _calibration_file(values: dict[str, Any], path: Path) -> CalibrationFile:
         for section in MATERIAL_SECTIONS
         for key, value in values.get(section, {}).items()
     }
-    sizes = material.pop("particle.diameter", None)
+    for key in SIZES:
+        material.pop(f"particle.{key}", None)
     angles = tuple(v for v in material.values() if isinstance(v, MeasuredAngle))
     material |= {angle.name: angle.value for angle in angles}
     everything = material | values.get("parameters", {})
     return CalibrationFile(
         name=values["name"],
         path=path,
-        sizes=sizes,
+        sizes=simulated_sizes(values),
         fixed={n: v for n, v in everything.items() if not isinstance(v, Parameter)},
         parameters=tuple(v for v in everything.values() if isinstance(v, Parameter)),
         tests=values["test"],

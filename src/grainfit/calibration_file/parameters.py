@@ -6,6 +6,7 @@ import re
 from dataclasses import dataclass
 from typing import Any
 
+from grainfit.errors import InputError
 from grainfit.materials.parameters import MaterialParameter
 from grainfit.materials.wall_friction import MEASURED_BY_ANGLE, STEEPEST, friction_of_angle
 from grainfit.options.kinds import (
@@ -49,6 +50,17 @@ def _note_bad_bounds(values: Values, place: Place) -> bool:
         place.at("min").fault(f"is {low:g} on a log scale.", "It must be above 0 there.")
         return True
     return "scale" in values and values["scale"] is None
+
+
+def _parameter(name: str, unit: str, values: Values, place: Place) -> Parameter | None:
+    """Return a free parameter; None after noting faults of its interval."""
+    if _note_bad_bounds(values, place):
+        return None
+    try:
+        return Parameter(name, values["min"], values["max"], values.get("scale", "linear"), unit)
+    except InputError as error:
+        place.note(error, values, place)
+        return None
 
 
 @dataclass(frozen=True)
@@ -133,15 +145,7 @@ class FixedOrFree(Kind):
         return Table(_interval_keys(self._quantity), self._free)
 
     def _free(self, values: Values, place: Place) -> Parameter | None:
-        if _note_bad_bounds(values, place):
-            return None
-        return Parameter(
-            self.parameter.name,
-            values["min"],
-            values["max"],
-            values.get("scale", "linear"),
-            self.parameter.unit,
-        )
+        return _parameter(self.parameter.name, self.parameter.unit, values, place)
 
     def _measured(self, value: dict[str, Any], place: Place) -> MeasuredAngle | None:
         read = _ANGLE.read(value, place)
@@ -183,15 +187,7 @@ class OwnParameter(Kind):
 
     @staticmethod
     def _free(values: Values, place: Place) -> Parameter | None:
-        if _note_bad_bounds(values, place):
-            return None
-        return Parameter(
-            place.key,
-            values["min"],
-            values["max"],
-            values.get("scale", "linear"),
-            values.get("unit") or "",
-        )
+        return _parameter(place.key, values.get("unit") or "", values, place)
 
     def read(self, value: Any, place: Place) -> float | Parameter | None:
         """Read a fixed number or the interval of a free parameter."""

@@ -52,13 +52,14 @@ def _price(
         if share > _HARDLY_FASTER:
             return
         yield (
-            f"  The finest class, {millimetres(sizes.diameters[finest])}, has "
+            f"  The finest class, {millimetres(sizes.real.diameters[finest])}, has "
             f"{percent(sizes.mass_fractions[finest])} of the mass and "
             f"{percent(sizes.number_fractions[finest])} of the particles, and sets the time step: "
             f"without it, a run would take {share:.2g} of the time."
         )
         if sizes.origin is not None:
             limit, rest = sizes.origin.without_finest(_FINEST)
+            rest = rest.coarse_grained(sizes.coarse_graining)
             share = _seconds(_with_sizes(tests, rest), material) / whole
             yield (
                 f'  With smallest = "{1000 * limit:.3g} mm", which leaves out '
@@ -96,7 +97,7 @@ def size_notes(bulk_tests: Mapping[str, BulkTest]) -> Iterator[str]:
             continue
         yield (
             f"Test {name} has {counted(numbers[fewest], 'particle')} of "
-            f"{millimetres(test.sizes.diameters[fewest])}, for "
+            f"{millimetres(test.sizes.real.diameters[fewest])}, for "
             f"{percent(test.sizes.mass_fractions[fewest])} of the mass. Use more particles, or "
             "leave out the ends of the distribution."
         )

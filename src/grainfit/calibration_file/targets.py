@@ -11,6 +11,7 @@ from typing import Any, get_args
 from grainfit.bulk_tests.accuracy import Accuracy
 from grainfit.calibration_file.content import PlannedTarget
 from grainfit.calibration_file.parameters import own_quantity
+from grainfit.errors import InputError
 from grainfit.formatting import plain
 from grainfit.options.kinds import Choice, Kind, ListOf, Quantity, Schema, Text, note_wrong_kind
 from grainfit.options.places import Place, show
@@ -85,15 +86,19 @@ class TargetTable(Kind):
         if value is None or None in values.values() or _note_relative_to_zero(values, value, place):
             return None
         given = values.get("uncertainty")
-        return Target(
-            place.key,
-            value,
-            uncertainty=_absolute(given, value) if given else uncertainty,
-            tolerance=_absolute(values.get("tolerance"), value),  # type: ignore[arg-type]
-            weight=values.get("weight", 1.0),
-            unit=self.unit if self.unit is not None else values.get("unit", ""),
-            statistic=values.get("statistic", "mean"),
-        )
+        try:
+            return Target(
+                place.key,
+                value,
+                uncertainty=_absolute(given, value) if given else uncertainty,
+                tolerance=_absolute(values.get("tolerance"), value),  # type: ignore[arg-type]
+                weight=values.get("weight", 1.0),
+                unit=self.unit if self.unit is not None else values.get("unit", ""),
+                statistic=values.get("statistic", "mean"),
+            )
+        except InputError as error:
+            place.note(error, values, place.at("measurements"))
+            return None
 
     def schema(self) -> Schema:
         """Return the JSON Schema of the target's table."""

@@ -142,6 +142,8 @@ class Campaign:
         self._tries: dict[str, int] = {}
         self._postponed: list[tuple[float, RunTask]] = []
         self._elsewhere: dict[str, RunTask] = {}
+        #: Runs that may be those of this process: the shared store could not be asked.
+        self._undecided: set[str] = set()
         self._looked_elsewhere = 0.0
         self._fetched: dict[str, RunRecord] = {}
 
@@ -181,7 +183,7 @@ class Campaign:
     @property
     def has_free_worker(self) -> bool:
         """Whether another run can start now."""
-        return len(self._under_way) < self._options.workers
+        return len(self._under_way) + len(self._undecided) < self._options.workers
 
     @property
     def under_way(self) -> int:
@@ -197,6 +199,11 @@ class Campaign:
     def has_complete(self) -> bool:
         """Whether `wait` returns immediately."""
         return any(not entry.waiting for entry in self._pending)
+
+    @property
+    def notices(self) -> tuple[str, ...]:
+        """Notices about the shared store, in the order of their events."""
+        return () if self._shared is None else self._shared.notices
 
     def fetch(self, identities: Collection[str]) -> None:
         """Read runs that will be needed in one query, which is much faster than one by one."""
@@ -314,6 +321,8 @@ class Campaign:
     def cancel(self) -> None:
         """End the pending runs; finished runs are kept."""
         self._cancelled.set()
+        if self._shared is not None:
+            self._shared.cancel()
         for future in list(self._futures.values()):
             future.cancel()
         if self._owns_executor:
@@ -338,10 +347,13 @@ class Campaign:
     # A run's way through the executor ----------------------------------------------------------
 
     def _begin(self, task: RunTask) -> None:
-        if self._shared is not None and not self._shared.claim(task.record):
-            self._elsewhere[task.record.identity] = task
+        claimed = True if self._shared is None else self._shared.claim(task.record)
+        if claimed:
+            self._make(task)
             return
-        self._make(task)
+        self._elsewhere[task.record.identity] = task
+        if claimed is None:
+            self._undecided.add(task.record.identity)
 
     def _make(self, task: RunTask) -> None:
         self._store.save(task.record)
@@ -370,8 +382,9 @@ class Campaign:
             outcome = self._outcome(task, future)
             if outcome is None:
                 return
-            if not self._is_to_be_tried_again(outcome):
-                self._keep(outcome)
+            if not self._is_to_be_tried_again(outcome) and not self._keep(outcome):
+                # It is running still, or has finished, elsewhere.
+                outcome = task.record
             self._ended.put(outcome)
         except BaseException as error:
             self._ended.put(error)
@@ -398,7 +411,11 @@ class Campaign:
             return None
         return outcome
 
-    def _keep(self, outcome: RunRecord) -> None:
+    def _keep(self, outcome: RunRecord) -> bool:
+        """Store an outcome; return False for a failure of a run that was taken over by another.
+
+        That happens to a process that was suspended, or cut off. Its own finished runs count.
+        """
         try:
             self._store.save(outcome)
         except StoreError:
@@ -406,8 +423,8 @@ class Campaign:
             self._reserve.release()
             self._store.save(outcome)
             raise
-        if self._shared is not None:
-            self._shared.save(outcome)
+        counts = self._shared is None or self._shared.save(outcome)
+        return counts or outcome.status == "finished"
 
     def _is_to_be_tried_again(self, outcome: RunRecord) -> bool:
         tries = self._tries[outcome.identity]
@@ -422,7 +439,11 @@ class Campaign:
             pause = self._options.retry_pauses[self._tries[record.identity] - 1]
             self._postponed.append((time.monotonic() + pause, self._under_way[record.identity]))
             return
-        self._under_way.pop(record.identity, None)
+        task = self._under_way.pop(record.identity)
+        if record.status == "running":
+            self._store.save(record)
+            self._elsewhere[record.identity] = task
+            return
         self._settle(record)
 
     def _settle(self, record: RunRecord) -> None:
@@ -435,7 +456,8 @@ class Campaign:
         due = [task for moment, task in self._postponed if moment <= now]
         self._postponed = [(moment, task) for moment, task in self._postponed if moment > now]
         for task in due:
-            self._submit(task)
+            # Another process may have taken the run over meanwhile.
+            self._begin(self._under_way.pop(task.record.identity))
 
     def _look_elsewhere(self) -> None:
         """Check the runs that other processes execute."""
@@ -448,9 +470,16 @@ class Campaign:
             record = found.get(identity)
             if record is not None and self._is_final(record, task.record.test):
                 del self._elsewhere[identity]
+                self._undecided.discard(identity)
                 self._store.save(record)
                 self._settle(record)
-            elif self._shared.take_over(task.record):
+                continue
+            if record is not None:
+                self._shared.forget(identity)
+            claimed = self._shared.take_over(task.record)
+            if claimed is not None:
+                self._undecided.discard(identity)
+            if claimed:
                 del self._elsewhere[identity]
                 self._make(task)
 

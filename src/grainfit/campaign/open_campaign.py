@@ -7,8 +7,9 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from grainfit.campaign.campaign import Campaign, CampaignOptions
+from grainfit.campaign.folder_lock import hold
 from grainfit.campaign.store.store import RunStore
-from grainfit.campaign.work_folder import hold, recover
+from grainfit.campaign.work_folder import recover
 from grainfit.solvers.base import Solver
 
 

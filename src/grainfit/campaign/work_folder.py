@@ -1,4 +1,4 @@
-"""The work folder of a calibration: its lock, the run folders, and the files that are kept.
+"""The work folder of a calibration: its run folders, and the files that are kept.
 
 A run executes in ``runs/IDENTITY.ATTEMPT.partial``. When it has ended, its record is written next
 to the solver's files as ``run.json`` and the folder is renamed to ``runs/IDENTITY``: a folder of
@@ -7,42 +7,23 @@ that name is always complete, and the store can be rebuilt from the folders.
 
 from __future__ import annotations
 
-import fcntl
 import json
-import os
 import secrets
 import shutil
-import time
-from collections.abc import Iterable, Iterator
-from contextlib import contextmanager, suppress
+from collections.abc import Iterable
+from contextlib import suppress
 from pathlib import Path
-from typing import TextIO
 
 from grainfit.campaign.keep import Keep
 from grainfit.campaign.store.records import RunRecord
-from grainfit.campaign.store.store import RunStore
-from grainfit.errors import StoreError
-from grainfit.files import write_atomically
+from grainfit.campaign.store.store import UNUSABLE, RunStore
+from grainfit.files import LARGEST_RESPONSES, read_within, write_atomically
 from grainfit.solvers.process.orphans import end_orphans
 
 RECORD_NAME = "run.json"
 RESULT_NAME = "result.json"
 PARTIAL_SUFFIX = ".partial"
 _KEPT_SUFFIXES = frozenset({".log", ".png", ".json"})
-#: `is_held` takes the lock for a moment; `hold` waits that long before it refuses.
-_LOCK_SECONDS = 1.0
-_held: set[TextIO] = set()
-
-
-def _let_go() -> None:
-    for file in _held:
-        file.close()
-    _held.clear()
-
-
-# Workers of a pool are forked with all open files and outlive a process that is killed. They must
-# not keep the lock.
-os.register_at_fork(after_in_child=_let_go)
 
 
 def default_workdir(file: Path) -> Path:
@@ -53,75 +34,6 @@ def default_workdir(file: Path) -> Path:
 def simulations_folder(file: Path) -> Path:
     """Default folder of single simulations: apart from the calibration, which starts cold."""
     return Path(f"{file.stem}.simulated")
-
-
-@contextmanager
-def hold(folder: Path) -> Iterator[None]:
-    """Lock a work folder for this process.
-
-    Raises
-    ------
-    StoreError
-        The folder cannot be created or written, or another process uses it.
-    """
-    path = folder / "lock"
-    try:
-        (folder / "runs").mkdir(parents=True, exist_ok=True)
-        file = path.open("a+", encoding="utf-8")
-    except OSError as error:
-        raise StoreError(
-            f"the work folder {str(folder)!r} cannot be used: {error.strerror}. "
-            "Choose another with --workdir."
-        ) from error
-    with file:
-        if not _lock(file, folder):
-            file.seek(0)
-            raise StoreError(
-                f"the work folder {str(folder)!r} is in use by process {file.read().strip()}. "
-                "Wait for it to end, or choose another folder with --workdir."
-            )
-        _held.add(file)
-        try:
-            _sign(file)
-            yield
-        finally:
-            _held.discard(file)
-
-
-def _sign(file: TextIO) -> None:
-    """Write this process's id into the lock file; errors do not matter, only the lock counts."""
-    with suppress(OSError):
-        os.ftruncate(file.fileno(), 0)
-        os.write(file.fileno(), f"{os.getpid()}\n".encode())
-
-
-def _lock(file: TextIO, folder: Path) -> bool:
-    deadline = time.monotonic() + _LOCK_SECONDS
-    while True:
-        try:
-            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-            return True
-        except BlockingIOError:
-            if time.monotonic() > deadline:
-                return False
-            time.sleep(0.02)
-        except OSError as error:
-            raise StoreError(
-                f"the work folder {str(folder)!r} cannot be locked: {error.strerror}. "
-                "Choose one on a local disk with --workdir."
-            ) from error
-
-
-def is_held(folder: Path) -> bool:
-    """Return True if a process uses the folder now."""
-    try:
-        with (folder / "lock").open("r", encoding="utf-8") as file:
-            fcntl.flock(file, fcntl.LOCK_SH | fcntl.LOCK_NB)
-    except BlockingIOError:
-        return True
-    except OSError:
-        return False
-    return False
 
 
 def recover(folder: Path, store: RunStore) -> None:
@@ -146,9 +58,9 @@ def recover(folder: Path, store: RunStore) -> None:
 def read_record(folder: Path) -> RunRecord | None:
     """Read the record of a run folder; None when it is missing or damaged."""
     try:
-        data = json.loads((folder / RECORD_NAME).read_text(encoding="utf-8"))
+        data = json.loads(read_within(folder / RECORD_NAME, LARGEST_RESPONSES))
         return RunRecord.from_json(data)
-    except (OSError, ValueError, KeyError, TypeError, AttributeError):
+    except (OSError, *UNUSABLE):
         return None
 
 

@@ -29,9 +29,7 @@ def render_json(card: MaterialCard) -> str:
             "fraction": card.time_step_fraction,
         },
         "contact_models": card.contact_models,
-        "particle_sizes": None
-        if sizes is None
-        else {"diameters": sizes.diameters, "mass_fractions": sizes.mass_fractions},
+        "particle_sizes": None if sizes is None else sizes.definition(),
         "gravity": card.gravity,
         "provenance": {
             "calibration_file": card.calibration_file,

@@ -51,6 +51,30 @@ def with_defaults(values: Mapping[str, float]) -> dict[str, float]:
     return {**defaults, **values}
 
 
+def simulated_material(values: Mapping[str, float], factor: float) -> dict[str, float]:
+    """Return the values that coarse-grained particles need to behave as the real ones.
+
+    The stresses of a bed do not change with the size of its particles, so that contact forces grow
+    as the square of the factor. Young's modulus, frictions and the restitution keep their values
+    then, and forces of adhesion, which grow as radius times surface energy, need a surface energy
+    in proportion to the factor.
+
+    Parameters
+    ----------
+    values : mapping of str to float
+        Material parameters of the real particles by dotted name.
+    factor : float
+        Diameter of a simulated particle over that of a real one.
+
+    References
+    ----------
+    Bierwisch, Kraft, Riedel & Moseler (2009), J. Mech. Phys. Solids 57:10-31.
+    """
+    known = MATERIAL_PARAMETERS
+    powers = {name: known[name].coarse_graining_power for name in values.keys() & known.keys()}
+    return {name: value * factor ** powers.get(name, 0.0) for name, value in values.items()}
+
+
 def contact_law(
     material: Mapping[str, float],
     chosen: Iterable[str] = (),

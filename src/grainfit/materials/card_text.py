@@ -21,7 +21,8 @@ def header(card: MaterialCard) -> str:
     lines += [verdict, *_open_parameters(card), ""]
     if card.sizes is not None:
         lines.append(f"Particle diameters: {card.sizes.words}")
-    lines += [*_responses(card), *_time_step(card), "", *_provenance(card)]
+    lines += [*_responses(card), *_coarse_graining(card), *_time_step(card)]
+    lines += ["", *_provenance(card)]
     if card.notices:
         lines += ["", "Notices:", *(f"  {notice}" for notice in card.notices)]
     return "\n".join(comment(line) for text in lines for line in _wrapped(text))
@@ -105,6 +106,15 @@ def _deviation(found: CardResponse) -> str:
 
 def _verdict(found: CardResponse) -> str:
     return {"met": "met", "in doubt": "IN DOUBT", "missed": "NOT MET"}[found.verdict]
+
+
+def _coarse_graining(card: MaterialCard) -> Iterator[str]:
+    factor = 1.0 if card.sizes is None else card.sizes.coarse_graining
+    if factor != 1:
+        yield (
+            f"Coarse graining: particles are {factor:g} times as large as the real ones, and the "
+            "values are for particles of that size."
+        )
 
 
 def _time_step(card: MaterialCard) -> Iterator[str]:

@@ -28,6 +28,8 @@ class MaterialParameter:
         identity, so that a new parameter does not change earlier runs.
     example : str
         A good value, as TOML.
+    coarse_graining_power : float
+        Power of the factor of coarse graining with which simulated particles have the value.
     """
 
     name: str
@@ -38,6 +40,7 @@ class MaterialParameter:
     highest: float
     default: float | None = None
     example: str = ""
+    coarse_graining_power: float = 0.0
 
     @property
     def section(self) -> str:
@@ -70,6 +73,7 @@ def declare(
     limits: tuple[float, float],
     default: float | None = None,
     example: str = "",
+    coarse_graining_power: float = 0.0,
 ) -> tuple[MaterialParameter, ...]:
     """Declare the same parameter in several sections, see `MaterialParameter`.
 
@@ -87,6 +91,7 @@ def declare(
             *limits,
             default,
             example,
+            coarse_graining_power,
         )
         for section in sections
     )

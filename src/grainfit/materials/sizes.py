@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
-from dataclasses import dataclass, field
-from typing import Protocol
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any, Protocol
 
 from grainfit.errors import Fault, InputError
 from grainfit.formatting import millimetres, percent
@@ -22,10 +22,14 @@ class Origin(Protocol):
         """Whether the finest particles are left out already."""
 
     def describe(self, sizes: ParticleSizes) -> Iterator[str]:
-        """Yield the distribution, and what the sizes change, in words."""
+        """Yield the distribution, and what the sizes change, in words; real sizes are named."""
 
     def without_finest(self, share: float) -> tuple[float, ParticleSizes]:
-        """Return the sizes without the finest share of the mass, and their lower limit, m."""
+        """Return real sizes without the finest share of the mass, and their lower limit, m."""
+
+
+#: Largest factor of coarse graining: beyond it no bulk test has room for its particles.
+LARGEST_FACTOR = 1000.0
 
 
 @dataclass(frozen=True)
@@ -38,6 +42,8 @@ class ParticleSizes:
         Sphere diameters, m.
     mass_fractions : tuple of float
         Share of the mass in each diameter (as a sieve gives it); sums to one.
+    coarse_graining : float
+        Number of real diameters in a simulated one: the diameters are those of the simulation.
     origin : Origin, optional
         Continuous distribution that they stand for. Sizes that agree are equal whatever it is.
 
@@ -49,9 +55,18 @@ class ParticleSizes:
 
     diameters: tuple[float, ...]
     mass_fractions: tuple[float, ...] = (1.0,)
+    coarse_graining: float = 1.0
     origin: Origin | None = field(default=None, compare=False, repr=False)
 
     def __post_init__(self) -> None:
+        if not 1 <= self.coarse_graining <= LARGEST_FACTOR:
+            raise InputError(
+                Fault(
+                    "particle.coarse_graining",
+                    f"is {self.coarse_graining!r}.",
+                    f"Particles may be 1 to {LARGEST_FACTOR:g} times as large as the real ones.",
+                )
+            )
         if not self.diameters or len(self.diameters) != len(self.mass_fractions):
             raise InputError(
                 Fault("particle.diameter", "needs one mass fraction for every diameter.")
@@ -67,6 +82,50 @@ class ParticleSizes:
                     f"mass fractions {self.mass_fractions} must be above 0 and sum to 1.",
                 )
             )
+
+    @classmethod
+    def from_definition(cls, definition: Mapping[str, Any]) -> ParticleSizes:
+        """Rebuild the sizes from the definition of a run.
+
+        Raises
+        ------
+        KeyError, TypeError, InputError
+            The definition is damaged.
+        """
+        return cls(
+            tuple(definition["diameters"]),
+            tuple(definition["mass_fractions"]),
+            definition.get("coarse_graining", 1.0),
+        )
+
+    def definition(self) -> dict[str, Any]:
+        """Return everything that identifies the sizes, as JSON."""
+        found = {
+            "diameters": list(self.diameters),
+            "mass_fractions": list(self.mass_fractions),
+        }
+        # Runs of real sizes keep the identity that they had before there were others.
+        factor = self.coarse_graining
+        return found if factor == 1 else {**found, "coarse_graining": factor}
+
+    def coarse_grained(self, factor: float) -> ParticleSizes:
+        """Return these particles enlarged by a factor, for fewer particles and longer time steps.
+
+        Examples
+        --------
+        >>> ParticleSizes((0.003,)).coarse_grained(4).diameters
+        (0.012,)
+        """
+        diameters = tuple(factor * d for d in self.diameters)
+        return replace(self, diameters=diameters, coarse_graining=factor * self.coarse_graining)
+
+    @property
+    def real(self) -> ParticleSizes:
+        """The real particles, which default geometries follow."""
+        if self.coarse_graining == 1:
+            return self
+        diameters = tuple(d / self.coarse_graining for d in self.diameters)
+        return replace(self, diameters=diameters, coarse_graining=1.0)
 
     @property
     def words(self) -> str:
@@ -104,9 +163,11 @@ class ParticleSizes:
         """Return the sizes without one of the diameters; the others keep their proportions."""
         rest = [i for i in range(len(self.diameters)) if i != index]
         mass = sum(self.mass_fractions[i] for i in rest)
-        return ParticleSizes(
-            tuple(self.diameters[i] for i in rest),
-            tuple(self.mass_fractions[i] / mass for i in rest),
+        return replace(
+            self,
+            diameters=tuple(self.diameters[i] for i in rest),
+            mass_fractions=tuple(self.mass_fractions[i] / mass for i in rest),
+            origin=None,
         )
 
     def mass_moment(self, order: int) -> float:

@@ -1,6 +1,6 @@
-"""Base radius and height of a heap from silhouettes at several azimuths.
+"""Base radius, height and profile of a heap from silhouettes at several azimuths.
 
-Both are read from the outline averaged over two particle diameters, on which a single particle that
+All are read from the outline averaged over two particle diameters, on which a single particle that
 lies beside the heap or is perched on its top counts little.
 """
 
@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from grainfit.errors import NotMeasurableError
-from grainfit.evaluation import Response
+from grainfit.evaluation import Curve, Response
 from grainfit.measurement.silhouette import Silhouette
 
 #: Length over which outlines are averaged, in particle diameters.
@@ -23,6 +23,8 @@ _AVERAGED = 2.0
 _EDGE = 1.0
 #: Feet of the heap this many degrees of azimuth apart show different particles.
 _CORRELATION_AZIMUTH = 30.0
+#: Distance between two points of a profile, in particle diameters.
+_PROFILE_STEP = 0.5
 #: Standard error of the height, in particle diameters.
 _HEIGHT_ERROR = 0.12
 
@@ -121,6 +123,47 @@ def heap_height(silhouettes: Sequence[Silhouette], diameter: float) -> Response:
     if height <= 0:
         raise NotMeasurableError("heap height: the silhouettes are blank.")
     return Response(height, _HEIGHT_ERROR * diameter)
+
+
+def heap_profile(silhouettes: Sequence[Silhouette], diameter: float, plate_radius: float) -> Curve:
+    """Measure the height of a heap over the distance from its axis, mean of all sides.
+
+    Parameters
+    ----------
+    silhouettes : sequence of Silhouette
+        The heap from different sides, rendered or photographed; its axis is at the horizontal
+        coordinate 0.
+    diameter : float
+        Median particle diameter, m.
+    plate_radius : float
+        Radius of the plate, m, beyond which there is no heap.
+
+    Returns
+    -------
+    Curve
+        Height of the averaged outline, m, over the horizontal distance from the axis, m; zero
+        beyond the plate.
+
+    Raises
+    ------
+    NotMeasurableError
+        The silhouettes are blank.
+    """
+    step = _PROFILE_STEP * diameter
+    count = math.ceil(plate_radius / step) + 1
+    distances: Array = np.linspace(0.0, (count - 1) * step, count)
+    sides = [_outline_at(s, side * distances, diameter) for s in silhouettes for side in (-1, 1)]
+    heights = np.mean(sides, axis=0) if sides else np.zeros_like(distances)
+    if not heights.any():
+        raise NotMeasurableError("heap profile: the silhouettes are blank.")
+    edge = distances[-1] + step
+    return Curve([*distances.tolist(), float(edge)], [*heights.tolist(), 0.0], stays=True)
+
+
+def _outline_at(silhouette: Silhouette, places: Array, diameter: float) -> Array:
+    outline = _averaged_outline(silhouette, diameter)
+    found: Array = np.interp(places, silhouette.columns, outline, left=0.0, right=0.0)
+    return found
 
 
 def _averaged_outline(silhouette: Silhouette, diameter: float) -> Array:

@@ -23,8 +23,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import linalg
 from scipy.stats import chi2
+from typing_extensions import override
 
 from grainfit.curve_target import CurveTarget
+from grainfit.errors import Fault
 from grainfit.evaluation import Curve, Evaluation, Response
 from grainfit.problem import DEFAULT_RELATIVE_TOLERANCE, Problem, ScopeOfTest, Target
 
@@ -49,6 +51,11 @@ _LEADING_TOLERANCE, _OTHER_TOLERANCE = 2.0, 4.0
 @dataclass(frozen=True)
 class ComponentTarget(Target):
     """Coordinate of a measured curve along a principal component, in standard uncertainties."""
+
+    @override
+    def _faults_of_size(self) -> list[Fault]:
+        """None: it is computed, and may be as good as zero."""
+        return []
 
     @property
     def is_leading(self) -> bool:

@@ -14,6 +14,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
+from grainfit.checks import is_computable
 from grainfit.options.places import Place, kind_of, show
 from grainfit.units import UnitError, how_to_write, to_unit
 
@@ -22,8 +23,6 @@ Schema = dict[str, Any]
 NAME_PATTERN = r"[A-Za-z_][A-Za-z0-9_]{0,63}"
 _NAME_REMEDY = "Use up to 64 letters (a to z), digits and _, not starting with a digit."
 _LONGEST_TEXT = 200
-# Between these, no product, square or ratio of two quantities overflows or vanishes.
-_SMALLEST, _LARGEST = 1e-30, 1e30
 _LARGEST_WHOLE = 2**31 - 1
 
 
@@ -186,7 +185,7 @@ class Quantity(Kind):
             return None
         if not math.isfinite(number):
             place.fault(f"is {number}.", "Give a finite number.")
-        elif number and not _SMALLEST <= abs(number) <= _LARGEST:
+        elif not is_computable(number):
             place.fault(f"is {show(value)}.", "No DEM quantity is of such size.")
         elif self.above_zero and number <= 0:
             place.fault(f"is {show(value)}.", "It must be above 0.")

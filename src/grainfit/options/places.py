@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import re
 import reprlib
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from grainfit.errors import Fault
+from grainfit.errors import Fault, InputError
 
 #: Keys and list positions that lead from the top of the file to a value.
 KeyPath = tuple[str | int, ...]
@@ -79,6 +79,23 @@ class Place:
         self.findings.faults.append(
             FileFault(dotted(self.path), message, remedy, self.findings.line_of(self.path))
         )
+
+    def note(self, error: InputError, keys: Collection[str], otherwise: Place) -> None:
+        """Note the faults that the constructor of a value found.
+
+        Parameters
+        ----------
+        error : InputError
+            Its faults name arguments of the constructor.
+        keys : collection of str
+            Keys that are given here; an argument of the same name has its fault there.
+        otherwise : Place
+            Place of all other faults.
+        """
+        for fault in error.faults:
+            key = fault.key.rpartition(".")[2]
+            at = self.at(key) if key in keys else otherwise
+            at.fault(fault.message, fault.remedy)
 
 
 def dotted(path: KeyPath) -> str:

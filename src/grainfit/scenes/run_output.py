@@ -11,6 +11,7 @@
 from __future__ import annotations
 
 import csv
+import io
 import math
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
@@ -21,7 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from grainfit.errors import NotMeasurableError, RunFailedError
-from grainfit.files import log_tail
+from grainfit.files import LARGEST_SERIES, LARGEST_TABLE, log_tail, read_within
 from grainfit.measurement.particles import Frame, Particles, read_dump, read_frames
 
 SNAPSHOTS = "snapshots"
@@ -97,8 +98,8 @@ class RunOutput:
                 "whose dumps can be measured one by one."
             )
         try:
-            with path.open(encoding="utf-8", newline="") as file:
-                rows = list(csv.reader(file))
+            content = read_within(path, LARGEST_TABLE).decode("utf-8")
+            rows = list(csv.reader(io.StringIO(content, newline="")))
         except (OSError, UnicodeDecodeError, csv.Error) as error:
             raise NotMeasurableError(f"{path}: cannot be read ({error}).") from error
         if not rows or ",".join(rows[0]) != STAGES_HEADER:
@@ -163,7 +164,7 @@ class RunOutput:
         """
         path = self.folder / series_file(stage)
         try:
-            text = path.read_text(encoding="utf-8")
+            text = read_within(path, LARGEST_SERIES).decode("utf-8")
             header, *lines = text.splitlines()
             if not text.endswith("\n"):
                 raise ValueError("its last line has no end")

@@ -9,12 +9,16 @@ from collections.abc import Iterator, Sequence
 from contextlib import closing, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
+from typing import get_args
 
+from grainfit.campaign.folder_lock import is_held
 from grainfit.campaign.store.records import CalibrationRecord, RequestRecord
 from grainfit.campaign.store.store import STORE_NAME, RunStore, not_a_work_folder
-from grainfit.campaign.work_folder import RESULT_NAME, is_held
+from grainfit.campaign.work_folder import RESULT_NAME
 from grainfit.errors import StoreError
-from grainfit.result import Result
+from grainfit.result import Result, Status
+
+_STATES = ("not started", "running", "failed", *get_args(Status))
 
 
 @dataclass(frozen=True)
@@ -72,6 +76,9 @@ def open_folder(folder: Path) -> Iterator[OpenFolder]:
         calibration = store.latest_calibration()
         requests = store.requests(calibration.identity) if calibration else []
         state = _state(calibration, is_held(folder))
+        if calibration is not None and state not in _STATES:
+            words = f"table calibrations, row {calibration.identity}: status is {state!r:.60}"
+            raise store.damaged(words)
         yield OpenFolder(folder, store, calibration, requests, state)
 
 

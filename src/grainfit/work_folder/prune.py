@@ -7,8 +7,9 @@ import time
 from dataclasses import dataclass
 from pathlib import Path
 
+from grainfit.campaign.folder_lock import hold
 from grainfit.campaign.store.store import STORE_NAME, not_a_work_folder
-from grainfit.campaign.work_folder import PARTIAL_SUFFIX, hold, prune_run_folder, read_record
+from grainfit.campaign.work_folder import PARTIAL_SUFFIX, prune_run_folder, read_record
 from grainfit.errors import Fault, InputError
 
 _RUNS = "runs"

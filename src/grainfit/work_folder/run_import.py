@@ -11,10 +11,11 @@ from pathlib import Path
 
 from grainfit.calibration_file.build import CalibrationSetup
 from grainfit.calibration_file.content import TestSpecification
+from grainfit.campaign.folder_lock import hold
 from grainfit.campaign.reuse import models_of, runs_of
 from grainfit.campaign.store.records import RunRecord
 from grainfit.campaign.store.store import RunStore
-from grainfit.campaign.work_folder import hold, recover
+from grainfit.campaign.work_folder import recover
 from grainfit.errors import Fault, InputError, SolverNotFoundError
 from grainfit.metamodels.known_runs import REACH, beyond
 from grainfit.solvers.base import Solver

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, get_args
 from grainfit.calibration.provenance import Provenance
 from grainfit.campaign.campaign import evaluation_of
 from grainfit.campaign.store.records import CalibrationRecord, RequestRecord, RunRecord
-from grainfit.campaign.store.store import STORE_NAME
+from grainfit.campaign.store.store import STORE_NAME, UNUSABLE
 from grainfit.campaign.work_folder import RESULT_NAME, read_record, run_folder
 from grainfit.contact_models.registry import MATERIAL_PARAMETERS
 from grainfit.curve_target import CurveTarget
@@ -220,9 +220,9 @@ def _naming(folder: Path) -> Iterator[None]:
     """Name the file of a calibration that cannot be read."""
     try:
         yield
-    except (GrainfitError, KeyError, TypeError, ValueError, AttributeError) as error:
+    except (GrainfitError, *UNUSABLE) as error:
         raise StoreError(
-            f"the calibration in {str(folder / STORE_NAME)!r} cannot be read: {error}. "
+            f"the calibration in {str(folder / STORE_NAME)!r} cannot be read: {error!s:.500}. "
             "It was written by another version of grainfit, or edited."
         ) from error
 
@@ -240,12 +240,15 @@ def _saved(
     records: Mapping[str, RunRecord],
 ) -> SavedCalibration:
     folder, state = opened.folder, opened.state
+    definition, about = calibration.definition, calibration.about
+    names = [parameter["name"] for parameter in definition["parameters"]]
+    for request in (*opened.requests, *learnt):
+        request.require_part_of(names, names_of_tests(definition["tests"]))
     ended = [request for request in opened.requests if _has_ended(request, records)]
-    tests = len(names_of_tests(calibration.definition["tests"]))
+    tests = len(names_of_tests(definition["tests"]))
     evaluations = tuple(_evaluation(request, records, tests) for request in ended)
     used = {run for request in ended for run in request.runs.values()}
     running = state == "running"
-    definition, about = calibration.definition, calibration.about
     problem = _problem(definition, about, evaluations)
     provenance = Provenance.from_json(about.get("provenance", {}))
     result, fault = opened.read_result()

@@ -162,11 +162,11 @@ def plan_setup(sizes: ParticleSizes, options: Mapping[str, float | None]) -> Com
         The test is impossible; names every option at fault.
     """
     given = {name: value for name, value in options.items() if value is not None}
-    diameter, largest = sizes.sauter_diameter, max(sizes.diameters)
-    gravity = given["gravity"]
-    radius = given.get("cylinder_radius", max(5 * diameter, least_radius(sizes)))
-    fill = given.get("strike_off_height", max(8 * diameter, _SHALLOWEST_BED * largest))
-    stress = given.get("stress", scaled_stress(_REFERENCE_STRESS, sizes, gravity))
+    real, gravity = sizes.real, given["gravity"]
+    diameter, deepest = real.sauter_diameter, _SHALLOWEST_BED * max(real.diameters)
+    radius = given.get("cylinder_radius", max(5 * diameter, least_radius(real)))
+    fill = given.get("strike_off_height", max(8 * diameter, deepest))
+    stress = given.get("stress", scaled_stress(_REFERENCE_STRESS, real, gravity))
     seating = given.get("seating_stress", _SEATING_SHARE * stress)
     count = int(given.get("particle_count", particles_to_fill(sizes, radius, fill)))
     faults = [*_shape_faults(sizes, radius, fill)]
@@ -188,7 +188,7 @@ def plan_setup(sizes: ParticleSizes, options: Mapping[str, float | None]) -> Com
         seating_stress=seating,
         piston_speed=given.get("piston_speed"),
         # Above all particles whose centre is not above the height at which they are struck off.
-        piston_start=fill + 0.501 * largest,
+        piston_start=fill + 0.501 * max(sizes.diameters),
         gravity=gravity,
         quiet_speed=0.0128 * natural_speed(sizes, gravity),
         check_interval=0.5 * natural_time(sizes, gravity),

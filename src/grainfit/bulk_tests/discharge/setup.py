@@ -168,11 +168,12 @@ def _article(orifice: str) -> str:
 def _container(
     sizes: ParticleSizes, given: Mapping[str, Any]
 ) -> tuple[SlotBox | RoundContainer, Footprint]:
-    lengths = {**default_lengths(sizes, _LENGTHS), **given}
+    real = sizes.real
+    lengths = {**default_lengths(real, _LENGTHS), **given}
     width, height = lengths["width"], lengths["fill_height"]
-    diameter = sizes.sauter_diameter
+    diameter = real.sauter_diameter
     if given["orifice"] == ROUND:
-        least = ARCHES_ROUND * max(sizes.diameters)
+        least = ARCHES_ROUND * max(real.diameters)
         orifice = given.get("orifice_diameter", max(_ORIFICE * diameter, least))
         return RoundContainer(width / 2, height, orifice / 2), Round(width / 2)
     depth = lengths["depth"]

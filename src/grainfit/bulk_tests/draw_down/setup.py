@@ -117,8 +117,9 @@ def plan_setup(sizes: ParticleSizes, options: Mapping[str, float | None]) -> Dra
         The test is impossible; names every option at fault.
     """
     given = {name: value for name, value in options.items() if value is not None}
-    diameter, gravity = sizes.sauter_diameter, given["gravity"]
-    lengths = {**default_lengths(sizes, _LENGTHS), **given}
+    real, gravity = sizes.real, given["gravity"]
+    diameter = real.sauter_diameter
+    lengths = {**default_lengths(real, _LENGTHS), **given}
     box = SlotBox(
         width=lengths["width"],
         depth=lengths["depth"],
@@ -137,7 +138,7 @@ def plan_setup(sizes: ParticleSizes, options: Mapping[str, float | None]) -> Dra
     setup = DrawDownSetup(
         box=box,
         filling=filling,
-        floor_distance=given.get("floor_distance", max(14 * diameter, _least_distance(sizes))),
+        floor_distance=given.get("floor_distance", max(14 * diameter, _least_distance(real))),
         floor_half_width=given.get("floor_half_width", max(30 * diameter, 1.2 * box.width)),
         density_bottom=bottom,
         density_top=top,

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from grainfit.bulk_tests.drum.setup import DrumSetup
 from grainfit.errors import NotMeasurableError, RunFailedError
+from grainfit.evaluation import Curve
 from grainfit.measurement.grid import require_grid
 from grainfit.measurement.particles import Frame, Particles
 
@@ -76,6 +77,21 @@ class Surface:
         across = along * math.cos(turn) - above * math.sin(turn)
         height = along * math.sin(turn) + above * math.cos(turn)
         return [(float(y), float(z)) for y, z in zip(across, height, strict=True)]
+
+    def curve(self) -> Curve:
+        """Return the height of the surface over the place across the drum, both from its axis, m.
+
+        Raises
+        ------
+        NotMeasurableError
+            There are too few particles.
+        """
+        across, heights = np.array(self.places()).reshape(-1, 2).T
+        # At its ends a steep surface may hang over: the curve is the part seen from above.
+        seen = across > np.maximum.accumulate(np.concatenate([[-math.inf], across[:-1]]))
+        if seen.sum() < _FEWEST_COLUMNS:
+            raise NotMeasurableError("surface: it is too short to be measured; use a larger drum")
+        return Curve(across[seen].tolist(), heights[seen].tolist())
 
     def half_length(self, radius: float) -> float:
         """Return half the length of the surface within a drum of this radius, m."""

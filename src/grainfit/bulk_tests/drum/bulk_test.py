@@ -8,7 +8,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from grainfit.bulk_tests.base import BulkTest, ResponseInfo
+from grainfit.bulk_tests.base import BulkTest, CurveInfo, ResponseInfo
 from grainfit.bulk_tests.drum.angles import DrumAngles
 from grainfit.bulk_tests.drum.bed import TurningBed
 from grainfit.bulk_tests.drum.setup import DrumSetup, plan_setup
@@ -18,7 +18,7 @@ from grainfit.bulk_tests.shared.options import LENGTH
 from grainfit.bulk_tests.shared.validity import require_separate
 from grainfit.bulk_tests.view import Shown
 from grainfit.errors import NotMeasurableError, RunFailedError
-from grainfit.evaluation import Response
+from grainfit.evaluation import Measured
 from grainfit.measurement.particles import Particles, write_vtk
 from grainfit.options.fields import Amount, option
 from grainfit.options.kinds import Flag, Quantity
@@ -114,6 +114,17 @@ class Drum(BulkTest):
                 {SLIDING: 0.38, ROLLING: 0.078},
                 scatter=0.018,
             ),
+        ),
+    }
+
+    curves: ClassVar[Mapping[str, CurveInfo]] = {
+        "surface": CurveInfo(
+            "m",
+            "z",
+            "height over place: mean free surface seen along the drum, rising towards positive "
+            "places; both from the drum's axis",
+            "place",
+            "m",
         ),
     }
 
@@ -227,8 +238,8 @@ class Drum(BulkTest):
             ),
         )
 
-    def measure(self, run: RunOutput) -> dict[str, Response]:
-        """Measure the angles; leave a picture and a VTK file of the end.
+    def measure(self, run: RunOutput) -> dict[str, Measured]:
+        """Measure angles and surface; leave a picture and a VTK file of the end.
 
         Raises
         ------
@@ -246,11 +257,12 @@ class Drum(BulkTest):
         try:
             angles.require_valid()
             responses = angles.responses()
+            surface = angles.surface.curve()
         except (RunFailedError, NotMeasurableError) as error:
             draw_drum(run.folder / _PICTURE, angles, lining, str(error))
             raise
         draw_drum(run.folder / _PICTURE, angles, lining, responses)
-        return responses
+        return {**responses, "surface": surface}
 
     def _bed(self, run: RunOutput) -> TurningBed:
         """Read the frames of a run, at the times that solvers reach in whole time steps."""

@@ -7,7 +7,7 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any, ClassVar, Self
 
-from grainfit.bulk_tests.base import BulkTest, ResponseInfo
+from grainfit.bulk_tests.base import BulkTest, CurveInfo, ResponseInfo
 from grainfit.bulk_tests.heap.setup import HeapSetup, plan_setup
 from grainfit.bulk_tests.heap.view import HeapView
 from grainfit.bulk_tests.sensitivities import DENSITY, MODULUS, ROLLING, SLIDING, Sensitivities
@@ -16,7 +16,7 @@ from grainfit.bulk_tests.shared.options import FRICTION, LENGTH, TIME
 from grainfit.bulk_tests.shared.validity import require_separate
 from grainfit.bulk_tests.view import Shown
 from grainfit.errors import NotMeasurableError
-from grainfit.evaluation import Response
+from grainfit.evaluation import Measured
 from grainfit.measurement.angle_of_repose import (
     AngleOfRepose,
     angle_of_repose,
@@ -24,7 +24,7 @@ from grainfit.measurement.angle_of_repose import (
     on_plate,
 )
 from grainfit.measurement.bulk_density import bulk_density
-from grainfit.measurement.heap_size import base_radius, heap_height
+from grainfit.measurement.heap_size import base_radius, heap_height, heap_profile
 from grainfit.measurement.particles import Particles, write_vtk
 from grainfit.measurement.picture import draw_heap
 from grainfit.measurement.silhouette import Silhouette
@@ -124,6 +124,17 @@ class Heap(BulkTest):
         ),
     }
 
+    curves: ClassVar[Mapping[str, CurveInfo]] = {
+        "profile": CurveInfo(
+            "m",
+            "z",
+            "height over radius: height of the heap's outline, averaged over both sides of all "
+            "silhouettes",
+            "radius",
+            "m",
+        ),
+    }
+
     particle_count: int | None = option(
         Whole(1),
         "Number of particles rained in.",
@@ -210,8 +221,7 @@ class Heap(BulkTest):
             "revision": self.revision,
             "deck": DECK_REVISION,
             "packing": SCENES_REVISION,
-            "diameters": list(self.sizes.diameters),
-            "mass_fractions": list(self.sizes.mass_fractions),
+            **self.sizes.definition(),
             "setup": setup,
             "plate_sliding_friction": self.plate_sliding_friction,
             "plate_rolling_friction": self.plate_rolling_friction,
@@ -287,7 +297,7 @@ class Heap(BulkTest):
             "particle_wall.rolling_friction": float(rolling),
         }
 
-    def measure(self, run: RunOutput) -> dict[str, Response]:
+    def measure(self, run: RunOutput) -> dict[str, Measured]:
         """Measure bed and heap; leave a picture and a VTK file of the heap.
 
         Raises
@@ -315,6 +325,7 @@ class Heap(BulkTest):
             "angle_of_repose": angle.response,
             "base_radius": base_radius(silhouettes, self.ground, heap.diameter, plate),
             "heap_height": heap_height(silhouettes, heap.diameter),
+            "profile": heap_profile(silhouettes, heap.diameter, plate),
         }
 
     @property

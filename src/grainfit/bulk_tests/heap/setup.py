@@ -88,10 +88,11 @@ def plan_setup(sizes: ParticleSizes, options: Mapping[str, float | None]) -> Hea
         The test is impossible; names every option at fault.
     """
     given = {name: value for name, value in options.items() if value is not None}
-    diameter = sizes.sauter_diameter
-    gravity = given["gravity"]
-    froude_speed = math.sqrt(diameter / _REFERENCE_DIAMETER * gravity / _REFERENCE_GRAVITY)
-    froude_time = math.sqrt(diameter / _REFERENCE_DIAMETER * _REFERENCE_GRAVITY / gravity)
+    diameter, gravity = sizes.real.sauter_diameter, given["gravity"]
+    # The laboratory lifts its cylinder beside real particles; simulated ones come to rest.
+    usual_speed = 0.05 * _froude_speed(diameter, gravity)
+    simulated = sizes.sauter_diameter
+    froude_time = math.sqrt(simulated / _REFERENCE_DIAMETER * _REFERENCE_GRAVITY / gravity)
     radius = given.get("cylinder_radius", 6 * diameter)
     strike_off = given.get("strike_off_height", 10.5 * diameter)
     default_count = particles_to_fill(sizes, radius, strike_off)
@@ -113,10 +114,10 @@ def plan_setup(sizes: ParticleSizes, options: Mapping[str, float | None]) -> Hea
         strike_off_height=strike_off,
         bulk_density_bottom=given.get("bulk_density_bottom", diameter),
         bulk_density_top=given.get("bulk_density_top", 9 * diameter),
-        lift_speed=given.get("lift_speed", 0.05 * froude_speed),
+        lift_speed=given.get("lift_speed", usual_speed),
         lift_height=given.get("lift_height", 10 * diameter),
         gravity=gravity,
-        quiet_speed=0.004 * froude_speed,
+        quiet_speed=0.004 * _froude_speed(simulated, gravity),
         check_interval=0.05 * froude_time,
         fill_time=fall.fill_time,
         settling_time_limit=given.get("settling_time_limit", fall.settling_time_limit),
@@ -125,6 +126,11 @@ def plan_setup(sizes: ParticleSizes, options: Mapping[str, float | None]) -> Hea
     if faults:
         raise InputError(faults)
     return setup
+
+
+def _froude_speed(diameter: float, gravity: float) -> float:
+    """Return the speed at which a lift of this size looks as one of 10 mm beads at 1 m/s, m/s."""
+    return math.sqrt(diameter / _REFERENCE_DIAMETER * gravity / _REFERENCE_GRAVITY)
 
 
 def _geometry_faults(setup: HeapSetup, sizes: ParticleSizes) -> Iterator[Fault]:

@@ -196,9 +196,7 @@ class OwnScene(BulkTest):
         """
         test = cls.__new__(cls)
         test._set(
-            sizes=ParticleSizes(
-                tuple(definition["diameters"]), tuple(definition["mass_fractions"])
-            ),
+            sizes=ParticleSizes.from_definition(definition),
             gravity=float(definition["gravity"]),
             time_step_fraction=float(definition["time_step_fraction"]),
             functions={},

@@ -70,8 +70,9 @@ def plan_setup(sizes: ParticleSizes, options: Mapping[str, float | None]) -> Pac
         The test is impossible; names every option at fault.
     """
     given = {name: value for name, value in options.items() if value is not None}
-    diameter, gravity = sizes.sauter_diameter, given["gravity"]
-    radius = given.get("cylinder_radius", max(6 * diameter, least_radius(sizes)))
+    real, gravity = sizes.real, given["gravity"]
+    diameter = real.sauter_diameter
+    radius = given.get("cylinder_radius", max(6 * diameter, least_radius(real)))
     bottom = given.get("bulk_density_bottom", diameter)
     top, height = _heights(sizes, bottom, given)
     faults = [*cylinder_faults(sizes, radius)]
@@ -91,8 +92,8 @@ def _heights(
     sizes: ParticleSizes, bottom: float, given: Mapping[str, float]
 ) -> tuple[float, float]:
     """Return the height up to which the bulk density is measured, and that of the bed, m."""
-    diameter = sizes.sauter_diameter
-    top = max(9 * diameter, bottom + 2 * max(sizes.diameters))
+    diameter = sizes.real.sauter_diameter
+    top = max(9 * diameter, bottom + 2 * max(sizes.real.diameters))
     if "fill_height" in given:
         top = min(top, _REACHED * given["fill_height"])
     top = given.get("bulk_density_top", top)

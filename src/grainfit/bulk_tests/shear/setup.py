@@ -145,8 +145,9 @@ def plan_setup(sizes: ParticleSizes, options: Mapping[str, float | None]) -> She
         The test is impossible; names every option at fault.
     """
     given = {name: value for name, value in options.items() if value is not None}
-    diameter, largest = sizes.sauter_diameter, max(sizes.diameters)
-    usual = scaled_stress(_REFERENCE_STRESS, sizes, given["gravity"])
+    real = sizes.real
+    diameter, largest = real.sauter_diameter, max(real.diameters)
+    usual = scaled_stress(_REFERENCE_STRESS, real, given["gravity"])
     length = given.get("length", max(10 * diameter, _SMALLEST_LENGTH * largest))
     depth = given.get("depth", max(5 * diameter, _SMALLEST_DEPTH * largest))
     gap = given.get("gap", max(8.5 * diameter, _SMALLEST_GAP * largest))
@@ -174,8 +175,8 @@ def plan_setup(sizes: ParticleSizes, options: Mapping[str, float | None]) -> She
         transient_strain=given["transient_strain"],
         averaged_strain=given["averaged_strain"],
         particle_count=round(count),
-        diameter=diameter,
-        largest=largest,
+        diameter=sizes.sauter_diameter,
+        largest=max(sizes.diameters),
         plate=plate,
         gravity=given["gravity"],
     )

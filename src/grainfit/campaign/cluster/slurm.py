@@ -21,7 +21,10 @@ _STATUS_SECONDS = 10
 #: Number of jobs in a row, and the time over which they fail, before the cluster is given up.
 _FAILED_STARTS = 3
 _FAILED_START_SECONDS = 25.0
+#: Longest time without an answer of Slurm, once a job has started, before it is given up.
+_OUTAGE_SECONDS = 600.0
 END_SECONDS = 30.0
+_ALIVE = {"PENDING", "CONFIGURING", "REQUEUED", "RUNNING", "COMPLETING", "SUSPENDED"}
 _STATES = {
     "PENDING": JobState.PENDING,
     "CONFIGURING": JobState.PENDING,
@@ -82,10 +85,13 @@ class Slurm(SlurmProvider):
         if queue is None:
             return
         for job, entry in self.resources.items():
-            if entry["status"].terminal:
-                continue
             word, reason = queue.get(str(job), ("COMPLETED", ""))
             state = _STATES.get(word, JobState.RUNNING)
+            if entry["status"].terminal:
+                if state in (JobState.PENDING, JobState.RUNNING):
+                    # Slurm has requeued it after all, but there is another job in its place.
+                    self.cancel([job])
+                continue
             message = f"Slurm says of its job {job}: {word}, {reason}"
             if state == JobState.PENDING and reason in _NEVER:
                 self.cancel([job])
@@ -108,20 +114,22 @@ class Slurm(SlurmProvider):
         return {row[0].strip(): (row[1], row[2]) for row in rows if len(row) == 3}
 
     def wait_until_gone(self) -> None:
-        """Wait until all cancelled jobs have ended, at most `END_SECONDS`."""
+        """Wait until all cancelled jobs have ended, at most `END_SECONDS`; cancel requeued ones."""
         deadline = time.monotonic() + END_SECONDS
         while time.monotonic() < deadline:
             queue = self._queue() or {}
-            here = {queue[job][0] for job in map(str, self.resources) if job in queue}
-            if not here & {"PENDING", "CONFIGURING", "RUNNING", "COMPLETING", "SUSPENDED"}:
+            words = {str(job): queue.get(str(job), ("COMPLETED", ""))[0] for job in self.resources}
+            if not _ALIVE & set(words.values()):
                 return
+            self.cancel([job for job, word in words.items() if word in _ALIVE - {"COMPLETING"}])
             time.sleep(0.2)
 
 
 class GiveUp:
     """Give up when several jobs in a row end before their workers have reported.
 
-    A job that is lost later does not count.
+    A job that is lost later does not count. A job that Slurm did not accept because it does not
+    answer counts for as long as a restart of Slurm may take.
     """
 
     def __init__(self, provider: Slurm) -> None:
@@ -136,23 +144,37 @@ class GiveUp:
         for job in ended:
             self._ended.setdefault(job, time.monotonic())
         # The latest ones, back to the last one that started.
-        failed = list(takewhile(lambda job: job not in connected, reversed(ended)))
+        latest = list(takewhile(lambda job: job not in connected, reversed(ended)))
+        failed = [job for job in latest if job in executor.blocks_to_job_id]
+        unanswered = list(takewhile(lambda job: job not in executor.blocks_to_job_id, latest))
         refusal = self._provider.refusal
-        if executor.bad_state_is_set or not (refusal or len(failed) >= _FAILED_STARTS):
-            return
         at_work = [job for job in status if job in connected and job not in ended]
+        if executor.bad_state_is_set:
+            return
         if at_work:
-            # The jobs that started do the work; others would fail again every few seconds.
-            self._provider.max_blocks = len(at_work)
+            if refusal or len(failed) >= _FAILED_STARTS:
+                # The jobs that started do the work; others would fail again every few seconds.
+                self._provider.max_blocks = len(at_work)
         elif refusal:
             self._give_up(executor, refusal)
-        elif time.monotonic() - self._ended[failed[-1]] > _FAILED_START_SECONDS:
-            last = status[failed[0]]
-            output = (last.stderr_summary or "").strip().splitlines()
-            message = re.sub(r"^Failed to start block \d+: ", "", last.message or "")
-            self._give_up(executor, output[-1] if output else message)
+        elif self._lasts(failed, _FAILED_START_SECONDS):
+            self._give_up(executor, _why(status[failed[0]]))
+        elif self._lasts(unanswered, _OUTAGE_SECONDS if connected else _FAILED_START_SECONDS):
+            self._give_up(executor, _why(status[unanswered[0]]))
+
+    def _lasts(self, failed: Sequence[str], seconds: float) -> bool:
+        """Return True if there are several jobs, and the first of them ended so long ago."""
+        if len(failed) < _FAILED_STARTS:
+            return False
+        return time.monotonic() - self._ended[failed[-1]] > seconds
 
     def _give_up(self, executor: BlockProviderExecutor, why: str) -> None:
         reason = f"no job of the cluster starts: {why.rstrip('.')}. Scripts and output of the jobs"
         reason += f" are in {self._provider.script_dir}."
         executor.set_bad_state_and_fail_all(ExecutorError(reason))
+
+
+def _why(last: JobStatus) -> str:
+    output = (last.stderr_summary or "").strip().splitlines()
+    message = re.sub(r"^Failed to start block \d+: ", "", last.message or "")
+    return output[-1] if output else message

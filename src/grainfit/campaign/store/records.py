@@ -2,11 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, fields
-from typing import Any, Literal, cast, get_args
+from typing import Any, Literal, get_args
 
 from grainfit.campaign.store.address import safe_address
+from grainfit.campaign.store.cells import (
+    choice,
+    finite,
+    mapping,
+    moment,
+    numbers_by_name,
+    text,
+    texts,
+    texts_by_name,
+    whole,
+)
 from grainfit.errors import InputError
 from grainfit.evaluation import Curve, Measured, Proposal, Response, Stage, names_of_tests
 from grainfit.run_definition import RunDefinition
@@ -71,21 +82,24 @@ class RunRecord:
         KeyError, TypeError, ValueError
             The data is not a run.
         """
-        if data["status"] not in get_args(RunStatus):
-            raise ValueError(f"{data['status']!r} is not the status of a run")
         responses = {
-            str(name): _measured(_mapping(found))
-            for name, found in _mapping(data["responses"]).items()
+            name: _measured(name, mapping(found, f"responses.{name}"))
+            for name, found in mapping(data["responses"], "responses").items()
         }
-        read = {
-            "definition": RunDefinition.from_json(_mapping(data["definition"])),
-            "responses": responses,
-            "seconds": float(data["seconds"]),
-            "ended": float(data["ended"]),
+        return cls(
+            identity=text(data["identity"], "identity"),
+            test=text(data["test"], "test"),
+            status=choice(data["status"], "status", get_args(RunStatus)),
+            definition=_definition(data["definition"]),
+            responses=responses,
+            reason=text(data.get("reason", ""), "reason"),
+            kind=text(data.get("kind", ""), "kind"),
+            log_tail=text(data.get("log_tail", ""), "log_tail"),
+            seconds=finite(data["seconds"], "seconds"),
+            ended=moment(data["ended"], "ended"),
             # Earlier versions stored addresses with their options.
-            "origin": _source(data.get("origin", "")),
-        }
-        return cls(**{**data, **read})
+            origin=_source(text(data.get("origin", ""), "origin")),
+        )
 
 
 @dataclass(frozen=True)
@@ -116,6 +130,25 @@ class CalibrationRecord:
     known: Sequence[str] = ()
     about: Mapping[str, Any] = field(default_factory=dict)
 
+    @classmethod
+    def from_row(cls, row: Mapping[str, Any]) -> CalibrationRecord:
+        """Read a row of the store.
+
+        Raises
+        ------
+        KeyError, TypeError, ValueError
+            The row is not a calibration.
+        """
+        return cls(
+            identity=text(row["identity"], "identity"),
+            name=text(row["name"], "name"),
+            definition=mapping(row["definition"], "definition"),
+            status=text(row["status"], "status"),
+            started=moment(row["started"], "started"),
+            known=texts(row["known"], "known"),
+            about=mapping(row["about"], "about"),
+        )
+
 
 @dataclass(frozen=True)
 class RequestRecord:
@@ -143,35 +176,49 @@ class RequestRecord:
             The row is not a request.
         """
         return cls(
-            position=row["position"],
-            stage=_stage(row["stage"]),
-            parameters=_mapping(row["parameters"]),
-            seed=row["seed"],
-            runs={str(test): str(run) for test, run in _mapping(row["runs"]).items()},
+            position=whole(row["position"], "position"),
+            stage=choice(row["stage"], "stage", get_args(Stage)),
+            parameters=numbers_by_name(row["parameters"], "parameters"),
+            seed=whole(row["seed"], "seed"),
+            runs=texts_by_name(row["runs"], "runs"),
         )
 
+    def require_part_of(self, parameters: Collection[str], tests: Collection[str]) -> None:
+        """Refuse a request that is not one of a calibration.
 
-def _source(origin: Any) -> Any:
-    return safe_address(origin) if "://" in str(origin) else origin
+        Parameters
+        ----------
+        parameters, tests : collection of str
+            Names of the free parameters, and of the tests of the calibration.
+
+        Raises
+        ------
+        ValueError
+            It has other parameters, or runs of other tests.
+        """
+        if self.parameters.keys() != set(parameters):
+            raise ValueError("its parameters are not those of the calibration")
+        if not self.runs or not set(names_of_tests(self.runs)) <= set(tests):
+            raise ValueError("its runs are not those of the tests of the calibration")
 
 
-def _stage(value: Any) -> Stage:
-    for stage in get_args(Stage):
-        if value == stage:
-            return cast(Stage, stage)
-    raise ValueError(f"{value!r} is no stage of a calibration")
+def _source(origin: str) -> str:
+    return safe_address(origin) if "://" in origin else origin
 
 
-def _measured(found: Mapping[str, Any]) -> Measured:
+def _definition(data: Any) -> RunDefinition:
+    try:
+        return RunDefinition.from_json(mapping(data, "definition"))
+    except (TypeError, ValueError) as error:
+        raise ValueError(f"definition: {error}") from error
+
+
+def _measured(name: str, found: Mapping[str, Any]) -> Measured:
+    key = f"responses.{name}"
     if "coordinates" not in found:
-        return Response(float(found["value"]), float(found["standard_error"]))
+        error = finite(found["standard_error"], f"{key}.standard_error")
+        return Response(finite(found["value"], f"{key}.value"), error)
     try:
         return Curve(found["coordinates"], found["values"], bool(found["stays"]))
     except InputError as error:
-        raise ValueError(str(error)) from error
-
-
-def _mapping(value: Any) -> Mapping[str, Any]:
-    if not isinstance(value, Mapping):
-        raise TypeError(f"{value!r} does not map names to values")
-    return value
+        raise ValueError(f"{key}: {error}") from error

@@ -13,24 +13,34 @@ from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, S
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any, TypeVar, cast
+from typing import TYPE_CHECKING, Any, TypeVar, cast, get_args
 
 import sqlalchemy as sql
-from sqlalchemy.exc import ArgumentError, IntegrityError, SQLAlchemyError
+from sqlalchemy.exc import (
+    ArgumentError,
+    DBAPIError,
+    IntegrityError,
+    OperationalError,
+    SQLAlchemyError,
+)
 from sqlalchemy.pool import StaticPool
 
 from grainfit.campaign.store import schema
 from grainfit.campaign.store.address import StoreAddress, safe_address
+from grainfit.campaign.store.causes import remedy
+from grainfit.campaign.store.cells import choice, read_json, read_text, text
 from grainfit.campaign.store.records import CalibrationRecord, RequestRecord, RunRecord, RunStatus
 from grainfit.campaign.store.schema import OLDEST_READABLE, SCHEMA_VERSION
 from grainfit.campaign.store.schema import calibrations as _calibrations
 from grainfit.campaign.store.schema import requests as _requests
 from grainfit.campaign.store.schema import runs as _runs
-from grainfit.errors import Fault, StoreError
+from grainfit.errors import Fault, StoreError, StoreUnreachableError
+
+if TYPE_CHECKING:
+    from grainfit.campaign.store.postgresql import Connector
 
 STORE_NAME = "runs.sqlite"
 
-_DAMAGED = (sqlite3.SQLITE_CORRUPT, sqlite3.SQLITE_NOTADB, sqlite3.SQLITE_ERROR)
 _RENEW = (
     f"Move {STORE_NAME} away (and {STORE_NAME}-wal and {STORE_NAME}-shm next to it, if present): "
     "it is rebuilt from the run folders; only runs of Python functions and tables are lost."
@@ -39,6 +49,9 @@ _RENEW = (
 _CHUNK = 500
 #: Key of the lock under which the tables of a shared database are created.
 _SCHEMA_LOCK = 7_203_114
+#: Beginnings of the SQLSTATEs of a server that may serve the same request a little later: lost or
+#: refused connections, transactions that were idle or in each other's way, and shutdowns.
+_TRANSIENT = ("08", "25P03", "40", "53300", "55P03", "57")
 #: Longest wait for another process that uses a SQLite file, and between two tries, s.
 _BUSY_SECONDS, _RETRY_SECONDS = 30, 0.05
 _RECORD_COLUMNS = [
@@ -48,6 +61,12 @@ _RECORD_COLUMNS = [
 ]
 _CALIBRATION_COLUMNS = [column for column in _calibrations.c if column.name != "number"]
 _Record = TypeVar("_Record")
+#: Errors of a row that is not what was once stored.
+UNUSABLE = (LookupError, TypeError, ValueError, AttributeError, ArithmeticError, RecursionError)
+#: Of a calibration: more would be no whole number of a database.
+_LARGEST_NUMBER = 2**31 - 2
+#: Characters of a row's key that a message shows.
+_KEY_LENGTH = 40
 
 
 @dataclass(frozen=True)
@@ -87,6 +106,8 @@ class RunStore:
         is for several machines.
     read_only : bool
         Write nothing, not even a schema.
+    path : Path, optional
+        File of the store in a work folder, to find out why it cannot be used.
 
     Raises
     ------
@@ -95,16 +116,26 @@ class RunStore:
         version that this one cannot read.
     """
 
-    def __init__(self, url: str | sql.URL, *, read_only: bool = False) -> None:
+    def __init__(
+        self, url: str | sql.URL, *, read_only: bool = False, path: Path | None = None
+    ) -> None:
         self._lock = threading.RLock()
         self._address = StoreAddress.read(url)
         self._where = self._address.shown
-        self._file: _File | None = None
+        #: The file in a work folder, and all that must not be removed while it is in use.
+        self._path = path
+        self._files: Sequence[_File] = ()
         self._version = SCHEMA_VERSION
-        options: dict[str, Any] = {"pool_pre_ping": True}
+        options: dict[str, Any] = {"pool_pre_ping": True, "json_deserializer": read_json}
         if self._address.url == sql.make_url("sqlite://"):
-            options = {"poolclass": StaticPool, "connect_args": {"check_same_thread": False}}
+            options |= {"poolclass": StaticPool, "connect_args": {"check_same_thread": False}}
         self._engine = self._make_engine(options)
+        self._connector: Connector | None = None
+        if self._engine.dialect.driver == "psycopg":
+            from grainfit.campaign.store.postgresql import Connector
+
+            self._connector = Connector()
+            sql.event.listen(self._engine, "do_connect", self._connector.connect)
         if self._engine.dialect.name == "sqlite":
             sql.event.listen(self._engine, "connect", _leave_transactions_to_us)
             sql.event.listen(self._engine, "begin", _begin_sqlite)
@@ -131,9 +162,11 @@ class RunStore:
         except (ArgumentError, TypeError, ValueError) as error:
             raise self._unusable(error, "Check its address.") from None
 
-    def _unusable(self, cause: BaseException, remedy: str) -> StoreError:
+    def _unusable(
+        self, cause: BaseException, remedy: str, kind: type[StoreError] = StoreError
+    ) -> StoreError:
         words = self._address.without_secrets(str(cause))
-        return StoreError(f"the run store {self._where} cannot be used: {words}. {remedy}")
+        return kind(f"the run store {self._where} cannot be used: {words}. {remedy}")
 
     @classmethod
     def in_folder(cls, folder: Path) -> RunStore:
@@ -143,8 +176,8 @@ class RunStore:
         # SQLite would take an empty file for a new store, and drop the log.
         if path.exists() and not path.stat().st_size and log.exists() and log.stat().st_size:
             raise StoreError(f"the run store {path} is damaged: it is empty. {_RENEW}")
-        store = cls(sql.URL.create("sqlite", database=str(path)))
-        store._file = _File(path)
+        store = cls(sql.URL.create("sqlite", database=str(path)), path=path)
+        store._files = (_File(path), _File(log))
         return store
 
     @classmethod
@@ -162,7 +195,9 @@ class RunStore:
         if not path.with_name(f"{STORE_NAME}-wal").exists():
             query["immutable"] = "1"
         database = path.absolute().as_uri()
-        return cls(sql.URL.create("sqlite", database=database, query=query), read_only=True)
+        return cls(
+            sql.URL.create("sqlite", database=database, query=query), read_only=True, path=path
+        )
 
     @property
     def place(self) -> str:
@@ -200,9 +235,10 @@ class RunStore:
             )
 
     def _require_file(self) -> None:
-        if self._file is not None and not self._file.is_there():
+        if not all(file.is_there() for file in self._files):
             raise StoreError(
-                f"the run store {self._where} was removed or replaced while it was in use. Start "
+                f"the run store {self._where}, or the {STORE_NAME}-wal beside it, was removed or "
+                "replaced while it was in use. Start "
                 "again: that continues with the runs whose folders still exist."
             )
 
@@ -230,23 +266,43 @@ class RunStore:
             cause = getattr(error, "orig", None) or error
             known = str(error) == self._address.without_secrets(str(error))
             # A traceback would show the cause as the driver words it.
-            raise self._unusable(cause, _remedy(cause)) from (error if known else None)
+            kind = StoreUnreachableError if _may_come_back(error) else StoreError
+            what_to_do = remedy(cause, self._path, _RENEW)
+            raise self._unusable(cause, what_to_do, kind) from (error if known else None)
 
     def _read(
         self, query: sql.Select[Any], make: Callable[[Mapping[str, Any]], _Record]
     ) -> list[_Record]:
         with self._reading() as connection:
-            try:
-                rows = connection.execute(query).mappings()
-                return [make(cast(Mapping[str, Any], row)) for row in rows]
-            except (KeyError, TypeError, ValueError) as error:
-                raise StoreError(
-                    f"the run store {self._where} is damaged: {error}. {_RENEW}"
-                ) from error
+            rows = connection.execute(query).mappings()
+            return [self._made(query, cast(Mapping[str, Any], row), make) for row in rows]
+
+    def _made(
+        self,
+        query: sql.Select[Any],
+        row: Mapping[str, Any],
+        make: Callable[[Mapping[str, Any]], _Record],
+    ) -> _Record:
+        try:
+            return make(row)
+        except UNUSABLE as error:
+            [table] = query.get_final_froms()
+            keys = (str(row[key.name])[:_KEY_LENGTH] for key in table.primary_key)
+            place = f"table {table.description}, row {' '.join(keys)}"
+            raise self.damaged(f"{place}: {error}") from error
+
+    def damaged(self, why: str) -> StoreError:
+        """Return the error of a store with unusable contents."""
+        return StoreError(f"the run store {self._where} is damaged: {why}. {_RENEW}")
 
     def close(self) -> None:
         """Close all connections."""
         self._engine.dispose()
+
+    def hurry(self) -> None:
+        """Wait hardly any longer for a server that does not answer."""
+        if self._connector is not None:
+            self._connector.hurry()
 
     # Runs --------------------------------------------------------------------------------------
 
@@ -279,6 +335,27 @@ class RunStore:
                 connection.execute(_runs.delete().where(_runs.c.identity.in_(identities)))
                 connection.execute(_runs.insert(), part)
 
+    def add_missing(self, records: Iterable[RunRecord]) -> None:
+        """Write the runs that the store does not have, not even as a claim, or none of them."""
+        rows = {record.identity: _row(record) for record in records}
+        with self._transaction() as connection:
+            for start in range(0, len(rows), _CHUNK):
+                self._add_missing(connection, dict(list(rows.items())[start : start + _CHUNK]))
+
+    def _add_missing(self, connection: sql.Connection, rows: Mapping[str, Any]) -> None:
+        known = sql.select(_runs.c.identity).where(_runs.c.identity.in_(list(rows)))
+        while True:
+            there = set(connection.scalars(known))
+            missing = [row for identity, row in rows.items() if identity not in there]
+            try:
+                with connection.begin_nested():
+                    if missing:
+                        connection.execute(_runs.insert(), missing)
+                    return
+            except IntegrityError:
+                # Another process has added one of them meanwhile.
+                continue
+
     def forget_running(self) -> None:
         """Delete the rows of runs that were pending when an earlier process died."""
         with self._transaction() as connection:
@@ -288,6 +365,12 @@ class RunStore:
         """Delete one run."""
         with self._transaction() as connection:
             connection.execute(_runs.delete().where(_runs.c.identity == identity))
+
+    def forget_ended(self, identity: str) -> None:
+        """Delete one run, unless a process is executing it."""
+        with self._transaction() as connection:
+            here = sql.and_(_runs.c.identity == identity, _runs.c.status != "running")
+            connection.execute(_runs.delete().where(here))
 
     def forget_failed(self, identities: Collection[str]) -> None:
         """Delete the failed ones of these runs, so that they are repeated."""
@@ -299,14 +382,11 @@ class RunStore:
 
     def identities(self) -> set[str]:
         """Return the identities of all runs."""
-        with self._reading() as connection:
-            return set(connection.scalars(sql.select(_runs.c.identity)))
+        return set(self.states())
 
-    def states(self) -> dict[str, str]:
+    def states(self) -> dict[str, RunStatus]:
         """Return the status of every run by identity."""
-        with self._reading() as connection:
-            rows = connection.execute(sql.select(_runs.c.identity, _runs.c.status))
-            return {row.identity: row.status for row in rows}
+        return dict(self._read(sql.select(_runs.c.identity, _runs.c.status), _state))
 
     def runs(self, status: RunStatus | None = None) -> list[RunRecord]:
         """Return all runs, or those of one status, in the order of their end."""
@@ -350,6 +430,8 @@ class RunStore:
     def claim(self, record: RunRecord, owner: str, instead_of: Claim | None = None) -> bool:
         """Claim a run, unless another process executes it or it has finished.
 
+        A claim may be repeated, when it is not known whether it was received.
+
         Parameters
         ----------
         record : RunRecord
@@ -365,19 +447,33 @@ class RunStore:
             True if the owner is to execute the run. Exactly one of several concurrent callers gets
             True.
         """
-        row = _row(record) | {"owner": owner, "beat": 0}
-        here = _runs.c.identity == record.identity
+        other: sql.ColumnElement[bool]
         if instead_of is None:
-            replaceable = _runs.c.status == "failed"
+            other = _runs.c.status == "failed"
         else:
-            replaceable = sql.and_(
-                _runs.c.status == "running",
-                _runs.c.owner == instead_of.owner,
-                _runs.c.beat == instead_of.beat,
-            )
+            other = _claimed_by(instead_of.owner) & (_runs.c.beat == instead_of.beat)
+        return self._put(_row(record) | {"owner": owner}, _claimed_by(owner) | other)
+
+    def save_outcome(self, record: RunRecord, owner: str) -> bool:
+        """Write the end of a run that this owner claimed, unless the run has gone on without it.
+
+        An owner that was suspended, or cut off, may have lost its claim meanwhile. A finished run
+        replaces any claim, and is never replaced; a failed one replaces no claim of another owner.
+
+        Returns
+        -------
+        bool
+            False if it was not written: the run has finished, or is executed, elsewhere.
+        """
+        if record.status == "finished":
+            return self._put(_row(record), _runs.c.status != "finished")
+        return self._put(_row(record), _claimed_by(owner) | (_runs.c.status == "failed"))
+
+    def _put(self, row: Mapping[str, Any], replaceable: sql.ColumnElement[bool]) -> bool:
+        """Write a row in place of none or of a replaceable one; return whether it was written."""
+        here = _runs.c.identity == row["identity"]
         with self._transaction() as connection:
-            replaced = connection.execute(_runs.update().where(here, replaceable).values(**row))
-            if replaced.rowcount:
+            if connection.execute(_runs.update().where(here, replaceable).values(**row)).rowcount:
                 return True
             try:
                 with connection.begin_nested():
@@ -396,15 +492,14 @@ class RunStore:
 
     def beat(self, owner: str) -> None:
         """Send the heartbeat of an owner of claims."""
-        mine = sql.and_(_runs.c.owner == owner, _runs.c.status == "running")
+        counted = _runs.update().where(_claimed_by(owner)).values(beat=_runs.c.beat + 1)
         with self._transaction() as connection:
-            connection.execute(_runs.update().where(mine).values(beat=_runs.c.beat + 1))
+            connection.execute(counted)
 
     def release(self, owner: str) -> None:
         """Release all claims of an owner, so that others may execute its unfinished runs."""
-        mine = sql.and_(_runs.c.owner == owner, _runs.c.status == "running")
         with self._transaction() as connection:
-            connection.execute(_runs.delete().where(mine))
+            connection.execute(_runs.delete().where(_claimed_by(owner)))
 
     # Calibrations ------------------------------------------------------------------------------
 
@@ -429,9 +524,8 @@ class RunStore:
         about : mapping, optional
             Further information for reports, as JSON.
         """
-        latest = sql.select(sql.func.coalesce(sql.func.max(_calibrations.c.number), 0))
         with self._transaction() as connection:
-            number = int(connection.scalar(latest) or 0) + 1
+            number = self._next_number(connection)
             connection.execute(_calibrations.delete().where(_calibrations.c.identity == identity))
             connection.execute(
                 _calibrations.insert().values(
@@ -445,6 +539,14 @@ class RunStore:
                     about=dict(about or {}),
                 )
             )
+
+    def _next_number(self, connection: sql.Connection) -> int:
+        latest = connection.scalar(sql.select(sql.func.max(_calibrations.c.number)))
+        if latest is None:
+            return 1
+        if not isinstance(latest, int) or latest > _LARGEST_NUMBER:
+            raise self.damaged(f"table {_calibrations.name}: its largest number is {latest!r:.40}")
+        return latest + 1
 
     def end_calibration(self, identity: str, status: str, failure: str = "") -> None:
         """Record the status with which a calibration ended, and the failure, if any."""
@@ -460,12 +562,12 @@ class RunStore:
     def calibration(self, identity: str) -> CalibrationRecord | None:
         """Return a calibration, or None."""
         query = sql.select(*_CALIBRATION_COLUMNS).where(_calibrations.c.identity == identity)
-        return next(iter(self._read(query, lambda row: CalibrationRecord(**row))), None)
+        return next(iter(self._read(query, CalibrationRecord.from_row)), None)
 
     def latest_calibration(self) -> CalibrationRecord | None:
         """Return the calibration that was started last, or None."""
         query = sql.select(*_CALIBRATION_COLUMNS).order_by(_calibrations.c.number.desc()).limit(1)
-        return next(iter(self._read(query, lambda row: CalibrationRecord(**row))), None)
+        return next(iter(self._read(query, CalibrationRecord.from_row)), None)
 
     def add_request(self, calibration: str, request: RequestRecord) -> None:
         """Record a parameter set that a calibration requested, in place of one at its position."""
@@ -497,6 +599,11 @@ class RunStore:
             .order_by(_requests.c.position)
         )
         return self._read(query, RequestRecord.from_row)
+
+
+def _state(row: Mapping[str, Any]) -> tuple[str, RunStatus]:
+    status = choice(row["status"], "status", get_args(RunStatus))
+    return text(row["identity"], "identity"), status
 
 
 def _remove_passwords(connection: sql.Connection) -> None:
@@ -543,20 +650,25 @@ def _row(record: RunRecord) -> dict[str, Any]:
     return row
 
 
-def _remedy(cause: BaseException) -> str:
-    code = getattr(cause, "sqlite_errorcode", None)
-    # The low byte is the kind of the error, the rest its details.
-    if code is not None and code & 0xFF in _DAMAGED:
-        return _RENEW
-    if code is None:
-        return "Check that the database server runs, can be reached, and accepts this user."
-    return "Check that its folder is writable, the disk is not full, and nobody else uses it."
+def _claimed_by(owner: str) -> sql.ColumnElement[bool]:
+    return sql.and_(_runs.c.status == "running", _runs.c.owner == owner)
+
+
+def _may_come_back(error: SQLAlchemyError) -> bool:
+    """Return whether a server failed in a way that may pass, and not for what it was asked."""
+    if not isinstance(error, DBAPIError):
+        return False
+    state = getattr(error.orig, "sqlstate", "")
+    # PostgreSQL's driver has no SQLSTATE for a connection that could not be made.
+    refused = state is None and isinstance(error, OperationalError)
+    return error.connection_invalidated or refused or str(state).startswith(_TRANSIENT)
 
 
 def _leave_transactions_to_us(connection: Any, _record: Any) -> None:
     # Python's own SQLite module would begin transactions late, and not at all before some
     # statements.
     connection.isolation_level = None
+    connection.text_factory = read_text
 
 
 def _begin_sqlite(connection: sql.Connection) -> None:

@@ -13,6 +13,7 @@ from grainfit.contact_models.registry import (
     MATERIAL_PARAMETERS,
     contact_law,
     contact_law_faults,
+    simulated_material,
     with_defaults,
 )
 from grainfit.errors import Fault, InputError
@@ -68,7 +69,8 @@ def require_material(card: MaterialCard, solver: str) -> tuple[dict[str, float],
         A parameter that the solver needs is missing or has an impossible value, or the solver does
         not have a contact model that the card needs.
     """
-    values = with_defaults(card.values)
+    factor = 1.0 if card.sizes is None else card.sizes.coarse_graining
+    values = simulated_material(with_defaults(card.values), factor)
     faults = contact_law_faults(values, solver, card.contact_models)
     if faults:
         raise InputError(faults)

@@ -23,6 +23,7 @@ from grainfit.contact_models.registry import (
     MATERIAL_PARAMETERS,
     contact_law_faults,
     parameters_without_effect,
+    simulated_material,
     unusual_models,
     with_defaults,
 )
@@ -34,7 +35,7 @@ from grainfit.errors import (
     SolverNotFoundError,
 )
 from grainfit.evaluation import Measured
-from grainfit.files import log_tail
+from grainfit.files import log_tail, text_of
 from grainfit.scenes.run_output import RunOutput
 from grainfit.scenes.scene import Scene
 from grainfit.solvers.base import Solver, Workspace
@@ -179,7 +180,7 @@ class DeckSolver(Solver):
         for fault in self.test.material_faults(material):
             raise RunFailedError(str(fault))
         with recorded_faults(workspace):
-            run = self.simulate(self.test.scene(material, seed), workspace)
+            run = self.simulate(self._scene(material, seed), workspace)
             try:
                 return self.test.measure(run)
             except NotMeasurableError as error:
@@ -235,10 +236,7 @@ class DeckSolver(Solver):
 
     def _error_line(self, log: Path) -> str:
         """Return the error message of the program, or an empty text."""
-        try:
-            lines = log.read_text(encoding="utf-8", errors="replace").splitlines()
-        except OSError:
-            return ""
+        lines = text_of(log).splitlines()
         return next((line.strip() for line in lines if self._error.match(line)), "")
 
     @override
@@ -301,9 +299,13 @@ class DeckSolver(Solver):
         InputError
             The material is impossible, or the program lacks a concept of its scene.
         """
-        scene = self.test.scene(self.run_parameters(parameters), seed)
+        scene = self._scene(self.run_parameters(parameters), seed)
         self._require_concepts(scene.concepts())
         return scene
+
+    def _scene(self, material: Mapping[str, float], seed: int) -> Scene:
+        factor = self.test.sizes.coarse_graining
+        return self.test.scene(simulated_material(material, factor), seed)
 
     @override
     def default_timeout(self, parameters: Mapping[str, float]) -> float:

@@ -7,7 +7,6 @@ import shlex
 import shutil
 import sys
 import sysconfig
-import time
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from fnmatch import fnmatchcase
@@ -218,13 +217,12 @@ class Command(Solver):
             raise RunFailedError("stopped by the user", kind="cancelled")
         values = self._values(parameters)
         self._require_mentioned(parameters)
-        started = time.monotonic()
         with recorded_faults(workspace):
             command = self._prepare(values, int(seed), workspace)
-            run_process(command, workspace, line_buffering())
+            seconds = run_process(command, workspace, line_buffering())
             evaluation = self._evaluation()
             if evaluation is not None:
-                self._measure(evaluation, workspace, started)
+                self._measure(evaluation, workspace, seconds)
             return self._read_responses(workspace.folder, evaluation)
 
     def _values(self, parameters: Mapping[str, float]) -> dict[str, float]:
@@ -350,8 +348,8 @@ class Command(Solver):
         write_parameters(folder, values, seed)
         return [_on_path(self._command[0]) or str(folder / self._command[0]), *arguments]
 
-    def _measure(self, evaluation: PythonFile, workspace: Workspace, started: float) -> None:
-        """Evaluate the folder in a separate process, within the remaining time."""
+    def _measure(self, evaluation: PythonFile, workspace: Workspace, seconds: float) -> None:
+        """Evaluate the folder in a separate process, within the time that the command left."""
         file = evaluation.path
         if file.is_relative_to(self._model.path):
             file = workspace.folder / file.relative_to(self._model.path)
@@ -360,7 +358,7 @@ class Command(Solver):
         (workspace.folder / RESPONSES_NAME).unlink(missing_ok=True)
         left = None
         if workspace.timeout is not None:
-            left = max(0.0, workspace.timeout - (time.monotonic() - started))
+            left = max(0.0, workspace.timeout - seconds)
         try:
             run_process(
                 [*program, str(file), evaluation.function, RESPONSES_NAME],

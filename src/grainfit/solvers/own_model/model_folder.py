@@ -89,19 +89,26 @@ class ModelFolder:
         """
         return {name: hashlib.sha256(self.read(name)).hexdigest() for name in self.files()}
 
-    def read(self, name: str) -> bytes:
+    def read(self, name: str, largest: int = LARGEST_MODEL) -> bytes:
         """Return the contents of a file of the model.
+
+        Parameters
+        ----------
+        name : str
+            Name of the file in the folder.
+        largest : int
+            Largest size, bytes.
 
         Raises
         ------
         InputError
-            The file cannot be read, or is outside the folder.
+            The file cannot be read, is larger, or is outside the folder.
         """
         path = self.path / name
         if not self._is_inside(path):
             raise InputError(Fault(name, "is outside the folder."), str(self.path))
         try:
-            return read_within(path, LARGEST_MODEL)
+            return read_within(path, largest)
         except OSError as error:
             raise InputError(
                 Fault(name, f"cannot be read: {error.strerror}."), str(self.path)

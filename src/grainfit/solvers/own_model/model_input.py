@@ -8,6 +8,7 @@ import sys
 from collections.abc import Callable, Mapping
 from contextlib import suppress
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +16,7 @@ import jinja2
 import jinja2.nodes
 
 from grainfit.errors import Fault, InputError, RunFailedError
+from grainfit.files import LARGEST_TEMPLATE
 from grainfit.formatting import variable_name
 from grainfit.solvers.base import Workspace
 from grainfit.solvers.own_model import fill_templates
@@ -97,7 +99,8 @@ class Templates:
 
     def __init__(self, model: ModelFolder) -> None:
         self._model = model
-        self._environment = open_environment(model.read)
+        self._read = partial(model.read, largest=LARGEST_TEMPLATE)
+        self._environment = open_environment(self._read)
 
     def check(self, name: str) -> None:
         """Check that a file is a valid template, without filling it in.
@@ -107,7 +110,7 @@ class Templates:
         InputError
             The file is not a text, or has a syntax error; the message gives the line.
         """
-        self._checked(name, lambda: self._model.read(name).decode("utf-8"))
+        self._checked(name, lambda: self._read(name).decode("utf-8"))
 
     def check_text(self, text: str, where: str) -> None:
         """Raise `InputError` unless a text is a valid template."""
@@ -182,7 +185,7 @@ class Templates:
             "values": dict(values),
             "seeds": _seeds(seed),
         }
-        contents = [*map(self._model.read, files), *(os.fsencode(text) for text in texts.values())]
+        contents = [*map(self._read, files), *(os.fsencode(text) for text in texts.values())]
         if all(map(self._only_inserts_values, contents)):
             found = fill(request, workspace.folder, lambda _where: None)
         else:

@@ -21,6 +21,7 @@ from grainfit.solvers.process.orphans import (
     record_session,
 )
 from grainfit.solvers.process.run_folder import REMOVED, RunFolder
+from grainfit.solvers.process.stopwatch import Stopwatch
 
 LOG_NAME = "solver.log"
 _POLL_SECONDS = 0.02
@@ -61,7 +62,7 @@ def run_process(
     OSError
         The folder cannot be written; see `recorded_faults`.
     """
-    started = time.monotonic()
+    watch = Stopwatch()
     # The log is read through the open file, which remains readable after its removal.
     with RunFolder(workspace.folder) as folder, (workspace.folder / log_name).open("w+b") as log:
         mark = mark_of(workspace.folder)
@@ -84,7 +85,7 @@ def run_process(
         has_ended = False
         try:
             record_session(workspace.folder, process.pid)
-            stopped = _wait(process, workspace, started, folder)
+            stopped = _wait(process, workspace, watch, folder)
             has_ended = stopped is None
         finally:
             _end(process)
@@ -99,7 +100,7 @@ def run_process(
             stopped = gone or cause_of_exit(command[0], process.returncode, text)
     if stopped is not None:
         raise RunFailedError(stopped.reason, last_lines(text), stopped.kind)
-    return time.monotonic() - started
+    return watch.look()
 
 
 @contextmanager
@@ -134,22 +135,22 @@ def recorded_faults(workspace: Workspace) -> Iterator[None]:
 
 
 def _wait(
-    process: subprocess.Popen[bytes], workspace: Workspace, started: float, folder: RunFolder
+    process: subprocess.Popen[bytes], workspace: Workspace, watch: Stopwatch, folder: RunFolder
 ) -> Cause | None:
     """Wait for the end of a process; return the reason to end it early, if there is one."""
     delay = _POLL_SECONDS / 10
-    watched = started
+    watched = 0.0
     while process.poll() is None:
-        now = time.monotonic()
+        seconds = watch.look()
         if workspace.cancelled.is_set():
             return Cause("stopped by the user", "cancelled")
-        if workspace.timeout is not None and now - started > workspace.timeout:
+        if workspace.timeout is not None and seconds > workspace.timeout:
             reason = f"took longer than its time-out of {workspace.timeout:g} s and was ended"
             return Cause(reason, "timeout")
-        if now - watched > _WATCH_SECONDS:
+        if seconds - watched > _WATCH_SECONDS:
             if folder.is_gone():
                 return Cause(REMOVED, "machine")
-            watched = now
+            watched = seconds
         time.sleep(delay)
         delay = min(delay * 2, _POLL_SECONDS)
     return None

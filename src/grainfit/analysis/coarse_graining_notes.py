@@ -1,0 +1,74 @@
+"""Notes on runs of many small particles, which larger ones would shorten."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from grainfit.bulk_tests.base import BulkTest
+from grainfit.bulk_tests.run_cost import RunCost
+from grainfit.errors import InputError
+from grainfit.formatting import duration
+from grainfit.problem import Problem
+from grainfit.solvers.base import Solver
+
+#: Runs are long above this time, and short enough below that, s.
+_LONG, _SHORT = 900.0, 300.0
+_FACTORS = (1.25, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0, 15.0, 20.0, 30.0, 50.0)
+
+
+def coarse_graining_notes(solvers: Mapping[str, Solver], problem: Problem) -> tuple[str, ...]:
+    """Propose a factor of coarse graining for tests whose runs are long, with time and price.
+
+    Parameters
+    ----------
+    solvers : mapping of str to Solver
+        By name of the test.
+    problem : Problem
+        Free parameters: costs are those in the middle of their intervals.
+    """
+    middle = problem.from_unit([0.5] * problem.dimension)
+    found = (_note(name, solver, middle) for name, solver in solvers.items())
+    return tuple(note for note in found if note)
+
+
+def _note(name: str, solver: Solver, middle: Mapping[str, float]) -> str:
+    test = solver.bulk_test
+    if test is None or test.executes():
+        # A scene of the user's own has a geometry that only its code knows.
+        return ""
+    try:
+        cost = solver.estimate_cost(middle)
+    except InputError:
+        # The check says why.
+        return ""
+    if cost is None or cost.wall_seconds <= _LONG:
+        return ""
+    shorter = _shorter(test, solver, middle)
+    words = f"Test {name}: a run takes about {duration(cost.wall_seconds)}."
+    if shorter is None:
+        return words
+    factor, faster = shorter
+    return (
+        f"{words} With particle.coarse_graining = {factor:g} it takes about "
+        f"{duration(faster.wall_seconds)} ({faster.particles} particles). Larger particles in the "
+        "same apparatus shift responses, and the calibrated values hold for simulations at that "
+        "factor: compare two factors (docs/coarse_graining.md)."
+    )
+
+
+def _shorter(
+    test: BulkTest, solver: Solver, middle: Mapping[str, float]
+) -> tuple[float, RunCost] | None:
+    """Return the smallest factor that makes runs short, or the largest that the test can have."""
+    shorter = None
+    material = solver.run_parameters(middle)
+    for factor in _FACTORS:
+        try:
+            larger = type(test)(test.sizes.coarse_grained(factor), **test.given_options())
+            cost = larger.estimate_cost(solver.name, material)
+        except InputError:
+            break
+        shorter = (larger.sizes.coarse_graining, cost)
+        if cost.wall_seconds <= _SHORT:
+            break
+    return shorter

@@ -1,0 +1,206 @@
+"""The lock of a work folder: one process at a time, on all machines that share the folder.
+
+The file ``lock`` is locked by the kernel, which frees it when its process ends. Some shared file
+systems keep the locks of every machine apart, though (NFS with ``nolock``, Lustre with
+``localflock``, BeeGFS by default). The file is therefore signed with the process and its machine as
+well, and touched every few seconds: a lock that is free, but signed and touched by another machine,
+is in use.
+"""
+
+from __future__ import annotations
+
+import errno
+import fcntl
+import os
+import socket
+import threading
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TextIO
+
+from grainfit.errors import StoreError
+
+#: `is_held` takes the lock for a moment; `hold` waits that long before it refuses.
+_LOCK_SECONDS = 1.0
+#: Interval of the heartbeat, and the time without one after which a process elsewhere has died.
+_BEAT_SECONDS, _SILENT_SECONDS = 5.0, 20.0
+_UNSUPPORTED = {errno.ENOLCK, errno.ENOSYS, errno.EOPNOTSUPP, errno.EINVAL}
+_ANOTHER = (
+    "Choose a folder on another file system with --workdir (for runs on a cluster, one that the "
+    "nodes share, such as the home folder)"
+)
+_held: set[TextIO] = set()
+
+
+def _let_go() -> None:
+    for file in _held:
+        file.close()
+    _held.clear()
+
+
+# Workers of a pool are forked with all open files and outlive a process that is killed. They must
+# not keep the lock.
+os.register_at_fork(after_in_child=_let_go)
+
+
+@contextmanager
+def hold(folder: Path) -> Iterator[None]:
+    """Lock a work folder for this process.
+
+    Raises
+    ------
+    StoreError
+        The folder cannot be created, written or locked, or another process uses it.
+    """
+    path = folder / "lock"
+    try:
+        (folder / "runs").mkdir(parents=True, exist_ok=True)
+        file = path.open("a+", encoding="utf-8")
+    except OSError as error:
+        raise StoreError(
+            f"the work folder {str(folder)!r} cannot be used: {error.strerror}. "
+            "Choose another with --workdir."
+        ) from error
+    with file:
+        locked = _lock(file, folder)
+        signature = _Signature.read(path)
+        if not locked:
+            raise _in_use(folder, signature)
+        if not signature.is_of_this_machine() and _is_touched(path):
+            raise _in_use(folder, signature)
+        _held.add(file)
+        try:
+            with _signed(file):
+                yield
+        finally:
+            _held.discard(file)
+
+
+def is_held(folder: Path) -> bool:
+    """Return True if a process uses the folder now."""
+    try:
+        with (folder / "lock").open("r", encoding="utf-8") as file:
+            fcntl.flock(file, fcntl.LOCK_SH | fcntl.LOCK_NB)
+    except BlockingIOError:
+        return True
+    except OSError:
+        return False
+    return False
+
+
+@dataclass(frozen=True)
+class _Signature:
+    """Process that uses a folder, and its machine; empty when it has ended."""
+
+    process: str = ""
+    host: str = ""
+    boot: str = ""
+
+    @classmethod
+    def own(cls) -> _Signature:
+        boot = ""
+        with suppress(OSError):
+            boot = Path("/proc/sys/kernel/random/boot_id").read_text(encoding="utf-8").strip()
+        return cls(str(os.getpid()), socket.gethostname(), boot)
+
+    @classmethod
+    def read(cls, path: Path) -> _Signature:
+        try:
+            return cls(*path.read_text(encoding="utf-8").split()[:3])
+        except (OSError, ValueError):
+            return cls()
+
+    def is_of_this_machine(self) -> bool:
+        # Versions before 0.2.0 sign without a machine.
+        own = _Signature.own()
+        return not self.host or (self.host, self.boot) == (own.host, own.boot)
+
+    def __str__(self) -> str:
+        return self.process if self.is_of_this_machine() else f"{self.process} on {self.host}"
+
+
+def _in_use(folder: Path, signature: _Signature) -> StoreError:
+    return StoreError(
+        f"the work folder {str(folder)!r} is in use by process {signature}. "
+        "Wait for it to end, or choose another folder with --workdir."
+    )
+
+
+def _lock(file: TextIO, folder: Path) -> bool:
+    deadline = time.monotonic() + _LOCK_SECONDS
+    while True:
+        try:
+            _try_locks_of_sqlite(file)
+            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            return True
+        except BlockingIOError:
+            if time.monotonic() > deadline:
+                return False
+            time.sleep(0.02)
+        except OSError as error:
+            cause = f"the work folder {str(folder)!r} cannot be locked: {error.strerror}"
+            if error.errno not in _UNSUPPORTED:
+                raise StoreError(f"{cause}. {_ANOTHER}.") from error
+            raise StoreError(
+                f"{cause}. Its file system has no locks; without them two starts would disturb "
+                f"each other, and the run store cannot be written. {_ANOTHER}, or ask the "
+                "administrator for locks (NFS: its lock service, Lustre: the mount option flock)."
+            ) from error
+
+
+def _try_locks_of_sqlite(file: TextIO) -> None:
+    """Lock and unlock a file as SQLite does, which would report a lock that is missing as busy."""
+    # NFS makes one kind of lock of both: it is free again before the other one is taken.
+    fcntl.lockf(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    fcntl.lockf(file, fcntl.LOCK_UN)
+
+
+def _is_touched(path: Path) -> bool:
+    """Wait for a heartbeat; return False when there is none."""
+    before = _look(path)
+    deadline = time.monotonic() + _SILENT_SECONDS
+    while time.monotonic() < deadline:
+        time.sleep(0.2)
+        if _look(path) != before:
+            return True
+    return False
+
+
+def _look(path: Path) -> int | None:
+    # Network file systems ask their server about a file when it is opened.
+    try:
+        with path.open("rb") as file:
+            return os.fstat(file.fileno()).st_mtime_ns
+    except OSError:
+        return None
+
+
+@contextmanager
+def _signed(file: TextIO) -> Iterator[None]:
+    own = _Signature.own()
+    _write(file, f"{own.process} {own.host} {own.boot}\n")
+    ended = threading.Event()
+    beat = threading.Thread(target=_beat, args=(file.fileno(), ended), daemon=True)
+    beat.start()
+    try:
+        yield
+    finally:
+        ended.set()
+        beat.join()
+        _write(file, "")
+
+
+def _write(file: TextIO, text: str) -> None:
+    """Replace the signature; errors (a full disk, closed by a fork) do not matter."""
+    with suppress(OSError, ValueError):
+        os.ftruncate(file.fileno(), 0)
+        os.write(file.fileno(), text.encode())
+
+
+def _beat(descriptor: int, ended: threading.Event) -> None:
+    while not ended.wait(_BEAT_SECONDS):
+        with suppress(OSError):
+            os.utime(descriptor)

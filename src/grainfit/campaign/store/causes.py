@@ -1,0 +1,70 @@
+"""Causes of a store that cannot be used: what SQLite's error codes mean, and what the files say.
+
+SQLite names a full disk, a missing permission and an unusable file beside the store with the same
+few words. Only trying again what it did tells which of them it was.
+"""
+
+from __future__ import annotations
+
+import os
+import sqlite3
+import tempfile
+from collections.abc import Iterator
+from pathlib import Path
+
+#: Errors of a file whose contents are not those of a store.
+_DAMAGED = (sqlite3.SQLITE_CORRUPT, sqlite3.SQLITE_NOTADB, sqlite3.SQLITE_ERROR)
+_IN_USE = (sqlite3.SQLITE_BUSY, sqlite3.SQLITE_LOCKED)
+#: More than SQLite writes at once to a file that it creates, bytes.
+_TRIED_BYTES = 65_536
+
+
+def remedy(cause: BaseException, path: Path | None, renew: str) -> str:
+    """Return what made a store unusable, and what to do.
+
+    Parameters
+    ----------
+    cause : BaseException
+        Error of the driver.
+    path : Path, optional
+        File of the store in a work folder; None for another store.
+    renew : str
+        What to do with a damaged file.
+    """
+    code = getattr(cause, "sqlite_errorcode", None)
+    if code is None:
+        return "Check that the database server runs, can be reached, and accepts this user."
+    # The low byte is the kind of the error, the rest its details.
+    kind = code & 0xFF
+    if kind in _DAMAGED:
+        return renew
+    if kind == sqlite3.SQLITE_FULL:
+        return "The disk is full: make room and start again."
+    if kind in _IN_USE:
+        return "Another process uses it (wait for its end), or its file system has no locks."
+    found = next(_obstacles(path), "") if path is not None else ""
+    if found:
+        return f"{found}. Correct that and start again."
+    return "Check that its folder, and the files beside it ending in -wal and -shm, can be written."
+
+
+def _obstacles(path: Path) -> Iterator[str]:
+    """Yield why the file of a store, or one beside it, cannot be used."""
+    if not path.parent.is_dir():
+        yield f"The folder {str(path.parent)!r} is missing"
+    for name in (path.name, f"{path.name}-wal", f"{path.name}-shm"):
+        file = path.with_name(name)
+        try:
+            with file.open("r+b"):
+                pass
+        except FileNotFoundError:
+            continue
+        except OSError as error:
+            yield f"{str(file)!r} cannot be written: {error.strerror}"
+    try:
+        with tempfile.TemporaryFile(dir=path.parent) as trial:
+            trial.write(bytes(_TRIED_BYTES))
+            trial.flush()
+            os.fsync(trial.fileno())
+    except OSError as error:
+        yield f"Nothing can be written to {str(path.parent)!r}: {error.strerror}"

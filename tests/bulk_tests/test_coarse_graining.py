@@ -1,0 +1,141 @@
+"""Coarse graining: larger particles in the apparatus of the real ones."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import grainfit as gf
+from grainfit.bulk_tests.base import BulkTest
+from grainfit.bulk_tests.heap import Heap
+from grainfit.bulk_tests.packing import Packing
+from grainfit.bulk_tests.registry import BUILT_IN
+from grainfit.errors import InputError
+from grainfit.materials.sizes import ParticleSizes
+from grainfit.options.kinds import Quantity
+from grainfit.solvers.base import Workspace
+from grainfit.solvers.dem.lammps.program import Lammps
+from grainfit.testing.materials import GLASS_BEADS
+
+REAL = ParticleSizes((0.004, 0.005), (0.25, 0.75))
+TWICE = ParticleSizes((0.008, 0.010), (0.25, 0.75))
+FILE = """
+name = "pellets"
+[particle]
+diameter = "3 mm"
+coarse_graining = FACTOR
+density = 1000
+youngs_modulus = "5 MPa"
+poissons_ratio = 0.3
+[wall]
+youngs_modulus = "5 MPa"
+poissons_ratio = 0.3
+density = 1000
+[particle_particle]
+sliding_friction = { min = 0.1, max = 0.8 }
+rolling_friction = { min = 0.01, max = 0.4 }
+restitution = 0.5
+rolling_damping = 0
+[particle_wall]
+sliding_friction = 0.4
+rolling_friction = 0.1
+restitution = 0.5
+rolling_damping = 0
+[[test]]
+type = "heap"
+solver = "lammps"
+cylinder_radius = "50 mm"
+strike_off_height = "150 mm"
+plate_radius = "140 mm"
+bulk_density_top = "120 mm"
+lift_height = "150 mm"
+targets.bulk_density = { value = "540 kg/m^3", tolerance = "3 %" }
+targets.angle_of_repose = { value = "34 deg", tolerance = "2 deg" }
+"""
+
+
+def apparatus(test: BulkTest) -> dict[str, Any]:
+    """Return the lengths, speeds and stresses of a test."""
+    resolved = test.resolved_options()
+    kinds = {key.name: key.kind for key in test.option_keys() if resolved[key.name] is not None}
+    return {
+        name: resolved[name]
+        for name, kind in kinds.items()
+        if isinstance(kind, Quantity) and kind.unit not in {None, "", "s", "m/s^2"}
+    }
+
+
+def pellets(folder: Path, factor: float) -> Path:
+    path = folder / "pellets.toml"
+    path.write_text(FILE.replace("FACTOR", str(factor)))
+    return path
+
+
+@pytest.mark.parametrize("kind", BUILT_IN.values(), ids=BUILT_IN)
+def test_coarse_grained_test_is_that_of_larger_particles_in_the_same_apparatus(kind):
+    large = kind(TWICE)
+
+    coarse = kind(REAL.coarse_grained(2), **apparatus(large))
+
+    assert coarse.definition() == {**large.definition(), "coarse_graining": 2}
+    assert kind.from_definition(coarse.definition()).definition() == coarse.definition()
+
+
+@pytest.mark.parametrize("kind", BUILT_IN.values(), ids=BUILT_IN)
+def test_coarse_grained_defaults_are_those_of_the_real_particles(kind):
+    real = kind(REAL)
+
+    coarse = kind(REAL.coarse_grained(1.02))
+
+    lengths = apparatus(coarse)
+    assert lengths == pytest.approx(apparatus(real))
+    assert len(lengths) > 2
+    assert coarse.number_of_particles < real.number_of_particles
+
+
+def test_coarse_grained_run_is_that_of_larger_particles(tmp_path):
+    large = Packing(TWICE, cylinder_radius=0.03, fill_height=0.06)
+    coarse = Packing(REAL.coarse_grained(2), **apparatus(large))
+
+    responses = []
+    for number, test in enumerate((large, coarse)):
+        (tmp_path / str(number)).mkdir()
+        workspace = Workspace(tmp_path / str(number))
+        responses.append(Lammps(test, GLASS_BEADS).run({}, 1, workspace)["bulk_density"])
+
+    assert responses[0] == responses[1]
+
+
+def test_coarse_graining_of_one_changes_no_identity():
+    assert Heap(REAL.coarse_grained(1)).definition() == Heap(REAL).definition()
+
+
+def test_file_with_coarse_graining_simulates_fewer_particles_with_longer_steps(tmp_path):
+    one, two = (gf.load(pellets(tmp_path, factor)) for factor in (1, 2))
+    middle = one.problem.from_unit([0.5, 0.5])
+    costs = [setup.solvers["heap"].estimate_cost(middle) for setup in (one, two)]
+
+    assert costs[0].particles == pytest.approx(8 * costs[1].particles, rel=0.01)
+    assert 2 * costs[0].time_step == pytest.approx(costs[1].time_step)
+    rayleigh = [setup.problem.rayleigh(middle) for setup in (one, two)]
+    assert 2 * rayleigh[0] == pytest.approx(rayleigh[1])
+
+
+def test_factor_that_leaves_no_room_is_refused_by_its_name(tmp_path):
+    with pytest.raises(InputError, match=r"narrower.*9 times as large.*particle\.coarse_graining"):
+        gf.load(pellets(tmp_path, 9))
+
+
+@pytest.mark.parametrize("factor", [0.5, 1e4, '"x"', "[2]", "nan"])
+def test_impossible_factor_is_refused_by_its_line(tmp_path, factor):
+    with pytest.raises(InputError, match=r"line 5, particle\.coarse_graining"):
+        gf.load(pellets(tmp_path, factor))
+
+
+def test_check_proposes_a_factor_where_a_run_takes_hours(tmp_path):
+    slow, fast = (gf.load(pellets(tmp_path, factor)).notes() for factor in (1, 3))
+
+    assert any("particle.coarse_graining = 2.5" in note for note in slow)
+    assert not any("coarse_graining" in note for note in fast)
