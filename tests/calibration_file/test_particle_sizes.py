@@ -259,12 +259,33 @@ def test_the_plan_tells_the_price_of_the_finest_class(written: Callable[..., Pat
 
 def test_a_price_is_told_of_what_is_left(written: Callable[..., Path]) -> None:
     lines, _ = plan_of(
-        written('diameter = { sieve_curve = "sieve.csv", smallest = "1.5 mm", classes = 10 }')
+        written(
+            "diameter.log_normal = { median = 3e-3, geometric_standard_deviation = 1.6 }\n"
+            'diameter.smallest = "1.2 mm"'
+        )
     )
 
-    share = 100 * gf.SieveCurve((0.001, 0.002), (0, 0.12)).passing(0.0015)
+    share = 100 * gf.LogNormal(median=3e-3, geometric_standard_deviation=1.6).passing(1.2e-3)
     assert f"The finest {share:.3g} % of the mass are left out." in lines
     assert "which leaves out another 5 % of the mass" in lines
+
+
+def test_prices_name_real_sizes_where_particles_are_coarse_grained(
+    written: Callable[..., Path],
+) -> None:
+    def lines_of(factor: int) -> str:
+        path = written('diameter = { sieve_curve = "sieve.csv" }\ncoarse_graining = ' + f"{factor}")
+        # Room for the large ones.
+        path.write_text(f'{path.read_text()}cylinder_radius = "25 mm"\n')
+        return plan_of(path)[0]
+
+    def told(lines: str) -> list[str]:
+        found = [one for one in lines.splitlines() if "Particle sizes:" in one or "finest" in one]
+        return [re.sub(r"take \S+ of", "take", line) for line in found]
+
+    real, coarse = told(lines_of(1)), told(lines_of(2))
+    assert len(real) == 3
+    assert coarse == real
 
 
 def seconds_of(sizes: gf.ParticleSizes) -> float:

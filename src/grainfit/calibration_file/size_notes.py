@@ -59,8 +59,8 @@ def _price(
         )
         if sizes.origin is not None:
             limit, rest = sizes.origin.without_finest(_FINEST)
-            simulated = rest.coarse_grained(sizes.coarse_graining)
-            share = _seconds(_with_sizes(tests, simulated), material) / whole
+            rest = rest.coarse_grained(sizes.coarse_graining)
+            share = _seconds(_with_sizes(tests, rest), material) / whole
             yield (
                 f'  With smallest = "{1000 * limit:.3g} mm", which leaves out '
                 f"{'another' if sizes.origin.is_cut_below else 'the finest'} {percent(_FINEST)} of "
@@ -97,7 +97,7 @@ def size_notes(bulk_tests: Mapping[str, BulkTest]) -> Iterator[str]:
             continue
         yield (
             f"Test {name} has {counted(numbers[fewest], 'particle')} of "
-            f"{millimetres(test.sizes.diameters[fewest])}, for "
+            f"{millimetres(test.sizes.real.diameters[fewest])}, for "
             f"{percent(test.sizes.mass_fractions[fewest])} of the mass. Use more particles, or "
             "leave out the ends of the distribution."
         )

@@ -130,7 +130,8 @@ def divide(distribution: SizeDistribution, truncation: Truncation) -> ParticleSi
             if diameter == 0:
                 words = f"the surface of the {distribution} is infinite."
             raise InputError(Fault(key, words, f"Leave the {_FAR_ENDS[key]} out: {key} = ..."))
-    return ParticleSizes(tuple(diameters), (1 / len(diameters),) * len(diameters), origin=division)
+    fractions = (1 / len(diameters),) * len(diameters)
+    return ParticleSizes(tuple(diameters), fractions, origin=division)
 
 
 def _open_ends(distribution: SizeDistribution, truncation: Truncation) -> Iterator[Fault]:
@@ -194,6 +195,7 @@ class Division:
 
     def describe(self, sizes: ParticleSizes) -> Iterator[str]:
         """Yield the distribution in words, what the classes change, and what is left out."""
+        sizes = sizes.real
         count = self.truncation.classes
         shown = ", ".join(f"{1000 * diameter:.3g}" for diameter in sizes.diameters)
         yield (

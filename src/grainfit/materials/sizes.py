@@ -26,10 +26,10 @@ class Origin(Protocol):
         """Whether the finest particles are left out already."""
 
     def describe(self, sizes: ParticleSizes) -> Iterator[str]:
-        """Yield the distribution, and what the sizes change, in words."""
+        """Yield the distribution, and what the sizes change, in words; real sizes are named."""
 
     def without_finest(self, share: float) -> tuple[float, ParticleSizes]:
-        """Return the sizes without the finest share of the mass, and their lower limit, m."""
+        """Return real sizes without the finest share of the mass, and their lower limit, m."""
 
 
 #: Largest factor of coarse graining: beyond it no bulk test has room for its particles.
