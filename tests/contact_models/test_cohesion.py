@@ -17,6 +17,7 @@ from grainfit.contact_models.hertz_mindlin.model import (
 from grainfit.contact_models.jkr.contact_model import JKR
 from grainfit.contact_models.jkr.model import force_at
 from grainfit.contact_models.lammps import lammps_clauses
+from grainfit.contact_models.mass_damping import mass_damping, restitution_at
 from grainfit.contact_models.registry import (
     contact_law,
     contact_law_faults,
@@ -26,7 +27,6 @@ from grainfit.contact_models.registry import (
 )
 from grainfit.contact_models.sjkr.contact_model import SJKR
 from grainfit.contact_models.sjkr2.contact_model import SJKR2
-from grainfit.contact_models.mass_damping import mass_damping, restitution_at
 from grainfit.errors import InputError
 from grainfit.testing.materials import GLASS_BEADS
 

@@ -8,7 +8,7 @@ from dataclasses import replace
 from functools import partial
 
 from grainfit.bulk_tests.base import TIME_STEP_FRACTION, BulkTest
-from grainfit.contact_models.registry import MATERIAL_PARAMETERS, contact_law
+from grainfit.contact_models.registry import COHESION, MATERIAL_PARAMETERS, contact_law
 from grainfit.options.kinds import Choice, Whole
 from grainfit.options.paths import Program
 from grainfit.options.tables import Key
@@ -60,8 +60,10 @@ def _program_keys(possible: tuple[str, ...]) -> tuple[Key, ...]:
 def _solver(test: type[BulkTest], programs: Programs, entry: FileEntry) -> Solver:
     names = [key.name for key in test.option_keys()]
     options = {name: entry.options[name] for name in names if name in entry.options}
-    if entry.contact_models:
-        law = contact_law(entry.fixed, entry.contact_models)
+    # A free cohesion acts somewhere in its interval.
+    free_cohesion = {name: 1.0 for name in COHESION if name in entry.free}
+    if entry.contact_models or free_cohesion or _is_cohesive(entry):
+        law = contact_law({**entry.fixed, **free_cohesion}, entry.contact_models)
         # Rounded down: the share becomes part of a run's identity.
         safe = math.floor(100 * law.time_step_fraction(entry.fixed)) / 100
         options.setdefault("time_step_fraction", min(TIME_STEP_FRACTION, safe))
@@ -74,3 +76,7 @@ def _solver(test: type[BulkTest], programs: Programs, entry: FileEntry) -> Solve
         entry.contact_models,
     )
     return of_material(solver, entry.free)
+
+
+def _is_cohesive(entry: FileEntry) -> bool:
+    return any(entry.fixed.get(name) for name in COHESION)
