@@ -10,6 +10,7 @@ import pytest
 from grainfit.calibration_file.build import CalibrationSetup, build_calibration
 from grainfit.calibration_file.load import load_calibration_file
 from grainfit.calibration_file.plan import describe_plan
+from grainfit.errors import InputError
 from grainfit.options.places import FileFault
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
@@ -83,7 +84,7 @@ def test_a_parameter_of_another_model_is_named(faults_of: Callable[..., list[Fil
     ],
 )
 def test_a_solver_without_the_model_is_refused(tmp_path: Path, text: str, words: str) -> None:
-    with pytest.raises(Exception, match=words):
+    with pytest.raises(InputError, match=words):
         setup_of(tmp_path, text)
 
 
@@ -118,6 +119,31 @@ def test_a_time_step_that_is_too_large_for_cohesion_is_named(tmp_path: Path) -> 
     )
     dry = free.replace('{ min = 0, max = "0.5 J/m^2" }', "0")
     assert not any("that is safe" in note for note in setup_of(tmp_path, dry).notes())
+
+
+@pytest.mark.parametrize(
+    ("text", "fraction"),
+    [
+        (sticky(), 0.12),
+        (sticky().replace("0.79", "0.2"), 0.07),
+        (sticky('{ min = 0, max = "0.5 J/m^2" }').replace("0.79", "0.2"), 0.07),
+        (damp().replace("0.79", "0.2"), 0.07),
+        # Without cohesion, the default is what it was.
+        (sticky("0").replace("0.79", "0.2"), 0.12),
+    ],
+)
+def test_cohesion_and_low_restitution_shorten_the_time_step_that_is_the_default(
+    tmp_path: Path, text: str, fraction: float
+) -> None:
+    assert setup_of(tmp_path, text).bulk_tests["heap"].conditions.time_step_fraction == fraction
+
+
+def test_two_models_that_are_both_free_are_refused(tmp_path: Path) -> None:
+    both = sticky('{ min = 0, max = "0.5 J/m^2" }').replace(
+        BETWEEN, f'{BETWEEN}cohesion_energy_density = {{ min = 0, max = "1 kJ/m^3" }}\n'
+    )
+    with pytest.raises(InputError, match="sjkr and jkr cannot act together"):
+        setup_of(tmp_path, both)
 
 
 def test_the_example_of_a_cohesive_material_is_ready() -> None:

@@ -17,6 +17,7 @@ from grainfit.contact_models.hertz_mindlin.model import (
 from grainfit.contact_models.jkr.contact_model import JKR
 from grainfit.contact_models.jkr.model import force_at
 from grainfit.contact_models.lammps import lammps_clauses
+from grainfit.contact_models.mass_damping import mass_damping, restitution_at
 from grainfit.contact_models.registry import (
     contact_law,
     contact_law_faults,
@@ -26,7 +27,6 @@ from grainfit.contact_models.registry import (
 )
 from grainfit.contact_models.sjkr.contact_model import SJKR
 from grainfit.contact_models.sjkr2.contact_model import SJKR2
-from grainfit.contact_models.viscoelastic import restitution_at, viscoelastic_damping
 from grainfit.errors import InputError
 from grainfit.testing.materials import GLASS_BEADS
 
@@ -96,16 +96,22 @@ def test_on_a_wall_sjkr2_is_sjkr():
 # --- damping --------------------------------------------------------------------------------------
 
 
-def test_slow_impacts_lose_less_with_viscoelastic_damping():
-    # Ramirez et al. (1999): 1 - e grows with the speed to the power 1/5, the damping number too.
+def test_slow_impacts_lose_more():
+    # The time of an impact, and with it what is lost, falls with the speed to the power 1/5.
     lost = [1 - restitution_at(number) for number in (0.01, 0.01 * 10**0.2)]
     assert lost[1] / lost[0] == pytest.approx(10**0.2, rel=0.01)
 
 
+def test_damping_follows_the_load_and_not_the_unit_of_gravity():
+    # Twice the load is an impact that is sqrt(2) times as fast, which is over in less time.
+    one, two = (mass_damping(pair(STICKY, load)) for load in (5.0, 10.0))
+    assert two / one == pytest.approx(2**0.1)
+
+
 def test_an_elastic_material_is_not_damped():
     elastic = {**STICKY, "particle_particle.restitution": 1.0}
-    assert viscoelastic_damping(pair(elastic)) == 0.0
-    assert viscoelastic_damping(pair(STICKY)) > 0
+    assert mass_damping(pair(elastic)) == 0.0
+    assert mass_damping(pair(STICKY)) > 0
 
 
 def test_a_contact_without_surface_energy_keeps_hertz_in_lammps():

@@ -30,8 +30,9 @@ from grainfit.materials.walls import same_on_walls
 #: Largest share of the Rayleigh time step at which beds with a dashpot against rolling come to rest
 #: with the responses that smaller steps give.
 SAFE_WITH_ROLLING_DASHPOT = 0.12
-#: The same for cohesive beds whose particles overlap by at most `LARGEST_OVERLAP`.
-SAFE_WITH_COHESION = 0.12
+#: Share of the safe time step that is safe for cohesive beds too, whose particles overlap by at
+#: most `LARGEST_OVERLAP` without a load: their contacts are stiffer, and more in number.
+_COHESIVE = 0.6
 #: Largest overlap of cohesive particles without a load, over their diameter: those that overlap
 #: more are too soft for their cohesion, which then acts as if they were smaller.
 LARGEST_OVERLAP = 0.05
@@ -174,10 +175,10 @@ class ContactLaw:
             Values by dotted name; where one is missing, the share is safe for all usual values.
         """
         shares = [m.safe_time_step(material) for m in self.models if m.safe_time_step is not None]
+        if self.cohesion is not None:
+            shares = [_COHESIVE * share for share in shares]
         if any(model.is_damped(material) for model in self.models):
             shares.append(SAFE_WITH_ROLLING_DASHPOT)
-        if self.cohesion is not None:
-            shares.append(SAFE_WITH_COHESION)
         return min(shares)
 
     def solver_difference(self, material: Mapping[str, float]) -> str:

@@ -91,13 +91,21 @@ class Contact:
     @property
     def weight(self) -> float:
         """Weight that loads are counted in, N: of the particle, or 2 m* g of two."""
-        return self.gravity * self.effective_mass * (1 if self.other_radius is None else 2)
+        return self._counted_mass * self.gravity
 
     @property
     def impact_speed(self) -> float:
-        """Typical speed of an impact, sqrt(g d) with the mean diameter d, m/s."""
+        """Typical speed of an impact, m/s: sqrt(g d) at `TYPICAL_LOAD`, with the mean diameter d.
+
+        It grows with the root of the load, so that it is that of the stress where there is one.
+        """
         other = self.radius if self.other_radius is None else self.other_radius
-        return math.sqrt(self.gravity * (self.radius + other))
+        acceleration = self.load / TYPICAL_LOAD / self._counted_mass
+        return math.sqrt(acceleration * (self.radius + other))
+
+    @property
+    def _counted_mass(self) -> float:
+        return self.effective_mass * (1 if self.other_radius is None else 2)
 
     @property
     def rolling_inertia(self) -> float:

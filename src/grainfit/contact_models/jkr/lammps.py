@@ -8,20 +8,20 @@ from typing import ClassVar
 from grainfit.contact_models.contact import Contact
 from grainfit.contact_models.hertz_mindlin.lammps import elastic_coefficients
 from grainfit.contact_models.lammps import LammpsWords
-from grainfit.contact_models.viscoelastic import viscoelastic_damping
+from grainfit.contact_models.mass_damping import mass_damping
 
 _NOTES = """\
 {name}: E, damping, nu, surface energy (J/m^2; the work of adhesion is twice as much). LAMMPS has no
 damping with the same restitution at all speeds for a cohesive force. With this one, an impact
 without cohesion has the restitution of the material at the speed sqrt(g d), with a gravity of
-{gravity} m/s^2; slower impacts have more, faster ones less."""
+{gravity} m/s^2; slower impacts have less, faster ones more."""
 
 
 class JkrLammps(LammpsWords):
-    """``jkr`` with ``damping viscoelastic``; Hertz stays where there is no surface energy."""
+    """``jkr`` with ``damping mass_velocity``; Hertz stays where there is no surface energy."""
 
     name: ClassVar[str] = "jkr"
-    legend = "Cohesion: E, viscoelastic damping 1/(m s), nu, surface energy J/m^2."
+    legend = "Cohesion: E, damping 1/s, nu, surface energy J/m^2."
 
     def clauses(self, contact: Contact) -> Mapping[str, str]:
         """Return the normal force of a contact; none without surface energy."""
@@ -29,10 +29,10 @@ class JkrLammps(LammpsWords):
         if energy == 0:
             return {}
         modulus, poissons_ratio = elastic_coefficients(contact)
-        damping = viscoelastic_damping(contact)
+        damping = mass_damping(contact)
         return {
             "normal": f"{self.name} {modulus} {damping} {poissons_ratio} {energy} "
-            "damping viscoelastic"
+            "damping mass_velocity"
         }
 
     def notes(self, gravity: float) -> str:

@@ -8,8 +8,8 @@ from dataclasses import replace
 from functools import partial
 
 from grainfit.bulk_tests.base import TIME_STEP_FRACTION, BulkTest
-from grainfit.contact_models.registry import contact_law, is_material_parameter
-from grainfit.materials.walls import wall_of, walls_among
+from grainfit.contact_models.registry import COHESION, contact_law, is_material_parameter
+from grainfit.materials.walls import plain_name, wall_of, walls_among
 from grainfit.options.kinds import Choice, Name, Whole
 from grainfit.options.paths import Program
 from grainfit.options.tables import Key, Named, Table
@@ -89,8 +89,10 @@ def _solver(test: type[BulkTest], programs: Programs, entry: FileEntry) -> Solve
     fixed = {
         n: v for n, v in entry.fixed.items() if is_material_parameter(n) and wall_of(n) in used
     }
-    if entry.contact_models:
-        law = contact_law(fixed, entry.contact_models)
+    # A free cohesion acts somewhere in its interval.
+    free_cohesion = {n: 1.0 for n in entry.free if plain_name(n) in COHESION and wall_of(n) in used}
+    if entry.contact_models or free_cohesion or _is_cohesive(fixed):
+        law = contact_law({**fixed, **free_cohesion}, entry.contact_models)
         # Rounded down: the share becomes part of a run's identity.
         safe = math.floor(100 * law.time_step_fraction(fixed)) / 100
         options.setdefault("time_step_fraction", min(TIME_STEP_FRACTION, safe))
@@ -104,3 +106,7 @@ def _solver(test: type[BulkTest], programs: Programs, entry: FileEntry) -> Solve
         walls,
     )
     return of_material(solver, entry.free)
+
+
+def _is_cohesive(material: Mapping[str, float]) -> bool:
+    return any(value for name, value in material.items() if plain_name(name) in COHESION)
