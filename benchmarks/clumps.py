@@ -15,11 +15,7 @@ The material is that of the rough spheres of the documentation, with the rolling
 from __future__ import annotations
 
 import argparse
-import json
 import os
-import resource
-import sys
-import tempfile
 from collections.abc import Iterator, Mapping, Sequence
 from itertools import product
 from pathlib import Path
@@ -30,13 +26,12 @@ os.environ["OMP_NUM_THREADS"] = "1"
 import numpy as np
 
 from grainfit.bulk_tests.registry import bulk_tests
-from grainfit.errors import GrainfitError
 from grainfit.formatting import number
 from grainfit.materials.particle_shape import ASPECT_RATIO, FAMILIES, ParticleShape
 from grainfit.materials.sizes import ParticleSizes
-from grainfit.solvers.base import Workspace
 from grainfit.solvers.registry import DEM_PROGRAMS
 from grainfit.testing.materials import ROUGH_SPHERES
+from kept_runs import mean_and, measure, read, simulate
 
 RATIOS = (1.0, 1.25, 1.5, 1.75, 2.0)
 DIAMETER = 0.010
@@ -62,43 +57,18 @@ def material_of(run: Run) -> Mapping[str, float]:
     return {
         **ROUGH_SPHERES,
         **{f"{contact}.rolling_friction": run.rolling_friction for contact in contacts},
+        # YADE has none.
+        **{f"{contact}.rolling_damping": 0.0 for contact in contacts},
         "particle.youngs_modulus": modulus,
         ASPECT_RATIO: run.aspect_ratio,
     }
 
 
-def simulate(run: Run) -> dict[str, Any]:
-    """Simulate once; return the responses, or the reason of a failure."""
+def record_of(run: Run) -> dict[str, Any]:
+    """Simulate a run."""
     sizes = ParticleSizes((DIAMETER,), shape=ParticleShape(run.family))
     program = DEM_PROGRAMS[run.solver](bulk_tests()[run.test](sizes), material_of(run))
-    record: dict[str, Any] = run._asdict()
-    before = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
-    with tempfile.TemporaryDirectory() as folder:
-        try:
-            responses = program.run({}, run.seed, Workspace(Path(folder)))
-        except GrainfitError as error:
-            record["why"] = str(error)
-        else:
-            record["responses"] = {name: found.value for name, found in responses.items()}
-    seconds = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime - before
-    return record | {"seconds": round(seconds, 2)}
-
-
-def measure(runs: Sequence[Run], kept: Path) -> None:
-    """Simulate what is not kept yet, and keep it."""
-    known = set(_read(kept))
-    with kept.open("a") as file:
-        for done, run in enumerate(runs, 1):
-            if run not in known:
-                file.write(json.dumps(simulate(run)) + "\n")
-                file.flush()
-                print(f"{done} of {len(runs)}", file=sys.stderr)
-
-
-def _read(kept: Path) -> dict[Run, dict[str, Any]]:
-    lines = kept.read_text().splitlines() if kept.exists() else []
-    records = [json.loads(line) for line in lines]
-    return {Run(*(record[key] for key in Run._fields)): record for record in records}
+    return simulate(program, run.seed)
 
 
 def table(records: Mapping[Run, dict[str, Any]]) -> Iterator[str]:
@@ -109,7 +79,7 @@ def table(records: Mapping[Run, dict[str, Any]]) -> Iterator[str]:
         own = [r for run, r in records.items() if run._replace(seed=0) == setting]
         good = [r["responses"] for r in own if "responses" in r]
         names = good[0] if good else ()
-        means = ", ".join(f"{name} {_mean([r[name] for r in good])}" for name in names)
+        means = ", ".join(f"{name} {mean_and(_scatter, [r[name] for r in good])}" for name in names)
         _, test, friction, family, ratio, solver = setting
         seconds = number(float(np.median([r["seconds"] for r in own])), 2)
         yield (
@@ -118,9 +88,8 @@ def table(records: Mapping[Run, dict[str, Any]]) -> Iterator[str]:
         )
 
 
-def _mean(values: Sequence[float]) -> str:
-    scatter = float(np.std(values, ddof=1)) if len(values) > 1 else np.nan
-    return f"{number(float(np.mean(values)), 4)} ± {number(scatter, 2)}"
+def _scatter(values: Sequence[float]) -> float:
+    return float(np.std(values, ddof=1))
 
 
 def main() -> None:
@@ -138,8 +107,9 @@ def main() -> None:
     if not given.table:
         seeds = range(1, given.seeds + 1)
         varied = (given.rolling, given.families, given.ratios, given.solvers)
-        measure([Run(*values) for values in product(seeds, given.tests, *varied)], given.kept)
-    print("\n".join(table(_read(given.kept))))
+        runs = [Run(*values) for values in product(seeds, given.tests, *varied)]
+        measure(runs, given.kept, record_of)
+    print("\n".join(table(read(given.kept, Run))))
 
 
 if __name__ == "__main__":

@@ -15,11 +15,7 @@ mean of each response with its standard error.
 from __future__ import annotations
 
 import argparse
-import json
 import os
-import resource
-import sys
-import tempfile
 from collections.abc import Iterator, Mapping, Sequence
 from itertools import product
 from pathlib import Path
@@ -30,11 +26,10 @@ os.environ["OMP_NUM_THREADS"] = "1"
 import numpy as np
 
 from grainfit.bulk_tests.registry import bulk_tests
-from grainfit.errors import GrainfitError
 from grainfit.formatting import number
-from grainfit.solvers.base import Workspace
 from grainfit.solvers.registry import DEM_PROGRAMS
 from grainfit.testing.materials import ROUGH_SPHERES
+from kept_runs import mean_and, measure, read, simulate
 
 SOLVERS = ("lammps", "liggghts")
 MODELS = ("epsd2", "epsd", "epsd 0.25")
@@ -68,39 +63,12 @@ def material_of(run: Run) -> Mapping[str, float]:
     return {**rest, **changes, "particle_particle.rolling_friction": run.rolling_friction}
 
 
-def simulate(run: Run) -> dict[str, Any]:
-    """Simulate once; return the responses, or the reason of a failure."""
+def record_of(run: Run) -> dict[str, Any]:
+    """Simulate a run."""
     test = bulk_tests()[run.test](diameter="10 mm", time_step_fraction=run.fraction)
     chosen = [run.model.partition(" ")[0]]
     program = DEM_PROGRAMS[run.solver](test, material_of(run), contact_models=chosen)
-    record: dict[str, Any] = run._asdict()
-    before = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
-    with tempfile.TemporaryDirectory() as folder:
-        try:
-            responses = program.run({}, run.seed, Workspace(Path(folder)))
-        except GrainfitError as error:
-            record["why"] = str(error)
-        else:
-            record["responses"] = {name: found.value for name, found in responses.items()}
-    seconds = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime - before
-    return record | {"seconds": round(seconds, 2)}
-
-
-def measure(runs: Sequence[Run], kept: Path) -> None:
-    """Simulate what is not kept yet, and keep it."""
-    known = set(_read(kept))
-    with kept.open("a") as file:
-        for done, run in enumerate(runs, 1):
-            if run not in known:
-                file.write(json.dumps(simulate(run)) + "\n")
-                file.flush()
-                print(f"{done} of {len(runs)}", file=sys.stderr)
-
-
-def _read(kept: Path) -> dict[Run, dict[str, Any]]:
-    lines = kept.read_text().splitlines() if kept.exists() else []
-    records = [json.loads(line) for line in lines]
-    return {Run(*(record[key] for key in Run._fields)): record for record in records}
+    return simulate(program, run.seed)
 
 
 def table(records: Mapping[Run, dict[str, Any]]) -> Iterator[str]:
@@ -112,7 +80,7 @@ def table(records: Mapping[Run, dict[str, Any]]) -> Iterator[str]:
         own = [r for run, r in records.items() if run._replace(seed=0) == setting]
         good = [r["responses"] for r in own if "responses" in r]
         names = good[0] if good else ()
-        means = ", ".join(f"{name} {_mean([r[name] for r in good])}" for name in names)
+        means = ", ".join(f"{name} {mean_and(_error, [r[name] for r in good])}" for name in names)
         _, test, friction, restitution, model, fraction, solver = setting
         seconds = number(float(np.median([r["seconds"] for r in own])), 2)
         yield (
@@ -121,9 +89,8 @@ def table(records: Mapping[Run, dict[str, Any]]) -> Iterator[str]:
         )
 
 
-def _mean(values: Sequence[float]) -> str:
-    error = np.std(values, ddof=1) / np.sqrt(len(values)) if len(values) > 1 else np.nan
-    return f"{number(float(np.mean(values)), 4)} ± {number(float(error), 2)}"
+def _error(values: Sequence[float]) -> float:
+    return float(np.std(values, ddof=1) / np.sqrt(len(values)))
 
 
 def main() -> None:
@@ -143,8 +110,8 @@ def main() -> None:
         seeds = range(1, given.seeds + 1)
         varied = (given.frictions, given.restitutions, given.models, given.fractions)
         settings = product(seeds, given.tests, *varied, given.solvers)
-        measure([Run(*values) for values in settings], given.kept)
-    print("\n".join(table(_read(given.kept))))
+        measure([Run(*values) for values in settings], given.kept, record_of)
+    print("\n".join(table(read(given.kept, Run))))
 
 
 if __name__ == "__main__":

@@ -17,6 +17,8 @@ from grainfit.calibration_file.plan import describe_plan
 from grainfit.campaign.batch import simulate_once
 from grainfit.contact_models.hertz_mindlin.model import hertz_overlap, particle_moduli
 from grainfit.errors import InputError, NotMeasurableError, RunFailedError
+from grainfit.materials.particle_shape import ParticleShape
+from grainfit.materials.sizes import ParticleSizes
 from grainfit.run_definition import RunDefinition
 from grainfit.scenes.run_output import RunOutput
 from grainfit.solvers.base import Workspace
@@ -371,3 +373,44 @@ def test_a_calibration_with_a_scene_keeps_results_and_is_read_back(
     assert saved.result is not None
     assert len(list((tmp_path / "work" / "runs").glob("*/particles.png"))) == len(saved.evaluations)
     assert list((tmp_path / "work" / "runs").glob("*/functions")) == []
+
+
+def test_particles_of_a_scene_are_clumps_of_the_aspect_ratio_of_the_material(
+    beads: Path, tmp_path: Path
+) -> None:
+    sizes = ParticleSizes((0.010,), shape=ParticleShape("two_spheres"))
+    test = OwnScene(sizes, scene=f"{beads}:scene", measure=f"{beads}:measure")
+    again = recreate_test(
+        RunDefinition({"solver": "lammps", "test": test.definition()}, GLASS_BEADS, 1)
+    )
+    solver = DEM_PROGRAMS["lammps"](test, {**GLASS_BEADS, "particle.aspect_ratio": 1.5})
+    found = solver.run({}, 1, Workspace(tmp_path))
+
+    assert again is not None
+    assert again.sizes == sizes
+    # Lying on the floor with both spheres of 0.84 of the diameter.
+    assert found["height"].value == pytest.approx(0.0042, abs=5e-5)
+    assert RunOutput(tmp_path).snapshot("end").count == 3
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        (
+            "dtype=int), d)",
+            "dtype=int), d, orientations=np.ones((2, 4)))",
+            "orientations are not one for each clump",
+        ),
+        ("2 * d * i", "0.5 * d * i", "3 pairs overlap"),
+        ("Box((-d,", "Box((-0.1 * d,", "1 of 3 begin outside"),
+    ],
+)
+def test_clumps_that_cannot_begin_are_refused(beads: Path, old: str, new: str, words: str) -> None:
+    code = beads.read_text()
+    assert old in code
+    beads.write_text(code.replace(old, new, 1))
+    sizes = ParticleSizes((0.010,), shape=ParticleShape("two_spheres", aspect_ratio=1.5))
+    test = OwnScene(sizes, scene=f"{beads}:scene", measure=f"{beads}:measure")
+
+    with pytest.raises(RunFailedError, match=words):
+        test.scene(GLASS_BEADS, 1)

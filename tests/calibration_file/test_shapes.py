@@ -108,9 +108,8 @@ def test_shapes_are_different_runs_and_spheres_are_the_runs_that_they_were(tmp_p
     assert hashes["pair"] == hashes["slender"]
 
 
-@pytest.mark.parametrize("solver", ["liggghts"])
-def test_a_solver_without_clumps_refuses_them_with_the_reason(tmp_path: Path, solver: str) -> None:
-    plan = describe_plan(setup_with(tmp_path, f"shape = {OWN}", solver))
+def test_a_solver_without_clumps_refuses_them_with_the_reason(tmp_path: Path) -> None:
+    plan = describe_plan(setup_with(tmp_path, f"shape = {OWN}", "liggghts"))
 
     (problem,) = plan.problems
     assert "cannot simulate this heap test" in problem

@@ -36,8 +36,8 @@ def test_lammps_reads_the_molecule_of_a_card(clumps: MaterialCard, tmp_path: Pat
     (tmp_path / "clump.mol").write_text("clump\n\n" + block(text, "reinit no", "--- values"))
     (tmp_path / "card").write_text(text)
     deck = (
-        "units si\natom_style sphere\natom_modify map array\nboundary f f f\n"
-        "newton off\ncomm_modify vel yes cutoff 0.1\n"
+        "units si\natom_style sphere\natom_modify map array\nboundary f f f\nnewton off\n"
+        "comm_modify vel yes cutoff 0.1\n"
         "fix property all property/atom mol ghost yes\n"
         "region box block -0.1 0.1 -0.1 0.1 -0.1 0.1 units box\ncreate_box 4 box\n"
         "include card\npair_style granular\n"

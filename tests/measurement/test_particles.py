@@ -1,12 +1,14 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from grainfit.errors import NotMeasurableError
+from grainfit.bulk_tests.shared.validity import require_separate
+from grainfit.errors import NotMeasurableError, RunFailedError
 from grainfit.measurement.particles import Particles, read_dump, read_frames, write_vtk
 
 COLUMNS = "id type x y z radius mass"
@@ -163,3 +165,15 @@ def test_spheres_of_a_clump_share_its_volume_and_count_as_one(dump: Path) -> Non
     chosen = particles.select(particles.positions[:, 2] > 0.2)
     assert chosen.clumps is not None
     assert chosen.clumps.tolist() == [3, 3, 5]
+
+
+def test_spheres_of_one_clump_do_not_overlap_grossly() -> None:
+    particles = Particles(
+        np.array([(0, 0, 0), (0.004, 0, 0), (0.0139, 0, 0)]),
+        np.full(3, 0.005),
+        np.full(3, 0.001),
+        np.array([1, 1, 2]),
+    )
+    require_separate(particles)
+    with pytest.raises(RunFailedError, match="overlap grossly"):
+        require_separate(replace(particles, clumps=np.array([1, 2, 3])))

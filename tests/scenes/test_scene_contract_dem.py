@@ -9,12 +9,13 @@ import pytest
 from grainfit.bulk_tests.heap import Heap
 from grainfit.solvers.dem.lammps.program import Lammps
 from grainfit.solvers.dem.liggghts.program import Liggghts
+from grainfit.testing.clump_contract import ClumpContract
 from grainfit.testing.glued_contract import GluedContract
 from grainfit.testing.impact_contract import ImpactContract
 from grainfit.testing.scene_contract import SceneContract
 
 
-class TestLammps(SceneContract, GluedContract, ImpactContract):
+class TestLammps(SceneContract, GluedContract, ImpactContract, ClumpContract):
     @pytest.fixture
     def solver(self):
         return Lammps(Heap(diameter="10 mm"), {})

@@ -13,6 +13,7 @@ import pytest
 
 from grainfit.bulk_tests.heap import Heap
 from grainfit.solvers.dem.yade.program import Yade
+from grainfit.testing.clump_contract import ClumpContract
 from grainfit.testing.impact_contract import ImpactContract
 from grainfit.testing.scene_contract import SceneContract
 
@@ -66,7 +67,7 @@ def process(tmp_path_factory):
 
 
 @pytest.mark.slow
-class TestYade(SceneContract, ImpactContract):
+class TestYade(SceneContract, ImpactContract, ClumpContract):
     # YADE adds increments of the tangential force, which stay while the contact unloads; the other
     # programs multiply a displacement by the stiffness of the moment. That matters for contacts
     # that stick: measured, 0.065 at an incidence of 5 degrees, 0.025 at 10, 0.007 from 20 on.

@@ -7,6 +7,7 @@ from collections.abc import Iterable, Iterator
 from itertools import combinations_with_replacement
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from grainfit.errors import Fault
@@ -17,6 +18,8 @@ from grainfit.scenes.records import Force
 from grainfit.scenes.scene import Box, Motion, Scene, Stage, Wall
 from grainfit.scenes.shapes import Annulus, Block, Cone, Cylinder, Disc, Plane, Shape
 from grainfit.scenes.stl import mesh_faults
+
+Array = NDArray[np.float64]
 
 _AXES = ("x", "y", "z")
 #: Overlap of two particles at the beginning that is no rounding error, over their distance.
@@ -85,14 +88,22 @@ def _particle_faults(scene: Scene) -> Iterator[Fault]:
         yield Fault(
             "particles", "velocities are not one for each particle.", "Give (n, 3) of them."
         )
-    yield from _clump_faults(scene)
-    outside = (column.positions < scene.box.low) | (column.positions > scene.box.high)
+    turned = [*_clump_faults(scene)]
+    if turned:
+        yield from turned
+        return
+    clumps = scene.clumps
+    places = column.positions if clumps is None else column.outlines(clumps)[0]
+    outside = ((places < scene.box.low) | (places > scene.box.high)).any(axis=1)
     if outside.any():
-        lost, first = int(outside.any(axis=1).sum()), column.positions[outside.any(axis=1)][0]
+        lost, first = int(outside.reshape(count, -1).any(axis=1).sum()), places[outside][0]
         message = f"{lost} of {count} begin outside of the box, the first at {first.tolist()} m."
         yield Fault("particles", message, "Make the box larger, or move them.")
         return
-    overlaps = _overlaps(column, sizes.diameters) if scene.clumps is None else 0
+    if clumps is None:
+        overlaps = _overlaps(column, sizes.diameters)
+    else:
+        overlaps = _clump_overlaps(*column.outlines(clumps), len(clumps.clump))
     if overlaps:
         message = f"{overlaps} pairs overlap at the beginning, and would burst apart."
         yield Fault("particles", message, "Use random_column(), or place them farther apart.")
@@ -146,6 +157,14 @@ def _overlaps(column: Column, diameters: Iterable[float]) -> int:
         else:
             found += int(first.count_neighbors(second, reach))
     return found
+
+
+def _clump_overlaps(places: Array, radii: Array, each: int) -> int:
+    """Count pairs of clumps that overlap; copies across periodic sides are left out."""
+    pairs = cKDTree(places).query_pairs(2 * radii.max(), output_type="ndarray")
+    apart = np.linalg.norm(places[pairs[:, 0]] - places[pairs[:, 1]], axis=1)
+    owners = pairs[apart < (1 - _OVERLAP) * radii[pairs].sum(axis=1)] // each
+    return len(np.unique(np.sort(owners[owners[:, 0] != owners[:, 1]], axis=1), axis=0))
 
 
 def _wall_faults(name: str, wall: Wall, scene: Scene) -> Iterator[Fault]:

@@ -20,7 +20,7 @@ from grainfit.solvers.dem.card_parts import (
     variables,
     walls_of_card,
 )
-from grainfit.solvers.dem.lammps.sphere_types import SphereTypes
+from grainfit.solvers.dem.sphere_types import SphereTypes
 
 _TAKEN = ("rayleigh_time_step", "recommended_time_step")
 

@@ -13,12 +13,12 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial.transform import Rotation
 
 from grainfit.scenes.scene import Scene
 from grainfit.scenes.spheres import ClumpSpheres
-from grainfit.solvers.dem.lammps.sphere_types import SphereTypes
+from grainfit.solvers.dem.rigid_bodies import rigid_bodies
 from grainfit.solvers.dem.script_words import command, continued
+from grainfit.solvers.dem.sphere_types import SphereTypes
 
 BODIES = "clumps.txt"
 #: Time steps between two searches for clumps that have left the box.
@@ -109,27 +109,11 @@ class RigidClumps:
 
     def bodies(self) -> str:
         """Return the file of bodies: mass, centre, inertia, velocity, angular momentum, images."""
-        scene, column = self.scene, self.scene.particles
-        diameters = np.array(scene.sizes.diameters)[column.size_indices]
-        solid = scene.material["particle.density"]
-        masses = solid * math.pi / 6 * diameters**3
-        turned = Rotation.from_quat(column.turns).as_matrix()
-        moments = np.array(self.spheres.clump.moments)
-        inertia = np.einsum("nij,j,nkj->nik", turned, moments, turned)
-        inertia *= (masses * diameters**2)[:, None, None]
-        none = np.zeros((self.count, 3))
-        velocities = none if column.velocities is None else column.velocities
-        spins = none if column.spins is None else column.spins
-        momenta = np.einsum("nij,nj->ni", inertia, spins)
-        upper = [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)]
+        bodies, column = rigid_bodies(self.scene), self.scene.particles
+        momenta = np.einsum("nij,nj->ni", bodies.inertia, bodies.spins)
+        upper = bodies.upper_inertia
         table = np.column_stack(
-            (
-                masses,
-                column.positions,
-                *(inertia[:, i, j] for i, j in upper),
-                velocities,
-                momenta,
-            )
+            (bodies.masses, column.positions, upper, bodies.velocities, momenta)
         )
         rows = (
             f"{number} {' '.join(f'{value:.15g}' for value in row)} 0 0 0"

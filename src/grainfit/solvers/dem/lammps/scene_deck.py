@@ -12,9 +12,9 @@ from grainfit.scenes.run_output import snapshot_file
 from grainfit.scenes.scene import Load, Motion, Rotation, Scene, Stage, Wall
 from grainfit.scenes.shapes import Block, Cone, Cylinder, Disc, Plane, Shape
 from grainfit.solvers.dem.lammps.rigid_clumps import BODIES, RigidClumps
-from grainfit.solvers.dem.lammps.sphere_types import SphereTypes
 from grainfit.solvers.dem.script import PARTICLES, ScriptDeck
 from grainfit.solvers.dem.script_words import command, continued, heading
+from grainfit.solvers.dem.sphere_types import SphereTypes
 
 #: Concepts that LAMMPS does not have, with the reason and what to use instead.
 MISSING: Mapping[str, str] = {

@@ -22,8 +22,8 @@ MISSING: Mapping[str, str] = {
         "use a load in every stage, its largest speed is the velocity of the approach"
     ),
     "clumps": (
-        "LIGGGHTS inserts clumps by its own fixes only, at places that are not those of the other "
-        'programs, and cannot strike them off; use solver = "lammps"'
+        "LIGGGHTS places clumps by its own fixes only, at random, and its delete_atoms refuses "
+        'them; use solver = "lammps" or solver = "yade"'
     ),
 }
 

@@ -7,19 +7,24 @@ from collections.abc import Iterator, Mapping
 from typing import ClassVar
 
 import numpy as np
+from scipy.optimize import nnls
 
 from grainfit.contact_models.contact import Contact
 from grainfit.contact_models.hertz_mindlin.yade import wall_modulus
 from grainfit.contact_models.yade import YadeArgument, yade_law, yade_on_wall, yade_physics
 from grainfit.errors import Fault, InputError
+from grainfit.materials.clumps import Clump
 from grainfit.scenes.conditions import AtRest, Clear, Elapsed, Loaded
 from grainfit.scenes.records import Force, MassAbove, RadialForce, Recorded, Travel
 from grainfit.scenes.run_output import STAGES_HEADER
 from grainfit.scenes.scene import Motion, Rotation, Stage, Velocity, Wall, load_on
 from grainfit.scenes.shapes import Block, Cone, Cylinder, Disc, Plane, Vector
+from grainfit.scenes.spheres import ClumpSpheres
 from grainfit.solvers.dem.card_parts import fill
 from grainfit.solvers.dem.deck import SceneDeck
+from grainfit.solvers.dem.rigid_bodies import rigid_bodies
 from grainfit.solvers.dem.script_words import heading
+from grainfit.solvers.dem.sphere_types import SphereTypes
 
 _EDGES = (
     "YADE gives a particle near an edge between two triangles of one plane two contacts, one of "
@@ -37,8 +42,9 @@ MISSING: Mapping[str, str] = {
     "rotation": _SCRIPTED.format(what="turning walls"),
     "lying cylinder": _SCRIPTED.format(what="tubes that lie"),
     "frames": _SCRIPTED.format(what="frames of a stage"),
-    "clumps": ('the decks of YADE have no particles other than spheres; use solver = "lammps"'),
 }
+#: How much more the centre of mass of a clump counts than the masses of its spheres.
+_WEIGHT_OF_CENTRE = 1e6
 #: R* of a particle on a wall in YADE over its radius.
 _RADIUS_SHARE = 1 / 2
 #: Thickness of the panels of tubes, and of discs, in Sauter diameters; width of panels.
@@ -64,6 +70,9 @@ class YadeSceneDeck(SceneDeck):
 
     def write_particles(self) -> None:
         """Write places, radii and velocities of the particles."""
+        if self.scene.clumps is not None:
+            self._write_clumps(self.scene.clumps)
+            return
         particles = self.scene.particles
         radii = np.array(self.scene.sizes.diameters)[particles.size_indices] / 2
         velocities = particles.velocities
@@ -71,6 +80,15 @@ class YadeSceneDeck(SceneDeck):
             velocities = np.zeros_like(particles.positions)
         table = np.column_stack((particles.positions, radii, velocities))
         np.savetxt(self.folder / "particles.txt", table, "%.12g", header="x y z radius vx vy vz")
+
+    def _write_clumps(self, spheres: ClumpSpheres) -> None:
+        """Write the spheres of clumps, and mass, inertia, velocity and spin of each clump."""
+        table = np.column_stack(self.scene.particles.outlines(spheres))
+        np.savetxt(self.folder / "particles.txt", table, "%.12g", header="x y z radius")
+        found = rigid_bodies(self.scene)
+        bodies = (found.masses, found.upper_inertia, found.velocities, found.spins)
+        header = "mass Ixx Iyy Izz Ixy Ixz Iyz vx vy vz wx wy wz"
+        np.savetxt(self.folder / "clumps.txt", np.column_stack(bodies), "%.15g", header=header)
 
     def text(self) -> str:
         """Return the script; write the STL files that it reads.
@@ -88,6 +106,7 @@ class YadeSceneDeck(SceneDeck):
             "yade",
             {
                 "title": scene.title,
+                "clumps": None if scene.clumps is None else _shares(scene.clumps.clump),
                 "file_name": self.file_name,
                 "time_step": scene.time_step,
                 "gravity": scene.gravity,
@@ -117,18 +136,25 @@ class YadeSceneDeck(SceneDeck):
     # --- contacts ------------------------------------------------------------------------------
 
     def _between_particles(self) -> Contact:
-        scene, radius = self.scene, self.scene.sizes.sauter_diameter / 2
+        scene = self.scene
         material = scene.material_on("wall")
-        gravity, load = scene.weight_gravity, scene.typical_load
-        return Contact.between(material, radius, radius, gravity, load)
+        return self._sphere.between(material, 1, 1, scene.weight_gravity, scene.typical_load)
+
+    @property
+    def _sphere(self) -> SphereTypes:
+        """The sphere for which YADE computes rolling stiffness: the largest one of a clump."""
+        sizes = self.scene.sizes
+        diameter, clump = sizes.sauter_diameter, self.scene.clumps
+        if clump is None:
+            return SphereTypes((diameter / 2,))
+        return SphereTypes((diameter * float(clump.clump.radii.max()),), (diameter,))
 
     def _rolling(self) -> Iterator[tuple[str, list[YadeArgument]]]:
         """Iterate over surfaces and what contacts with them get that no functor gives them."""
-        scene, radius = self.scene, self.scene.sizes.sauter_diameter / 2
-        gravity = scene.weight_gravity
+        scene, gravity = self.scene, self.scene.weight_gravity
         for surface in self._surfaces():
             material = scene.material_on(surface)
-            contact = Contact.on_wall(material, radius, gravity, scene.typical_load)
+            contact = self._sphere.on_wall(material, 1, gravity, scene.typical_load)
             attributes = yade_on_wall(self.law, contact)
             if attributes:
                 yield surface, attributes
@@ -169,7 +195,7 @@ class YadeSceneDeck(SceneDeck):
             A period is so short that YADE would overlook contacts across it.
         """
         diameters = self.scene.sizes.diameters
-        distance = _VERLET * min(diameters) / 2
+        distance = _VERLET * self.scene.sizes.smallest_radius
         if not self.scene.box.periodic:
             return distance
         lengths = zip("xyz", self._lengths(), strict=True)
@@ -303,7 +329,9 @@ class YadeSceneDeck(SceneDeck):
             return f"stage.until_at_rest(first={steps}, limit={limit})"
         if isinstance(until, Clear):
             bottom = scene.all_walls()[until.wall].shape.bottom  # type: ignore[union-attr]
-            radius = max(scene.sizes.diameters) / 2
+            clump = scene.clumps
+            share = 0.5 if clump is None else float(clump.clump.radii.max())
+            radius = share * max(scene.sizes.diameters)
             return f"stage.until_clear({until.wall!r}, {bottom!r}, {radius!r}, limit={limit})"
         assert isinstance(until, Loaded)
         load = load_on(stage, until.wall)
@@ -311,3 +339,16 @@ class YadeSceneDeck(SceneDeck):
         axis = "xyz".index(load.along)
         wanted = f"{axis}, {load.force!r}, within={until.within!r}, limit={limit}"
         return f"stage.until_loaded({until.wall!r}, {wanted})"
+
+
+def _shares(clump: Clump) -> dict[str, list[float]]:
+    """Return shares of a clump's mass by sphere: by volume, and so that the centre is right.
+
+    YADE takes the centre of mass from the masses of the spheres.
+    """
+    shares = clump.radii**3 / (clump.radii**3).sum()
+    # As near to the volumes as the centre allows.
+    centre = _WEIGHT_OF_CENTRE * np.vstack((clump.positions.T, np.ones(len(clump))))
+    wanted = np.concatenate((np.array([0.0, 0.0, 0.0, _WEIGHT_OF_CENTRE]), shares))
+    weights, _ = nnls(np.vstack((centre, np.eye(len(clump)))), wanted)
+    return {"shares": shares.tolist(), "weights": weights.tolist()}

@@ -1,4 +1,4 @@
-"""Atom types of LAMMPS: the different spheres of a material, and the masses they move with."""
+"""Types of spheres: the different spheres of a material, and the masses that they move with."""
 
 from __future__ import annotations
 

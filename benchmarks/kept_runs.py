@@ -1,0 +1,64 @@
+"""Runs of a benchmark that are kept in a file of JSON lines, and not repeated."""
+
+from __future__ import annotations
+
+import json
+import resource
+import sys
+import tempfile
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any, NamedTuple, TypeVar
+
+import numpy as np
+
+from grainfit.errors import GrainfitError
+from grainfit.evaluation import Response
+from grainfit.formatting import number
+from grainfit.solvers.base import Workspace
+from grainfit.solvers.dem.program import DeckSolver
+
+Run = TypeVar("Run", bound=NamedTuple)
+
+
+def simulate(program: DeckSolver, seed: int) -> dict[str, Any]:
+    """Simulate once; return the responses, or the reason of a failure, and processor time."""
+    record: dict[str, Any] = {}
+    before = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
+    with tempfile.TemporaryDirectory() as folder:
+        try:
+            responses = program.run({}, seed, Workspace(Path(folder)))
+        except GrainfitError as error:
+            record["why"] = str(error)
+        else:
+            record["responses"] = {
+                name: found.value
+                for name, found in responses.items()
+                if isinstance(found, Response)
+            }
+    seconds = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime - before
+    return record | {"seconds": round(seconds, 2)}
+
+
+def measure(runs: Sequence[Run], kept: Path, make: Callable[[Run], dict[str, Any]]) -> None:
+    """Make the record of every run that is not kept yet, and keep it."""
+    known = set(read(kept, type(runs[0])))
+    with kept.open("a") as file:
+        for done, run in enumerate(runs, 1):
+            if run not in known:
+                file.write(json.dumps(run._asdict() | make(run)) + "\n")
+                file.flush()
+                print(f"{done} of {len(runs)}", file=sys.stderr)
+
+
+def read(kept: Path, kind: type[Run]) -> dict[Run, dict[str, Any]]:
+    """Read the records of all runs that are kept."""
+    lines = kept.read_text().splitlines() if kept.exists() else []
+    records = [json.loads(line) for line in lines]
+    return {kind(*(record[key] for key in kind._fields)): record for record in records}
+
+
+def mean_and(spread: Callable[[Sequence[float]], float], values: Sequence[float]) -> str:
+    """Return the mean and a measure of the spread of values in words."""
+    found = spread(values) if len(values) > 1 else float("nan")
+    return f"{number(float(np.mean(values)), 4)} ± {number(float(found), 2)}"
