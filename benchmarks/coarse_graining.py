@@ -14,12 +14,8 @@ the real particles, and the processor time of a run.
 from __future__ import annotations
 
 import argparse
-import json
 import os
-import resource
-import sys
-import tempfile
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from itertools import product
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -28,13 +24,13 @@ os.environ["OMP_NUM_THREADS"] = "1"
 
 import numpy as np
 
+import kept_runs
 from grainfit.bulk_tests.base import BulkTest
 from grainfit.bulk_tests.registry import bulk_tests
-from grainfit.errors import GrainfitError
+from grainfit.errors import InputError
 from grainfit.formatting import number
 from grainfit.materials.sizes import ParticleSizes
 from grainfit.options.kinds import Quantity
-from grainfit.solvers.base import Workspace
 from grainfit.solvers.dem.lammps.program import Lammps
 from grainfit.testing.materials import ROUGH_SPHERES
 
@@ -71,36 +67,13 @@ def test_of(run: Run) -> BulkTest:
 
 
 def simulate(run: Run) -> dict[str, Any]:
-    """Simulate once; return the responses, or the reason of a failure."""
-    record: dict[str, Any] = run._asdict()
-    before = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
-    with tempfile.TemporaryDirectory() as folder:
-        try:
-            test = test_of(run)
-            responses = Lammps(test, MATERIAL).run({}, run.seed, Workspace(Path(folder)))
-        except GrainfitError as error:
-            return record | {"why": str(error)}
-    record["responses"] = {name: responses[name].value for name in test.responses}
-    record["particles"] = test.number_of_particles
-    seconds = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime - before
-    return record | {"seconds": round(seconds, 2)}
-
-
-def measure(runs: Sequence[Run], kept: Path) -> None:
-    """Simulate what is not kept yet, and keep it."""
-    known = set(_read(kept))
-    with kept.open("a") as file:
-        for done, run in enumerate(runs, 1):
-            if run not in known:
-                file.write(json.dumps(simulate(run)) + "\n")
-                file.flush()
-                print(f"{done} of {len(runs)}", file=sys.stderr)
-
-
-def _read(kept: Path) -> dict[Run, dict[str, Any]]:
-    lines = kept.read_text().splitlines() if kept.exists() else []
-    records = [json.loads(line) for line in lines]
-    return {Run(*(record[key] for key in Run._fields)): record for record in records}
+    """Simulate once; return the responses, or the reason of a failure, and processor time."""
+    try:
+        test = test_of(run)
+    except InputError as error:
+        return {"why": str(error)}
+    record = kept_runs.simulate(Lammps(test, MATERIAL), run.seed)
+    return record | {"particles": test.number_of_particles}
 
 
 def table(records: Mapping[Run, dict[str, Any]]) -> Iterator[str]:
@@ -147,8 +120,8 @@ def main() -> None:
     if not given.table:
         seeds = range(1, given.seeds + 1)
         runs = [Run(*values) for values in product(seeds, given.tests, given.factors)]
-        measure(runs, given.kept)
-    print("\n".join(table(_read(given.kept))))
+        kept_runs.measure(runs, given.kept, simulate)
+    print("\n".join(table(kept_runs.read(given.kept, Run))))
 
 
 if __name__ == "__main__":
