@@ -10,6 +10,7 @@ from grainfit.problem import Parameter
 from grainfit.scenes.run_output import RunOutput
 from grainfit.solvers.base import Workspace
 from grainfit.solvers.dem.lammps.program import Lammps
+from grainfit.solvers.dem.liggghts.program import Liggghts
 from grainfit.solvers.registry import DEM_PROGRAMS
 from grainfit.testing.materials import GLASS_BEADS
 
@@ -46,12 +47,19 @@ def test_the_chosen_model_moves_the_particles(tmp_path, solver: str) -> None:
 
 def test_models_that_cannot_be_chosen_are_named() -> None:
     test = Packing(diameter="10 mm")
-    with pytest.raises(InputError, match=r"'jkr' is no model to choose\. Use epsd, epsd2\."):
-        Lammps(test, GLASS_BEADS, contact_models=["jkr"])
+    names = "sjkr, sjkr2, jkr, dmt, epsd, epsd2"
+    with pytest.raises(InputError, match=rf"'hooke' is no model to choose\. Use {names}\."):
+        Lammps(test, GLASS_BEADS, contact_models=["hooke"])
     with pytest.raises(InputError, match="epsd and epsd2 cannot act together"):
         Lammps(test, UNDAMPED, contact_models=["epsd", "epsd2"])
     with pytest.raises(InputError, match="rolling_damping: is no parameter of the contact model e"):
         Lammps(test, GLASS_BEADS, contact_models=["epsd2"])
+
+
+def test_a_parameter_of_another_model_than_the_named_one_is_refused() -> None:
+    damp = {**GLASS_BEADS, "particle_wall.cohesion_energy_density": 1e3}
+    with pytest.raises(InputError, match=r"cohesion_energy_density: is no parameter of the .* jkr"):
+        Liggghts(Packing(diameter="10 mm"), damp, contact_models=["jkr"])
 
 
 def test_a_run_of_the_usual_model_keeps_its_definition() -> None:
