@@ -5,7 +5,7 @@ and started again.
 
     python benchmarks/clumps.py --kept clumps.jsonl [--seeds 3] [--tests heap]
         [--families two_spheres] [--ratios 1 1.25 1.5 1.75 2] [--rolling 0]
-        [--solvers lammps] [--table]
+        [--solvers lammps] [--options '{"cylinder_radius": 0.035}'] [--table]
 
 Prints the mean of each response with the scatter of single runs, and the processor time of a run.
 The material is that of the rough spheres of the documentation, with the rolling friction of
@@ -15,6 +15,7 @@ The material is that of the rough spheres of the documentation, with the rolling
 from __future__ import annotations
 
 import argparse
+import json
 import os
 from collections.abc import Iterator, Mapping, Sequence
 from itertools import product
@@ -48,6 +49,7 @@ class Run(NamedTuple):
     family: str
     aspect_ratio: float
     solver: str
+    options: str
 
 
 def material_of(run: Run) -> Mapping[str, float]:
@@ -67,7 +69,9 @@ def material_of(run: Run) -> Mapping[str, float]:
 def record_of(run: Run) -> dict[str, Any]:
     """Simulate a run."""
     sizes = ParticleSizes((DIAMETER,), shape=ParticleShape(run.family))
-    program = DEM_PROGRAMS[run.solver](bulk_tests()[run.test](sizes), material_of(run))
+    program = DEM_PROGRAMS[run.solver](
+        bulk_tests()[run.test](sizes, **json.loads(run.options)), material_of(run)
+    )
     return simulate(program, run.seed)
 
 
@@ -80,10 +84,10 @@ def table(records: Mapping[Run, dict[str, Any]]) -> Iterator[str]:
         good = [r["responses"] for r in own if "responses" in r]
         names = good[0] if good else ()
         means = ", ".join(f"{name} {mean_and(_scatter, [r[name] for r in good])}" for name in names)
-        _, test, friction, family, ratio, solver = setting
+        _, test, friction, family, ratio, solver, options = setting
         seconds = number(float(np.median([r["seconds"] for r in own])), 2)
         yield (
-            f"| {test} | {family} | {ratio:g} | {friction:g} | {solver} "
+            f"| {test} {options.strip('{}')} | {family} | {ratio:g} | {friction:g} | {solver} "
             f"| {len(good)} of {len(own)} | {means} | {seconds} |"
         )
 
@@ -102,11 +106,12 @@ def main() -> None:
     parser.add_argument("--ratios", nargs="+", type=float, default=list(RATIOS))
     parser.add_argument("--rolling", nargs="+", type=float, default=[0.0])
     parser.add_argument("--solvers", nargs="+", choices=DEM_PROGRAMS, default=["lammps"])
+    parser.add_argument("--options", default="{}", help="options of the test, as JSON")
     parser.add_argument("--table", action="store_true", help="only print what is known")
     given = parser.parse_args()
     if not given.table:
         seeds = range(1, given.seeds + 1)
-        varied = (given.rolling, given.families, given.ratios, given.solvers)
+        varied = (given.rolling, given.families, given.ratios, given.solvers, [given.options])
         runs = [Run(*values) for values in product(seeds, given.tests, *varied)]
         measure(runs, given.kept, record_of)
     print("\n".join(table(read(given.kept, Run))))
