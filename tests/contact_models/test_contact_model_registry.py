@@ -82,7 +82,7 @@ def test_parameters_of_new_models_follow_those_of_their_section():
         "particle_wall.surface_energy",
         "particle_wall.cohesion",
     ]
-    assert len(names) == 18
+    assert len(names) == 19
 
 
 def test_a_model_at_its_defaults_does_not_act():
@@ -172,7 +172,8 @@ def cohesive(monkeypatch):
 def test_values_at_their_default_are_added_and_left_out_again():
     complete = with_defaults(GLASS_BEADS)
     assert complete.keys() - GLASS_BEADS.keys() == {
-        f"{section}.{key}" for section in CONTACTS for key in ("surface_energy", "cohesion")
+        "particle.aspect_ratio",
+        *(f"{section}.{key}" for section in CONTACTS for key in ("surface_energy", "cohesion")),
     }
     assert without_defaults(complete, with_defaults({})) == GLASS_BEADS
     sticky = without_defaults(STICKY_BEADS, with_defaults({}))
