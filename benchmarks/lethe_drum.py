@@ -26,6 +26,7 @@ import numpy as np
 
 from grainfit.bulk_tests.drum import Drum
 from grainfit.errors import GrainfitError
+from grainfit.evaluation import scalars
 from grainfit.solvers.base import Workspace
 from grainfit.solvers.registry import DEM_PROGRAMS
 from grainfit.testing.materials import GLASS_BEADS
@@ -67,7 +68,8 @@ def run(solver: str, wall: str, fill_level: float, seed: int) -> Record:
             found = DEM_PROGRAMS[solver](drum, MATERIAL).run({}, seed, Workspace(Path(folder)))
         except GrainfitError as error:
             return record | {"why": str(error)}
-    return record | {"angles": {name: [r.value, r.standard_error] for name, r in found.items()}}
+    angles = {name: [r.value, r.standard_error] for name, r in scalars(found).items()}
+    return record | {"angles": angles}
 
 
 def table(records: Iterable[Record]) -> str:

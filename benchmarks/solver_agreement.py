@@ -36,6 +36,7 @@ from scipy import stats
 
 from grainfit.bulk_tests.registry import bulk_tests
 from grainfit.errors import GrainfitError
+from grainfit.evaluation import scalars
 from grainfit.formatting import number
 from grainfit.solvers.base import Workspace
 from grainfit.solvers.registry import DEM_PROGRAMS
@@ -68,7 +69,7 @@ def run(test: str, solver: str, seed: int, name: str, changes: Mapping[str, floa
             responses = program.run({}, seed, Workspace(Path(folder)))
         except GrainfitError as error:
             return record | {"why": str(error)}
-    found = {name: [r.value, r.standard_error] for name, r in responses.items()}
+    found = {n: [r.value, r.standard_error] for n, r in scalars(responses).items()}
     return record | {"responses": found, "seconds": round(_processor_seconds() - before, 2)}
 
 

@@ -36,6 +36,7 @@ from grainfit.bulk_tests.base import BulkTest
 from grainfit.bulk_tests.registry import bulk_tests
 from grainfit.campaign.batch import simulate_once
 from grainfit.errors import GrainfitError
+from grainfit.evaluation import scalars
 from grainfit.problem import Parameter, Problem, Target
 from grainfit.solvers.base import Solver
 from grainfit.solvers.dem.lammps.program import Lammps
@@ -142,7 +143,7 @@ def _measure(solvers: Mapping[str, Solver], folder: Path) -> dict[str, list[floa
     found: dict[str, list[float]] = {}
     for seed in range(900_001, 900_001 + MEASURED_SEEDS):
         evaluation, _ = simulate_once(solvers, {}, seed, folder, keep="results")
-        for key, response in evaluation.responses.items():
+        for key, response in scalars(evaluation.responses).items():
             found.setdefault(key, []).append(response.value)
     return found
 

@@ -10,6 +10,7 @@ from grainfit.calibration.calibrate import calibrate
 from grainfit.calibration_file.build import CalibrationSetup, build_calibration
 from grainfit.calibration_file.load import load_calibration_file
 from grainfit.errors import InputError
+from grainfit.evaluation import scalars
 from grainfit.materials.time_step import rayleigh_time_step
 from grainfit.run_definition import without_defaults
 from grainfit.solvers.base import Workspace
@@ -54,7 +55,7 @@ def assembled(folder: Path, text: str, **files: str) -> CalibrationSetup:
 def run(setup: CalibrationSetup, test: str, folder: Path, **parameters: float) -> dict[str, float]:
     folder.mkdir()
     responses = setup.solvers[test].run(parameters, 7, Workspace(folder))
-    return {name: response.value for name, response in responses.items()}
+    return {name: response.value for name, response in scalars(responses).items()}
 
 
 def test_the_glass_beads() -> None:

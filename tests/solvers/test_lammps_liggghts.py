@@ -13,6 +13,7 @@ import pytest
 from grainfit.bulk_tests.heap import Heap
 from grainfit.contact_models.registry import MATERIAL_PARAMETERS
 from grainfit.errors import InputError, RunFailedError, SolverNotFoundError
+from grainfit.evaluation import scalars
 from grainfit.materials.sizes import ParticleSizes
 from grainfit.run_definition import RunDefinition
 from grainfit.scenes.run_output import SNAPSHOTS, STAGES
@@ -44,7 +45,7 @@ each_solver = pytest.mark.parametrize("solver_type", SOLVERS)
 def run(solver_type, folder, test=SMALL, seed=1, ranks=1, timeout=120.0, **changes):
     solver = solver_type(test, {**GLASS_BEADS, **changes}, ranks=ranks)
     responses = solver.run({}, seed, Workspace(folder, timeout))
-    return {name: response.value for name, response in responses.items()}
+    return {name: response.value for name, response in scalars(responses).items()}
 
 
 class TestParameters:
