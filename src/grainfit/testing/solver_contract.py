@@ -35,7 +35,7 @@ import psutil
 import pytest
 
 from grainfit.errors import GrainfitError, RunFailedError
-from grainfit.evaluation import Response
+from grainfit.evaluation import Curve, Response, scalars
 from grainfit.solvers.base import Solver, Workspace
 
 #: A run must end within this time after it is cancelled, s.
@@ -135,8 +135,9 @@ class SolverContract:
         assert responses
         if solver.response_names is not None:
             assert set(responses) == set(solver.response_names)
-        for response in responses.values():
-            assert isinstance(response, Response)
+        # A curve is finite, or it is none.
+        assert all(isinstance(found, Response | Curve) for found in responses.values())
+        for response in scalars(responses).values():
             assert math.isfinite(response.value)
             assert math.isfinite(response.standard_error)
             assert response.standard_error >= 0
