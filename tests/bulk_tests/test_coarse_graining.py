@@ -12,6 +12,7 @@ from grainfit.bulk_tests.base import BulkTest
 from grainfit.bulk_tests.heap import Heap
 from grainfit.bulk_tests.packing import Packing
 from grainfit.bulk_tests.registry import BUILT_IN
+from grainfit.contact_models.registry import simulated_material
 from grainfit.errors import InputError
 from grainfit.materials.sizes import ParticleSizes
 from grainfit.options.kinds import Quantity
@@ -139,3 +140,34 @@ def test_check_proposes_a_factor_where_a_run_takes_hours(tmp_path):
 
     assert any("particle.coarse_graining = 2.5" in note for note in slow)
     assert not any("coarse_graining" in note for note in fast)
+
+
+def test_surface_energy_of_simulated_particles_grows_with_the_factor():
+    real = {
+        "particle.youngs_modulus": 5e6,
+        "particle_particle.surface_energy": 0.1,
+        "particle_wall.steel.surface_energy": 0.2,
+        "particle_particle.cohesion_energy_density": 300.0,
+        "friction of the user": 0.3,
+    }
+
+    simulated = simulated_material(real, 4.0)
+
+    assert simulated == {
+        **real,
+        "particle_particle.surface_energy": 0.4,
+        "particle_wall.steel.surface_energy": 0.8,
+    }
+
+
+def test_coarse_grained_scene_has_the_surface_energy_of_its_particles():
+    """A deck of larger particles has the surface energy with which their bed is as cohesive."""
+    cohesive = {**GLASS_BEADS, "particle_particle.surface_energy": 0.05}
+    solver = Lammps(
+        Packing(REAL.coarse_grained(2), cylinder_radius=0.03, fill_height=0.06), cohesive
+    )
+
+    scene = solver.scene({}, 1)
+
+    assert scene.material["particle_particle.surface_energy"] == pytest.approx(0.1)
+    assert solver.run_parameters({})["particle_particle.surface_energy"] == 0.05
