@@ -176,8 +176,9 @@ def _part_of(model: Model, test: str) -> Callable[[dict[str, float], int], dict[
 
 
 def fourteen_parameters(folder: Path) -> None:
-    """Calibrate all parameters of particles and wall."""
-    wanted = problem(tuple(MATERIAL_PARAMETERS))
+    """Calibrate all parameters that dry spheres and their wall need."""
+    needed = (name for name, known in MATERIAL_PARAMETERS.items() if known.default is None)
+    wanted = problem(tuple(needed))
     _staged(wanted, Model(wanted), folder, "fourteen parameters", design_runs=20, max_runs=42)
 
 
