@@ -40,7 +40,8 @@ NASTY = "<script>alert('x')</script> \"Größe\" & {{ 7*7 }}"
 def problem(parameters: int, responses: int, *, rayleigh: bool = True) -> Problem:
     """As many of the 14 parameters, the second on a logarithmic scale."""
     names = ["particle.density", "particle.youngs_modulus"]
-    names += [name for name in MATERIAL_PARAMETERS if name not in names]
+    needed = [name for name, known in MATERIAL_PARAMETERS.items() if known.default is None]
+    names += [name for name in needed if name not in names]
     free = [
         Parameter(name, 1e5, 1e7, "log", "Pa")
         if name.endswith("youngs_modulus")
