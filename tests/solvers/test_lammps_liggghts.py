@@ -80,7 +80,7 @@ class TestParameters:
 
     @each_solver
     def test_responses_are_those_of_the_test(self, solver_type):
-        names = ("bulk_density", "angle_of_repose", "base_radius", "heap_height")
+        names = ("bulk_density", "angle_of_repose", "base_radius", "heap_height", "profile")
         assert solver_type(SMALL, {}).response_names == names
 
     @each_solver
