@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import _thread
 import multiprocessing
 import os
 import signal
@@ -219,21 +218,6 @@ def test_a_server_that_hangs_for_good_ends_a_calibration_in_a_message(
     assert len(disturbed.seeds) == 3
     with pytest.raises(StoreError, match="timeout"):
         RunStore(server.url_at(forwarder.port))
-
-
-def test_an_interrupt_waits_for_no_silent_server(
-    server: PostgresqlServer, forwarder: TcpForwarder, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr("grainfit.campaign.store.postgresql.SILENCE_SECONDS", 90.0)
-    store = RunStore(server.url_at(forwarder.port))
-    forwarder.swallows = True
-    asked = time.monotonic()
-    threading.Timer(0.5, _thread.interrupt_main).start()
-    with pytest.raises(KeyboardInterrupt):
-        store.states()
-    # Psycopg itself would wait until the server has cancelled the query.
-    assert time.monotonic() - asked < 45
-    store.close()
 
 
 FILE = """
