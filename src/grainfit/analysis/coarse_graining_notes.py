@@ -64,7 +64,7 @@ def _shorter(
     material = solver.run_parameters(middle)
     for factor in _FACTORS:
         try:
-            larger = type(test)(test.sizes.coarse_grained(factor), **test.given_options())
+            larger = test.with_sizes(test.sizes.coarse_grained(factor))
             cost = larger.estimate_cost(solver.name, material)
         except InputError:
             break

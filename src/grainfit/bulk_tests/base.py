@@ -273,12 +273,19 @@ class BulkTest(ABC):
     def of_shape(self, material: Mapping[str, float]) -> Self:
         """Return the test with particles of the aspect ratio of a material; spheres stay so."""
         sizes = self._sizes_of(material)
-        return self if sizes == self.sizes else self._with_sizes(sizes)
+        return self if sizes == self.sizes else self.with_sizes(sizes)
 
     def _sizes_of(self, material: Mapping[str, float]) -> ParticleSizes:
         return self.sizes.with_aspect_ratio(material.get(ASPECT_RATIO))
 
-    def _with_sizes(self, sizes: ParticleSizes) -> Self:
+    def with_sizes(self, sizes: ParticleSizes) -> Self:
+        """Return the test with other particles; defaults that follow from particles follow these.
+
+        Raises
+        ------
+        InputError
+            The test is impossible with them; names every option at fault.
+        """
         return replace(self, sizes=sizes)
 
     def material_faults(self, material: Mapping[str, float]) -> Iterable[Fault]:  # noqa: ARG002
@@ -365,10 +372,8 @@ class BulkTest(ABC):
         material : mapping of str to float, optional
             All material parameters, for tests whose concepts follow from them.
         """
-        # They do not follow from the particles, which take long to place when they are many.
-        empty = Column(np.empty((0, 3)), np.empty(0, dtype=np.int64), self.sizes.sauter_diameter)
         shaped = {"clumps"} if self.sizes.shape else set()
-        return self.scene_of(empty, _ANY_MATERIAL).concepts() | shaped
+        return self._empty_scene().concepts() | shaped
 
     def scene_parts(
         self,
@@ -383,8 +388,12 @@ class BulkTest(ABC):
         """
         if self.parts is not None:
             return self.parts
+        return parts_of(self._empty_scene())
+
+    def _empty_scene(self) -> Scene:
+        """Return the experiment without particles, which take long to place when they are many."""
         empty = Column(np.empty((0, 3)), np.empty(0, dtype=np.int64), self.sizes.sauter_diameter)
-        return parts_of(self.scene_of(empty, _ANY_MATERIAL))
+        return self.scene_of(empty, _ANY_MATERIAL)
 
     @abstractmethod
     def measure(self, run: RunOutput) -> Mapping[str, Measured]:

@@ -126,7 +126,7 @@ def natural_run(definition: RunDefinition) -> NaturalRun | None:
     recorded = dict(definition.model["test"])
     natural = {
         key: recorded[key]
-        for key in ("type", "revision", "scenes", "deck", "packing", "shape")
+        for key in ("type", "revision", "scenes", "deck", "packing")
         if key in recorded
     }
     natural |= test.sizes.definition()

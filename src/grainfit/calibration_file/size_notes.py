@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import replace
 
 from grainfit.bulk_tests.base import BulkTest
 from grainfit.errors import InputError
@@ -72,7 +71,7 @@ def _price(
 
 
 def _with_sizes(tests: list[BulkTest], sizes: ParticleSizes) -> list[BulkTest]:
-    return [replace(test, sizes=sizes, diameter=None) for test in tests]
+    return [test.with_sizes(sizes) for test in tests]
 
 
 def _seconds(tests: list[BulkTest], material: Mapping[str, float]) -> float:

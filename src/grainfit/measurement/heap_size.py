@@ -152,7 +152,7 @@ def heap_profile(silhouettes: Sequence[Silhouette], diameter: float, plate_radiu
     step = _PROFILE_STEP * diameter
     count = math.ceil(plate_radius / step) + 1
     distances: Array = np.linspace(0.0, (count - 1) * step, count)
-    sides = [_outline_at(s, side * distances, diameter) for s in silhouettes for side in (-1, 1)]
+    sides = [side for s in silhouettes for side in _sides(s, distances, diameter)]
     heights = np.mean(sides, axis=0) if sides else np.zeros_like(distances)
     if not heights.any():
         raise NotMeasurableError("heap profile: the silhouettes are blank.")
@@ -160,10 +160,13 @@ def heap_profile(silhouettes: Sequence[Silhouette], diameter: float, plate_radiu
     return Curve([*distances.tolist(), float(edge)], [*heights.tolist(), 0.0], stays=True)
 
 
-def _outline_at(silhouette: Silhouette, places: Array, diameter: float) -> Array:
-    outline = _averaged_outline(silhouette, diameter)
-    found: Array = np.interp(places, silhouette.columns, outline, left=0.0, right=0.0)
-    return found
+def _sides(silhouette: Silhouette, distances: Array, diameter: float) -> tuple[Array, Array]:
+    """Heights of the averaged outline at distances from the axis, left and right."""
+    outline, columns = _averaged_outline(silhouette, diameter), silhouette.columns
+    left, right = (
+        np.interp(side * distances, columns, outline, left=0.0, right=0.0) for side in (-1, 1)
+    )
+    return left, right
 
 
 def _averaged_outline(silhouette: Silhouette, diameter: float) -> Array:

@@ -119,11 +119,12 @@ def plan_setup(sizes: ParticleSizes, options: Mapping[str, Any]) -> DrumSetup:
         The test is impossible; names every option at fault.
     """
     given = {name: value for name, value in options.items() if value is not None}
-    diameter, largest = sizes.real.sauter_diameter, max(sizes.real.diameters)
+    real = sizes.real
+    diameter, largest = real.sauter_diameter, max(real.diameters)
     radius = given.get("drum_radius", max(_RADIUS * diameter, _LEAST_RADIUS * largest))
     length = given.get("drum_length", max(_LENGTH * diameter, _LEAST_LENGTH * largest))
     gravity, fill_level = float(given["gravity"]), given["fill_level"]
-    size = min(range(len(sizes.diameters)), key=lambda i: abs(sizes.real.diameters[i] - diameter))
+    size = min(range(len(sizes.diameters)), key=lambda i: abs(real.diameters[i] - diameter))
     bed = fill_level * math.pi * radius**2 * length
     froude = given.get("froude_number", _FROUDE_NUMBER)
     speed = given.get("rotational_speed", math.sqrt(froude * gravity / radius))

@@ -231,7 +231,8 @@ class OwnScene(BulkTest):
             return None
         return Shown("particles", next(iter(responses)), snapshot_file(END), _PICTURE)
 
-    def _with_sizes(self, sizes: ParticleSizes) -> Self:
+    def with_sizes(self, sizes: ParticleSizes) -> Self:
+        """Return the test with other particles."""
         test = copy(self)
         test._set(sizes=sizes)
         return test

@@ -92,8 +92,9 @@ def _heights(
     sizes: ParticleSizes, bottom: float, given: Mapping[str, float]
 ) -> tuple[float, float]:
     """Return the height up to which the bulk density is measured, and that of the bed, m."""
-    diameter = sizes.real.sauter_diameter
-    top = max(9 * diameter, bottom + 2 * max(sizes.real.diameters))
+    real = sizes.real
+    diameter = real.sauter_diameter
+    top = max(9 * diameter, bottom + 2 * max(real.diameters))
     if "fill_height" in given:
         top = min(top, _REACHED * given["fill_height"])
     top = given.get("bulk_density_top", top)
