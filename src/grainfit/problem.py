@@ -743,6 +743,11 @@ class Problem:
             for p, position in zip(self.parameters, positions, strict=True)
         }
 
+    @property
+    def middle(self) -> dict[str, float]:
+        """Values in the middle of all intervals, each on its scale."""
+        return self.from_unit([0.5] * self.dimension)
+
     @cached_property
     def measured(self) -> tuple[Parameter, ...]:
         """Free parameters that have a measurement of their own."""

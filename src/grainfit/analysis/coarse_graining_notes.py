@@ -26,7 +26,7 @@ def coarse_graining_notes(solvers: Mapping[str, Solver], problem: Problem) -> tu
     problem : Problem
         Free parameters: costs are those in the middle of their intervals.
     """
-    middle = problem.from_unit([0.5] * problem.dimension)
+    middle = problem.middle
     found = (_note(name, solver, middle) for name, solver in solvers.items())
     return tuple(note for note in found if note)
 

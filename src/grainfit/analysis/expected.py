@@ -107,7 +107,7 @@ def expected_narrowing(problem: Problem, solvers: Mapping[str, Solver]) -> Expec
 
 def middle_material(problem: Problem, solvers: Mapping[str, Solver]) -> dict[str, float]:
     """Return the material in the middle of the intervals, fixed parameters included."""
-    return material_of(solvers, problem.from_unit([0.5] * problem.dimension))
+    return material_of(solvers, problem.middle)
 
 
 def _observations(

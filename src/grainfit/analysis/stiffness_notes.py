@@ -47,8 +47,7 @@ def stiffness_notes(
     tuple of str
         A sentence or two for each stiffness number; empty where overlaps add less than 1 %.
     """
-    middle = {p.name: p.from_unit(0.5) for p in problem.parameters}
-    material = {**fixed, **(answer or middle)}
+    material = {**fixed, **(answer or problem.middle)}
     intervals = {p.name: (p.minimum, p.maximum) for p in problem.parameters}
     lowest = [min([material.get(n, 0.0), *intervals.get(n, ())]) for n in (DENSITY, MODULUS)]
     if min(lowest) <= 0:

@@ -64,7 +64,7 @@ def make_result(
     if outcome:
         problem, _ = outcome.answer.reduced(problem, ())
     rayleigh = problem.rayleigh
-    middle = strategy.problem.from_unit([0.5] * problem.dimension)
+    middle = strategy.problem.middle
     answer = outcome.answer if outcome else None
     parameters = dict(answer.parameters) if answer else {}
     notices = [*strategy.notices]

@@ -111,7 +111,7 @@ class CalibrationLoop:
         # Another input deck or solver version makes another calibration: the requests of the old
         # one would be misleading. The run at the centre represents all runs.
         problem = self._problem
-        sample = Proposal(problem.from_unit([0.5] * problem.dimension), 1, "design")
+        sample = Proposal(problem.middle, 1, "design")
         return {
             "tests": self._campaign.identities(sample),
             "parameters": [parameter.to_json() for parameter in self._problem.parameters],

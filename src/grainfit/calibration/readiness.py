@@ -64,7 +64,7 @@ def _of_solver(test: str, solver: Solver, problem: Problem) -> Iterator[Obstacle
     try:
         solver.check()
         # Every run reads its parameters like this; a solver refuses here what it cannot use.
-        solver.run_parameters(problem.from_unit([0.5] * problem.dimension))
+        solver.run_parameters(problem.middle)
     except GrainfitError as error:
         yield Obstacle(test, error)
 

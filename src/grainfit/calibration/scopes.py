@@ -129,7 +129,7 @@ def _seconds(problem: Problem, solver: Solver) -> float | None:
         # The cost is that of a scene of the user, and loading a file executes none of his code.
         return None
     try:
-        cost = solver.estimate_cost(problem.from_unit([0.5] * problem.dimension))
+        cost = solver.estimate_cost(problem.middle)
     except GrainfitError:
         # The check before the first run says what is wrong.
         return None

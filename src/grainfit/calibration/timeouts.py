@@ -13,6 +13,6 @@ def default_timeouts(problem: Problem, solvers: Mapping[str, Solver]) -> dict[st
 
     They are generous, and estimated for a run at the centre of the intervals.
     """
-    middle = problem.from_unit([0.5] * problem.dimension)
+    middle = problem.middle
     timeouts = {test: solver.default_timeout(middle) for test, solver in solvers.items()}
     return {test: seconds for test, seconds in timeouts.items() if seconds is not None}

@@ -265,7 +265,7 @@ class CalibrationSetup:
             A setting has another form, names no parameter of the file, or is no possible value.
         """
         findings = Findings(self.file.path.parent)
-        values = self.problem.from_unit([0.5] * self.problem.dimension)
+        values = self.problem.middle
         for setting in settings:
             name, _, text = setting.partition("=")
             place = Place(findings, tuple(name.strip().split(".")))

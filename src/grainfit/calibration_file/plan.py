@@ -126,7 +126,7 @@ def _words(setup: CalibrationSetup, obstacle: Obstacle) -> list[str]:
 def _middle(setup: CalibrationSetup) -> dict[str, float]:
     """Return all parameters in the middle of their intervals."""
     problem = setup.problem
-    return {**setup.file.fixed, **problem.from_unit([0.5] * problem.dimension)}
+    return {**setup.file.fixed, **problem.middle}
 
 
 def _rayleigh_lines(setup: CalibrationSetup) -> Iterator[str]:
@@ -146,7 +146,7 @@ def _has_code(solver: Solver) -> bool:
 
 
 def _cost_lines(solver: Solver, problem: Problem) -> Iterator[str]:
-    cost = solver.estimate_cost(problem.from_unit([0.5] * problem.dimension))
+    cost = solver.estimate_cost(problem.middle)
     if cost is not None:
         yield f"  In the middle of the intervals: {cost}."
 

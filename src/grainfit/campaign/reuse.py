@@ -90,7 +90,7 @@ class RunMatcher:
 
 def _sample(solver: Solver, problem: Problem) -> RunDefinition:
     """Return a run in the middle of the intervals."""
-    return solver.definition(problem.from_unit([0.5] * problem.dimension), 1)
+    return solver.definition(problem.middle, 1)
 
 
 def _free_and_fixed(
@@ -283,7 +283,7 @@ def _alone(
     Parameters that the test does not depend on have the middle of their interval.
     """
     taken = {record.identity for point in joined for record in point.runs.values()}
-    middle = problem.from_unit([0.5] * problem.dimension)
+    middle = problem.middle
     return [
         replace(point, values=middle | dict(point.values))
         for points in found.values()

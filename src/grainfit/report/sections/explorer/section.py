@@ -45,7 +45,7 @@ def explorer(context: ReportContext) -> Section:
 def held_values(context: ReportContext) -> Mapping[str, float]:
     """Parameters of the answer; before there is one, those in the middle of the intervals."""
     problem = context.reading.problem
-    return context.answer or problem.from_unit([0.5] * problem.dimension)
+    return context.answer or problem.middle
 
 
 def held_at(context: ReportContext) -> str:
