@@ -47,3 +47,14 @@ def test_equal_residuals_and_few_runs_say_nothing() -> None:
     points = np.random.default_rng(1).random((20, 2))
     assert find_growing_scatter(points, np.zeros(20)) is None
     assert find_growing_scatter(points[:6], np.arange(6.0)) is None
+
+
+def test_scatter_of_many_parameters_is_not_said_to_change_by_chance() -> None:
+    # Eight slopes that are fitted to the scatter gain much by chance.
+    found = 0
+    for seed in range(20):
+        random = np.random.default_rng(seed)
+        points = random.random((40, 8))
+        values = points @ random.standard_normal(8) + random.standard_normal(40)
+        found += fit_without_outliers(points, values, np.zeros(40))[0].scatter is not None
+    assert found <= 3

@@ -160,6 +160,11 @@ def test_units_of_the_response_do_not_matter(good: Kriging, scale: float, shift:
     )
 
 
+def test_the_mean_alone_is_that_of_the_prediction(good: Kriging) -> None:
+    points = design(40, 2, 8)
+    np.testing.assert_allclose(good.mean(points), good.predict(points).mean, rtol=1e-12)
+
+
 def test_gradient_is_that_of_the_mean(good: Kriging) -> None:
     step = 1e-5
     for point in design(5, 2, 13):
@@ -250,6 +255,50 @@ def test_leave_one_out_is_what_leaving_out_gives(linear_trend: bool) -> None:
             assert predicted[i] == pytest.approx(mean[0], abs=1e-7)
             own_noise = sets.noise_variance + component.known_noise[i]
             assert variance[i] == pytest.approx(of_mean[0] + own_noise, rel=1e-6)
+
+
+def test_runs_left_out_one_by_one_deviate_as_from_the_others_alone() -> None:
+    points, values = noisy_runs(26, 0.1, 3)
+    values[[4, 9]] += 2.0
+    model = Kriging.fit(points, values).reduced(1)
+    others = model.leaving_out()
+    others.leave_out_worst()
+    others.leave_out_worst()
+    [kept] = model.to_plain(factors=False)["components"]
+    values = np.array(model.to_plain()["values"])
+    distances = cdist(points / kept["ranges"], points / kept["ranges"])
+    covariance = kept["signal_variance"] * matern(distances) + kept["noise_variance"] * np.eye(26)
+    rest = np.setdiff1d(np.arange(26), [4, 9])
+    trend = np.column_stack([np.ones(26), points - 0.5])
+    inverse = np.linalg.inv(covariance[np.ix_(rest, rest)])
+    normal = trend[rest].T @ inverse @ trend[rest]
+    coefficients = np.linalg.solve(normal, trend[rest].T @ inverse @ values[rest])
+    residuals = values[rest] - trend[rest] @ coefficients
+    across = covariance[np.ix_([4, 9], rest)] @ inverse
+    expected = trend[[4, 9]] @ coefficients + across @ residuals
+    unexplained = trend[[4, 9]] - across @ trend[rest]
+    variances = (
+        np.diag(covariance)[[4, 9]]
+        - np.einsum("ij,ij->i", across, covariance[np.ix_([4, 9], rest)])
+        + np.einsum("ij,ij->i", unexplained, unexplained @ np.linalg.inv(normal))
+    )
+    variances *= residuals @ inverse @ residuals / (24 - 3)
+    deviations = np.abs(values[[4, 9]] - expected) / np.sqrt(variances)
+    assert sorted(others.deviations_of_left_out()) == pytest.approx(sorted(deviations))
+
+
+def test_contrasts_turn_covariances_as_their_matrix_does() -> None:
+    random = np.random.default_rng(6)
+    contrasts = Contrasts.of(np.column_stack([np.ones(12), random.random((12, 3))]))
+    matrix, smaller = (half + half.T for half in (random.random((12, 12)), random.random((8, 8))))
+    complement = contrasts.complement
+    np.testing.assert_allclose(complement.T @ complement, np.eye(8), atol=1e-12)
+    np.testing.assert_allclose(
+        contrasts.covariance(matrix), complement.T @ matrix @ complement, atol=1e-12
+    )
+    np.testing.assert_allclose(
+        contrasts.spread(smaller), complement @ smaller @ complement.T, atol=1e-12
+    )
 
 
 def test_quality_of_a_good_metamodel(good: Kriging) -> None:

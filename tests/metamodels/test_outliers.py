@@ -91,3 +91,14 @@ def test_without_outliers_the_probability_is_that_of_the_median() -> None:
     at = [[0.5, 0.5]]
     assert mean.probability_without_outliers(at) == pytest.approx(median.probability_all_met(at))
     assert mean.probability_all_met(at) != pytest.approx(median.probability_all_met(at), abs=0.1)
+
+
+def test_many_runs_lose_only_their_jams() -> None:
+    # Beyond 60 runs, metamodels are fitted only without runs that look suspicious.
+    random = np.random.default_rng(4)
+    points = random.random((90, 3))
+    values = 50 + points @ [6, 3, 0] + np.sin(3 * points[:, 2]) + 0.5 * random.standard_normal(90)
+    assert found_in(points, values) == ()
+    jams = (3, 11, 40, 66, 89)
+    values[list(jams)] -= random.uniform(4.0, 9.0, len(jams))
+    assert found_in(points, values) == jams

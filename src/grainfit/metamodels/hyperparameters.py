@@ -8,14 +8,14 @@ from typing import NamedTuple
 
 import numpy as np
 from scipy import linalg, optimize
+from scipy.linalg import lapack
 from scipy.spatial.distance import cdist
 
 from grainfit.metamodels.predictor import (
     Contrasts,
     FloatArray,
     Hyperparameters,
-    matern,
-    matern_slope,
+    matern_and_slope,
 )
 
 # Weak priors: a response changes smoothly over the unit cube, and its residuals from the trend may
@@ -28,8 +28,10 @@ _LOG_RANGE_LIMITS = (math.log(0.02), math.log(100.0))
 _NOISE_LOGIT_LIMITS = (-20.0, 8.0)
 # The share of known noise in the residuals is kept below one, so that some variance remains.
 _LARGEST_KNOWN_SHARE = 0.98
-# With more hyperparameters the mirror images are not worth their computing time.
-_MIRRORED_UP_TO = 8
+# With more hyperparameters, one search and half as many points about its end have to do.
+_THOROUGH_UP_TO = 8
+# Negative log density where rounding makes the covariance indefinite.
+_INDEFINITE = 1e25
 
 
 def _weighted_squares(weights: FloatArray, points: FloatArray, ranges: FloatArray) -> FloatArray:
@@ -39,15 +41,34 @@ def _weighted_squares(weights: FloatArray, points: FloatArray, ranges: FloatArra
     return np.asarray((squares - cross) / ranges**2)
 
 
+def _inverse(factor: FloatArray) -> FloatArray:
+    """Inverse of a symmetric matrix from its lower Cholesky factor, which is zero elsewhere."""
+    lower, _ = lapack.dpotri(factor, lower=1)
+    inverse = lower + lower.T
+    inverse[np.diag_indices(len(inverse))] /= 2.0
+    return np.asarray(inverse)
+
+
 class _Covariance(NamedTuple):
-    """Covariance of the contrasts, up to the common variance, and its parts."""
+    """Covariance of the contrasts, up to the common variance, and its parts.
+
+    The correlation of the contrasts; the slope of that of the runs over their distance.
+    """
 
     matrix: FloatArray
     correlation: FloatArray
-    distance: FloatArray
+    slope: FloatArray
     ranges: FloatArray
     noise_share: float
     mean_correlation: float
+
+
+class _Factorised(NamedTuple):
+    """Lower Cholesky factor of a covariance, and the values divided by that covariance."""
+
+    factor: FloatArray
+    coefficients: FloatArray
+    sum_of_squares: float
 
 
 class HyperparameterPosterior:
@@ -70,17 +91,14 @@ class HyperparameterPosterior:
         self.points = points
         self.contrasts = contrasts
         self.values = contrasts.complement.T @ values
-        complement = contrasts.complement
-        self.projector = complement @ complement.T
-        self.noise: FloatArray | None = None
-        self.noise_of_runs = self.projector
+        #: Of the noise that is estimated, in the contrasts.
+        self.noise = np.eye(len(self.values))
         if noise_ratios is not None:
-            self.noise = (complement.T * noise_ratios) @ complement
-            self.noise_of_runs = complement @ self.noise @ complement.T
+            self.noise = contrasts.covariance(np.diag(noise_ratios))
         residual_variance = float(self.values @ self.values) / len(self.values)
         self.known_share = min(float(known_noise.mean()) / residual_variance, _LARGEST_KNOWN_SHARE)
         relative = known_noise / known_noise.mean() if self.known_share > 0 else known_noise
-        self.known = self.known_share * (complement.T * relative) @ complement
+        self.known = self.known_share * contrasts.covariance(np.diag(relative))
         d = points.shape[1]
         median = RANGE_MEDIAN * math.sqrt(d)
         self.centre = np.append(np.full(d, math.log(median)), _NOISE_LOGIT_MEAN)
@@ -91,61 +109,67 @@ class HyperparameterPosterior:
         ranges = np.exp(theta[:-1])
         noise_share = 1.0 / (1.0 + math.exp(-theta[-1]))
         scaled = self.points / ranges
-        distance = cdist(scaled, scaled)
-        correlation = matern(distance)
-        mean_correlation = float((self.projector * correlation).sum()) / len(self.values)
-        complement = self.contrasts.complement
-        signal = (1.0 - noise_share) / mean_correlation
-        covariance = complement.T @ correlation @ complement * signal
-        if self.noise is None:
-            covariance[np.diag_indices_from(covariance)] += noise_share
-        else:
-            covariance += noise_share * self.noise
+        of_runs, slope = matern_and_slope(cdist(scaled, scaled))
+        correlation = self.contrasts.covariance(of_runs)
+        mean_correlation = float(np.trace(correlation)) / len(self.values)
+        covariance = (1.0 - noise_share) / mean_correlation * correlation
+        covariance += noise_share * self.noise
         covariance = (1.0 - self.known_share) * covariance + self.known
-        return _Covariance(covariance, correlation, distance, ranges, noise_share, mean_correlation)
+        return _Covariance(covariance, correlation, slope, ranges, noise_share, mean_correlation)
+
+    def value(self, theta: FloatArray) -> float:
+        """Negative logarithm of the posterior density, up to a constant of the runs."""
+        return self._value(theta, self._factorised(self._covariance(theta)))
 
     def __call__(self, theta: FloatArray) -> tuple[float, FloatArray]:
-        """Negative logarithm of the posterior density and its gradient."""
-        covariance, correlation, distance, ranges, noise_share, mean = self._covariance(theta)
-        try:
-            factor = linalg.cholesky(covariance, lower=True, check_finite=False)
-        except linalg.LinAlgError:
-            return 1e25, np.zeros_like(theta)
-        root = linalg.solve_triangular(
-            factor, self.contrasts.complement.T, lower=True, check_finite=False
-        )
-        whitened = linalg.solve_triangular(factor, self.values, lower=True, check_finite=False)
-        freedom = len(self.values)
-        sum_of_squares = float(whitened @ whitened)
-        coefficients = root.T @ whitened
-        sensitivity = root.T @ root - freedom / sum_of_squares * np.outer(
-            coefficients, coefficients
-        )
-        own = 1.0 - self.known_share
-        on_signal = float((sensitivity * correlation).sum()) / mean
-        weights = (sensitivity - on_signal / freedom * self.projector) * matern_slope(distance)
-        of_ranges = (0.5 * own * (1.0 - noise_share) / mean) * _weighted_squares(
-            weights, self.points, ranges
-        )
-        of_noise = (
-            0.5
-            * own
-            * noise_share
-            * (1.0 - noise_share)
-            * (float(np.sum(sensitivity * self.noise_of_runs)) - on_signal)
-        )
+        """Return `value` and its gradient."""
+        parts = self._covariance(theta)
+        solved = self._factorised(parts)
+        if solved is None:
+            return _INDEFINITE, np.zeros_like(theta)
+        freedom, mean = len(self.values), parts.mean_correlation
+        sensitivity = _inverse(solved.factor)
+        outer = np.outer(solved.coefficients, solved.coefficients)
+        sensitivity -= freedom / solved.sum_of_squares * outer
+        signal = (1.0 - self.known_share) * (1.0 - parts.noise_share)
+        on_signal = float(np.vdot(sensitivity, parts.correlation)) / mean
+        on_noise = float(np.vdot(sensitivity, self.noise))
+        sensitivity[np.diag_indices(freedom)] -= on_signal / freedom
+        weights = self.contrasts.spread(sensitivity) * parts.slope
+        of_ranges = 0.5 * signal / mean * _weighted_squares(weights, self.points, parts.ranges)
+        of_noise = 0.5 * signal * parts.noise_share * (on_noise - on_signal)
+        of_prior = (theta - self.centre) / self.spread**2
+        return self._value(theta, solved), np.append(of_ranges, of_noise) + of_prior
+
+    def _factorised(self, parts: _Covariance) -> _Factorised | None:
+        factor, info = lapack.dpotrf(parts.matrix, lower=1)
+        if info:
+            return None
+        coefficients, _ = lapack.dpotrs(factor, self.values, lower=1)
+        return _Factorised(factor, coefficients, float(self.values @ coefficients))
+
+    def _value(self, theta: FloatArray, solved: _Factorised | None) -> float:
+        if solved is None:
+            return _INDEFINITE
         offset = (theta - self.centre) / self.spread
-        value = (
-            float(np.log(np.diag(factor)).sum())
-            + 0.5 * freedom * math.log(sum_of_squares)
+        return (
+            float(np.log(np.diag(solved.factor)).sum())
+            + 0.5 * len(self.values) * math.log(solved.sum_of_squares)
             + 0.5 * float(offset @ offset)
         )
-        return value, np.append(of_ranges, of_noise) + offset / self.spread
+
+    @cached_property
+    def _is_large(self) -> bool:
+        """Whether there are so many hyperparameters that a thorough search takes too long."""
+        return len(self.centre) > _THOROUGH_UP_TO
 
     @cached_property
     def _best(self) -> tuple[float, FloatArray]:
         """Lowest value and its place: of three searches, from long, medium and short ranges."""
-        return min((self._search(shift) for shift in (0.0, -1.5, -3.0)), key=lambda found: found[0])
+        starts = [self._start(shift) for shift in (0.0, -1.5, -3.0)]
+        if self._is_large:
+            starts = [min(starts, key=self.value)]
+        return min((self._search(start) for start in starts), key=lambda found: found[0])
 
     def maximum(self) -> FloatArray:
         """Most probable hyperparameters."""
@@ -156,58 +180,66 @@ class HyperparameterPosterior:
         """Logarithm of the posterior density at its maximum, up to a constant of the runs."""
         return -self._best[0]
 
-    def _search(self, shift: float) -> tuple[float, FloatArray]:
-        """Lowest value and its place, from the best of some shares of noise."""
+    def _start(self, shift: float) -> FloatArray:
+        """Return the best of some shares of noise."""
         ranges = self.centre[:-1] + shift
-        starts = [np.append(ranges, logit) for logit in (-6.0, -3.0, 0.0)]
-        start = min(starts, key=lambda theta: self(theta)[0])
+        return min((np.append(ranges, logit) for logit in (-6.0, -3.0, 0.0)), key=self.value)
+
+    def _search(self, start: FloatArray) -> tuple[float, FloatArray]:
+        """Lowest value and its place."""
         found = optimize.minimize(self, start, jac=True, method="L-BFGS-B", bounds=self.bounds)
         # Rounded, so that rounding errors do not decide between searches that ended at one place.
         return round(float(found.fun), 6), np.asarray(found.x, dtype=float)
 
     def _curvature(self, theta: FloatArray) -> FloatArray:
-        step = 1e-3
-        rows = [
-            (self(theta + shift)[1] - self(theta - shift)[1]) / (2 * step)
-            for shift in step * np.eye(len(theta))
-        ]
-        return np.asarray((np.array(rows) + np.array(rows).T) / 2)
+        shifts = 1e-3 * np.eye(len(theta))
+        after = np.array([self(theta + shift)[1] for shift in shifts])
+        before = [self(theta - shift)[1] for shift in shifts if not self._is_large]
+        # One-sided differences take half as many factorisations.
+        rows = (after - before) / 2e-3 if before else (after - self(theta)[1]) / 1e-3
+        return np.asarray((rows + rows.T) / 2)
 
-    def support(self) -> list[tuple[FloatArray, float]]:
-        """Points and weights that represent the posterior distribution.
+    def _around(self, mode: FloatArray) -> list[FloatArray]:
+        """Return points that represent the posterior distribution about its maximum.
 
         The rows of a Hadamard matrix, stretched by the curvature at the maximum, have the mean
         and the covariance of the normal approximation; with their mirror images they also have its
-        third moments. The weights correct for a posterior that is not normal.
+        third moments.
         """
-        mode = self.maximum()
-        lowest = self(mode)[0]
         eigenvalues, vectors = np.linalg.eigh(self._curvature(mode))
         # Except for rounding, the posterior is nowhere much flatter than the prior.
         floor = 0.5 / self.spread.max() ** 2
         stretch = vectors / np.sqrt(np.maximum(eigenvalues, floor))
         p = len(mode)
         directions = linalg.hadamard(2 ** math.ceil(math.log2(p)))[:, :p].astype(float)
-        if p <= _MIRRORED_UP_TO:
+        if not self._is_large:
             directions = np.vstack([directions, -directions])
         low, high = np.array(self.bounds).T
-        thetas = [np.clip(mode + stretch @ direction, low, high) for direction in directions]
-        depth = np.array([self(theta)[0] for theta in thetas]) - lowest - 0.5 * p
+        return [np.clip(mode + stretch @ direction, low, high) for direction in directions]
+
+    def hyperparameters(self) -> list[Hyperparameters]:
+        """Weighted sets of hyperparameters to predict with, with their estimated variances.
+
+        The weights correct for a posterior that is not normal.
+        """
+        mode = self.maximum()
+        around = self._around(mode)
+        parts = [self._covariance(theta) for theta in around]
+        solved = [self._factorised(one) for one in parts]
+        values = np.array([self._value(*pair) for pair in zip(around, solved, strict=True)])
+        depth = values - self.value(mode) - 0.5 * len(mode)
         # Limited, so that one point above the local maximum does not get all the weight.
         weights = np.exp(-np.clip(depth, -3.0, None))
         kept = weights > 1e-4 * weights.max()
         weights /= weights[kept].sum()
-        return [(thetas[i], float(weights[i])) for i in np.flatnonzero(kept)]
+        return [
+            self._estimated(one, factorised, float(weight))
+            for one, factorised, weight, is_kept in zip(parts, solved, weights, kept, strict=True)
+            if is_kept and factorised is not None
+        ]
 
-    def hyperparameters(self) -> list[Hyperparameters]:
-        """Weighted sets of hyperparameters to predict with, with their estimated variances."""
-        found = []
-        for theta, weight in self.support():
-            parts = self._covariance(theta)
-            factor = linalg.cholesky(parts.matrix, lower=True)
-            whitened = linalg.solve_triangular(factor, self.values, lower=True)
-            variance = float(whitened @ whitened) / len(self.values) * (1.0 - self.known_share)
-            noise = variance * parts.noise_share
-            signal = (variance - noise) / parts.mean_correlation
-            found.append(Hyperparameters(parts.ranges, signal, noise, weight))
-        return found
+    def _estimated(self, parts: _Covariance, solved: _Factorised, weight: float) -> Hyperparameters:
+        variance = solved.sum_of_squares / len(self.values) * (1.0 - self.known_share)
+        noise = variance * parts.noise_share
+        signal = (variance - noise) / parts.mean_correlation
+        return Hyperparameters(parts.ranges, signal, noise, weight)

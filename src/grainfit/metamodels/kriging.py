@@ -32,6 +32,7 @@ from grainfit.metamodels.predictor import (
     Contrasts,
     FloatArray,
     Hyperparameters,
+    LeavingOut,
     Trend,
 )
 
@@ -269,7 +270,7 @@ class Kriging:
                     HyperparameterPosterior(points, standardised, contrasts, known_noise, ratios)
                     for ratios in candidates
                 ]
-                best = most_probable([fit.log_density for fit in fits], scatter is not None)
+                best = most_probable([fit.log_density for fit in fits], 0 if scatter is None else d)
                 sets, ratios = fits[best].hyperparameters(), candidates[best]
         data = (trend, points, standardised, known_noise, contrasts, ratios)
         return cls(
@@ -312,6 +313,10 @@ class Kriging:
         check = self.leave_one_out()
         off = self.values - check.predicted
         return np.asarray(off / np.maximum(check.standard_deviation, np.finfo(float).tiny))
+
+    def leaving_out(self) -> LeavingOut:
+        """Start to leave runs out one by one, at the most probable hyperparameters."""
+        return self._components[int(np.argmax(self._weights))].leaving_out()
 
     def quantile(self, share: float) -> float:
         """Number of standard deviations that a share of predictions misses the truth by.
@@ -399,6 +404,18 @@ class Kriging:
         return Prediction(
             self._offset + self._scale * mean, variance, variance + self.scatter_at(points)
         )
+
+    def mean(self, points: ArrayLike) -> FloatArray:
+        """Return the mean of `predict`, shape (m,), for a fraction of its operations.
+
+        Raises
+        ------
+        InputError
+            As `predict`.
+        """
+        points = _checked("points", points, (None, self.d))
+        means = np.array([component.mean(points) for component in self._components])
+        return np.asarray(self._offset + self._scale * (self._weights @ means))
 
     def _predict_block(self, points: FloatArray) -> tuple[FloatArray, FloatArray]:
         parts = [component.predict(points) for component in self._components]

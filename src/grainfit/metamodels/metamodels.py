@@ -194,7 +194,9 @@ class Metamodels:
         Those of the responses, decorrelated where targets are correlated, then those of parameters
         from measurements of their own.
         """
-        responses = self.decorrelated(self.deviations(points)[0])
+        at = np.atleast_2d(points)
+        means = np.column_stack([model.mean(at) for model in self.models]) + self._shifts
+        responses = self.decorrelated((means - self._targets) / self._units)
         return np.hstack([responses, self.problem.off_measured(points)])
 
     def residual_slopes(self, points: ArrayLike) -> Array:

@@ -12,6 +12,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+from scipy import stats
 
 from grainfit.metamodels.predictor import FloatArray
 
@@ -20,9 +21,11 @@ from grainfit.metamodels.predictor import FloatArray
 _SHARES = (0.5, 0.95)
 #: Smallest gain of the log density of the runs at which stated errors are used.
 _EVIDENCE = 1.0
-#: The same for ratios that are fitted to the runs themselves. With it, scatter that is the same
-#: everywhere is found to change in 2 to 4 % of trials with 12 to 24 runs.
+#: The same for ratios that are fitted to the runs themselves, at least.
 EVIDENCE_OF_FITTED = 3.0
+#: Chance that slopes fitted to the runs themselves gain more where there are none. A few percent of
+#: the trials with scatter that is the same everywhere are tested and then found to change.
+_GAIN_BY_CHANCE = 0.05
 #: Errors that differ by less are equal.
 _SMALLEST_DIFFERENCE = 0.01
 
@@ -46,18 +49,23 @@ def noise_ratios(standard_errors: FloatArray) -> list[FloatArray | None]:
     return [None, *(1.0 + share * (ratios - 1.0) for share in _SHARES)]
 
 
-def most_probable(log_densities: Sequence[float], last_is_fitted: bool = False) -> int:
+def most_probable(log_densities: Sequence[float], fitted_slopes: int = 0) -> int:
     """Return the index of the best candidate: the first, unless another is clearly better.
 
     Parameters
     ----------
     log_densities : sequence of float
         Of the runs, with each candidate.
-    last_is_fitted : bool
-        Whether the ratios of the last candidate come from the same runs, so that it has to be
-        better by more.
+    fitted_slopes : int
+        Number of slopes of the last candidate that were fitted to the same runs, so that it has to
+        be better by more.
+
+    References
+    ----------
+    Wilks (1938), Ann. Math. Stat. 9, 60-62: twice the gain by fitted slopes is chi-squared.
     """
     handicap = np.array([0.0, *[_EVIDENCE] * (len(log_densities) - 1)])
-    if last_is_fitted:
-        handicap[-1] = EVIDENCE_OF_FITTED
+    if fitted_slopes:
+        usual = stats.chi2.isf(_GAIN_BY_CHANCE, fitted_slopes) / 2.0
+        handicap[-1] = max(EVIDENCE_OF_FITTED, usual)
     return int(np.argmax(np.array(log_densities) - handicap))

@@ -24,6 +24,10 @@ FALSE_ALARM = 0.005
 _LARGEST_SHARE = 0.25
 #: With a smaller largest residual, no run needs to be looked at.
 _SUSPICIOUS = 2.0
+#: With more runs, metamodels are fitted again only where the runs left out deviate by this share of
+#: the limit of outliers.
+_ALL_TRIED = 60
+_WORTH_A_FIT = 0.8
 #: Fewest runs per coefficient of a linear trend with which a run can be told from the others.
 _RUNS_PER_COEFFICIENT = 2
 #: Distance per root of the dimension within which runs tell about the same place.
@@ -101,15 +105,13 @@ def fit_without_outliers(
     runs = np.arange(len(values))
     kept, model = runs, everything
     best, outlying = everything, runs[:0]
-    for _ in range(most):
+    for _ in range(most if len(runs) <= _ALL_TRIED else _suspicious(everything, most)):
         kept = np.delete(kept, _largest_residual(model)[0])
         left_out = np.setdiff1d(runs, kept)
         model = _fit(points[kept], values[kept], standard_errors[kept])
         if _all_outlying(model, points[left_out], values[left_out], len(values)):
-            if not _are_alone(points, left_out):
-                return everything, NO_OUTLIERS
             best, outlying = model, left_out
-    if not len(outlying):
+    if not len(outlying) or not _are_alone(points, outlying):
         return everything, NO_OUTLIERS
     residuals = values[outlying] - best.predict(points[outlying]).mean
     return best, Outliers(tuple(outlying.tolist()), residuals, len(values))
@@ -132,6 +134,21 @@ def _largest_residual(model: Kriging) -> tuple[int, float]:
     residuals = np.abs(model.standardised_residuals())
     worst = int(np.argmax(residuals))
     return worst, float(residuals[worst])
+
+
+def _suspicious(model: Kriging, most: int) -> int:
+    """Return the largest number of runs left out that may all be outliers.
+
+    At the hyperparameters of all runs a run is left out by few operations, so that metamodels are
+    fitted again only where something is suspicious.
+    """
+    limit = _WORTH_A_FIT * model.quantile(FALSE_ALARM / model.n)
+    others, found = model.leaving_out(), 0
+    for number in range(1, most + 1):
+        others.leave_out_worst()
+        if others.deviations_of_left_out().min() > limit:
+            found = number
+    return found
 
 
 def _are_alone(points: FloatArray, left_out: NDArray[np.intp]) -> bool:

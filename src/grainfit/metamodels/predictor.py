@@ -32,14 +32,27 @@ def matern(distance: FloatArray) -> FloatArray:
     ----------
     Stein, Interpolation of Spatial Data (1999), equation 2.7.14 for a smoothness of 5/2.
     """
-    scaled = _MATERN_SCALE * distance
-    return np.asarray((1.0 + scaled + scaled**2 / 3.0) * np.exp(-scaled))
+    return matern_and_slope(distance)[0]
 
 
 def matern_slope(distance: FloatArray) -> FloatArray:
     """Negative derivative of the correlation, divided by the distance (finite at zero)."""
+    return matern_and_slope(distance)[1]
+
+
+def matern_and_slope(distance: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return `matern` and `matern_slope`, which share the exponential."""
     scaled = _MATERN_SCALE * distance
-    return np.asarray(10.0 / 3.0 * (1.0 + scaled) * np.exp(-scaled))
+    decay = np.exp(-scaled)
+    # In place: with hundreds of runs, new arrays take longer than the arithmetic.
+    slope = scaled + 1.0
+    slope *= decay
+    decay *= scaled
+    decay *= scaled
+    decay /= 3.0
+    decay += slope
+    slope *= 10.0 / 3.0
+    return decay, slope
 
 
 @dataclass(frozen=True)
@@ -76,23 +89,57 @@ class Trend:
 
 @dataclass(frozen=True)
 class Contrasts:
-    """Contrasts of the runs, which do not depend on the trend, and the least-squares trend."""
+    """Contrasts of the runs, which do not depend on the trend, and the least-squares trend.
+
+    The contrasts are the last columns of an orthogonal matrix ``Q = I - V T V'``. Its few
+    reflections V turn a covariance of the runs into one of the contrasts, and back, with far fewer
+    operations than the matrix itself.
+
+    References
+    ----------
+    Schreiber & Van Loan (1989), SIAM J. Sci. Stat. Comput. 10, 53-57: compact WY form of Q.
+    """
 
     complement: FloatArray
     least_squares: FloatArray
+    _reflections: FloatArray
+    _mixing: FloatArray
 
     @classmethod
     def of(cls, trend_matrix: FloatArray) -> Contrasts:
         """Split the space of the runs into that of the trend and its complement (by QR)."""
-        rank = trend_matrix.shape[1]
-        basis, triangle = np.linalg.qr(trend_matrix, mode="complete")
+        n, rank = trend_matrix.shape
+        (packed, factors), triangle = linalg.qr(trend_matrix, mode="raw")
+        reflections = np.tril(packed, -1) + np.eye(n, rank)
+        mixing = np.diag(factors)
+        for j in range(1, rank):
+            overlap = reflections[:, :j].T @ reflections[:, j]
+            mixing[:j, j] = -factors[j] * (mixing[:j, :j] @ overlap)
+        basis = np.eye(n) - reflections @ mixing @ reflections.T
         least_squares = linalg.solve_triangular(triangle[:rank], basis[:, :rank].T)
-        return cls(basis[:, rank:], least_squares)
+        return cls(basis[:, rank:], least_squares, reflections, mixing)
 
     @property
     def degrees_of_freedom(self) -> int:
         """Number of contrasts."""
         return int(self.complement.shape[1])
+
+    def covariance(self, of_runs: FloatArray) -> FloatArray:
+        """Turn a symmetric matrix of the runs into that of the contrasts: C' M C."""
+        rank = len(self._mixing)
+        return self._turned(of_runs, self._mixing)[rank:, rank:]
+
+    def spread(self, of_contrasts: FloatArray) -> FloatArray:
+        """Turn a symmetric matrix of the contrasts into that of the runs: C M C'."""
+        rank = len(self._mixing)
+        return self._turned(np.pad(of_contrasts, ((rank, 0), (rank, 0))), self._mixing.T)
+
+    def _turned(self, matrix: FloatArray, mixing: FloatArray) -> FloatArray:
+        turned = self._reflections @ mixing
+        across = matrix @ turned
+        half = self._reflections @ (0.5 * (turned.T @ across)) - across
+        left, right = np.hstack([half, self._reflections]), np.hstack([self._reflections, half])
+        return np.asarray(matrix + left @ right.T)
 
 
 @dataclass(frozen=True)
@@ -114,6 +161,54 @@ def _cholesky(covariance: FloatArray) -> FloatArray:
         return np.asarray(
             linalg.cholesky(covariance + jitter * np.eye(len(covariance)), lower=True)
         )
+
+
+class LeavingOut:
+    """Runs left out one by one, at hyperparameters that stay the same.
+
+    The common variance is estimated from the runs that are kept.
+
+    Parameters
+    ----------
+    precision : ndarray, shape (n, n)
+        Inverse covariance of the runs in the space of the contrasts.
+    values : ndarray, shape (n,)
+        Responses of the runs.
+    trend : int
+        Number of coefficients of the trend.
+
+    References
+    ----------
+    Dubrule (1983), Math. Geol. 15, 687-699, with several runs left out at once.
+    """
+
+    def __init__(self, precision: FloatArray, values: FloatArray, trend: int) -> None:
+        self._of_all = precision
+        self._pull_of_all = precision @ values
+        self._precision = precision.copy()
+        self._pull = self._pull_of_all.copy()
+        self._squares = float(values @ self._pull)
+        self._freedom = len(values) - trend
+        self._left_out: list[int] = []
+
+    def leave_out_worst(self) -> None:
+        """Leave out the run that the others predict worst."""
+        own = np.diag(self._precision).copy()
+        own[self._left_out] = np.inf
+        worst = int(np.argmax(self._pull**2 / own))
+        across = self._precision[worst] / own[worst]
+        self._squares -= float(self._pull[worst] ** 2 / own[worst])
+        self._pull -= across * self._pull[worst]
+        self._precision -= np.outer(across, self._precision[worst])
+        self._left_out.append(worst)
+
+    def deviations_of_left_out(self) -> FloatArray:
+        """Deviations of the runs left out from what the others predict, in standard deviations."""
+        out = self._left_out
+        covariance = np.linalg.inv(self._of_all[np.ix_(out, out)])
+        variance = max(self._squares, 0.0) / (self._freedom - len(out))
+        scatter = np.sqrt(np.maximum(np.diag(covariance) * variance, np.finfo(float).tiny))
+        return np.asarray(np.abs(covariance @ self._pull_of_all[out]) / scatter)
 
 
 class _Projection(NamedTuple):
@@ -153,7 +248,7 @@ class Component:
         covariance = self._covariance(points)
         covariance[np.diag_indices_from(covariance)] += self._noise() + known_noise
         complement, least_squares = contrasts.complement, contrasts.least_squares
-        factor = _cholesky(complement.T @ covariance @ complement)
+        factor = _cholesky(contrasts.covariance(covariance))
         self._root = linalg.solve_triangular(factor, complement.T, lower=True)
         self._coefficients = self._root.T @ (self._root @ values)
         self._least_squares = least_squares
@@ -187,6 +282,11 @@ class Component:
     def predict(self, points: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Mean and variance of the mean."""
         return self.predict_at(self.project(points))
+
+    def mean(self, points: FloatArray) -> FloatArray:
+        """Mean alone, which takes far fewer operations."""
+        trend = self.trend.matrix(points) @ self._trend_coefficients
+        return np.asarray(trend + self._coefficients @ self._covariance(points))
 
     def predict_at(self, at: _Projection) -> tuple[FloatArray, FloatArray]:
         """Mean and variance of the mean at projected points."""
@@ -222,6 +322,10 @@ class Component:
         """Mean and variance of each run left out, by the formulas of Dubrule (1983)."""
         precision = (self._root**2).sum(axis=0)
         return self.values - self._coefficients / precision, 1.0 / precision
+
+    def leaving_out(self) -> LeavingOut:
+        """Start to leave runs out one by one."""
+        return LeavingOut(self._root.T @ self._root, self.values, len(self._trend_coefficients))
 
     def condition(
         self,

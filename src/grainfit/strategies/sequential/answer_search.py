@@ -31,6 +31,8 @@ Array = NDArray[np.float64]
 #: In squared tolerances, and larger than any misfit that matters.
 _FORBIDDEN = 1e6
 _STARTS = 64
+#: Of the starts and the runs, so many are looked at closely.
+_PROMISING = 96
 _DESCENTS = 12
 _CLOUD = 48
 _CLOUD_WIDTH = 0.12
@@ -64,7 +66,7 @@ class AnswerSearch:
         random = self._random()
         dimension = metamodels.problem.dimension
         everywhere = np.vstack([spread_points(_STARTS, dimension, random), runs])
-        starts, _ = smallest(self._misfit, np.clip(everywhere, 0.0, 1.0), _DESCENTS)
+        starts, _ = smallest(self._misfit, self._promising(everywhere), _DESCENTS)
         found = np.vstack([gauss_newton(metamodels, starts), starts])
         #: Local minima of the expected misfit, best first, shape (m, d).
         self.closest, _ = shrinking_search(self._misfit, found, random, width=0.05)
@@ -82,6 +84,12 @@ class AnswerSearch:
     def _misfit(self, points: Array) -> Array:
         likely = self._feasibility.success_probability(points) > 0.5
         return np.asarray(self.metamodels.misfit(points) + np.where(likely, 0.0, _FORBIDDEN))
+
+    def _promising(self, points: Array) -> Array:
+        """Leave out points whose expected deviations are large, without their variances."""
+        points = np.clip(points, 0.0, 1.0)
+        squares = (self.metamodels.residuals(points) ** 2).sum(axis=1)
+        return points[np.argsort(squares, kind="stable")[:_PROMISING]]
 
     def most_hopeful(self, standard_errors: float) -> Array:
         """Point at which the targets are missed least, if at all, shape (d,).

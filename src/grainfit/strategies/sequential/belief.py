@@ -69,9 +69,12 @@ class Belief:
     @cached_property
     def misses(self) -> tuple[OutOfReach, ...]:
         """Targets that are out of reach."""
-        if self.metamodels.shortfall(self.hopeful, STANDARD_ERRORS)[0] == 0:
+        if self._may_meet_all(self.answers.closest[0]) or self._may_meet_all(self.hopeful):
             return ()
         return out_of_reach(self.metamodels, self.hopeful, self._seed, STANDARD_ERRORS)
+
+    def _may_meet_all(self, point: Array) -> bool:
+        return bool(self.metamodels.shortfall(point, STANDARD_ERRORS)[0] == 0)
 
     @cached_property
     def hopeful(self) -> Array:
