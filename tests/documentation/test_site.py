@@ -95,3 +95,37 @@ def test_the_messages_that_are_explained_are_those_of_the_program(tmp_path: Path
     assert len(rows) >= 9
     tested = [row for row in rows if "..." not in row and "LIGGGHTS" not in row]
     assert [row for row in tested if row not in said] == []
+
+
+@pytest.mark.parametrize("name", ["README.md", "CONTRIBUTING.md", "CHANGELOG.md"])
+def test_links_of_a_page_outside_of_the_site_lead_to_files_and_headings(name: str) -> None:
+    text = (ROOT / name).read_text(encoding="utf-8")
+    for target in re.findall(r"\]\(([^):]+)\)", text):
+        file, _, anchor = target.partition("#")
+        path = ROOT / (file or name)
+        assert path.exists(), target
+        assert not anchor or anchor in anchors(path), target
+
+
+def anchors(page: Path) -> set[str]:
+    """Anchors that Git forges make of the headings of a page."""
+    headings = re.findall(r"^#+ (.*)$", page.read_text(encoding="utf-8"), re.MULTILINE)
+    plain = (re.sub(r"[^\w\s-]", "", heading.lower()) for heading in headings)
+    return {words.strip().replace(" ", "-") for words in plain}
+
+
+def test_the_readme_begins_with_what_it_is_and_ends_with_its_tests() -> None:
+    text = (ROOT / "README.md").read_text(encoding="utf-8")
+    places = [
+        text.index(words)
+        for words in (
+            "calibrates the material parameters",
+            "(docs/images/heap.gif)",
+            "<!-- first command -->",
+            "## Where to go next",
+            "## From Python",
+            "<!-- test command -->",
+        )
+    ]
+    assert places == sorted(places)
+    assert "\n## " not in text[places[-1] :]
