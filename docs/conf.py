@@ -22,6 +22,7 @@ extensions = [
     "sphinx_copybutton",
     "sphinx_gallery.gen_gallery",
     "gallery_figures",
+    "plain_attributes",
     "repository_pages",
 ]
 exclude_patterns = ["_extensions", "_templates", "gallery", "recorded"]
