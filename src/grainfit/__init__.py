@@ -4,6 +4,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    __version__: str
     from grainfit import plots as plots
     from grainfit import solvers as solvers
     from grainfit import tests as tests
@@ -148,6 +149,8 @@ _OTHER_NAMES = {"load": "load_calibration", "open": "open_calibration"}
 
 
 def __getattr__(name: str) -> Any:
+    if name == "__version__":
+        return import_module("importlib.metadata").version("grainfit")
     if name in _ROOMS:
         return import_module(f"{__name__}.{name}")
     if name not in _HOMES:

@@ -1,0 +1,109 @@
+"""Files, commands and Python of the tutorials work as they stand on the pages."""
+
+from __future__ import annotations
+
+import contextlib
+import io
+import re
+import shlex
+import shutil
+import tomllib
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from pages_of_tutorials import ROOT, marked_blocks
+from PIL import Image
+from typer.testing import CliRunner
+
+from grainfit.cli.app import app
+from grainfit.measurement.silhouette import render_silhouette
+from grainfit.solvers.registry import DEM_PROGRAMS
+from tests.measurement.synthetic_heaps import DIAMETER, heap
+
+runner = CliRunner(env={"COLUMNS": "200"})
+
+
+def run_commands(text: str) -> str:
+    """Run every command of a block, and return what they print."""
+    printed = ""
+    for line in text.splitlines():
+        program, *arguments = shlex.split(line)
+        assert program == "grainfit", line
+        result = runner.invoke(app, arguments)
+        assert result.exit_code == 0, f"{line}\n{result.output}"
+        printed += result.output
+    return printed
+
+
+def test_the_file_of_the_first_tutorial_is_the_example_that_is_calibrated() -> None:
+    (file,) = [b for b in marked_blocks("tutorials/glass_beads.md") if b.mark.startswith("file")]
+    example = (ROOT / "examples" / "glass_beads" / "calibration.toml").read_text(encoding="utf-8")
+    assert tomllib.loads(file.text) == tomllib.loads(example)
+
+
+def test_the_first_tutorial_checks_and_draws_its_test(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    printed = ""
+    for block in marked_blocks("tutorials/glass_beads.md"):
+        if block.mark.startswith("file: "):
+            Path(block.mark.removeprefix("file: ")).write_text(block.text, encoding="utf-8")
+        else:
+            printed += run_commands(block.text)
+
+    assert (tmp_path / "beads.preview.html").is_file()
+    page = (ROOT / "docs" / "tutorials" / "glass_beads.md").read_text(encoding="utf-8")
+    for quoted in ("about 9,402 steps", "E/(ρ g d) = 1750"):
+        assert quoted in page
+        assert quoted in printed
+
+
+@pytest.mark.parametrize(("page", "solver"), [("lammps_deck", "lammps"), ("yade_script", "yade")])
+def test_a_model_of_the_user_is_checked_and_simulated(
+    page: str, solver: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    if shutil.which("yade") is None and solver == "yade":
+        pytest.skip("YADE is not installed: apt-get install yade")
+    assert solver in DEM_PROGRAMS
+    (block,) = [b for b in marked_blocks(f"tutorials/{page}.md") if b.mark.startswith("run in")]
+    folder = block.mark.removeprefix("run in: ").partition(";")[0]
+    shutil.copytree(ROOT / folder, tmp_path / "model")
+    monkeypatch.chdir(tmp_path / "model")
+
+    printed = run_commands(block.text)
+
+    # A restitution of 0.9 from 200 mm, which scatter by 2 %.
+    height = float(re.findall(r"rebound_height +([\d.e+-]+)", printed)[-1])
+    assert height == pytest.approx(0.9**2 * 0.2, rel=0.035)
+
+
+def test_the_tables_of_the_pages_on_own_models_are_those_of_the_examples() -> None:
+    (file,) = [b for b in marked_blocks("tutorials/lammps_deck.md") if b.mark.startswith("file")]
+    example = (ROOT / "examples" / "own_model" / "calibration.toml").read_text(encoding="utf-8")
+    assert tomllib.loads(file.text) == tomllib.loads(example)
+
+
+def test_photographs_are_measured(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    photograph(tmp_path, angle=25.0)
+    monkeypatch.chdir(tmp_path)
+    (block,) = marked_blocks("tutorials/photographs.md")
+    names: dict[str, Any] = {}
+    with contextlib.redirect_stdout(io.StringIO()) as printed:
+        exec(compile(block.text, "<photographs.md>", "exec", dont_inherit=True), names)
+
+    assert names["heap"].value == pytest.approx(25.0, abs=1.5)
+    assert "8 flanks" in printed.getvalue()
+
+
+def photograph(folder: Path, angle: float) -> None:
+    """Save pictures of a heap: dark beads before an uneven, bright background, in perspective."""
+    rng = np.random.default_rng(1)
+    particles = heap(angle, 6.0, 3)
+    for azimuth in (0, 45, 90, 135):
+        side = render_silhouette(particles, azimuth, 0.16, 0.1, DIAMETER / 20)
+        shade = np.linspace(170, 240, side.image.shape[1])
+        grey = np.where(side.image, rng.normal(60, 12, side.image.shape), shade)
+        Image.fromarray(np.clip(grey, 0, 255).astype(np.uint8)).save(folder / f"heap_{azimuth}.png")
