@@ -88,7 +88,8 @@ def time_of_report(cube: Array) -> float:
             f"targets.r{number} = {{ value = 10, tolerance = 0.1 }}\n"
             for number in range(RESPONSES)
         )
-        text = f'[parameters]\n{free}[[test]]\ntype = "python"\nfunction = "model.py:f"\n{targets}'
+        test = '[[test]]\ntype = "python"\nfunction = "model.py:f"\n'
+        text = f'name = "many parameters"\n[parameters]\n{free}{test}{targets}'
         (place / "many.toml").write_text(text)
         (place / "model.py").write_text(_MODEL.format(folder=str(Path(__file__).parent)))
         names = [*parameters(cube[0]), *(f"r{number}" for number in range(RESPONSES)), "seed"]

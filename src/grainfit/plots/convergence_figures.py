@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from html import escape
-from itertools import accumulate
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -25,6 +24,7 @@ if TYPE_CHECKING:
 
 #: Smallest deviation shown, as a share of the tolerance, because a log axis has no zero.
 _SMALLEST = 1e-3
+_FEWEST_OF_A_LINE = 2
 
 
 def convergence(saved: SavedCalibration) -> PlotlyFigure:
@@ -47,8 +47,8 @@ def convergence_figures(saved: SavedCalibration) -> dict[str, Figure]:
     """Return the figures by key: ``misfit``, and the number of each target; none without runs."""
     if not saved.evaluations:
         return {}
-    figures = {"misfit": _misfit_figure(saved)}
     expected = expectations_at_answer(saved)
+    figures = {"misfit": _misfit_figure(saved, expected)}
     for index, target in enumerate(saved.problem.targets):
         figures[str(index)] = _response_figure(saved, index, target, expected)
     return figures
@@ -73,28 +73,14 @@ def _is_asked(problem: Problem, evaluation: Evaluation, target: Target) -> bool:
     return evaluation.proposal.asks_for(problem.scope_of(target.name).name)
 
 
-def _misfit_figure(saved: SavedCalibration) -> Figure:
+def _misfit_figure(saved: SavedCalibration, expected: Sequence[Expectation]) -> Figure:
     reduction = Reduction.where_possible(saved.problem, saved.known)
     evaluations = reduction.evaluations(saved.evaluations)
     found = [deviation_in_tolerances(reduction.problem, evaluation) for evaluation in evaluations]
     drawn = [None if value is None else max(value, _SMALLEST) for value in found]
-    # A run of one of several tests alone meets its targets easily.
-    whole = [
-        np.inf if value is None or evaluation.proposal.tests is not None else value
-        for value, evaluation in zip(drawn, evaluations, strict=True)
-    ]
-    best = list(accumulate(whole, min))
     traces = [
         *_points_by_stage(evaluations, drawn, "%{y:.3g} × tolerance"),
-        {
-            "type": "scatter",
-            "mode": "lines",
-            "name": "best so far",
-            "x": list(range(1, len(best) + 1)),
-            "y": best,
-            "line": {"shape": "hv", "color": VERMILION, "width": 2},
-            "hoverinfo": "skip",
-        },
+        *_expected_misfit(saved.problem, expected),
         _failures(evaluations, drawn, [True] * len(evaluations)),
     ]
     known = [value for value in drawn if value is not None] or [1.0]
@@ -122,10 +108,30 @@ def _misfit_figure(saved: SavedCalibration) -> Figure:
     }
     words = (
         "Largest deviation of each run in units of its tolerance over the number of the run, "
-        "with the best one so far and a line at 1, below which all responses are within tolerance."
+        "with the deviation expected at the answer and a line at 1, below which all responses are "
+        "within tolerance."
     )
     title = "Largest deviation in units of the tolerance"
     return Figure(tuple(traces), layout, words, height=340, title=title)
+
+
+def _expected_misfit(problem: Problem, expected: Sequence[Expectation]) -> Iterator[dict[str, Any]]:
+    """Line of the largest expected deviation: unlike the best run, no lucky seed lowers it."""
+    if len(expected) < _FEWEST_OF_A_LINE:
+        return
+    values = np.array([target.value for target in problem.targets])
+    tolerances = np.array([target.tolerance for target in problem.targets])
+    means = np.array([one.means[: len(values)] for one in expected])
+    yield {
+        "type": "scatter",
+        "mode": "lines",
+        "name": "expected at the answer",
+        "x": [one.runs for one in expected],
+        "y": np.maximum(np.abs(means - values) / tolerances, _SMALLEST).max(axis=1),
+        "line": {"color": VERMILION, "width": 2},
+        "hovertemplate": "after %{x} runs: %{y:.2g} × tolerance<extra>expected at the answer"
+        "</extra>",
+    }
 
 
 def _response_figure(
@@ -174,6 +180,7 @@ def _points_by_stage(
                 "name": stage,
                 "x": numbers,
                 "y": [values[number - 1] for number in numbers],
+                "meta": {"runs": [f"run {number}" for number in numbers]},
                 "marker": {"symbol": symbol, "color": colour, "size": 8, "line": {"width": 1.5}},
                 "hovertemplate": f"run %{{x}}: {hover}<extra>{stage}</extra>",
             }
@@ -200,6 +207,7 @@ def _failures(
         "x": numbers,
         "y": [0.03] * len(numbers),
         "yaxis": "y2",
+        "meta": {"runs": [f"run {number}" for number in numbers]},
         "marker": {"symbol": "x", "color": VERMILION, "size": 8},
         "text": [_wrapped(reason) for reason in reasons],
         "hovertemplate": "run %{x} failed: %{text}<extra></extra>",
@@ -230,7 +238,7 @@ def _failure_axis() -> dict[str, Any]:
 
 def _expectation_traces(index: int, expected: Sequence[Expectation]) -> list[dict[str, Any]]:
     """A line with its 95 % interval."""
-    if len(expected) < 2:
+    if len(expected) < _FEWEST_OF_A_LINE:
         return []
     numbers = [one.runs for one in expected]
     means = np.array([one.means[index] for one in expected])

@@ -93,6 +93,9 @@ def _points(
             for name, width, kept in zip(check.names, check.half_widths, chosen, strict=True)
             if kept
         ],
+        "meta": {
+            "runs": [name for name, kept in zip(check.names, chosen, strict=True) if kept],
+        },
         "error_y": {
             "type": "data",
             "array": half.tolist(),

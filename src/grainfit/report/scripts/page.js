@@ -147,6 +147,12 @@
       .react(element, structuredClone(figure.data), layout, CONFIG);
     if (!drawn.has(element)) {
       drawn.add(element);
+      element.on("plotly_click", ({ points: [point] }) => {
+        const [, number] = /^run (\d+)$/.exec(point.data.meta?.runs?.[point.pointNumber]) ?? [];
+        if (number) {
+          location.hash = `run-${number}`;
+        }
+      });
       element.dispatchEvent(new CustomEvent("grainfit:drawn", { bubbles: true }));
     }
     return done;

@@ -21,15 +21,15 @@ from grainfit.report.rendering import render
 from grainfit.report.section import ReportContext, Section
 from grainfit.report.sections.particles.shown_runs import (
     ShownRun,
+    at_corners,
     first_readable,
     picture,
     shown_runs,
-    spread,
     visible,
 )
 
-#: Runs in the strip, and parameters that are named below each.
-_STRIP = 6
+#: Parameters whose corners are shown in the strip, and parameters that are named below each.
+_CORNERS = 2
 _NAMED = 3
 #: Positions are whole numbers up to this one.
 _STEPS = 32_000
@@ -41,6 +41,7 @@ class StripRun:
 
     number: int
     value: str
+    expected: str
     met: bool
     drawing: Drawing
     values: Sequence[tuple[Label, str]]
@@ -188,16 +189,32 @@ def _candidates(
 
 def _strip(context: ReportContext, runs: list[ShownRun], target: Target | None) -> list[StripRun]:
     names = _named(context, target)
-    return [
-        StripRun(
-            number=run.number,
-            value=_with_unit([run], target, run.value, 3),
-            met=target is not None and abs(run.value - target.value) <= target.tolerance,
-            drawing=view.drawing(),
-            values=[_named_value(context, run, name) for name in names],
+    shown = at_corners(runs, context.reading.problem, names[:_CORNERS])
+    strip = []
+    for run, view in shown:
+        mean = _mean_over_seeds(context, run, target)
+        value = run.value if mean is None else mean
+        strip.append(
+            StripRun(
+                number=run.number,
+                value=_with_unit([run], target, run.value, 3),
+                expected="" if mean is None else _with_unit([run], target, mean, 3),
+                met=target is not None and abs(value - target.value) <= target.tolerance,
+                drawing=view.drawing(),
+                values=[_named_value(context, run, name) for name in names],
+            )
         )
-        for run, view in spread(runs, _STRIP)
-    ]
+    return strip
+
+
+def _mean_over_seeds(context: ReportContext, run: ShownRun, target: Target | None) -> float | None:
+    """Return the response that is expected where a run was made; None without a metamodel."""
+    metamodels = context.analysis.metamodels
+    names = [known.name for known in metamodels.problem.targets] if metamodels else []
+    if metamodels is None or target is None or target.name not in names:
+        return None
+    point = metamodels.problem.to_unit(run.evaluation.proposal.parameters)
+    return float(metamodels.predict(point)[0][0, names.index(target.name)])
 
 
 def _named_value(context: ReportContext, run: ShownRun, name: str) -> tuple[Label, str]:

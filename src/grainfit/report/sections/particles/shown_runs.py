@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import base64
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import product
 from pathlib import Path
 
 import numpy as np
+from scipy.spatial.distance import cdist
 
 from grainfit.bulk_tests.registry import class_of_test, recreate_test
 from grainfit.bulk_tests.view import RunView, Shown
@@ -22,6 +24,7 @@ from grainfit.evaluation import (
     scalars,
 )
 from grainfit.measurement.particles import Particles
+from grainfit.problem import Problem
 from grainfit.scenes.run_output import RunOutput
 
 #: Above this number of particles, those deep inside are not shown.
@@ -132,18 +135,27 @@ def _readable(runs: Iterable[ShownRun], tries: int) -> Iterator[tuple[ShownRun, 
             yield run, view
 
 
-def spread(runs: Iterable[ShownRun], count: int) -> list[tuple[ShownRun, RunView]]:
-    """Read runs of different parameters, spread from the lowest response to the highest."""
+def at_corners(
+    runs: Iterable[ShownRun], problem: Problem, names: Sequence[str]
+) -> list[tuple[ShownRun, RunView]]:
+    """Read the runs nearest to the corners of the intervals of some parameters.
+
+    Of a single parameter the middle of its interval is a corner, too.
+    """
     one_each = {
         tuple(run.evaluation.proposal.parameters.values()): run for run in runs if run.has_particles
     }
-    kept = sorted(one_each.values(), key=lambda run: run.value)
+    kept = list(one_each.values())
     if not kept:
         return []
-    values = np.array([run.value for run in kept])
-    wanted = np.linspace(values[0], values[-1], count)
-    chosen = np.unique(np.abs(values - wanted[:, None]).argmin(axis=1))
-    return list(_readable((kept[i] for i in chosen), count))
+    chosen = [parameter for parameter in problem.parameters if parameter.name in names]
+    points = np.array(
+        [[p.to_unit(run.evaluation.proposal.parameters[p.name]) for p in chosen] for run in kept]
+    )
+    ends = (0.0, 0.5, 1.0) if len(chosen) == 1 else (0.0, 1.0)
+    corners = np.array(list(product(ends, repeat=len(chosen))))
+    nearest = dict.fromkeys(cdist(corners, points).argmin(axis=1).tolist())
+    return list(_readable((kept[index] for index in nearest), len(nearest)))
 
 
 def picture(run: ShownRun) -> str | None:

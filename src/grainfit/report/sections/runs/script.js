@@ -32,6 +32,17 @@
     count.textContent = shown === rows.length ? "" : `${shown} of ${rows.length} shown`;
   };
   controls.addEventListener("input", filter);
+  // A link leads to a row that a filter may have hidden.
+  addEventListener("hashchange", () => {
+    const row = location.hash.startsWith("#run-") && document.getElementById(location.hash.slice(1));
+    if (row) {
+      controls.querySelectorAll("[data-filter]").forEach((input) => {
+        input.value = "";
+      });
+      filter();
+      row.scrollIntoView({ block: "center" });
+    }
+  });
 
   const keyOf = (row, column) => {
     const cell = row.cells[column];

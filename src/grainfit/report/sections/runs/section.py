@@ -6,6 +6,7 @@ import shlex
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
+from grainfit.campaign.work_folder import run_folder
 from grainfit.evaluation import Evaluation, name_of_test, names_of_tests
 from grainfit.formatting import number, plain, plain_lines
 from grainfit.plots.convergence_figures import deviation_in_tolerances
@@ -40,7 +41,7 @@ class RunRow:
     stage: str
     failures: Sequence[Failure]
     cells: Sequence[Cell]
-    identities: Sequence[str]
+    files: Sequence[tuple[str, str]]
     outlying: str
 
 
@@ -83,9 +84,19 @@ def _row(context: ReportContext, count: int, evaluation: Evaluation) -> RunRow:
         stage=proposal.stage,
         failures=[_failure(context, evaluation, test) for test in evaluation.failures],
         cells=[*cells, Cell(str(proposal.seed), proposal.seed)],
-        identities=[identity[:_SHORT] for identity in evaluation.runs.values()],
+        files=[
+            (identity[:_SHORT], _files(context, identity)) for identity in evaluation.runs.values()
+        ],
         outlying=", ".join(_outlying(context, proposal.seed)),
     )
+
+
+def _files(context: ReportContext, identity: str) -> str:
+    """Return the address of a run's picture, or else of its folder, as seen from the page."""
+    folder = context.reading.folder
+    pictures = sorted(run_folder(folder, identity).glob("*.png"))
+    place = pictures[0] if pictures else run_folder(folder, identity)
+    return place.relative_to(folder).as_posix()
 
 
 def _outlying(context: ReportContext, seed: int) -> Iterator[str]:

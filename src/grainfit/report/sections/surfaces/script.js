@@ -64,7 +64,7 @@
       });
       this.surface = place.querySelector("[data-surface]");
       this.slices = [...place.querySelectorAll("[data-slice]")];
-      this.chosen = { response: 0, across: 0, up: 0 };
+      this.chosen = { response: Number(place.dataset.response), across: 0, up: 0 };
       for (const key of ["across", "up"]) {
         this.chosen[key] = Number(this.surface?.dataset[key] ?? 0);
       }
@@ -252,6 +252,11 @@
         const fine = (MEANS - 1) * FINER + 1;
         data.push(region({ x: values(x, fine), y: values(y, fine) }, rowsOf(agreement, fine)));
       }
+      if (view.deviations) {
+        const at = { x: values(x, VARIANCES), y: values(y, VARIANCES) };
+        const halves = view.deviations.map((deviation) => NORMAL_QUANTILE * deviation);
+        data.push(unsure(theme, at, rowsOf(halves, VARIANCES), shown));
+      }
       data.push(
         bandLines(theme, coarse, z, shown),
         this.runPoints(theme, response, across, up),
@@ -348,6 +353,7 @@
           line: { color: theme.card, width: 1 },
         },
         text: runs.map(({ words }) => words),
+        meta: { runs: runs.map(({ name }) => name) },
         hovertemplate: "%{text}<extra></extra>",
         showlegend: false,
       };
@@ -514,6 +520,23 @@
       hoverinfo: "skip",
     };
   };
+
+  // Where the 95 % interval of the expected response is wider than the tolerance, and three times.
+  const unsure = (theme, grid, z, { tolerance }) => ({
+    type: "contour",
+    ...grid,
+    z,
+    autocontour: false,
+    contours: { coloring: "fill", start: tolerance, end: 3 * tolerance, size: 2 * tolerance },
+    colorscale: [
+      [0, translucent("#808080", 0)],
+      [0.5, translucent("#808080", 0.25)],
+      [1, translucent("#808080", 0.5)],
+    ],
+    line: { width: 0 },
+    showscale: false,
+    hoverinfo: "skip",
+  });
 
   const bandLines = (theme, grid, z, shown) => ({
     type: "contour",

@@ -11,7 +11,7 @@ from grainfit.metamodels.metamodels import Metamodels
 from grainfit.plots.style import STAGES, named_runs
 from grainfit.report.rendering import render
 from grainfit.report.section import ReportContext, Section, waiting, without_metamodel
-from grainfit.report.sections.explorer.section import held_at
+from grainfit.report.sections.explorer.section import held_at, held_values
 
 _KEY, _TITLE = "surfaces", "How do the responses depend on the parameters?"
 #: Values of runs are drawn, not calculated with.
@@ -33,12 +33,22 @@ def surfaces(context: ReportContext) -> Section:
         parameters=[context.parameter_label(p.name) for p in context.parameters],
         responses=[context.response_label(t.name) for t in metamodels.problem.targets],
         missing=without_metamodel(context),
+        hardest=_hardest(context, metamodels),
         across=across,
         up=up,
         held_at=held_at(context),
         has_answer=bool(context.answer),
     )
     return Section(_KEY, _TITLE, html, data=_data(context, metamodels))
+
+
+def _hardest(context: ReportContext, metamodels: Metamodels) -> int:
+    """Return the response that may be furthest from its measurement, in tolerances."""
+    targets = metamodels.problem.targets
+    means, variances = metamodels.predict(metamodels.problem.to_unit(held_values(context)))
+    values = np.array([target.value for target in targets])
+    tolerances = np.array([target.tolerance for target in targets])
+    return int(np.argmax((np.abs(means[0] - values) + 2 * np.sqrt(variances[0])) / tolerances))
 
 
 def _leading_pair(context: ReportContext, metamodels: Metamodels) -> tuple[int, int]:

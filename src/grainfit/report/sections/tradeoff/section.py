@@ -25,6 +25,9 @@ def tradeoff(context: ReportContext) -> Section:
         return waiting(context, _KEY, _TITLE)
     if front is None or not len(front.time_steps):
         return waiting(context, _KEY, _TITLE, why_no_front(context.reading.problem))
+    choice, gain = _choice(context, front), _gain(context, front)
+    if gain is not None and gain <= EQUAL_TIME_STEPS:
+        return Section(_KEY, _TITLE, render(f"{_KEY}/page", choice=choice, points=[]))
     unit, factor = time_unit(float(front.time_steps[-1]))
     times = [factor * float(step) for step in front.time_steps]
     html = render(
@@ -43,19 +46,24 @@ def tradeoff(context: ReportContext) -> Section:
         ],
         unit=unit,
         picked=_first_pick(front),
-        choice=_choice(context, front),
+        choice=choice,
     )
     figures = {_FIGURE: pareto_figure(context.reading, metamodels, front)}
     return Section(_KEY, _TITLE, html, figures, _data(context, metamodels, front))
 
 
-def _choice(context: ReportContext, front: ParetoFront) -> str:
-    """Say why the answer has its time step; nothing without an answer or a set that agrees."""
+def _gain(context: ReportContext, front: ParetoFront) -> float | None:
+    """Share by which a set that agrees has a larger time step; None where none is known."""
     step = context.reading.problem.rayleigh_time_step(context.answer) if context.answer else None
     agreeing = front.time_steps[front.probability_all_met >= CONFIDENCE]
-    if step is None or not len(agreeing):
+    return None if step is None or not len(agreeing) else float(agreeing.max()) / step - 1
+
+
+def _choice(context: ReportContext, front: ParetoFront) -> str:
+    """Say why the answer has its time step; nothing without an answer or a set that agrees."""
+    gain = _gain(context, front)
+    if gain is None:
         return ""
-    gain = float(agreeing.max()) / step - 1
     if gain <= EQUAL_TIME_STEPS:
         return (
             f"No, by {max(gain, 0.0):.1%} at most: no parameter set that meets every target with a "
