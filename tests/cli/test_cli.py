@@ -228,11 +228,26 @@ def test_simulate_makes_one_run_at_the_values_that_are_set(tmp_path: Path) -> No
 @pytest.mark.parametrize(
     ("arguments", "word"),
     [
-        (["run", "missing.toml"], "missing.toml"),
         (["run", "my sand.toml", "--max-runs", "many"], "max-runs"),
+        (["frobnicate"], "frobnicate"),
+        (["run"], "FILE"),
+        (["status", "--frobnicate", "."], "frobnicate"),
+        (["status", "-q", "-v", "."], "exclude each other"),
+    ],
+)
+def test_wrong_usage_exits_with_two(tmp_path: Path, arguments: list[str], word: str) -> None:
+    calibration(tmp_path)
+    done = grainfit(*arguments, folder=tmp_path, code=2)
+    assert word in done.stderr
+    assert done.stdout == ""
+
+
+@pytest.mark.parametrize(
+    ("arguments", "word"),
+    [
+        (["run", "missing.toml"], "missing.toml"),
         (["run", "my sand.toml", "--max-runs", "3"], "max_runs"),
         (["run", "my sand.toml", "--workdir", "model.py"], "model.py"),
-        (["frobnicate"], "frobnicate"),
         (["status", "nowhere"], "nowhere"),
         (["report", "nowhere"], "nowhere"),
         (["measure", "nowhere"], "nowhere"),

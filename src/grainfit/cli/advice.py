@@ -7,13 +7,11 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
-from rich.console import Console
 
 from grainfit.cli import console as show
+from grainfit.cli.consoles import out as _out
 from grainfit.cli.simulating import simulating
 from grainfit.errors import Fault, InputError
-
-_out = Console()
 
 Tests = Annotated[
     list[str] | None,

@@ -15,17 +15,21 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
-from rich.console import Console
 from typer.core import TyperGroup
 from typing_extensions import override
 
 from grainfit.cli import console as show
 from grainfit.cli.advice import Workers, advise, design
+from grainfit.cli.consoles import err as _err
+from grainfit.cli.consoles import err_remarks as _err_remarks
+from grainfit.cli.consoles import out as _out
+from grainfit.cli.consoles import out_remarks as _remarks
 from grainfit.cli.export import export
 from grainfit.cli.interruption import Interruption
 from grainfit.cli.runs import runs_app
 from grainfit.cli.search_options import with_search_options
 from grainfit.cli.simulating import INTERRUPTED, STOPPED, simulating
+from grainfit.cli.verbosity import CommandLine, Quiet, Verbose, begin, is_quiet, is_verbose
 from grainfit.errors import Fault, GrainfitError, InputError, RunFailedError
 from grainfit.materials.starting_materials import (
     read_starting_material,
@@ -44,11 +48,8 @@ EXIT_CODES = {
     "interrupted": 130,
 }
 _BAD_INPUT = 1
-_USAGE_ERROR = 2
 
 _interruption = Interruption()
-_out = Console()
-_err = Console(stderr=True)
 
 
 class _Commands(TyperGroup):
@@ -68,11 +69,10 @@ class _Commands(TyperGroup):
             raise typer.Exit(INTERRUPTED) from None
 
 
-app = typer.Typer(
+app = CommandLine(
     name="grainfit",
     cls=_Commands,
     no_args_is_help=True,
-    add_completion=False,
     pretty_exceptions_enable=False,
     rich_markup_mode="rich",
     context_settings={"help_option_names": ["-h", "--help"]},
@@ -87,6 +87,29 @@ app = typer.Typer(
     """,
 )
 app.add_typer(runs_app, name="runs")
+
+
+def _print_version(wanted: bool) -> None:
+    if wanted:
+        from importlib.metadata import version
+
+        _out.print(f"grainfit {version('grainfit')}", highlight=False)
+        raise typer.Exit
+
+
+@app.callback()
+def _before_every_command(
+    version: Annotated[  # noqa: ARG001
+        bool,
+        typer.Option(
+            "--version", callback=_print_version, is_eager=True, help="Show the version and exit."
+        ),
+    ] = False,
+    quiet: Quiet = False,
+    verbose: Verbose = False,
+) -> None:
+    begin(quiet=quiet, verbose=verbose)
+
 
 CalibrationPath = Annotated[
     Path, typer.Argument(metavar="FILE", help="Calibration file (TOML).", show_default=False)
@@ -148,8 +171,8 @@ def run(
 
     Stop it at any time with Ctrl-C and start the same command again: no finished run is repeated.
 
-    Exit code: 0 calibrated, 1 bad input or a missing solver, 3 not every target is met or in reach,
-    130 interrupted.
+    Exit code: 0 calibrated, 1 bad input or a missing solver, 2 a mistake on the command line, 3 not
+    every target is met or in reach, 130 interrupted.
     """
     from grainfit.calibration.live_progress import LiveProgress
     from grainfit.campaign.cluster.executor import missing_scheduler
@@ -159,6 +182,7 @@ def run(
     folder = workdir or default_workdir(file)
     if setup.file.cluster is not None and setup.cluster is None and not local:
         _err.print(f"Cluster: {missing_scheduler(setup.file.cluster)}")
+    progress = LiveProgress(_err_remarks, every_run=is_verbose())
     with ExitStack() as stack:
         if not no_report:
             stack.enter_context(_report_of_failure(folder))
@@ -168,10 +192,13 @@ def run(
             runs_from=runs_from or (),
             store=store,
             retry_failed=retry_failed,
-            on_progress=stack.enter_context(LiveProgress(_err)).update,
+            on_progress=stack.enter_context(progress).update,
             **(search_options or {}),
         )
-    show.print_result(_out, result, folder)
+    if is_quiet():
+        show.print_headline(_out, result)
+    else:
+        show.print_result(_out, result, folder)
     if not no_report:
         _report_if_possible(folder)
     raise typer.Exit(EXIT_CODES[result.status])
@@ -284,7 +311,9 @@ def new(
         ) from None
     except OSError as error:
         raise InputError(Fault("", f"{str(file)!r} cannot be written: {error.strerror}.")) from None
-    _out.print(f"Wrote {file}. Edit it, then: grainfit check {file}", highlight=False, markup=False)
+    _remarks.print(
+        f"Wrote {file}. Edit it, then: grainfit check {file}", highlight=False, markup=False
+    )
 
 
 @app.command()
@@ -322,7 +351,7 @@ def report(
     'grainfit run' writes it at its end; this command writes it at any time.
     """
     path = _write_report(workdir, output)
-    _out.print(f"Report: {path}", highlight=False, markup=False, soft_wrap=True)
+    _remarks.print(f"Report: {path}", highlight=False, markup=False, soft_wrap=True)
     if open_it:
         import webbrowser
 
@@ -419,7 +448,7 @@ def analyse(
 
     [bold]Example:[/bold]  grainfit analyse beads.toml --runs runs.csv
     """
-    with _err.status("analysis"):
+    with _err_remarks.status("analysis"):
         from grainfit.work_folder.analyse_runs import analyse_runs
 
         found = analyse_runs(_build(file), runs)
@@ -501,7 +530,7 @@ app.command()(design)
 
 def _write_report(workdir: Path, output: Path | None = None) -> Path:
     """Write the report and show its progress, because it takes some seconds."""
-    with _err.status("report") as status:
+    with _err_remarks.status("report") as status:
         from grainfit.report.page import write_report
 
         return write_report(
@@ -532,7 +561,7 @@ def _report_if_possible(workdir: Path) -> None:
         if _interruption.count > before:
             reason = "stopped"
     else:
-        _out.print(f"Report: {path}", highlight=False, markup=False, soft_wrap=True)
+        _remarks.print(f"Report: {path}", highlight=False, markup=False, soft_wrap=True)
         return
     folder = shlex.quote(str(workdir))
     words = f"No report was written ({reason}). 'grainfit report {folder}' tries again."
@@ -568,8 +597,7 @@ def _exit_code() -> int:
     try:
         app()
     except SystemExit as stop:
-        code = stop.code if isinstance(stop.code, int) else 0
-        return _BAD_INPUT if code == _USAGE_ERROR else code
+        return stop.code if isinstance(stop.code, int) else 0
     except GrainfitError as error:
         show.print_error(_err, error)
         return _BAD_INPUT

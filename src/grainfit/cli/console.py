@@ -61,9 +61,14 @@ def _number(value: float | None, unit: str = "") -> str:
     return f"{value:.4g} {unit}".rstrip()
 
 
+def print_headline(console: Console, result: Result) -> None:
+    """Print how a calibration ended."""
+    console.print(_text(result.headline, f"bold {_STATUS_COLOURS[result.status]}"))
+
+
 def print_result(console: Console, result: Result, folder: Path) -> None:
     """Print the outcome: parameters, responses against targets, time step, cost."""
-    console.print(_text(result.headline, f"bold {_STATUS_COLOURS[result.status]}"))
+    print_headline(console, result)
     for notice in result.notices:
         console.print(_text(f"  {notice}", "yellow"))
     for name, quality in result.metamodels.items():

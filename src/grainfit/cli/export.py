@@ -6,8 +6,9 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
-from rich.console import Console
 from rich.text import Text
+
+from grainfit.cli.consoles import err, err_remarks
 
 
 def export(
@@ -38,12 +39,11 @@ def export(
     render = require_format(to)
     card = material_card(folder)
     text = render(card)
-    console = Console(stderr=True)
     if output is None:
         # As bytes: the card is UTF-8 on every terminal.
         typer.echo(text.encode(), nl=False)
     else:
         write_card(output, text)
-        console.print(Text(f"Wrote {plain(str(output))}"), soft_wrap=True)
+        err_remarks.print(Text(f"Wrote {plain(str(output))}"), soft_wrap=True)
     if not card.calibrated:
-        console.print(Text(plain(card.verdict), style="bold red"), soft_wrap=True)
+        err.print(Text(plain(card.verdict), style="bold red"), soft_wrap=True)

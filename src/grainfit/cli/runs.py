@@ -7,6 +7,9 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from grainfit.cli.consoles import out, out_remarks
+from grainfit.cli.verbosity import CommandLine
+
 if TYPE_CHECKING:
     import pandas as pd
 
@@ -14,7 +17,7 @@ if TYPE_CHECKING:
 
 _DISK_SECONDS = 0.2
 
-runs_app = typer.Typer(
+runs_app = CommandLine(
     no_args_is_help=True,
     rich_markup_mode="rich",
     context_settings={"help_option_names": ["-h", "--help"]},
@@ -62,7 +65,7 @@ def list_runs(
     runs, selected = _selected(source, status, test, where, sort)
     used = None if "://" in source else disk_use(Path(source), _DISK_SECONDS)
     disk = f"Run folders take {show.size(used)}." if used else ""
-    show.print_runs(show.runs_console(), runs, selected, limit, disk)
+    show.print_runs(out, runs, selected, limit, disk)
 
 
 @runs_app.command("show")
@@ -79,7 +82,7 @@ def show_run(
     record = _find(source, identity)
     folder = None if "://" in source else run_folder(Path(source), record.identity)
     is_there = folder is not None and folder.is_dir()
-    show.print_record(show.runs_console(), record, folder if is_there else None)
+    show.print_record(out, record, folder if is_there else None)
 
 
 @runs_app.command("export")
@@ -94,7 +97,6 @@ def export(
     sort: Sort = "ended",
 ) -> None:
     """Write a line for each run to a CSV or Parquet file, in SI units, angles in degrees."""
-    from grainfit.cli.runs_console import runs_console
     from grainfit.formatting import counted
     from grainfit.work_folder.run_export import export_runs, writer_for
 
@@ -102,7 +104,7 @@ def export(
     _, selected = _selected(source, status, test, where, sort)
     export_runs(file, selected)
     words = counted(len(selected), "run")
-    runs_console().print(f"Wrote {words} to {file}", highlight=False, markup=False)
+    out_remarks.print(f"Wrote {words} to {file}", highlight=False, markup=False)
 
 
 @runs_app.command("import")
@@ -139,7 +141,7 @@ def import_table(
 
     folder = workdir or default_workdir(file)
     imported = import_runs(build_calibration(load_calibration_file(file)), table, folder, test)
-    show.print_imported(show.runs_console(), imported, folder)
+    show.print_imported(out, imported, folder)
 
 
 @runs_app.command("prune")
@@ -155,7 +157,7 @@ def prune(
     from grainfit.work_folder.prune import prune_runs
 
     pruned = prune_runs(folder, failed)
-    show.print_pruned(show.runs_console(), pruned)
+    show.print_pruned(out, pruned)
     if pruned.faults:
         raise typer.Exit(1)
 

@@ -23,18 +23,10 @@ from grainfit.work_folder.run_table import runs_table
 
 #: This many digits of an identity distinguish runs, and `grainfit runs show` accepts them.
 SHORT_IDENTITY = 7
-#: Width of output that does not go to a terminal: no line is cut.
-_WIDE = 100_000
 _NUMBER_WIDTH = 9
 _LEAST_STATUS = 8
 _GAP = 2
 _PREFIXES = ("", "k", "M", "G", "T")
-
-
-def runs_console() -> Console:
-    """Return a console that cuts nothing when its output goes to a file or another program."""
-    console = Console()
-    return console if console.is_terminal else Console(width=_WIDE)
 
 
 def print_runs(
