@@ -275,8 +275,9 @@ def test_help_and_status_do_not_wait_for_libraries_that_they_do_not_need(tmp_pat
         "app(sys.argv[1:], standalone_mode=False)\n"
         "print(*sorted({name.partition('.')[0] for name in sys.modules}))"
     )
-    slow = {"jinja2", "numpy", "pandas", "pint", "PIL", "plotly", "scipy"}
-    for arguments in (["--help"], ["status", "work"]):
+    slow = {"jinja2", "numpy", "pandas", "pint", "PIL", "plotly", "psutil", "scipy"}
+    reading = (["status", "work"], ["runs", "list", "work"])
+    for arguments in (["--help"], ["runs", "--help"], *reading):
         done = subprocess.run(
             [sys.executable, "-c", program, *arguments],
             cwd=tmp_path,
@@ -287,7 +288,7 @@ def test_help_and_status_do_not_wait_for_libraries_that_they_do_not_need(tmp_pat
         modules = set(done.stdout.splitlines()[-1].split())
         assert "grainfit" in modules
         assert not slow & modules
-        assert ("sqlalchemy" in modules) == ("status" in arguments)
+        assert ("sqlalchemy" in modules) == ("work" in arguments)
 
 
 def test_everything_public_is_there_when_it_is_first_used() -> None:

@@ -5,6 +5,7 @@ A command imports what it needs when it is called, so that help and status are f
 
 from __future__ import annotations
 
+import gc
 import os
 import shlex
 import sys
@@ -587,6 +588,8 @@ def main() -> None:
     if code == INTERRUPTED:
         # A user's function that still runs in a thread would delay the exit of Python.
         os._exit(code)
+    # At its end, Python would look through all modules for cycles.
+    gc.freeze()
     # ``python -m`` exits as if killed by SIGINT if the last code executed from a text, such as that
     # of a data class, was interrupted, even if the interrupt was handled.
     exec("")

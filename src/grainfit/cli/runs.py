@@ -11,9 +11,8 @@ from grainfit.cli.consoles import out, out_remarks
 from grainfit.cli.verbosity import CommandLine
 
 if TYPE_CHECKING:
-    import pandas as pd
-
     from grainfit.campaign.store.records import RunRecord
+    from grainfit.work_folder.run_columns import RunColumns
 
 _DISK_SECONDS = 0.2
 
@@ -60,7 +59,7 @@ def list_runs(
 ) -> None:
     """Show a line for each run: the latest first, unless another order is given."""
     from grainfit.cli import runs_console as show
-    from grainfit.work_folder.prune import disk_use
+    from grainfit.work_folder.disk_use import disk_use
 
     runs, selected = _selected(source, status, test, where, sort)
     used = None if "://" in source else disk_use(Path(source), _DISK_SECONDS)
@@ -99,10 +98,11 @@ def export(
     """Write a line for each run to a CSV or Parquet file, in SI units, angles in degrees."""
     from grainfit.formatting import counted
     from grainfit.work_folder.run_export import export_runs, writer_for
+    from grainfit.work_folder.run_table import as_table
 
     writer_for(file)
     _, selected = _selected(source, status, test, where, sort)
-    export_runs(file, selected)
+    export_runs(file, as_table(selected))
     words = counted(len(selected), "run")
     out_remarks.print(f"Wrote {words} to {file}", highlight=False, markup=False)
 
@@ -164,20 +164,20 @@ def prune(
 
 def _selected(
     source: str, status: str | None, test: str | None, where: list[str] | None, sort: str
-) -> tuple[pd.DataFrame, pd.DataFrame]:
+) -> tuple[RunColumns, RunColumns]:
     """Return all runs, and those selected, in order."""
-    from grainfit.campaign.reuse import open_source
+    from grainfit.campaign.store.source import open_source
+    from grainfit.work_folder.run_columns import run_columns
     from grainfit.work_folder.run_selection import select_runs, sort_runs
-    from grainfit.work_folder.run_table import runs_table
 
     with open_source(source, "") as store:
-        runs = runs_table(store.runs())
+        runs = run_columns(store.runs())
     return runs, sort_runs(select_runs(runs, status, test, where or ()), sort)
 
 
 def _find(source: str, identity: str) -> RunRecord:
-    from grainfit.campaign.reuse import open_source
-    from grainfit.work_folder.run_table import find_run
+    from grainfit.campaign.store.source import open_source
+    from grainfit.work_folder.run_columns import find_run
 
     with open_source(source, "") as store:
         return find_run(store, identity)
