@@ -25,7 +25,17 @@ from grainfit.cli.consoles import err as _err
 from grainfit.cli.consoles import err_remarks as _err_remarks
 from grainfit.cli.consoles import out as _out
 from grainfit.cli.consoles import out_remarks as _remarks
+from grainfit.cli.documents import (
+    AsJson,
+    error_document,
+    json_is_wanted,
+    plan_document,
+    print_document,
+    result_document,
+    status_document,
+)
 from grainfit.cli.export import export
+from grainfit.cli.help_texts import WORK_FOLDER, shown_default
 from grainfit.cli.interruption import Interruption
 from grainfit.cli.runs import runs_app
 from grainfit.cli.search_options import with_search_options
@@ -49,6 +59,8 @@ EXIT_CODES = {
     "interrupted": 130,
 }
 _BAD_INPUT = 1
+#: Base of what Typer raises for an unknown command, option or value.
+_WRONG_USAGE: Any = typer.BadParameter.__base__
 
 _interruption = Interruption()
 
@@ -120,7 +132,7 @@ Workdir = Annotated[
     typer.Option(
         "--workdir",
         metavar="DIR",
-        help="Where runs and results are kept. Default: the file's name with .grainfit, here.",
+        help=f"Where runs and results are kept. {shown_default(WORK_FOLDER)}",
     ),
 ]
 
@@ -134,7 +146,7 @@ def run(
         str | None,
         typer.Option(
             metavar="|".join(strategies()),
-            help="Strategy that chooses the runs. [default: from the file]",
+            help=f"Strategy that chooses the runs. {shown_default('from the file')}",
         ),
     ] = None,
     runs_from: Annotated[
@@ -212,6 +224,7 @@ def check(
         bool,
         typer.Option("--no-code", help="Call no function of a scene; its cost stays unknown."),
     ] = False,
+    as_json: AsJson = False,
 ) -> None:
     """Validate a calibration file and show the plan. Nothing is simulated.
 
@@ -221,7 +234,10 @@ def check(
 
     setup = _build(file)
     plan = describe_plan(setup, call_scenes=not no_code)
-    show.print_plan(_out, plan)
+    if as_json:
+        print_document("check", plan_document(file, plan))
+    else:
+        show.print_plan(_out, plan)
     if plan.problems:
         raise typer.Exit(_BAD_INPUT)
 
@@ -235,7 +251,7 @@ def preview(
             "--set",
             metavar="NAME=VALUE",
             help="A parameter's value, units allowed. Repeat as needed. "
-            "[default: the middle of its interval]",
+            f"{shown_default('the middle of its interval')}",
             show_default=False,
         ),
     ] = None,
@@ -248,8 +264,8 @@ def preview(
             "--output",
             "-o",
             metavar="FILE.html",
-            help="The page; the picture is beside it. Default: the file's name with "
-            ".preview.html, here.",
+            help="The page; the picture is beside it. "
+            + shown_default("the file's name with .preview.html, here"),
         ),
     ] = None,
     open_it: Annotated[
@@ -284,7 +300,7 @@ def new(
         typer.Option(
             metavar="NAME",
             help="Laboratory test to calibrate with, such as heap or draw_down. Repeat as needed. "
-            "[default: heap]",
+            f"{shown_default('heap')}",
             show_default=False,
         ),
     ] = None,
@@ -320,11 +336,32 @@ def new(
 @app.command()
 def status(
     workdir: Annotated[Path, typer.Argument(metavar="DIR", help="Work folder of a calibration.")],
+    as_json: AsJson = False,
 ) -> None:
-    """Show the progress and the result of a calibration, also while it is running."""
+    """Show the progress of a calibration and the values that it found, also while it is running."""
     from grainfit.work_folder.status import read_status
 
-    show.print_status(_out, read_status(workdir))
+    found = read_status(workdir)
+    if as_json:
+        print_document("status", status_document(workdir, found))
+    else:
+        show.print_status(_out, found)
+
+
+@app.command()
+def result(
+    workdir: Annotated[Path, typer.Argument(metavar="DIR", help="Work folder of a calibration.")],
+    as_json: AsJson = False,
+) -> None:
+    """Show the result of a calibration, as 'grainfit run' showed it at its end."""
+    from grainfit.work_folder.open_folder import open_folder
+
+    with open_folder(workdir) as opened:
+        found = opened.require_result()
+    if as_json:
+        print_document("result", result_document(workdir, found))
+    else:
+        show.print_result(_out, found, workdir)
 
 
 @app.command()
@@ -389,7 +426,7 @@ def simulate(
             "--workdir",
             metavar="DIR",
             help="Where runs are kept, for example the work folder of the calibration. "
-            "Default: the file's name with .simulated, here.",
+            + shown_default("the file's name with .simulated, here"),
         ),
     ] = None,
 ) -> None:
@@ -597,6 +634,8 @@ def main() -> None:
 
 
 def _exit_code() -> int:
+    if json_is_wanted():
+        return _exit_code_with_json()
     try:
         app()
     except SystemExit as stop:
@@ -608,3 +647,19 @@ def _exit_code() -> int:
         _err.print("Interrupted.")
         return INTERRUPTED
     return 0
+
+
+def _exit_code_with_json() -> int:
+    """Run the command line; print an error as a document."""
+    try:
+        return int(app(standalone_mode=False) or 0)
+    except _WRONG_USAGE as error:
+        code, message = int(error.exit_code), error.format_message()
+        print_document("error", error_document(error, message, code))
+        return code
+    except GrainfitError as error:
+        print_document("error", error_document(error, str(error), _BAD_INPUT))
+        return _BAD_INPUT
+    except (KeyboardInterrupt, typer.Abort) as error:
+        print_document("error", error_document(error, "Interrupted.", INTERRUPTED))
+        return INTERRUPTED

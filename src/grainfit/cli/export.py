@@ -9,6 +9,7 @@ import typer
 from rich.text import Text
 
 from grainfit.cli.consoles import err, err_remarks
+from grainfit.cli.help_texts import shown_default
 
 
 def export(
@@ -28,7 +29,10 @@ def export(
     output: Annotated[
         Path | None,
         typer.Option(
-            "--output", "-o", metavar="FILE", help="Where to write it. Default: standard output."
+            "--output",
+            "-o",
+            metavar="FILE",
+            help=f"Where to write it. {shown_default('standard output')}",
         ),
     ] = None,
 ) -> None:

@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from grainfit.cli.consoles import out, out_remarks
+from grainfit.cli.documents import AsJson, print_document, run_document, runs_document
+from grainfit.cli.help_texts import WORK_FOLDER, shown_default
 from grainfit.cli.verbosity import CommandLine
 
 if TYPE_CHECKING:
@@ -15,6 +17,8 @@ if TYPE_CHECKING:
     from grainfit.work_folder.run_columns import RunColumns
 
 _DISK_SECONDS = 0.2
+#: Runs that a list shows.
+_SHOWN = 30
 
 runs_app = CommandLine(
     no_args_is_help=True,
@@ -54,17 +58,30 @@ def list_runs(
     status: Status = None,
     test: Test = None,
     where: Where = None,
-    limit: Annotated[int, typer.Option(metavar="N", min=1, help="Most lines to show.")] = 30,
+    limit: Annotated[
+        int | None,
+        typer.Option(
+            metavar="N",
+            min=1,
+            help=f"Most runs to show. {shown_default(f'{_SHOWN}, with --json all')}",
+            show_default=False,
+        ),
+    ] = None,
     sort: Sort = "-ended",
+    as_json: AsJson = False,
 ) -> None:
     """Show a line for each run: the latest first, unless another order is given."""
     from grainfit.cli import runs_console as show
     from grainfit.work_folder.disk_use import disk_use
 
     runs, selected = _selected(source, status, test, where, sort)
+    if as_json:
+        shown = selected.rows(range(len(selected))[:limit])
+        print_document("runs", runs_document(source, len(runs), shown))
+        return
     used = None if "://" in source else disk_use(Path(source), _DISK_SECONDS)
     disk = f"Run folders take {show.size(used)}." if used else ""
-    show.print_runs(out, runs, selected, limit, disk)
+    show.print_runs(out, runs, selected, limit or _SHOWN, disk)
 
 
 @runs_app.command("show")
@@ -73,15 +90,20 @@ def show_run(
     identity: Annotated[
         str, typer.Argument(metavar="IDENTITY", help="As the list shows it, or in full.")
     ],
+    as_json: AsJson = False,
 ) -> None:
     """Show all about a run: its definition, its outcome, its log and its folder."""
     from grainfit.campaign.work_folder import run_folder
     from grainfit.cli import runs_console as show
+    from grainfit.work_folder.run_columns import run_columns
 
     record = _find(source, identity)
     folder = None if "://" in source else run_folder(Path(source), record.identity)
-    is_there = folder is not None and folder.is_dir()
-    show.print_record(out, record, folder if is_there else None)
+    there = folder if folder is not None and folder.is_dir() else None
+    if as_json:
+        print_document("run", run_document(run_columns([record]), there))
+    else:
+        show.print_record(out, record, there)
 
 
 @runs_app.command("export")
@@ -128,7 +150,7 @@ def import_table(
         Path | None,
         typer.Option(
             metavar="DIR",
-            help="Where they go. Default: the file's name with .grainfit, here.",
+            help=f"Where they go. {shown_default(WORK_FOLDER)}",
         ),
     ] = None,
 ) -> None:

@@ -61,6 +61,12 @@ class RunColumns:
         values = {name: [column[row] for row in chosen] for name, column in self.values.items()}
         return replace(self, records=[self.records[row] for row in chosen], values=values)
 
+    @property
+    def parameter_units(self) -> dict[str, str]:
+        """SI units by name of the parameter, where they are known."""
+        known = {name: material_parameter(name) for name in self.parameters}
+        return {name: found.unit for name, found in known.items() if found is not None}
+
     @cached_property
     def units(self) -> Mapping[str, str]:
         """SI units by column, where they are known.
@@ -68,12 +74,11 @@ class RunColumns:
         Those of responses are known to the bulk tests, which take a second to import.
         """
         units = {"seconds": "s"}
-        for name, column in self.parameters.items():
-            if (known := material_parameter(name)) is not None:
-                units[column] = known.unit
+        for name, unit in self.parameter_units.items():
+            units[self.parameters[name]] = unit
         for name, column in self.responses.items():
-            if unit := _unit(name, self.records):
-                units |= dict.fromkeys((column, f"{column}{ERROR_SUFFIX}"), unit)
+            if found := _unit(name, self.records):
+                units |= dict.fromkeys((column, f"{column}{ERROR_SUFFIX}"), found)
         return units
 
 
