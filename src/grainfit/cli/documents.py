@@ -153,6 +153,7 @@ def plan_document(file: Path, plan: Plan) -> dict[str, Any]:
         ],
         "plan": [line.strip() for line in plan.lines],
         "notes": plan.notes,
+        "seconds": plan.seconds,
         "executes": plan.executes,
         "problems": plan.problems,
     }
