@@ -59,8 +59,8 @@ def grainfit(*arguments: str, **env: str) -> Result:
     return done
 
 
-def on_terminal(*arguments: str, folder: Path) -> str:
-    """Return what a terminal of 100 columns is sent."""
+def on_terminal(*arguments: str, folder: Path, answers: str = "") -> str:
+    """Return what a terminal of 100 columns is sent by a command, which reads some answers."""
     master, slave = pty.openpty()
     process = subprocess.Popen(
         [sys.executable, "-m", "grainfit", *arguments],
@@ -71,6 +71,7 @@ def on_terminal(*arguments: str, folder: Path) -> str:
         env={**os.environ, "COLUMNS": "100", "TERM": "xterm"},
     )
     os.close(slave)
+    os.write(master, answers.encode())
     sent = b""
     try:
         while chunk := os.read(master, 65536):
@@ -145,17 +146,43 @@ def test_without_a_terminal_progress_is_plain_lines() -> None:
     assert not set("\x1b\r━") & set(done.output)
 
 
-def test_bash_completes_commands() -> None:
-    completed = subprocess.run(
+def completed(words: str, folder: Path) -> list[str]:
+    """Return what bash offers for the last word."""
+    done = subprocess.run(
         [Path(sys.executable).with_name("grainfit")],
+        cwd=folder,
         env={
             **os.environ,
             "_GRAINFIT_COMPLETE": "complete_bash",
-            "COMP_WORDS": "grainfit st",
-            "COMP_CWORD": "1",
+            "COMP_WORDS": words,
+            "COMP_CWORD": str(words.count(" ")),
         },
         capture_output=True,
         text=True,
         check=True,
     )
-    assert completed.stdout.split() == ["status", "stiffness"]
+    return done.stdout.split()
+
+
+def test_bash_completes_commands_runs_parameters_and_materials(sand: Path) -> None:
+    assert completed("grainfit st", sand) == ["status", "stiffness"]
+    with contextlib.chdir(sand):
+        listed = grainfit("runs", "list", "sand.grainfit").stdout
+    runs = sorted(re.findall(r"^[0-9a-f]{7}\b", listed, re.M))
+    assert completed("grainfit runs show sand.grainfit ", sand) == runs
+    assert completed(f"grainfit runs show sand.grainfit {runs[0][:4]}", sand) == [runs[0]]
+    assert completed("grainfit runs show nowhere ", sand) == []
+    assert completed("grainfit simulate sand.toml --set fr", sand) == ["friction="]
+    assert completed("grainfit new x.toml --material pl", sand) == ["plastic_pellets"]
+
+
+def test_new_asks_for_material_and_tests_on_a_terminal(tmp_path: Path) -> None:
+    sent = on_terminal(
+        "new", "p.toml", folder=tmp_path, answers="plastic\n7\nheap, 99\nheap, drum\n"
+    )
+    written = (tmp_path / "p.toml").read_text()
+    assert sent.count("Choose from the list.") == 2, sent
+    assert "STARTING VALUES for plastic pellets" in written
+    assert re.findall(r'^type = "(\w+)"', written, re.M) == ["heap", "drum"]
+    shown = " ".join(sent.split())
+    assert "particle.density is free, 850 kg/m^3 to 1050 kg/m^3. Polyethylene" in shown

@@ -21,6 +21,8 @@ from typing_extensions import override
 
 from grainfit.cli import console as show
 from grainfit.cli.advice import Workers, advise, design
+from grainfit.cli.asking import can_ask, choose
+from grainfit.cli.completion import complete_material, complete_setting
 from grainfit.cli.consoles import err as _err
 from grainfit.cli.consoles import err_remarks as _err_remarks
 from grainfit.cli.consoles import out as _out
@@ -250,6 +252,7 @@ def preview(
         typer.Option(
             "--set",
             metavar="NAME=VALUE",
+            autocompletion=complete_setting,
             help="A parameter's value, units allowed. Repeat as needed. "
             f"{shown_default('the middle of its interval')}",
             show_default=False,
@@ -300,7 +303,7 @@ def new(
         typer.Option(
             metavar="NAME",
             help="Laboratory test to calibrate with, such as heap or draw_down. Repeat as needed. "
-            f"{shown_default('heap')}",
+            f"{shown_default('heap; on a terminal it asks')}",
             show_default=False,
         ),
     ] = None,
@@ -309,14 +312,23 @@ def new(
         typer.Option(
             metavar="NAME",
             help="Material whose published values it begins with, sources in its comments: "
-            f"{', '.join(starting_material_names())}.",
+            f"{', '.join(starting_material_names())}. One word is enough, such as sand. "
+            f"{shown_default('glass beads; on a terminal it asks')}",
             show_default=False,
+            autocompletion=complete_material,
         ),
     ] = None,
 ) -> None:
-    """Write a commented calibration file to start from."""
+    """Write a commented calibration file to start from.
+
+    On a terminal it asks for material and tests, unless they are given.
+
+    [bold]Example:[/bold]  grainfit new pellets.toml --material plastic --test heap --test drum
+    """
     from grainfit.calibration_file.starter import starter_file
 
+    if not file.exists() and material is None and not test and can_ask():
+        [material], test = _ask_for_material(), _ask_for_tests()
     begin = None if material is None else read_starting_material(material)
     text = starter_file(test or ["heap"], begin)
     try:
@@ -328,9 +340,23 @@ def new(
         ) from None
     except OSError as error:
         raise InputError(Fault("", f"{str(file)!r} cannot be written: {error.strerror}.")) from None
+    if begin is not None:
+        show.print_starting_intervals(_remarks, begin)
     _remarks.print(
         f"Wrote {file}. Edit it, then: grainfit check {file}", highlight=False, markup=False
     )
+
+
+def _ask_for_material() -> list[str]:
+    titles = {name: read_starting_material(name).title for name in starting_material_names()}
+    return choose("Material", titles, "glass_beads")[:1]
+
+
+def _ask_for_tests() -> list[str]:
+    from grainfit.bulk_tests.registry import bulk_tests
+
+    titles = {name: test.title for name, test in bulk_tests().items()}
+    return choose("Tests, with commas", titles, "heap")
 
 
 @app.command()
@@ -404,6 +430,7 @@ def simulate(
         typer.Option(
             "--set",
             metavar="NAME=VALUE",
+            autocompletion=complete_setting,
             help="A parameter's value, units allowed: particle.density=2300. Repeat as needed.",
         ),
     ] = None,
@@ -515,6 +542,7 @@ def stiffness(
         typer.Option(
             "--set",
             metavar="NAME=VALUE",
+            autocompletion=complete_setting,
             help="For a file: a parameter's value, units allowed. Repeat as needed.",
         ),
     ] = None,

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from grainfit.cli.completion import complete_run
 from grainfit.cli.consoles import out, out_remarks
 from grainfit.cli.documents import AsJson, print_document, run_document, runs_document
 from grainfit.cli.help_texts import WORK_FOLDER, shown_default
@@ -88,7 +89,12 @@ def list_runs(
 def show_run(
     source: Source,
     identity: Annotated[
-        str, typer.Argument(metavar="IDENTITY", help="As the list shows it, or in full.")
+        str,
+        typer.Argument(
+            metavar="IDENTITY",
+            help="As the list shows it, or in full.",
+            autocompletion=complete_run,
+        ),
     ],
     as_json: AsJson = False,
 ) -> None:
