@@ -178,7 +178,7 @@ def test_bash_completes_commands_runs_parameters_and_materials(sand: Path) -> No
 
 def test_new_asks_for_material_and_tests_on_a_terminal(tmp_path: Path) -> None:
     sent = on_terminal(
-        "new", "p.toml", folder=tmp_path, answers="plastic\n7\nheap, 99\nheap, drum\n"
+        "new", "p.toml", folder=tmp_path, answers="wood\nplastic\nheap, 99\nheap, 4\n"
     )
     written = (tmp_path / "p.toml").read_text()
     assert sent.count("Choose from the list.") == 2, sent

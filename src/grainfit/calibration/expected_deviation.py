@@ -8,8 +8,9 @@ from grainfit.errors import RunFailedError
 from grainfit.problem import Problem
 from grainfit.strategies.base import Search
 
-#: Shortest time between two estimates, s: a strategy may fit its metamodels for each.
-_INTERVAL = 2.0
+#: Shortest time between two estimates, s, and over the time that the last one took: a strategy may
+#: fit its metamodels for each.
+_INTERVAL, _SPARING = 2.0, 10.0
 
 
 class ExpectedDeviation:
@@ -28,15 +29,16 @@ class ExpectedDeviation:
         relative = not problem.curves and all(target.is_relative for target in problem.targets)
         self._targets = problem.targets if relative else ()
         self._runs = -1
-        self._computed = float("-inf")
+        self._due = float("-inf")
         self._latest: float | None = None
 
     def after(self, runs: int) -> float | None:
         """Return it after a number of evaluations; None before the search has an answer."""
-        now = time.monotonic()
-        if self._targets and runs != self._runs and now - self._computed > _INTERVAL:
+        started = time.monotonic()
+        if self._targets and runs != self._runs and started > self._due:
             self._latest = self._compute()
-            self._runs, self._computed = runs, time.monotonic()
+            self._runs, ended = runs, time.monotonic()
+            self._due = ended + max(_INTERVAL, _SPARING * (ended - started))
         return self._latest
 
     def _compute(self) -> float | None:

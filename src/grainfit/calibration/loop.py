@@ -468,8 +468,10 @@ class CalibrationLoop:
                 min(self._deviations(), default=None),
                 self._all_notices(),
                 self._origins,
-                tuple(evaluations),
-                self._expected.after(len(evaluations)) if self._stage != "design" else None,
+                evaluations=tuple(evaluations),
+                best_expected_deviation=(
+                    self._expected.after(len(evaluations)) if self._stage != "design" else None
+                ),
             )
         )
 

@@ -46,4 +46,8 @@ def _named(answer: str, names: list[str]) -> str:
     """Return the name that an answer stands for; "" for none."""
     if answer.isdecimal():
         return names[int(answer) - 1] if 1 <= int(answer) <= len(names) else ""
-    return answer if answer in names else ""
+    if answer in names:
+        return answer
+    # One word is enough where it says which: sand, plastic.
+    alike = [name for name in names if answer in name.split("_")]
+    return alike[0] if len(alike) == 1 else ""
