@@ -183,16 +183,21 @@ class Quantity(Kind):
         number = self._number(value, place)
         if number is None:
             return None
+        return self._checked(number, self._shown(value), self._hint(value), place)
+
+    def read_converted(self, number: float, place: Place) -> float | None:
+        """Check a number that is in `unit` already, such as one of a column with a unit."""
+        return self._checked(number, show(number), "", place)
+
+    def _checked(self, number: float, shown: str, hint: str, place: Place) -> float | None:
         if not math.isfinite(number):
             place.fault(f"is {number}.", "Give a finite number.")
         elif not is_computable(number):
-            place.fault(f"is {show(value)}.", "No DEM quantity is of such size.")
+            place.fault(f"is {shown}.", "No DEM quantity is of such size.")
         elif self.above_zero and number <= 0:
-            place.fault(f"is {show(value)}.", "It must be above 0.")
+            place.fault(f"is {shown}.", "It must be above 0.")
         elif not self.lowest <= number <= self.highest:
-            place.fault(
-                f"is {self._shown(value)}.", f"It must be {self.limits()}.{self._hint(value)}"
-            )
+            place.fault(f"is {shown}.", f"It must be {self.limits()}.{hint}")
         else:
             return number
         return None

@@ -265,7 +265,7 @@ class _Reader:
             except UnitError as error:
                 self._note(line, column.name, error.message, error.remedy)
                 return None
-        value = column.quantity.read(number, Place(findings, path))
+        value = column.quantity.read_converted(number, Place(findings, path))
         self._faults += findings.faults
         return value
 
