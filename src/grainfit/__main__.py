@@ -1,12 +1,17 @@
 """Entry point of the command line: ``grainfit`` and ``python -m grainfit``."""
 
+import gc
 import sys
 
 _INTERRUPTED = 130
+#: Objects after which Python looks for cycles. Its default of 700 does so a hundred times while
+#: modules are imported, and finds nothing.
+_OBJECTS_PER_COLLECTION = 50_000
 
 
 def main() -> None:
     """Run the command line."""
+    gc.set_threshold(_OBJECTS_PER_COLLECTION)
     try:
         from grainfit.cli.app import main as command_line
     except KeyboardInterrupt:

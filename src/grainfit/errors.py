@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
+
+#: Beginning of the key of a test, which counts from zero.
+_TEST = re.compile(r"^test\[(\d+)\](\.|$)")
 
 
 class GrainfitError(Exception):
@@ -29,8 +33,13 @@ class Fault:
     message: str
     remedy: str = ""
 
+    @property
+    def place(self) -> str:
+        """The key for readers, who count tests from one: ``test 1, targets.angle``."""
+        return _TEST.sub(lambda found: f"test {int(found[1]) + 1}{', ' * bool(found[2])}", self.key)
+
     def __str__(self) -> str:
-        text = f"{self.key}: {self.message}" if self.key else self.message
+        text = f"{self.place}: {self.message}" if self.key else self.message
         return f"{text} {self.remedy}".rstrip()
 
 

@@ -170,7 +170,18 @@ def how_to_write(unit: str) -> str:
     """Return a sentence that shows how to write a quantity of this unit."""
     if not unit:
         return "It has no unit: write a plain number, for example 0.5."
-    return f'Write it in {unit}, for example "{_EXAMPLES.get(unit, f"1.5 {unit}")}".'
+    return f'Write it in {unit}, for example "{example_with(unit)}".'
+
+
+def example_with(unit: str) -> str:
+    """Return a quantity as it is written, in this unit or in a usual multiple of it.
+
+    Examples
+    --------
+    >>> example_with("m"), example_with("J/m^2")
+    ('10 mm', '1.5 J/m^2')
+    """
+    return _EXAMPLES.get(unit, f"1.5 {unit}")
 
 
 class _NotAUnitError(Exception):

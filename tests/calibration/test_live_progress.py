@@ -53,6 +53,18 @@ def test_a_log_file_has_a_line_for_each_stage() -> None:
     assert lines[1].startswith(WORDS)
 
 
+def test_progress_has_every_evaluation_and_what_is_expected_of_the_answer() -> None:
+    steps: list[gf.Progress] = []
+    result = gf.calibrate(PROBLEM, simulate, on_progress=steps.append)
+    design = [step for step in steps if step.stage == "design"]
+    assert {step.best_expected_deviation for step in design} == {None}
+    assert len(steps[-1].evaluations) == result.runs.total
+    expected = steps[-1].best_expected_deviation
+    assert expected == pytest.approx(0.0, abs=0.001)
+    words = shown(replace(BEGUN, best_expected_deviation=0.0456), terminal=False)
+    assert "best run within 1.2%, answer expected within 4.6%" in words
+
+
 def test_calibrate_shows_its_progress_where_it_is_asked_to(
     capsys: pytest.CaptureFixture[str],
 ) -> None:

@@ -344,7 +344,7 @@ def test_the_file_can_say_what_a_test_depends_on(tmp_path: Path) -> None:
 
 
 def test_a_name_that_is_no_free_parameter_is_refused_with_its_key(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match=r"test\[1\]\.parameters: name 'bonce'"):
+    with pytest.raises(InputError, match=r"test 2, parameters: name 'bonce'"):
         load_calibration(written(tmp_path, drop='parameters = ["bonce"]'))
 
 

@@ -128,7 +128,7 @@ def test_fault_of_an_option_of_a_curve(
     fault_of: Callable[..., str], options: str, words: list[str]
 ) -> None:
     fault = fault_of(options)
-    assert "line 8, test[0].targets.stress" in fault
+    assert "line 8, test 1, targets.stress" in fault
     assert [word for word in words if word not in fault] == []
 
 
@@ -156,7 +156,7 @@ def test_fault_of_the_points_of_a_curve(
     fault_of: Callable[..., str], curve: str, words: list[str]
 ) -> None:
     fault = fault_of(ERRORS, curve)
-    assert "line 8, test[0].targets.stress" in fault
+    assert "line 8, test 1, targets.stress" in fault
     assert [word for word in words if word not in fault] == []
 
 
@@ -169,7 +169,7 @@ def test_curve_with_many_faults_names_the_first_ones(fault_of: Callable[..., str
 def test_curve_without_a_file(fault_of: Callable[..., str]) -> None:
     test = TEST + 'targets.other = { curve = "none.csv", uncertainty = "2 %" }\n'
     fault = fault_of(test=test)
-    assert "line 8, test[0].targets.other.curve" in fault
+    assert "line 8, test 1, targets.other.curve" in fault
     assert "no such file" in fault
 
 
@@ -198,7 +198,7 @@ def test_fault_of_a_covariance(
 ) -> None:
     (tmp_path / "covariance.csv").write_text(rows)
     fault = fault_of(', covariance = "covariance.csv"', "x,y\n1,2\n2,3\n")
-    assert "test[0].targets.stress.covariance" in fault
+    assert "test 1, targets.stress.covariance" in fault
     assert words in fault
 
 

@@ -169,12 +169,12 @@ def test_check_says_whether_a_named_executable_can_be_executed(
 @pytest.mark.parametrize(
     ("old", "new", "message"),
     [
-        ('"trap.py:', '"../numpy.py:', "test[0].evaluate: is '../numpy.py:measure', which is out"),
+        ('"trap.py:', '"../numpy.py:', "test 1, evaluate: is '../numpy.py:measure', which is out"),
         ('"trap.py:', '"linked.py:', "which is outside the model's folder"),
         ('evaluate = "trap.py:measure"', 'responses = "../../r.json"', "outside the run's folder"),
         ('evaluate = "trap.py:measure"', 'responses = "/tmp/r.json"', "outside the run's folder"),
         ('["./trap"', '["../model/trap"', "outside the model's folder"),
-        ('name = "own"', 'name = "../own"', "test[0].name: '../own' cannot be a name"),
+        ('name = "own"', 'name = "../own"', "test 1, name: '../own' cannot be a name"),
         ("targets.angle", 'targets."../angle"', "cannot be a name"),
         ("[wall]", '[parameters]\n"../x" = 1\n[wall]', "cannot be a name"),
         (f"'''{NAME}'''", '"\\u001b[31m\\n"', "name: is '\\x1b[31m\\n'. Write one line"),

@@ -228,11 +228,26 @@ def test_simulate_makes_one_run_at_the_values_that_are_set(tmp_path: Path) -> No
 @pytest.mark.parametrize(
     ("arguments", "word"),
     [
-        (["run", "missing.toml"], "missing.toml"),
         (["run", "my sand.toml", "--max-runs", "many"], "max-runs"),
+        (["frobnicate"], "frobnicate"),
+        (["run"], "FILE"),
+        (["status", "--frobnicate", "."], "frobnicate"),
+        (["status", "-q", "-v", "."], "exclude each other"),
+    ],
+)
+def test_wrong_usage_exits_with_two(tmp_path: Path, arguments: list[str], word: str) -> None:
+    calibration(tmp_path)
+    done = grainfit(*arguments, folder=tmp_path, code=2)
+    assert word in done.stderr
+    assert done.stdout == ""
+
+
+@pytest.mark.parametrize(
+    ("arguments", "word"),
+    [
+        (["run", "missing.toml"], "missing.toml"),
         (["run", "my sand.toml", "--max-runs", "3"], "max_runs"),
         (["run", "my sand.toml", "--workdir", "model.py"], "model.py"),
-        (["frobnicate"], "frobnicate"),
         (["status", "nowhere"], "nowhere"),
         (["report", "nowhere"], "nowhere"),
         (["measure", "nowhere"], "nowhere"),
@@ -260,8 +275,9 @@ def test_help_and_status_do_not_wait_for_libraries_that_they_do_not_need(tmp_pat
         "app(sys.argv[1:], standalone_mode=False)\n"
         "print(*sorted({name.partition('.')[0] for name in sys.modules}))"
     )
-    slow = {"jinja2", "numpy", "pandas", "pint", "PIL", "plotly", "scipy"}
-    for arguments in (["--help"], ["status", "work"]):
+    slow = {"jinja2", "numpy", "pandas", "pint", "PIL", "plotly", "psutil", "scipy"}
+    reading = (["status", "work"], ["runs", "list", "work"])
+    for arguments in (["--help"], ["runs", "--help"], *reading):
         done = subprocess.run(
             [sys.executable, "-c", program, *arguments],
             cwd=tmp_path,
@@ -272,7 +288,7 @@ def test_help_and_status_do_not_wait_for_libraries_that_they_do_not_need(tmp_pat
         modules = set(done.stdout.splitlines()[-1].split())
         assert "grainfit" in modules
         assert not slow & modules
-        assert ("sqlalchemy" in modules) == ("status" in arguments)
+        assert ("sqlalchemy" in modules) == ("work" in arguments)
 
 
 def test_everything_public_is_there_when_it_is_first_used() -> None:

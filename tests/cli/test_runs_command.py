@@ -33,7 +33,9 @@ from grainfit.solvers.base import Workspace
 from grainfit.solvers.own_model.command import Command
 from grainfit.solvers.own_model.python_callable import PythonCallable
 from grainfit.solvers.own_model.recorded_table import RecordedTable
-from grainfit.work_folder.prune import disk_use, prune_runs
+from grainfit.work_folder.disk_use import disk_use
+from grainfit.work_folder.prune import prune_runs
+from grainfit.work_folder.run_columns import run_columns
 from grainfit.work_folder.run_import import FIRST_SEED, Imported, import_runs
 from grainfit.work_folder.run_selection import select_runs
 from grainfit.work_folder.run_table import runs_table
@@ -227,13 +229,15 @@ def test_the_list_shows_the_latest_runs_and_how_many_more_there_are(tmp_path: Pa
     ],
 )
 def test_conditions_select_runs_in_any_unit(conditions: list[str], numbers: list[int]) -> None:
-    runs = runs_table([*(record(n) for n in range(1, 10)), failed(10)])
+    runs = run_columns([*(record(n) for n in range(1, 10)), failed(10)])
     where = [*conditions, "angle_of_repose > 0"]
-    assert list(select_runs(runs, where=where).index) == [record(n).identity for n in numbers]
+    assert select_runs(runs, where=where).values["identity"] == [
+        record(n).identity for n in numbers
+    ]
 
 
 def test_all_faults_of_the_conditions_are_named_at_once() -> None:
-    runs = runs_table([record(1), failed(2)])
+    runs = run_columns([record(1), failed(2)])
     where = [
         "__import__('os').abort()",
         "particle.densty > 3",
@@ -256,13 +260,13 @@ def test_all_faults_of_the_conditions_are_named_at_once() -> None:
 def test_a_unit_is_not_guessed_for_responses_of_own_models() -> None:
     own = record(1, definition=RunDefinition({"solver": "command"}, {"x": 1.0}, 1))
     with pytest.raises(InputError, match="compared as it is"):
-        select_runs(runs_table([own]), where=["angle_of_repose > 1 rad"])
-    assert len(select_runs(runs_table([own]), where=["angle_of_repose > 1"]))
+        select_runs(run_columns([own]), where=["angle_of_repose > 1 rad"])
+    assert len(select_runs(run_columns([own]), where=["angle_of_repose > 1"]))
 
 
 def shown(records: list[RunRecord], width: int) -> list[str]:
     console = Console(file=io.StringIO(), width=width)
-    runs = runs_table(records)
+    runs = run_columns(records)
     print_runs(console, runs, runs, 30)
     return console.file.getvalue().splitlines()  # type: ignore[attr-defined]
 

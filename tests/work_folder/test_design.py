@@ -148,7 +148,7 @@ def test_the_command_prints_combinations_and_a_recommendation(plan: Path) -> Non
         (FILE, ["--test", "heep"], r"'heep' is not a bulk test.*heap"),
         (FILE, ["--max-time", "10"], r"max-time.*no unit"),
         (FILE, ["--max-time", "0 s"], r"max-time.*above 0"),
-        (FILE + "targets.angle_of_repose = 1\n", [], r"line \d+, test\[0\]\.targets.*a table"),
+        (FILE + "targets.angle_of_repose = 1\n", [], r"line \d+, test 1, targets.*a table"),
         (FILE + 'targets.bulk_density = { uncertainty = "0 %" }\n', [], r"above 0 %"),
         (FILE + 'targets.angle = { uncertainty = "1 deg" }\n', [], r"angle_of_repose"),
         (FILE.partition("[[test]]")[0], [], r"test: is missing"),

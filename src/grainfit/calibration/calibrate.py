@@ -23,8 +23,9 @@ from grainfit.calibration.verification import VERIFICATION_RUNS
 from grainfit.campaign.campaign import Campaign, CampaignOptions
 from grainfit.campaign.folder_lock import hold
 from grainfit.campaign.keep import Keep
-from grainfit.campaign.reuse import needed_responses, open_source, take_runs
+from grainfit.campaign.reuse import needed_responses, take_runs
 from grainfit.campaign.store.shared import SharedRuns, share
+from grainfit.campaign.store.source import open_source
 from grainfit.campaign.store.store import RunStore
 from grainfit.campaign.work_folder import RESULT_NAME, recover
 from grainfit.checks import count_faults

@@ -14,11 +14,14 @@ from rich.table import Column
 from rich.text import Text
 
 from grainfit.calibration.progress import Progress
+from grainfit.evaluation import Evaluation
 from grainfit.formatting import duration, plain
 
 #: Interval of the lines of progress without a terminal, s.
 _LINE_SECONDS = 15.0
 _BAR_WIDTH = 16
+#: As many characters of an identity as `grainfit runs list` shows.
+_IDENTITY = 7
 
 
 class LiveProgress:
@@ -28,9 +31,11 @@ class LiveProgress:
     ----------
     console : Console, optional
         Output; by default standard error, or the notebook.
+    every_run : bool
+        Print a line for every evaluation that has ended.
     """
 
-    def __init__(self, console: Console | None = None) -> None:
+    def __init__(self, console: Console | None = None, *, every_run: bool = False) -> None:
         self._console = console or Console(stderr=True)
         self._is_live = _can_draw(self._console)
         self._bar = Bar(
@@ -43,6 +48,8 @@ class LiveProgress:
         self._task = self._bar.add_task("", total=None)
         self._last_line = ("", float("-inf"))
         self._notices = 0
+        #: Evaluations that have been printed; None to print none.
+        self._printed = 0 if every_run else None
         self._says_what_it_learns_from = True
         self._started = time.monotonic()
 
@@ -68,6 +75,10 @@ class LiveProgress:
         for notice in progress.notices[self._notices :]:
             self._print(notice, "yellow")
         self._notices = len(progress.notices)
+        if self._printed is not None:
+            for evaluation in progress.evaluations[self._printed :]:
+                self._print(_words_on_run(evaluation))
+            self._printed = len(progress.evaluations)
         line = self._describe(progress)
         if self._is_live:
             total = progress.done + progress.left
@@ -93,6 +104,8 @@ class LiveProgress:
         ]
         if progress.best_deviation is not None:
             parts.append(f"best run within {progress.best_deviation:.1%}")
+        if progress.best_expected_deviation is not None:
+            parts.append(f"answer expected within {progress.best_expected_deviation:.1%}")
         parts.append(f"{duration(time.monotonic() - self._started)} elapsed")
         if progress.seconds_left_range is not None:
             parts.append(f"{_span(*map(duration, progress.seconds_left_range))} left")
@@ -108,6 +121,18 @@ def _can_draw(console: Console) -> bool:
     if console.is_jupyter:
         return importlib.util.find_spec("ipywidgets") is not None
     return console.is_interactive
+
+
+def _words_on_run(evaluation: Evaluation) -> str:
+    """Return parameters, responses and failures of an evaluation in one line."""
+    proposal = evaluation.proposal
+    asked = ", ".join(f"{name} = {value:.5g}" for name, value in proposal.parameters.items())
+    found = [f"{name} = {given.value:.5g}" for name, given in evaluation.responses.items()]
+    found += [f"{name}: a curve of {len(c.values)} points" for name, c in evaluation.curves.items()]
+    found += [f"{test} failed: {why}" for test, why in evaluation.failures.items()]
+    took = duration(evaluation.simulated_seconds) if evaluation.simulated_seconds else "known"
+    identities = " ".join(run[:_IDENTITY] for run in evaluation.runs.values())
+    return f"{proposal.stage} run {identities}: {asked} -> {', '.join(found)} ({took})"
 
 
 def _learnt_from(origins: Mapping[str, int]) -> str:

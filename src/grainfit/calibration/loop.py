@@ -13,6 +13,7 @@ from itertools import accumulate
 from typing import Any
 
 from grainfit.calibration.build_result import About, make_result
+from grainfit.calibration.expected_deviation import ExpectedDeviation
 from grainfit.calibration.intervals import with_intervals
 from grainfit.calibration.progress import Progress
 from grainfit.calibration.provenance import Provenance
@@ -86,6 +87,7 @@ class CalibrationLoop:
         self._notices: list[str] = []
         self._taken = (0, 0)
         self._stage = "design"
+        self._expected = ExpectedDeviation(problem, strategy)
         self._requested = 0
         #: Requests of earlier starts of this calibration that this start has not reached yet.
         self._recorded: deque[RequestRecord] = deque()
@@ -466,6 +468,10 @@ class CalibrationLoop:
                 min(self._deviations(), default=None),
                 self._all_notices(),
                 self._origins,
+                evaluations=tuple(evaluations),
+                best_expected_deviation=(
+                    self._expected.after(len(evaluations)) if self._stage != "design" else None
+                ),
             )
         )
 

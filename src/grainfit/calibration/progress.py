@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from math import ceil, floor
+
+from grainfit.evaluation import Evaluation
 
 #: Factor to both sides of the estimated remaining runs (`benchmarks/verdicts.py`).
 UNCERTAINTY_OF_LEFT = 1.6
@@ -32,6 +34,11 @@ class Progress:
     warm_start_runs : mapping of str to int
         Number of earlier runs used for the warm start, by their source; the empty text is the work
         folder itself.
+    evaluations : sequence of Evaluation
+        All evaluations so far, in the order in which they ended.
+    best_expected_deviation : float, optional
+        Largest relative deviation of an expected response from its target at the present answer;
+        None during the design, and if deviations from a target are not relative.
     """
 
     stage: str
@@ -43,6 +50,8 @@ class Progress:
     best_deviation: float | None
     notices: tuple[str, ...]
     warm_start_runs: Mapping[str, int] = field(default_factory=dict)
+    evaluations: Sequence[Evaluation] = ()
+    best_expected_deviation: float | None = None
 
     @property
     def left_range(self) -> tuple[int, int]:

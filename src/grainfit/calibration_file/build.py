@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import ExitStack, suppress
 from dataclasses import dataclass, replace
+from difflib import get_close_matches
 from pathlib import Path
 from typing import Any
 
@@ -20,12 +21,14 @@ from grainfit.calibration_file.content import CalibrationFile, SearchOptions, Te
 from grainfit.calibration_file.load import load_calibration_file
 from grainfit.calibration_file.same_simulation import same_simulation_notes
 from grainfit.calibration_file.size_notes import size_notes
+from grainfit.calibration_file.solid_fraction_notes import solid_fraction_notes
 from grainfit.campaign.cluster.executor import cluster_executor, is_available
 from grainfit.campaign.cluster.options import ClusterOptions
 from grainfit.campaign.work_folder import default_workdir
 from grainfit.contact_models.registry import material_parameter
 from grainfit.errors import Fault, InputError
 from grainfit.evaluation import response_name
+from grainfit.formatting import in_a_row
 from grainfit.materials.particle_shape import ASPECT_RATIO
 from grainfit.materials.time_step import RayleighTimeStep
 from grainfit.options.fields import option_keys
@@ -138,8 +141,8 @@ class CalibrationSetup:
 
         They say which free parameters the tests will leave open, with tests to add, by how much
         soft particles raise the responses, whether the contact law is the same for all solvers and
-        safe at the time step, which tests simulate the same, and where particles are too few for
-        their sizes. ``grainfit check`` shows them.
+        safe at the time step, which tests simulate the same, where particles are too few for their
+        sizes, and which bulk densities no solid fraction gives. ``grainfit check`` shows them.
 
         Examples
         --------
@@ -159,6 +162,7 @@ class CalibrationSetup:
             *coarse_graining_notes(self.solvers, self.problem),
             *same_simulation_notes(self.file.tests),
             *size_notes(self.bulk_tests),
+            *solid_fraction_notes(self.problem, self.bulk_tests, self.file.fixed),
         )
 
     def calibrate(
@@ -277,12 +281,23 @@ class CalibrationSetup:
     def _set(self, name: str, text: str, place: Place) -> dict[str, float]:
         known = [parameter.name for parameter in self.file.parameters] + list(self.file.fixed)
         if name not in known:
-            place.fault("is not a parameter of the file.", suggest(name, known, "It has"))
+            place.fault("is not a parameter of the file.", self._meant(name, known))
         elif not text:
             place.fault("is given no value.", f"Write {name}=VALUE.")
         elif (value := self.quantity(name).read(_number_or_text(text), place)) is not None:
             return {name: value}
         return {}
+
+    def _meant(self, name: str, known: Sequence[str]) -> str:
+        """Return a sentence that suggests a parameter; of those of one key, the free ones."""
+        keys = [other.rpartition(".")[2] for other in known]
+        close = get_close_matches(name[:64], keys, n=1)
+        alike = [other for other, key in zip(known, keys, strict=True) if key in close]
+        free = {parameter.name for parameter in self.file.parameters}
+        alike = [other for other in alike if other in free] or alike
+        if "." in name or not alike:
+            return suggest(name, known, "It has")
+        return f"Write its whole name: {in_a_row(alike, 'or')}."
 
     def quantity(self, name: str) -> Quantity:
         """Return the unit and the physical limits of a parameter."""

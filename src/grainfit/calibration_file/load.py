@@ -17,6 +17,7 @@ from grainfit.calibration_file.layout import (
 )
 from grainfit.calibration_file.line_numbers import key_lines
 from grainfit.calibration_file.parameters import MeasuredAngle
+from grainfit.calibration_file.toml_faults import toml_fault
 from grainfit.errors import InputError
 from grainfit.files import LARGEST_CALIBRATION_FILE, TooLargeError, read_within
 from grainfit.options.places import FileFault, Findings, Place
@@ -94,9 +95,8 @@ def _parse(text: str, path: Path) -> dict[str, Any]:
     except RecursionError:
         raise _fault(path, "has brackets nested too deeply.", _NOT_TOML) from None
     except ValueError as error:
-        position = re.search(r"\(at line (\d+), column \d+\)", str(error))
-        line = int(position[1]) if position else None
-        raise _fault(path, f"is not valid TOML: {error}.", _NOT_TOML, line) from None
+        message, remedy, line = toml_fault(text, error)
+        raise _fault(path, message, remedy, line) from None
 
 
 def _fault(path: Path, message: str, remedy: str, line: int | None = None) -> InputError:

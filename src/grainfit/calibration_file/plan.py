@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import chain
 
 from grainfit.calibration.readiness import Obstacle, obstacles
-from grainfit.calibration.verification import VERIFICATION_RUNS
 from grainfit.calibration_file.build import CalibrationSetup
 from grainfit.calibration_file.cohesion_lines import cohesion_lines
+from grainfit.calibration_file.run_time import (
+    ExpectedRuns,
+    RunTime,
+    expected_runs,
+    run_time,
+    shortening_notes,
+)
 from grainfit.calibration_file.size_notes import size_lines
 from grainfit.campaign.cluster.executor import describe_cluster, executed_by
 from grainfit.curve_target import CurveTarget
@@ -18,7 +23,6 @@ from grainfit.errors import GrainfitError, InputError
 from grainfit.formatting import counted, in_a_row
 from grainfit.problem import Parameter, Problem, Target
 from grainfit.solvers.base import Solver
-from grainfit.strategies.budget import start_search
 
 
 @dataclass(frozen=True)
@@ -40,6 +44,8 @@ class Plan:
         differences of solvers.
     problems : tuple of str
         Problems that keep it from running; empty when there are none.
+    seconds : pair of float, optional
+        Smallest and largest usual wall time in all, s; None if the cost of a run is not known.
     """
 
     name: str
@@ -50,6 +56,7 @@ class Plan:
     executes: tuple[str, ...]
     notes: tuple[str, ...]
     problems: tuple[str, ...]
+    seconds: tuple[float, float] | None = None
 
 
 def describe_plan(setup: CalibrationSetup, *, call_scenes: bool = True) -> Plan:
@@ -97,8 +104,12 @@ def describe_plan(setup: CalibrationSetup, *, call_scenes: bool = True) -> Plan:
     if cluster is not None:
         lines += describe_cluster(cluster)
         executes += [f"cluster: {line}" for line in executed_by(cluster)]
+    time: RunTime | None = None
     try:
-        lines += _run_lines(setup)
+        runs = expected_runs(setup)
+        if call_scenes or not any(map(_has_code, setup.solvers.values())):
+            time = run_time(setup, runs)
+        lines += _run_lines(setup, runs, time)
     except InputError as error:
         problems += [str(fault) for fault in error.faults]
     problem = setup.problem
@@ -109,8 +120,9 @@ def describe_plan(setup: CalibrationSetup, *, call_scenes: bool = True) -> Plan:
         problem.curves,
         tuple(lines),
         tuple(executes),
-        setup.notes(),
+        (*setup.notes(), *(shortening_notes(setup, time) if time else ())),
         tuple(problems),
+        time.seconds if time else None,
     )
 
 
@@ -151,32 +163,17 @@ def _cost_lines(solver: Solver, problem: Problem) -> Iterator[str]:
         yield f"  In the middle of the intervals: {cost}."
 
 
-def _run_lines(setup: CalibrationSetup) -> Iterator[str]:
+def _run_lines(setup: CalibrationSetup, runs: ExpectedRuns, time: RunTime | None) -> Iterator[str]:
     dimension = setup.problem.dimension
-    strategy = setup.strategy
-    verification = strategy.verification_runs or VERIFICATION_RUNS
-    repeats = setup.repeats
-    runs_per_set = sum(repeats.values())
-    search = start_search(
-        strategy.strategy,
-        setup.problem,
-        runs_per_set,
-        seed=1,
-        max_runs=strategy.max_runs,
-        verification_runs=verification,
-    )
-    # Runs of an evaluation of one test, on average.
-    each = runs_per_set / len(repeats)
-    design = math.ceil(search.runs_of_design * each)
-    left = math.ceil((search.expected_left - search.runs_of_design) * each)
-    behind = max(left, verification * runs_per_set)
     yield (
-        f"DEM runs: {design} for the design, then usually {behind} to "
-        f"{4 * behind}, more where a run scatters by more than the tolerance; the last "
-        f"{verification * runs_per_set} or more are fresh seeds at the answer. "
-        f"{setup.workers} at a time. Strategy: {search.name}."
+        f"DEM runs: {runs.design} for the design, then usually {runs.after} to "
+        f"{runs.most_after}, more where a run scatters by more than the tolerance; the last "
+        f"{runs.verification} or more are fresh seeds at the answer. "
+        f"{setup.workers} at a time. Strategy: {runs.strategy}."
     )
-    for test, count in repeats.items():
+    if time is not None:
+        yield f"Time: {time}, by the estimated cost of a run, with a core for each rank."
+    for test, count in setup.repeats.items():
         if count > 1:
             yield f"Test {test}: the mean of {count} runs with different seeds is one evaluation."
     dimension -= len(setup.problem.measured)

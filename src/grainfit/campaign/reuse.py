@@ -9,11 +9,9 @@ from __future__ import annotations
 
 import math
 from collections import defaultdict
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import reduce
-from pathlib import Path
 from typing import Any
 
 from grainfit.bulk_tests.natural_units import (
@@ -26,7 +24,7 @@ from grainfit.bulk_tests.sensitivities import DENSITY
 from grainfit.campaign.campaign import evaluation_of
 from grainfit.campaign.repeats import seeds_of
 from grainfit.campaign.store.records import RunRecord
-from grainfit.campaign.store.store import STORE_NAME, RunStore, not_a_work_folder
+from grainfit.campaign.store.store import RunStore
 from grainfit.contact_models.registry import material_parameter
 from grainfit.errors import GrainfitError, InputError
 from grainfit.evaluation import (
@@ -400,35 +398,3 @@ def _at_other_scales(
     records = [record for record in records if record.identity not in taken]
     scaled = (matcher.match(record) for record in records for matcher in matchers)
     return [record for record in scaled if record is not None]
-
-
-@contextmanager
-def open_source(source: str | Path, key: str = "runs_from") -> Iterator[RunStore]:
-    """Open the store of a work folder, or the store at an address, for reading.
-
-    Parameters
-    ----------
-    source : path or str
-        A work folder, or the address of a store.
-    key : str
-        Key that a fault names.
-
-    Raises
-    ------
-    InputError
-        The folder has no store.
-    StoreError
-        The store cannot be read.
-    """
-    if "://" in str(source):
-        store = RunStore(str(source), read_only=True)
-    else:
-        folder = Path(source)
-        if not (folder / STORE_NAME).is_file():
-            remedy = "Name the folder that 'grainfit run' wrote, or the address of a store."
-            raise InputError(replace(not_a_work_folder(source, key), remedy=remedy))
-        store = RunStore.read_only(folder)
-    try:
-        yield store
-    finally:
-        store.close()

@@ -18,7 +18,6 @@ from grainfit.campaign.keep import Keep
 from grainfit.campaign.store.records import RunRecord
 from grainfit.campaign.store.store import UNUSABLE, RunStore
 from grainfit.files import LARGEST_RESPONSES, read_within, write_atomically
-from grainfit.solvers.process.orphans import end_orphans
 
 RECORD_NAME = "run.json"
 RESULT_NAME = "result.json"
@@ -38,6 +37,9 @@ def simulations_folder(file: Path) -> Path:
 
 def recover(folder: Path, store: RunStore) -> None:
     """Clean up after a killed process: end its solvers, keep every finished run."""
+    # Imported where processes are ended: the commands that only read start without psutil.
+    from grainfit.solvers.process.orphans import end_orphans
+
     store.forget_running()
     runs = folder / "runs"
     for path in runs.glob(f"*{PARTIAL_SUFFIX}"):
@@ -113,6 +115,8 @@ def discard_partial_folders(folder: Path, identities: Iterable[str]) -> None:
 
     Workers on other machines notice that their folder is gone, and end.
     """
+    from grainfit.solvers.process.orphans import end_orphans
+
     for identity in identities:
         for partial in (folder / "runs").glob(f"{identity}.*{PARTIAL_SUFFIX}"):
             # Rename it first: the worker would otherwise store the stopped run as failed.

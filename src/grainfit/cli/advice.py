@@ -7,20 +7,19 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
-from rich.console import Console
 
 from grainfit.cli import console as show
+from grainfit.cli.consoles import out as _out
+from grainfit.cli.help_texts import WORK_FOLDER, shown_default
 from grainfit.cli.simulating import simulating
 from grainfit.errors import Fault, InputError
-
-_out = Console()
 
 Tests = Annotated[
     list[str] | None,
     typer.Option(
         "--test",
         metavar="NAME",
-        help="Test to compare. Repeat as needed. [default: all of the bench]",
+        help=f"Test to compare. Repeat as needed. {shown_default('all of the bench')}",
         show_default=False,
     ),
 ]
@@ -41,7 +40,7 @@ MaxTime = Annotated[
 ]
 Seeds = Annotated[
     int | None,
-    typer.Option(metavar="N", min=1, help="Runs of each parameter set. [default: 2]"),
+    typer.Option(metavar="N", min=1, help=f"Runs of each parameter set. {shown_default('2')}"),
 ]
 Workers = Annotated[int | None, typer.Option(metavar="N", min=1, help="Runs at a time.")]
 Yes = Annotated[bool, typer.Option("--yes", "-y", help="Do not ask before simulating.")]
@@ -64,7 +63,8 @@ def advise(
         typer.Option(
             "--workdir",
             metavar="DIR",
-            help="Where further runs are kept. [default: the work folder of the calibration]",
+            help="Where further runs are kept. "
+            f"{shown_default('the work folder of the calibration')}",
             show_default=False,
         ),
     ] = None,
@@ -127,7 +127,7 @@ def design(
         typer.Option(
             "--workdir",
             metavar="DIR",
-            help="Where runs are kept. Default: the file's name with .grainfit, here.",
+            help=f"Where runs are kept. {shown_default(WORK_FOLDER)}",
         ),
     ] = None,
     yes: Yes = False,

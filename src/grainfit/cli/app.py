@@ -5,6 +5,7 @@ A command imports what it needs when it is called, so that help and status are f
 
 from __future__ import annotations
 
+import gc
 import os
 import shlex
 import sys
@@ -15,17 +16,33 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
-from rich.console import Console
 from typer.core import TyperGroup
 from typing_extensions import override
 
 from grainfit.cli import console as show
 from grainfit.cli.advice import Workers, advise, design
+from grainfit.cli.asking import can_ask, choose
+from grainfit.cli.completion import complete_material, complete_setting
+from grainfit.cli.consoles import err as _err
+from grainfit.cli.consoles import err_remarks as _err_remarks
+from grainfit.cli.consoles import out as _out
+from grainfit.cli.consoles import out_remarks as _remarks
+from grainfit.cli.documents import (
+    AsJson,
+    error_document,
+    json_is_wanted,
+    plan_document,
+    print_document,
+    result_document,
+    status_document,
+)
 from grainfit.cli.export import export
+from grainfit.cli.help_texts import WORK_FOLDER, shown_default
 from grainfit.cli.interruption import Interruption
 from grainfit.cli.runs import runs_app
 from grainfit.cli.search_options import with_search_options
 from grainfit.cli.simulating import INTERRUPTED, STOPPED, simulating
+from grainfit.cli.verbosity import CommandLine, Quiet, Verbose, begin, is_quiet, is_verbose
 from grainfit.errors import Fault, GrainfitError, InputError, RunFailedError
 from grainfit.materials.starting_materials import (
     read_starting_material,
@@ -44,11 +61,10 @@ EXIT_CODES = {
     "interrupted": 130,
 }
 _BAD_INPUT = 1
-_USAGE_ERROR = 2
+#: Base of what Typer raises for an unknown command, option or value.
+_WRONG_USAGE: Any = typer.BadParameter.__base__
 
 _interruption = Interruption()
-_out = Console()
-_err = Console(stderr=True)
 
 
 class _Commands(TyperGroup):
@@ -68,11 +84,10 @@ class _Commands(TyperGroup):
             raise typer.Exit(INTERRUPTED) from None
 
 
-app = typer.Typer(
+app = CommandLine(
     name="grainfit",
     cls=_Commands,
     no_args_is_help=True,
-    add_completion=False,
     pretty_exceptions_enable=False,
     rich_markup_mode="rich",
     context_settings={"help_option_names": ["-h", "--help"]},
@@ -88,6 +103,29 @@ app = typer.Typer(
 )
 app.add_typer(runs_app, name="runs")
 
+
+def _print_version(wanted: bool) -> None:
+    if wanted:
+        from importlib.metadata import version
+
+        _out.print(f"grainfit {version('grainfit')}", highlight=False)
+        raise typer.Exit
+
+
+@app.callback()
+def _before_every_command(
+    version: Annotated[  # noqa: ARG001
+        bool,
+        typer.Option(
+            "--version", callback=_print_version, is_eager=True, help="Show the version and exit."
+        ),
+    ] = False,
+    quiet: Quiet = False,
+    verbose: Verbose = False,
+) -> None:
+    begin(quiet=quiet, verbose=verbose)
+
+
 CalibrationPath = Annotated[
     Path, typer.Argument(metavar="FILE", help="Calibration file (TOML).", show_default=False)
 ]
@@ -96,7 +134,7 @@ Workdir = Annotated[
     typer.Option(
         "--workdir",
         metavar="DIR",
-        help="Where runs and results are kept. Default: the file's name with .grainfit, here.",
+        help=f"Where runs and results are kept. {shown_default(WORK_FOLDER)}",
     ),
 ]
 
@@ -110,7 +148,7 @@ def run(
         str | None,
         typer.Option(
             metavar="|".join(strategies()),
-            help="Strategy that chooses the runs. [default: from the file]",
+            help=f"Strategy that chooses the runs. {shown_default('from the file')}",
         ),
     ] = None,
     runs_from: Annotated[
@@ -148,8 +186,8 @@ def run(
 
     Stop it at any time with Ctrl-C and start the same command again: no finished run is repeated.
 
-    Exit code: 0 calibrated, 1 bad input or a missing solver, 3 not every target is met or in reach,
-    130 interrupted.
+    Exit code: 0 calibrated, 1 bad input or a missing solver, 2 a mistake on the command line, 3 not
+    every target is met or in reach, 130 interrupted.
     """
     from grainfit.calibration.live_progress import LiveProgress
     from grainfit.campaign.cluster.executor import missing_scheduler
@@ -159,6 +197,7 @@ def run(
     folder = workdir or default_workdir(file)
     if setup.file.cluster is not None and setup.cluster is None and not local:
         _err.print(f"Cluster: {missing_scheduler(setup.file.cluster)}")
+    progress = LiveProgress(_err_remarks, every_run=is_verbose())
     with ExitStack() as stack:
         if not no_report:
             stack.enter_context(_report_of_failure(folder))
@@ -168,10 +207,13 @@ def run(
             runs_from=runs_from or (),
             store=store,
             retry_failed=retry_failed,
-            on_progress=stack.enter_context(LiveProgress(_err)).update,
+            on_progress=stack.enter_context(progress).update,
             **(search_options or {}),
         )
-    show.print_result(_out, result, folder)
+    if is_quiet():
+        show.print_headline(_out, result)
+    else:
+        show.print_result(_out, result, folder)
     if not no_report:
         _report_if_possible(folder)
     raise typer.Exit(EXIT_CODES[result.status])
@@ -184,6 +226,7 @@ def check(
         bool,
         typer.Option("--no-code", help="Call no function of a scene; its cost stays unknown."),
     ] = False,
+    as_json: AsJson = False,
 ) -> None:
     """Validate a calibration file and show the plan. Nothing is simulated.
 
@@ -193,7 +236,10 @@ def check(
 
     setup = _build(file)
     plan = describe_plan(setup, call_scenes=not no_code)
-    show.print_plan(_out, plan)
+    if as_json:
+        print_document("check", plan_document(file, plan))
+    else:
+        show.print_plan(_out, plan)
     if plan.problems:
         raise typer.Exit(_BAD_INPUT)
 
@@ -206,8 +252,9 @@ def preview(
         typer.Option(
             "--set",
             metavar="NAME=VALUE",
+            autocompletion=complete_setting,
             help="A parameter's value, units allowed. Repeat as needed. "
-            "[default: the middle of its interval]",
+            f"{shown_default('the middle of its interval')}",
             show_default=False,
         ),
     ] = None,
@@ -220,8 +267,8 @@ def preview(
             "--output",
             "-o",
             metavar="FILE.html",
-            help="The page; the picture is beside it. Default: the file's name with "
-            ".preview.html, here.",
+            help="The page; the picture is beside it. "
+            + shown_default("the file's name with .preview.html, here"),
         ),
     ] = None,
     open_it: Annotated[
@@ -256,7 +303,7 @@ def new(
         typer.Option(
             metavar="NAME",
             help="Laboratory test to calibrate with, such as heap or draw_down. Repeat as needed. "
-            "[default: heap]",
+            f"{shown_default('heap; on a terminal it asks')}",
             show_default=False,
         ),
     ] = None,
@@ -265,14 +312,23 @@ def new(
         typer.Option(
             metavar="NAME",
             help="Material whose published values it begins with, sources in its comments: "
-            f"{', '.join(starting_material_names())}.",
+            f"{', '.join(starting_material_names())}. One word is enough, such as sand. "
+            f"{shown_default('glass beads; on a terminal it asks')}",
             show_default=False,
+            autocompletion=complete_material,
         ),
     ] = None,
 ) -> None:
-    """Write a commented calibration file to start from."""
+    """Write a commented calibration file to start from.
+
+    On a terminal it asks for material and tests, unless they are given.
+
+    [bold]Example:[/bold]  grainfit new pellets.toml --material plastic --test heap --test drum
+    """
     from grainfit.calibration_file.starter import starter_file
 
+    if not file.exists() and material is None and not test and can_ask():
+        [material], test = _ask_for_material(), _ask_for_tests()
     begin = None if material is None else read_starting_material(material)
     text = starter_file(test or ["heap"], begin)
     try:
@@ -284,17 +340,54 @@ def new(
         ) from None
     except OSError as error:
         raise InputError(Fault("", f"{str(file)!r} cannot be written: {error.strerror}.")) from None
-    _out.print(f"Wrote {file}. Edit it, then: grainfit check {file}", highlight=False, markup=False)
+    if begin is not None:
+        show.print_starting_intervals(_remarks, begin)
+    _remarks.print(
+        f"Wrote {file}. Edit it, then: grainfit check {file}", highlight=False, markup=False
+    )
+
+
+def _ask_for_material() -> list[str]:
+    titles = {name: read_starting_material(name).title for name in starting_material_names()}
+    return choose("Material", titles, "glass_beads")[:1]
+
+
+def _ask_for_tests() -> list[str]:
+    from grainfit.bulk_tests.registry import bulk_tests
+
+    titles = {name: test.title for name, test in bulk_tests().items()}
+    return choose("Tests, with commas", titles, "heap")
 
 
 @app.command()
 def status(
     workdir: Annotated[Path, typer.Argument(metavar="DIR", help="Work folder of a calibration.")],
+    as_json: AsJson = False,
 ) -> None:
-    """Show the progress and the result of a calibration, also while it is running."""
+    """Show the progress of a calibration and the values that it found, also while it is running."""
     from grainfit.work_folder.status import read_status
 
-    show.print_status(_out, read_status(workdir))
+    found = read_status(workdir)
+    if as_json:
+        print_document("status", status_document(workdir, found))
+    else:
+        show.print_status(_out, found)
+
+
+@app.command()
+def result(
+    workdir: Annotated[Path, typer.Argument(metavar="DIR", help="Work folder of a calibration.")],
+    as_json: AsJson = False,
+) -> None:
+    """Show the result of a calibration, as 'grainfit run' showed it at its end."""
+    from grainfit.work_folder.open_folder import open_folder
+
+    with open_folder(workdir) as opened:
+        found = opened.require_result()
+    if as_json:
+        print_document("result", result_document(workdir, found))
+    else:
+        show.print_result(_out, found, workdir)
 
 
 @app.command()
@@ -322,7 +415,7 @@ def report(
     'grainfit run' writes it at its end; this command writes it at any time.
     """
     path = _write_report(workdir, output)
-    _out.print(f"Report: {path}", highlight=False, markup=False, soft_wrap=True)
+    _remarks.print(f"Report: {path}", highlight=False, markup=False, soft_wrap=True)
     if open_it:
         import webbrowser
 
@@ -337,6 +430,7 @@ def simulate(
         typer.Option(
             "--set",
             metavar="NAME=VALUE",
+            autocompletion=complete_setting,
             help="A parameter's value, units allowed: particle.density=2300. Repeat as needed.",
         ),
     ] = None,
@@ -359,7 +453,7 @@ def simulate(
             "--workdir",
             metavar="DIR",
             help="Where runs are kept, for example the work folder of the calibration. "
-            "Default: the file's name with .simulated, here.",
+            + shown_default("the file's name with .simulated, here"),
         ),
     ] = None,
 ) -> None:
@@ -419,7 +513,7 @@ def analyse(
 
     [bold]Example:[/bold]  grainfit analyse beads.toml --runs runs.csv
     """
-    with _err.status("analysis"):
+    with _err_remarks.status("analysis"):
         from grainfit.work_folder.analyse_runs import analyse_runs
 
         found = analyse_runs(_build(file), runs)
@@ -448,6 +542,7 @@ def stiffness(
         typer.Option(
             "--set",
             metavar="NAME=VALUE",
+            autocompletion=complete_setting,
             help="For a file: a parameter's value, units allowed. Repeat as needed.",
         ),
     ] = None,
@@ -501,7 +596,7 @@ app.command()(design)
 
 def _write_report(workdir: Path, output: Path | None = None) -> Path:
     """Write the report and show its progress, because it takes some seconds."""
-    with _err.status("report") as status:
+    with _err_remarks.status("report") as status:
         from grainfit.report.page import write_report
 
         return write_report(
@@ -532,7 +627,7 @@ def _report_if_possible(workdir: Path) -> None:
         if _interruption.count > before:
             reason = "stopped"
     else:
-        _out.print(f"Report: {path}", highlight=False, markup=False, soft_wrap=True)
+        _remarks.print(f"Report: {path}", highlight=False, markup=False, soft_wrap=True)
         return
     folder = shlex.quote(str(workdir))
     words = f"No report was written ({reason}). 'grainfit report {folder}' tries again."
@@ -558,6 +653,8 @@ def main() -> None:
     if code == INTERRUPTED:
         # A user's function that still runs in a thread would delay the exit of Python.
         os._exit(code)
+    # At its end, Python would look through all modules for cycles.
+    gc.freeze()
     # ``python -m`` exits as if killed by SIGINT if the last code executed from a text, such as that
     # of a data class, was interrupted, even if the interrupt was handled.
     exec("")
@@ -565,11 +662,12 @@ def main() -> None:
 
 
 def _exit_code() -> int:
+    if json_is_wanted():
+        return _exit_code_with_json()
     try:
         app()
     except SystemExit as stop:
-        code = stop.code if isinstance(stop.code, int) else 0
-        return _BAD_INPUT if code == _USAGE_ERROR else code
+        return stop.code if isinstance(stop.code, int) else 0
     except GrainfitError as error:
         show.print_error(_err, error)
         return _BAD_INPUT
@@ -577,3 +675,19 @@ def _exit_code() -> int:
         _err.print("Interrupted.")
         return INTERRUPTED
     return 0
+
+
+def _exit_code_with_json() -> int:
+    """Run the command line; print an error as a document."""
+    try:
+        return int(app(standalone_mode=False) or 0)
+    except _WRONG_USAGE as error:
+        code, message = int(error.exit_code), error.format_message()
+        print_document("error", error_document(error, message, code))
+        return code
+    except GrainfitError as error:
+        print_document("error", error_document(error, str(error), _BAD_INPUT))
+        return _BAD_INPUT
+    except (KeyboardInterrupt, typer.Abort) as error:
+        print_document("error", error_document(error, "Interrupted.", INTERRUPTED))
+        return INTERRUPTED

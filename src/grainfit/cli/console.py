@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from grainfit.calibration_file.plan import Plan
     from grainfit.curve_target import CurveTarget
     from grainfit.evaluation import Evaluation
+    from grainfit.materials.starting_materials import StartingMaterial
     from grainfit.preview.previewed_test import PreviewedTest
     from grainfit.result import Result
     from grainfit.tables import TextTable
@@ -61,9 +62,14 @@ def _number(value: float | None, unit: str = "") -> str:
     return f"{value:.4g} {unit}".rstrip()
 
 
+def print_headline(console: Console, result: Result) -> None:
+    """Print how a calibration ended."""
+    console.print(_text(result.headline, f"bold {_STATUS_COLOURS[result.status]}"))
+
+
 def print_result(console: Console, result: Result, folder: Path) -> None:
     """Print the outcome: parameters, responses against targets, time step, cost."""
-    console.print(_text(result.headline, f"bold {_STATUS_COLOURS[result.status]}"))
+    print_headline(console, result)
     for notice in result.notices:
         console.print(_text(f"  {notice}", "yellow"))
     for name, quality in result.metamodels.items():
@@ -186,6 +192,15 @@ def print_status(console: Console, status: WorkdirStatus) -> None:
             console.print(_text(f"{name} = {value:.5g}{words}"))
     if status.result_fault:
         print_warning(console, status.result_fault)
+
+
+def print_starting_intervals(console: Console, material: StartingMaterial) -> None:
+    """Print the intervals of a starting material, and where they come from."""
+    for section, values in material.sections.items():
+        for key, entry in values.items():
+            if entry.is_free:
+                ends = f"{entry.value['min']} to {entry.value['max']}"
+                console.print(_text(f"{section}.{key} is free, {ends}. {entry.source}"))
 
 
 def print_run(console: Console, evaluation: Evaluation, folders: Mapping[str, Path]) -> None:

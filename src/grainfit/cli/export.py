@@ -6,8 +6,10 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
-from rich.console import Console
 from rich.text import Text
+
+from grainfit.cli.consoles import err, err_remarks
+from grainfit.cli.help_texts import shown_default
 
 
 def export(
@@ -27,7 +29,10 @@ def export(
     output: Annotated[
         Path | None,
         typer.Option(
-            "--output", "-o", metavar="FILE", help="Where to write it. Default: standard output."
+            "--output",
+            "-o",
+            metavar="FILE",
+            help=f"Where to write it. {shown_default('standard output')}",
         ),
     ] = None,
 ) -> None:
@@ -38,12 +43,11 @@ def export(
     render = require_format(to)
     card = material_card(folder)
     text = render(card)
-    console = Console(stderr=True)
     if output is None:
         # As bytes: the card is UTF-8 on every terminal.
         typer.echo(text.encode(), nl=False)
     else:
         write_card(output, text)
-        console.print(Text(f"Wrote {plain(str(output))}"), soft_wrap=True)
+        err_remarks.print(Text(f"Wrote {plain(str(output))}"), soft_wrap=True)
     if not card.calibrated:
-        console.print(Text(plain(card.verdict), style="bold red"), soft_wrap=True)
+        err.print(Text(plain(card.verdict), style="bold red"), soft_wrap=True)

@@ -7,14 +7,21 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-if TYPE_CHECKING:
-    import pandas as pd
+from grainfit.cli.completion import complete_run
+from grainfit.cli.consoles import out, out_remarks
+from grainfit.cli.documents import AsJson, print_document, run_document, runs_document
+from grainfit.cli.help_texts import WORK_FOLDER, shown_default
+from grainfit.cli.verbosity import CommandLine
 
+if TYPE_CHECKING:
     from grainfit.campaign.store.records import RunRecord
+    from grainfit.work_folder.run_columns import RunColumns
 
 _DISK_SECONDS = 0.2
+#: Runs that a list shows.
+_SHOWN = 30
 
-runs_app = typer.Typer(
+runs_app = CommandLine(
     no_args_is_help=True,
     rich_markup_mode="rich",
     context_settings={"help_option_names": ["-h", "--help"]},
@@ -52,34 +59,57 @@ def list_runs(
     status: Status = None,
     test: Test = None,
     where: Where = None,
-    limit: Annotated[int, typer.Option(metavar="N", min=1, help="Most lines to show.")] = 30,
+    limit: Annotated[
+        int | None,
+        typer.Option(
+            metavar="N",
+            min=1,
+            help=f"Most runs to show. {shown_default(f'{_SHOWN}, with --json all')}",
+            show_default=False,
+        ),
+    ] = None,
     sort: Sort = "-ended",
+    as_json: AsJson = False,
 ) -> None:
     """Show a line for each run: the latest first, unless another order is given."""
     from grainfit.cli import runs_console as show
-    from grainfit.work_folder.prune import disk_use
+    from grainfit.work_folder.disk_use import disk_use
 
     runs, selected = _selected(source, status, test, where, sort)
+    if as_json:
+        shown = selected.rows(range(len(selected))[:limit])
+        print_document("runs", runs_document(source, len(runs), shown))
+        return
     used = None if "://" in source else disk_use(Path(source), _DISK_SECONDS)
     disk = f"Run folders take {show.size(used)}." if used else ""
-    show.print_runs(show.runs_console(), runs, selected, limit, disk)
+    show.print_runs(out, runs, selected, limit or _SHOWN, disk)
 
 
 @runs_app.command("show")
 def show_run(
     source: Source,
     identity: Annotated[
-        str, typer.Argument(metavar="IDENTITY", help="As the list shows it, or in full.")
+        str,
+        typer.Argument(
+            metavar="IDENTITY",
+            help="As the list shows it, or in full.",
+            autocompletion=complete_run,
+        ),
     ],
+    as_json: AsJson = False,
 ) -> None:
     """Show all about a run: its definition, its outcome, its log and its folder."""
     from grainfit.campaign.work_folder import run_folder
     from grainfit.cli import runs_console as show
+    from grainfit.work_folder.run_columns import run_columns
 
     record = _find(source, identity)
     folder = None if "://" in source else run_folder(Path(source), record.identity)
-    is_there = folder is not None and folder.is_dir()
-    show.print_record(show.runs_console(), record, folder if is_there else None)
+    there = folder if folder is not None and folder.is_dir() else None
+    if as_json:
+        print_document("run", run_document(run_columns([record]), there))
+    else:
+        show.print_record(out, record, there)
 
 
 @runs_app.command("export")
@@ -94,15 +124,15 @@ def export(
     sort: Sort = "ended",
 ) -> None:
     """Write a line for each run to a CSV or Parquet file, in SI units, angles in degrees."""
-    from grainfit.cli.runs_console import runs_console
     from grainfit.formatting import counted
     from grainfit.work_folder.run_export import export_runs, writer_for
+    from grainfit.work_folder.run_table import as_table
 
     writer_for(file)
     _, selected = _selected(source, status, test, where, sort)
-    export_runs(file, selected)
+    export_runs(file, as_table(selected))
     words = counted(len(selected), "run")
-    runs_console().print(f"Wrote {words} to {file}", highlight=False, markup=False)
+    out_remarks.print(f"Wrote {words} to {file}", highlight=False, markup=False)
 
 
 @runs_app.command("import")
@@ -126,7 +156,7 @@ def import_table(
         Path | None,
         typer.Option(
             metavar="DIR",
-            help="Where they go. Default: the file's name with .grainfit, here.",
+            help=f"Where they go. {shown_default(WORK_FOLDER)}",
         ),
     ] = None,
 ) -> None:
@@ -139,7 +169,7 @@ def import_table(
 
     folder = workdir or default_workdir(file)
     imported = import_runs(build_calibration(load_calibration_file(file)), table, folder, test)
-    show.print_imported(show.runs_console(), imported, folder)
+    show.print_imported(out, imported, folder)
 
 
 @runs_app.command("prune")
@@ -155,27 +185,27 @@ def prune(
     from grainfit.work_folder.prune import prune_runs
 
     pruned = prune_runs(folder, failed)
-    show.print_pruned(show.runs_console(), pruned)
+    show.print_pruned(out, pruned)
     if pruned.faults:
         raise typer.Exit(1)
 
 
 def _selected(
     source: str, status: str | None, test: str | None, where: list[str] | None, sort: str
-) -> tuple[pd.DataFrame, pd.DataFrame]:
+) -> tuple[RunColumns, RunColumns]:
     """Return all runs, and those selected, in order."""
-    from grainfit.campaign.reuse import open_source
+    from grainfit.campaign.store.source import open_source
+    from grainfit.work_folder.run_columns import run_columns
     from grainfit.work_folder.run_selection import select_runs, sort_runs
-    from grainfit.work_folder.run_table import runs_table
 
     with open_source(source, "") as store:
-        runs = runs_table(store.runs())
+        runs = run_columns(store.runs())
     return runs, sort_runs(select_runs(runs, status, test, where or ()), sort)
 
 
 def _find(source: str, identity: str) -> RunRecord:
-    from grainfit.campaign.reuse import open_source
-    from grainfit.work_folder.run_table import find_run
+    from grainfit.campaign.store.source import open_source
+    from grainfit.work_folder.run_columns import find_run
 
     with open_source(source, "") as store:
         return find_run(store, identity)

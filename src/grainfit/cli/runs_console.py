@@ -7,8 +7,8 @@ import re
 from collections.abc import Sequence
 from datetime import datetime
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-import pandas as pd
 from rich import box
 from rich.cells import cell_len
 from rich.console import Console, JustifyMethod
@@ -17,34 +17,28 @@ from rich.text import Text
 
 from grainfit.campaign.store.records import RunRecord
 from grainfit.formatting import counted, plain, plain_lines
-from grainfit.work_folder.prune import Pruned
-from grainfit.work_folder.run_import import Imported
-from grainfit.work_folder.run_table import runs_table
+from grainfit.work_folder.run_columns import RunColumns, run_columns
+
+if TYPE_CHECKING:
+    from grainfit.work_folder.prune import Pruned
+    from grainfit.work_folder.run_import import Imported
 
 #: This many digits of an identity distinguish runs, and `grainfit runs show` accepts them.
 SHORT_IDENTITY = 7
-#: Width of output that does not go to a terminal: no line is cut.
-_WIDE = 100_000
 _NUMBER_WIDTH = 9
 _LEAST_STATUS = 8
 _GAP = 2
 _PREFIXES = ("", "k", "M", "G", "T")
 
 
-def runs_console() -> Console:
-    """Return a console that cuts nothing when its output goes to a file or another program."""
-    console = Console()
-    return console if console.is_terminal else Console(width=_WIDE)
-
-
 def print_runs(
-    console: Console, runs: pd.DataFrame, selected: pd.DataFrame, limit: int, disk: str = ""
+    console: Console, runs: RunColumns, selected: RunColumns, limit: int, disk: str = ""
 ) -> None:
     """Print a line for each of the first selected runs, and how many more there are.
 
     Parameters that are the same in all runs are left out, and so are the columns that do not fit.
     """
-    shown = selected[:limit]
+    shown = selected.rows(range(min(limit, len(selected))))
     if len(shown):
         columns, left_out = _columns_that_fit(runs, selected, shown, console.width)
         console.print(_as_rich(columns, shown, console.width))
@@ -52,7 +46,7 @@ def print_runs(
             words = f"No room for {', '.join(left_out)}: widen the terminal, or export them."
             console.print(Text(plain(words)), soft_wrap=True)
     more = len(selected) - len(shown)
-    failed = (selected["status"] == "failed").sum()
+    failed = selected.values["status"].count("failed")
     parts = [counted(len(selected), "run"), *([f"{failed} failed"] if failed else [])]
     if len(selected) < len(runs):
         parts.append(f"of {len(runs)}  in total")
@@ -64,16 +58,20 @@ def print_runs(
 
 
 def _columns_that_fit(
-    runs: pd.DataFrame, selected: pd.DataFrame, shown: pd.DataFrame, width: int
+    runs: RunColumns, selected: RunColumns, shown: RunColumns, width: int
 ) -> tuple[list[str], list[str]]:
     """Return the columns to show, and the parameters and responses that there is no room for."""
     first = ["identity", "test", "seed", "seconds"]
-    if runs["test"].nunique() == 1:
+    if len(set(runs.values["test"])) == 1:
         first.remove("test")
-    last = [] if (runs["status"] == "finished").all() else ["status"]
+    last = ["status"] if set(runs.values["status"]) - {"finished"} else []
     # Fixed parameters are the same in all runs, so they are not shown.
-    varied = [name for name in runs.attrs["parameters"] if runs[name].nunique(dropna=False) > 1]
-    responses = [name for name in runs.attrs["responses"] if selected[name].notna().any()]
+    varied = [name for name in runs.parameters.values() if len(set(runs.values[name])) > 1]
+    responses = [
+        name
+        for name in runs.responses.values()
+        if any(v is not None for v in selected.values[name])
+    ]
     left_out: list[str] = []
     while (varied or responses) and _width(first + varied + responses, shown, last) > width:
         # The last of the longer list, so that some of both remain.
@@ -82,17 +80,17 @@ def _columns_that_fit(
     return first + varied + responses + last, left_out
 
 
-def _width(columns: Sequence[str], shown: pd.DataFrame, last: Sequence[str] = ()) -> int:
+def _width(columns: Sequence[str], shown: RunColumns, last: Sequence[str] = ()) -> int:
     widths = [_column_width(name, shown) for name in columns]
     return sum(widths) + _GAP * (len(widths) - 1) + (_GAP + _LEAST_STATUS) * len(last)
 
 
-def _column_width(name: str, shown: pd.DataFrame) -> int:
+def _column_width(name: str, shown: RunColumns) -> int:
     heading = max(map(len, _heading(name).split("\n")))
     return max(heading, *map(cell_len, _texts(name, shown)))
 
 
-def _as_rich(columns: Sequence[str], shown: pd.DataFrame, width: int) -> Table:
+def _as_rich(columns: Sequence[str], shown: RunColumns, width: int) -> Table:
     # With the separator's own column, the gap is two.
     table = Table(box=box.SIMPLE, show_edge=False, pad_edge=False, padding=(0, _GAP - 1, 0, 0))
     left = width - _width([name for name in columns if name != "status"], shown) - _GAP
@@ -102,22 +100,22 @@ def _as_rich(columns: Sequence[str], shown: pd.DataFrame, width: int) -> Table:
     cells = {name: list(map(Text, _texts(name, shown))) for name in columns}
     for status in cells.get("status", ()):
         status.truncate(max(left, _LEAST_STATUS), overflow="ellipsis")
-    for status, *row in zip(shown["status"], *cells.values(), strict=True):
+    for status, *row in zip(shown.values["status"], *cells.values(), strict=True):
         table.add_row(*row, style="red" if status == "failed" else "")
     return table
 
 
-def _texts(name: str, shown: pd.DataFrame) -> list[str]:
+def _texts(name: str, shown: RunColumns) -> list[str]:
     """Return the cells of a column as they are shown."""
     if name == "identity":
-        return [plain(identity)[:SHORT_IDENTITY] for identity in shown.index]
+        return [plain(identity)[:SHORT_IDENTITY] for identity in shown.values["identity"]]
     if name == "status":
-        pairs = zip(shown["status"], shown["reason"], strict=True)
+        pairs = zip(shown.values["status"], shown.values["reason"], strict=True)
         return [plain(f"{status}: {reason}" if reason else status) for status, reason in pairs]
     digits = ".1f" if name == "seconds" else ".5g"
     return [
-        "" if pd.isna(cell) else f"{cell:{digits}}" if isinstance(cell, float) else plain(str(cell))
-        for cell in shown[name]
+        "" if cell is None else f"{cell:{digits}}" if isinstance(cell, float) else plain(str(cell))
+        for cell in shown.values[name]
     ]
 
 
@@ -133,9 +131,8 @@ def _heading(name: str) -> str:
 
 def print_record(console: Console, record: RunRecord, folder: Path | None) -> None:
     """Print all that is known of a run."""
-    [row] = runs_table([record]).reset_index().to_dict("records")
-    for name, cell in row.items():
-        if cell != "" and not pd.isna(cell):
+    for name, [cell] in run_columns([record]).values.items():
+        if cell not in ("", None):
             shown = cell.isoformat(timespec="seconds") if isinstance(cell, datetime) else cell
             _line(console, f"{name} = {shown}")
     if folder is not None:

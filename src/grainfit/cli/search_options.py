@@ -10,6 +10,7 @@ from typing import Annotated, Any, get_type_hints
 import typer
 
 from grainfit.calibration.options import CalibrationOptions
+from grainfit.cli.help_texts import escaped, shown_default
 from grainfit.options.fields import option_keys
 from grainfit.options.kinds import Choice, Flag, Kind, Whole
 from grainfit.options.tables import Key
@@ -54,7 +55,7 @@ def _parameter(option: Key) -> inspect.Parameter:
     declared = typer.Option(
         spelled,
         metavar=None if isinstance(option.kind, Flag) else _metavar(option.kind),
-        help=f"{option.description} Default: {option.default}.".replace("[", r"\["),
+        help=f"{escaped(option.description)} {shown_default(option.default)}",
         show_default=False,
         rich_help_panel=_PANEL,
     )

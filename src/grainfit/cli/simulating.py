@@ -8,7 +8,9 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 import typer
-from rich.console import Console
+
+from grainfit.cli.consoles import err as _err
+from grainfit.cli.consoles import err_remarks as _remarks
 
 if TYPE_CHECKING:
     from grainfit.campaign.batch import ExpectedWork
@@ -16,7 +18,6 @@ if TYPE_CHECKING:
 #: Exit code of an interrupted command, and its last words.
 INTERRUPTED = 130
 STOPPED = "Interrupted. Finished runs are kept; start again to continue."
-_err = Console(stderr=True)
 
 
 @contextmanager
@@ -34,11 +35,11 @@ def simulating(
     ask : bool
         Ask before simulating, on a terminal.
     """
-    status = _err.status(first)
+    status = _remarks.status(first)
 
     def begin(work: ExpectedWork) -> None:
         status.stop()
-        _err.print(f"{work}.", highlight=False)
+        _remarks.print(f"{work}.", highlight=False)
         if ask and work.runs and sys.stdin.isatty():
             typer.confirm("Simulate?", default=True, abort=True, err=True)
         status.update("simulating")

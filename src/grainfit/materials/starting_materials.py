@@ -77,7 +77,8 @@ def read_starting_material(name: str) -> StartingMaterial:
     Parameters
     ----------
     name : str
-        One of `starting_material_names`; spaces and hyphens are as good as underscores.
+        One of `starting_material_names`, or one word of it, such as ``sand``; spaces and hyphens
+        are as good as underscores.
 
     Raises
     ------
@@ -87,6 +88,10 @@ def read_starting_material(name: str) -> StartingMaterial:
     known = starting_material_names()
     stem = "_".join(name.lower().replace("-", " ").split())
     if stem not in known:
+        # One word is enough where it says which: sand, plastic.
+        alike = [other for other in known if stem in other.split("_")]
+        stem = alike[0] if len(alike) == 1 else ""
+    if not stem:
         words = f"{name!r} is no starting material."
         raise InputError(Fault("material", words, f"Use one of {', '.join(known)}."))
     data = tomllib.loads((_FOLDER / f"{stem}.toml").read_text(encoding="utf-8"))

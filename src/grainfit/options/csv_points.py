@@ -287,7 +287,7 @@ def _faults_of_size(number: float, column: Column) -> Iterator[tuple[str, str]]:
     except UnitError as error:
         yield error.message, error.remedy
         return
-    Quantity(column.unit).read(value, Place(findings))
+    Quantity(column.unit).read_converted(value, Place(findings))
     for fault in findings.faults:
         yield fault.message, fault.remedy
 

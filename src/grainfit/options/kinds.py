@@ -16,7 +16,7 @@ from typing import Any
 
 from grainfit.checks import is_computable
 from grainfit.options.places import Place, kind_of, show
-from grainfit.units import UnitError, how_to_write, to_unit
+from grainfit.units import UnitError, example_with, how_to_write, to_unit
 
 Schema = dict[str, Any]
 
@@ -183,14 +183,21 @@ class Quantity(Kind):
         number = self._number(value, place)
         if number is None:
             return None
+        return self._checked(number, self._shown(value), self._hint(value), place)
+
+    def read_converted(self, number: float, place: Place) -> float | None:
+        """Check a number that is in `unit` already, such as one of a column with a unit."""
+        return self._checked(number, show(number), "", place)
+
+    def _checked(self, number: float, shown: str, hint: str, place: Place) -> float | None:
         if not math.isfinite(number):
             place.fault(f"is {number}.", "Give a finite number.")
         elif not is_computable(number):
-            place.fault(f"is {show(value)}.", "No DEM quantity is of such size.")
+            place.fault(f"is {shown}.", "No DEM quantity is of such size.")
         elif self.above_zero and number <= 0:
-            place.fault(f"is {show(value)}.", "It must be above 0.")
+            place.fault(f"is {shown}.", "It must be above 0.")
         elif not self.lowest <= number <= self.highest:
-            place.fault(f"is {show(value)}.", f"It must be {self.limits()}.")
+            place.fault(f"is {shown}.", f"It must be {self.limits()}.{hint}")
         else:
             return number
         return None
@@ -216,6 +223,21 @@ class Quantity(Kind):
         except UnitError as error:
             place.fault(error.message, error.remedy)
             return None
+
+    def _may_lack_unit(self, value: Any) -> bool:
+        """Return whether a value may have been meant in another unit; of angles nobody does."""
+        return self.unit not in (None, "", "deg") and not isinstance(value, str)
+
+    def _shown(self, value: Any) -> str:
+        """Return a value with the unit that it has as a plain number."""
+        words = f", a plain number, which is in {self.unit}" if self._may_lack_unit(value) else ""
+        return f"{show(value)}{words}"
+
+    def _hint(self, value: Any) -> str:
+        """Return how to write a plain number that was meant in another unit."""
+        if not self.unit or not self._may_lack_unit(value):
+            return ""
+        return f' Give it with its unit, such as "{example_with(self.unit)}".'
 
     def _words(self) -> str:
         return f"a number or a quantity in {self.unit}" if self.unit else "a number"

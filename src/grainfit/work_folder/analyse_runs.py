@@ -12,7 +12,8 @@ from grainfit.analysis.analysis import Analysis, analyse
 from grainfit.analysis.posterior import Posterior, standard_uncertainty
 from grainfit.calibration_file.build import CalibrationSetup, load_calibration
 from grainfit.calibration_file.content import TestSpecification
-from grainfit.campaign.reuse import open_source, runs_of
+from grainfit.campaign.reuse import runs_of
+from grainfit.campaign.store.source import open_source
 from grainfit.errors import Fault, InputError
 from grainfit.evaluation import Evaluation, Proposal, response_name
 from grainfit.formatting import counted, in_unit, number, plain_ends, plain_interval

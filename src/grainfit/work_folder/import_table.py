@@ -23,7 +23,7 @@ from grainfit.solvers.own_model.csv_table import (
     repeated_runs,
 )
 from grainfit.units import UnitError, is_unit, to_unit
-from grainfit.work_folder.run_table import COMMON_COLUMNS
+from grainfit.work_folder.run_columns import COMMON_COLUMNS
 
 _HEADER = re.compile(r"(?P<name>[^\[\]]*?)\s*(?:\[(?P<unit>[^\[\]]*)\])?")
 _NO_UNIT = ("", "-", "–", "1")
@@ -265,7 +265,7 @@ class _Reader:
             except UnitError as error:
                 self._note(line, column.name, error.message, error.remedy)
                 return None
-        value = column.quantity.read(number, Place(findings, path))
+        value = column.quantity.read_converted(number, Place(findings, path))
         self._faults += findings.faults
         return value
 

@@ -60,6 +60,24 @@ class OpenFolder:
             return None, str(error)
         return (result if result.identity == self.calibration.identity else None), ""
 
+    def require_result(self) -> Result:
+        """Read the result of the calibration.
+
+        Raises
+        ------
+        StoreError
+            There is none, or it cannot be used.
+        """
+        result, fault = self.read_result()
+        if result is not None:
+            return result
+        if fault:
+            raise StoreError(fault)
+        raise StoreError(
+            f"there is no result in {str(self.folder)!r}: the calibration is {self.state}. "
+            "'grainfit status' shows its progress."
+        )
+
 
 @contextmanager
 def open_folder(folder: Path) -> Iterator[OpenFolder]:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import os
-import time
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -11,8 +9,7 @@ from grainfit.campaign.folder_lock import hold
 from grainfit.campaign.store.store import STORE_NAME, not_a_work_folder
 from grainfit.campaign.work_folder import PARTIAL_SUFFIX, prune_run_folder, read_record
 from grainfit.errors import Fault, InputError
-
-_RUNS = "runs"
+from grainfit.work_folder.disk_use import RUNS
 
 
 @dataclass(frozen=True)
@@ -54,18 +51,18 @@ def prune_runs(folder: Path, failed: bool = False) -> Pruned:
     """
     if not (folder / STORE_NAME).is_file():
         raise InputError(not_a_work_folder(folder))
-    if (folder / _RUNS).is_symlink():
+    if (folder / RUNS).is_symlink():
         raise InputError(
             Fault(
                 "",
-                f"{str(folder / _RUNS)!r} is a link, and links are not followed.",
+                f"{str(folder / RUNS)!r} is a link, and links are not followed.",
                 "Nothing was removed.",
             )
         )
     wanted = ("finished", "failed") if failed else ("finished",)
     folders, freed, faults = 0, 0, []
     with hold(folder):
-        for path in sorted((folder / _RUNS).iterdir()):
+        for path in sorted((folder / RUNS).iterdir()):
             if not _is_run_folder(path, wanted):
                 continue
             try:
@@ -83,31 +80,3 @@ def _is_run_folder(path: Path, statuses: tuple[str, ...]) -> bool:
         return False
     record = read_record(path)
     return record is not None and record.status in statuses
-
-
-def disk_use(folder: Path, seconds: float) -> int | None:
-    """Return the bytes that the run folders of a work folder take; links are not followed.
-
-    Parameters
-    ----------
-    folder : Path
-        The work folder.
-    seconds : float
-        Time limit; None is returned after it.
-    """
-    end = time.monotonic() + seconds
-    total = 0
-    waiting = [str(folder / _RUNS)]
-    while waiting:
-        if time.monotonic() > end:
-            return None
-        try:
-            with os.scandir(waiting.pop()) as entries:
-                for entry in entries:
-                    if entry.is_dir(follow_symlinks=False):
-                        waiting.append(entry.path)
-                    else:
-                        total += entry.stat(follow_symlinks=False).st_size
-        except OSError:
-            continue
-    return total

@@ -1,4 +1,4 @@
-"""Select and order the rows of a table of runs."""
+"""Select and order runs."""
 
 from __future__ import annotations
 
@@ -7,32 +7,29 @@ import math
 import operator
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from typing import Any, get_args
-
-import numpy as np
-import pandas as pd
+from typing import get_args
 
 from grainfit.campaign.store.records import RunStatus
 from grainfit.errors import Fault, InputError
 from grainfit.units import UnitError, to_unit
-from grainfit.work_folder.run_table import COMMON_COLUMNS
+from grainfit.work_folder.run_columns import COMMON_COLUMNS, RunColumns
 
 _CONDITION = re.compile(r"\s*(?P<name>[^<>=!]+?)\s*(?P<operator><=|>=|==|!=|=|<|>)(?P<value>.+)")
 _CONDITION_FORM = "Write name, operator and value, such as 'particle.density > 2000'."
 
 
 def select_runs(
-    runs: pd.DataFrame,
+    runs: RunColumns,
     status: str | None = None,
     test: str | None = None,
     where: Iterable[str] = (),
-) -> pd.DataFrame:
-    """Return the rows that meet all conditions.
+) -> RunColumns:
+    """Return the runs that meet all conditions.
 
     Parameters
     ----------
-    runs : pandas.DataFrame
-        As `runs_table` returns it.
+    runs : RunColumns
+        The runs.
     status, test : str, optional
         Status and name of the test.
     where : iterable of str
@@ -45,26 +42,26 @@ def select_runs(
         A condition cannot be read, or no run has the number that it names.
     """
     faults: list[Fault] = []
-    chosen = pd.Series(True, index=runs.index)
+    chosen = set(range(len(runs)))
     for key, wanted, there in (
         ("status", status, list(get_args(RunStatus))),
-        ("test", test, list(runs["test"].unique())),
+        ("test", test, list(dict.fromkeys(runs.values["test"]))),
     ):
         if wanted is not None:
-            chosen &= runs[key] == wanted
+            chosen &= {row for row, found in enumerate(runs.values[key]) if found == wanted}
             if there and wanted not in there:
                 faults.append(Fault(f"--{key}", f"is {wanted!r}.", _suggestion(wanted, there)))
     for condition in where:
         try:
-            chosen &= _meets(runs, condition)
+            chosen &= _meeting(runs, condition)
         except InputError as error:
             faults += error.faults
     if faults:
         raise InputError(faults)
-    return runs[chosen]
+    return runs.rows(sorted(chosen))
 
 
-def sort_runs(runs: pd.DataFrame, by: str) -> pd.DataFrame:
+def sort_runs(runs: RunColumns, by: str) -> RunColumns:
     """Return runs in the order of a column; with ``-`` before its name, the largest first.
 
     Runs that have nothing in this column come last.
@@ -75,33 +72,43 @@ def sort_runs(runs: pd.DataFrame, by: str) -> pd.DataFrame:
         There is no such column.
     """
     name = by.removeprefix("-").strip()
-    known = [runs.index.name, *runs.columns]
-    if name not in known:
-        raise InputError(Fault("--sort", f"no run has {name!r}.", _suggestion(name, known)))
-    return runs.sort_values(name, ascending=not by.startswith("-"), kind="stable")
+    if name not in runs.values:
+        raise InputError(
+            Fault("--sort", f"no run has {name!r}.", _suggestion(name, [*runs.values]))
+        )
+    column = runs.values[name]
+    there = [row for row, value in enumerate(column) if value is not None]
+    there.sort(key=column.__getitem__, reverse=by.startswith("-"))
+    return runs.rows([*there, *(row for row, value in enumerate(column) if value is None)])
 
 
-def _meets(runs: pd.DataFrame, text: str) -> Any:
+def _meeting(runs: RunColumns, text: str) -> set[int]:
+    """Return the rows that meet a condition."""
     match = _CONDITION.fullmatch(text)
     if match is None:
         raise InputError(Fault("--where", f"{text!r} is not a condition.", _CONDITION_FORM))
     name = match["name"]
-    known = [c for c in runs.columns if c not in COMMON_COLUMNS or c in ("seed", "seconds")]
+    known = [c for c in runs.values if c not in COMMON_COLUMNS or c in ("seed", "seconds")]
     if name not in known:
         message = f"no run has a number called {name!r}."
         raise InputError(Fault("--where", message, _suggestion(name, known)))
     try:
-        limit = _limit(match["value"].strip(), runs.attrs["units"].get(name))
+        limit = _limit(match["value"].strip(), name, runs)
     except UnitError as error:
         raise InputError(Fault("--where", f"{name}: {error.message}", error.remedy)) from error
-    values = runs[name].to_numpy(float, na_value=math.nan)
-    return _OPERATORS[match["operator"]](values, limit) & ~np.isnan(values)
+    holds = _OPERATORS[match["operator"]]
+    return {
+        row
+        for row, value in enumerate(runs.values[name])
+        if value is not None and holds(value, limit)
+    }
 
 
-def _limit(text: str, unit: str | None) -> float:
+def _limit(text: str, name: str, runs: RunColumns) -> float:
     try:
         value = float(text)
     except ValueError:
+        unit = runs.units.get(name)
         if unit is None:
             raise UnitError(
                 f"{text!r} is not a number.",
@@ -113,19 +120,19 @@ def _limit(text: str, unit: str | None) -> float:
     return value
 
 
-def _close(values: Any, limit: float) -> Any:
+def _close(value: float, limit: float) -> bool:
     # A value converted from one unit to another may differ in the last digit.
-    return np.isclose(values, limit, rtol=1e-12, atol=0.0)
+    return math.isclose(value, limit, rel_tol=1e-12, abs_tol=0.0)
 
 
-_OPERATORS: Mapping[str, Callable[[Any, float], Any]] = {
+_OPERATORS: Mapping[str, Callable[[float, float], bool]] = {
     "<": operator.lt,
     "<=": operator.le,
     ">": operator.gt,
     ">=": operator.ge,
     "=": _close,
     "==": _close,
-    "!=": lambda values, limit: ~_close(values, limit),
+    "!=": lambda value, limit: not _close(value, limit),
 }
 
 

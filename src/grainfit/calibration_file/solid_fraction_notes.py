@@ -1,0 +1,100 @@
+"""Notes on bulk densities that no density of the particles within its interval can give."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from math import ceil, floor, log10
+
+from grainfit.bulk_tests.base import BulkTest
+from grainfit.bulk_tests.sensitivities import DENSITY, MODULUS
+from grainfit.contact_models.registry import COHESION
+from grainfit.evaluation import response_name
+from grainfit.materials.walls import plain_name
+from grainfit.problem import Problem, Target
+
+#: Solid fractions of beds of equal spheres that are possible at all. Above: the densest packing of
+#: equal spheres, pi/sqrt(18) (Hales, Annals of Mathematics 162, 2005). Below: far under random
+#: loose packing, 0.555 (Onoda & Liniger, Physical Review Letters 64, 1990), which rolling friction
+#: loosens further.
+_LOOSEST, _DENSEST = 0.35, 0.7405
+#: Solid fractions of poured beds, from below random loose packing to above random close packing,
+#: 0.64 (Scott & Kilgour, Journal of Physics D 2, 1969), for the interval that is proposed.
+_USUAL = (0.52, 0.66)
+#: Ratio of the largest to the smallest diameter up to which small particles hardly fill gaps.
+_NEARLY_EQUAL = 2.0
+_BULK_DENSITY = "bulk_density"
+
+
+def solid_fraction_notes(
+    problem: Problem, tests: Mapping[str, BulkTest], fixed: Mapping[str, float]
+) -> Iterator[str]:
+    """Yield a note on each bulk density that is out of reach of the density of the particles.
+
+    Nothing is said of clumps, which pack more densely than spheres, of very loose beds of cohesive
+    particles, and of very dense ones of different sizes.
+
+    Parameters
+    ----------
+    problem : Problem
+        Free parameters and targets.
+    tests : mapping of str to BulkTest
+        Simulated tests by name.
+    fixed : mapping of str to float
+        Material parameters that are not free.
+    """
+    ends = _ends(problem, fixed)
+    if DENSITY not in ends or min(ends[DENSITY]) <= 0:
+        return
+    targets = {target.name: target for target in problem.targets}
+    for name, test in tests.items():
+        found = (targets.get(response_name(name, _BULK_DENSITY, count)) for count in (1, 2))
+        target = next(filter(None, found), None)
+        if target is not None and _BULK_DENSITY in test.responses and test.sizes.shape is None:
+            yield from _note(target, test, ends)
+
+
+def _ends(problem: Problem, fixed: Mapping[str, float]) -> dict[str, tuple[float, float]]:
+    free = {p.name: (p.minimum, p.maximum) for p in problem.parameters}
+    return {**{name: (value, value) for name, value in fixed.items()}, **free}
+
+
+def _note(target: Target, test: BulkTest, ends: Mapping[str, tuple[float, float]]) -> Iterator[str]:
+    lightest, heaviest = ends[DENSITY]
+    most = 1 + _excess(test, {n: e[0] for n, e in ends.items()} | {DENSITY: heaviest})
+    diameters = test.sizes.diameters
+    is_dense = (target.value - target.tolerance) / (heaviest * most) > _DENSEST
+    is_loose = (target.value + target.tolerance) / lightest < _LOOSEST
+    if is_dense and max(diameters) <= _NEARLY_EQUAL * min(diameters):
+        fraction, words = target.value / (heaviest * most), f"above {_DENSEST:.2f}, the densest"
+    elif is_loose and not _is_cohesive(ends):
+        fraction, words = target.value / lightest, f"below {_LOOSEST:.2f}, looser than any"
+    else:
+        return
+    is_free = lightest < heaviest
+    within = "even the " + ("heaviest" if is_dense else "lightest") if is_free else "the given"
+    proposed = tuple(target.value / (share * most) for share in reversed(_USUAL))
+    low, high = _rounded(proposed[0], up=False), _rounded(proposed[1], up=True)
+    yield (
+        f"{target.name} = {target.value:g} kg/m^3 is out of reach: with {within} particles, of "
+        f"{(heaviest if is_dense else lightest):g} kg/m^3, the bed would have a solid fraction of "
+        f"{fraction:.2f}, {words} packing of spheres. {DENSITY} is that of the solid, not of the "
+        f'bulk. Poured beds have {_USUAL[0]:g} to {_USUAL[1]:g}: density = {{ min = "{low:g} '
+        f'kg/m^3", max = "{high:g} kg/m^3" }}.'
+    )
+
+
+def _excess(test: BulkTest, material: Mapping[str, float]) -> float:
+    """Return the bulk density that overlaps of soft particles add, as a share."""
+    if material.get(MODULUS, 0.0) <= 0:
+        return 0.0
+    return test.overlap_law.excess(test.stiffness_number(material))
+
+
+def _is_cohesive(ends: Mapping[str, tuple[float, float]]) -> bool:
+    return any(max(found) > 0 for name, found in ends.items() if plain_name(name) in COHESION)
+
+
+def _rounded(value: float, *, up: bool) -> float:
+    """Return a value with two digits, rounded up or down."""
+    unit = 10.0 ** (floor(log10(value)) - 1)
+    return (ceil(value / unit) if up else floor(value / unit)) * unit

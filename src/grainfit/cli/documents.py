@@ -1,0 +1,188 @@
+"""JSON documents of the command line, see docs/command_line.md."""
+
+from __future__ import annotations
+
+import json
+import math
+import sys
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict
+from datetime import datetime
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from grainfit.errors import Fault, InputError, RunFailedError
+from grainfit.evaluation import scalars
+
+if TYPE_CHECKING:
+    from grainfit.calibration_file.plan import Plan
+    from grainfit.campaign.store.records import RunRecord
+    from grainfit.problem import Parameter
+    from grainfit.result import Result
+    from grainfit.work_folder.run_columns import RunColumns
+    from grainfit.work_folder.status import WorkdirStatus
+
+#: Raised when a key changes its meaning or goes; new keys do not raise it.
+DOCUMENT_VERSION = 1
+
+AsJson = Annotated[
+    bool, typer.Option("--json", help="Print one JSON document, for other programs.")
+]
+
+
+def json_is_wanted() -> bool:
+    """Return whether the command line asks for JSON, also when it cannot be understood."""
+    return "--json" in sys.argv[1:]
+
+
+def print_document(kind: str, content: Mapping[str, Any]) -> None:
+    """Print a document on standard output."""
+    document = {"document": kind, "document_version": DOCUMENT_VERSION, **content}
+    # Escaped to ASCII: it is the same on every terminal, also with text that is not valid Unicode.
+    typer.echo(json.dumps(_plain(document), indent=2, allow_nan=False))
+
+
+def _plain(value: Any) -> Any:
+    """Return a value as JSON has it: numbers that are not finite are null."""
+    if isinstance(value, Mapping):
+        return {str(key): _plain(entry) for key, entry in value.items()}
+    if isinstance(value, float):
+        return value if math.isfinite(value) else None
+    if isinstance(value, datetime):
+        return value.isoformat(timespec="seconds")
+    if isinstance(value, Sequence) and not isinstance(value, str):
+        return [_plain(entry) for entry in value]
+    return str(value) if isinstance(value, Path) else value
+
+
+def status_document(folder: Path, status: WorkdirStatus) -> dict[str, Any]:
+    """Return the progress of the calibration in a work folder."""
+    return {
+        "folder": folder,
+        "name": status.name,
+        "state": status.state,
+        "failure": status.failure,
+        "stages": {
+            stage: {"asked": asked, "ended": status.finished.get(stage, 0)}
+            for stage, asked in status.asked.items()
+        },
+        "running": status.running,
+        "failed": [asdict(run) for run in status.failed],
+        "kept": status.kept,
+        "parameters": _parameters(status.result) if status.result else None,
+        "result_fault": status.result_fault,
+    }
+
+
+def _parameters(result: Result) -> dict[str, Any]:
+    nothing = {"low": None, "high": None, "determination": None}
+    intervals = {name: asdict(found) for name, found in result.intervals.items()}
+    return {
+        name: {"value": value, "unit": result.units.get(name, ""), **intervals.get(name, nothing)}
+        for name, value in result.parameters.items()
+    }
+
+
+def result_document(folder: Path, result: Result) -> dict[str, Any]:
+    """Return a result, as result.json has it."""
+    return {"folder": folder, "result": result.to_dict()}
+
+
+def runs_document(source: str, total: int, runs: RunColumns) -> dict[str, Any]:
+    """Return runs, one entry for each, without curves and logs."""
+    return {
+        "source": source,
+        "total": total,
+        "units": runs.parameter_units,
+        "runs": [
+            {**_run(runs, row), "responses": _measured(scalars(record.responses))}
+            for row, record in enumerate(runs.records)
+        ],
+    }
+
+
+def run_document(runs: RunColumns, folder: Path | None) -> dict[str, Any]:
+    """Return all that is known of the only run in a table."""
+    [record] = runs.records
+    return {
+        "units": runs.parameter_units,
+        "run": {
+            **_run(runs, 0),
+            "responses": _measured(record.responses),
+            "log_tail": record.log_tail,
+            "definition": record.definition.to_json(),
+            "folder": folder,
+        },
+    }
+
+
+def _run(runs: RunColumns, row: int) -> dict[str, Any]:
+    from grainfit.work_folder.run_columns import COMMON_COLUMNS
+
+    record: RunRecord = runs.records[row]
+    common = {name: runs.values[name][row] for name in COMMON_COLUMNS}
+    return {**common, "parameters": record.definition.parameters}
+
+
+def _measured(responses: Mapping[str, Any]) -> dict[str, Any]:
+    return {name: asdict(found) for name, found in responses.items()}
+
+
+def plan_document(file: Path, plan: Plan) -> dict[str, Any]:
+    """Return the plan of a calibration."""
+    return {
+        "file": file,
+        "name": plan.name,
+        "is_ready": not plan.problems,
+        "parameters": [_free(parameter) for parameter in plan.parameters],
+        "targets": [
+            {"name": t.name, "value": t.value, "tolerance": t.tolerance, "unit": t.unit}
+            for t in plan.targets
+        ],
+        "curves": [
+            {
+                "name": curve.name,
+                "unit": curve.unit,
+                "coordinate": curve.coordinate,
+                "coordinate_unit": curve.coordinate_unit,
+                "points": len(curve.values),
+            }
+            for curve in plan.curves
+        ],
+        "plan": [line.strip() for line in plan.lines],
+        "notes": plan.notes,
+        "seconds": plan.seconds,
+        "executes": plan.executes,
+        "problems": plan.problems,
+    }
+
+
+def _free(parameter: Parameter) -> dict[str, Any]:
+    return {
+        "name": parameter.name,
+        "minimum": parameter.minimum,
+        "maximum": parameter.maximum,
+        "scale": parameter.scale,
+        "unit": parameter.unit,
+    }
+
+
+def error_document(error: BaseException, message: str, code: int) -> dict[str, Any]:
+    """Return an error that ended a command, and its exit code."""
+    faults = error.faults if isinstance(error, InputError) else ()
+    source = error.source if isinstance(error, InputError) else ""
+    return {
+        "exit_code": code,
+        "kind": type(error).__name__,
+        "message": message,
+        "source": source,
+        "faults": [_fault(fault) for fault in faults],
+        "log_tail": error.log_tail if isinstance(error, RunFailedError) else "",
+    }
+
+
+def _fault(fault: Fault) -> dict[str, Any]:
+    line = getattr(fault, "line", None)
+    return {"key": fault.key, "line": line, "message": fault.message, "remedy": fault.remedy}

@@ -1,0 +1,28 @@
+"""Texts of the help, which are markup."""
+
+from __future__ import annotations
+
+#: Default of the options that name a work folder.
+WORK_FOLDER = "the file's name with .grainfit, here"
+
+
+def escaped(words: str) -> str:
+    r"""Return words whose brackets are no markup.
+
+    Examples
+    --------
+    >>> escaped("[strategy]")
+    '\\[strategy]'
+    """
+    return words.replace("[", r"\[")
+
+
+def shown_default(words: str) -> str:
+    r"""Return a default in words, in brackets as the help shows all defaults.
+
+    Examples
+    --------
+    >>> shown_default("all of the bench")
+    '\\[default: all of the bench]'
+    """
+    return escaped(f"[default: {words}]")

@@ -1,0 +1,81 @@
+"""Hints in messages about mistakes that people make: no unit, no quotes, a short name."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+import grainfit as gf
+from grainfit.calibration_file.load import load_calibration_file
+from grainfit.errors import Fault
+
+EXAMPLE = Path(__file__).parents[2] / "examples" / "glass_beads" / "calibration.toml"
+TEXT = EXAMPLE.read_text(encoding="utf-8")
+DIAMETER = 'diameter = "10 mm"'
+LINE = f"line {TEXT.splitlines().index(DIAMETER) + 1}, "
+
+
+def message(tmp_path: Path, old: str, new: str) -> str:
+    assert TEXT.count(old) == 1
+    (tmp_path / "beads.toml").write_text(TEXT.replace(old, new), encoding="utf-8")
+    with pytest.raises(gf.InputError) as caught:
+        load_calibration_file(tmp_path / "beads.toml")
+    return str(caught.value).removeprefix(f"{tmp_path / 'beads.toml'}: ")
+
+
+@pytest.mark.parametrize(
+    ("written", "expected"),
+    [
+        (
+            "diameter = 10",
+            "particle.diameter: is 10, a plain number, which is in m. It must be from 1e-07 to "
+            '1 m. Give it with its unit, such as "10 mm".',
+        ),
+        ('diameter = "10 m"', "particle.diameter: is '10 m'. It must be from 1e-07 to 1 m."),
+        ("diameter = 10 mm", 'has 10 mm without quotes. Write "10 mm".'),
+    ],
+)
+def test_message_tells_how_to_write_a_quantity(tmp_path: Path, written: str, expected: str) -> None:
+    assert message(tmp_path, DIAMETER, written) == LINE + expected
+
+
+@pytest.mark.parametrize(
+    "written",
+    ['diameter = "10 mm', "diameter = '10 mm", "diameter = '10 mm\"", "diameter = \"10 mm'"],
+)
+def test_quote_that_is_not_closed_is_found(tmp_path: Path, written: str) -> None:
+    assert message(tmp_path, DIAMETER, written) == (
+        f'{LINE}has a quote that is not closed, in <{written}>. Close it, as in diameter = "10 mm".'
+    )
+
+
+def test_other_text_that_is_no_toml_is_quoted_from_the_reader(tmp_path: Path) -> None:
+    found = message(tmp_path, DIAMETER, "diameter; 10")
+    assert found.startswith(f"{LINE}is not valid TOML: Expected '=' after a key")
+
+
+def test_tests_are_counted_from_one_for_readers(tmp_path: Path) -> None:
+    assert ", test 1, type: is 'heep'" in message(tmp_path, 'type = "heap"', 'type = "heep"')
+    assert str(Fault("test[1]", "is bad.")) == "test 2: is bad."
+    assert str(Fault("test[0].'test[0]'", "is bad.")) == "test 1, 'test[0]': is bad."
+
+
+@pytest.mark.parametrize(
+    ("name", "hint"),
+    [
+        ("density", "Write its whole name: particle.density."),
+        ("densty", "Write its whole name: particle.density."),
+        ("rolling_friction", "Write its whole name: particle_particle.rolling_friction."),
+        (
+            "restitution",
+            "Write its whole name: particle_particle.restitution or particle_wall.restitution.",
+        ),
+        ("particle.densty", 'Did you mean "particle.density"?'),
+    ],
+)
+def test_short_name_of_a_parameter_leads_to_the_free_one(name: str, hint: str) -> None:
+    with pytest.raises(gf.InputError) as caught:
+        gf.load(EXAMPLE).values([f"{name}=1"])
+    [fault] = caught.value.faults
+    assert (fault.key, fault.remedy) == (name, hint)

@@ -1,0 +1,139 @@
+"""Time of a calibration in its plan, what would shorten it, and impossible bulk densities."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+
+import grainfit as gf
+from grainfit.calibration_file.build import CalibrationSetup, load_calibration
+from grainfit.calibration_file.plan import describe_plan
+from grainfit.calibration_file.run_time import expected_runs, run_time, shortening_notes
+from grainfit.calibration_file.solid_fraction_notes import solid_fraction_notes
+
+EXAMPLE = Path(__file__).parents[2] / "examples" / "glass_beads" / "calibration.toml"
+TEXT = EXAMPLE.read_text(encoding="utf-8")
+WIDE = (
+    'type = "heap"\ncylinder_radius = "200 mm"\nplate_radius = "700 mm"\n'
+    'strike_off_height = "400 mm"\nlift_height = "500 mm"'
+)
+
+
+def setup(tmp_path: Path, *changes: tuple[str, str]) -> CalibrationSetup:
+    text = TEXT
+    for old, new in changes:
+        assert text.count(old) == 1, old
+        text = text.replace(old, new)
+    (tmp_path / "beads.toml").write_text(text, encoding="utf-8")
+    return load_calibration(tmp_path / "beads.toml")
+
+
+def notes_on_density(tmp_path: Path, *changes: tuple[str, str]) -> list[str]:
+    beads = setup(tmp_path, *changes)
+    return list(solid_fraction_notes(beads.problem, beads.bulk_tests, beads.file.fixed))
+
+
+def test_time_is_that_of_the_runs_of_the_plan_by_the_workers(tmp_path: Path) -> None:
+    beads = setup(tmp_path)
+    runs = expected_runs(beads)
+    cost = beads.solvers["heap"].estimate_cost(beads.problem.middle)
+    assert cost is not None
+    time = run_time(beads, runs)
+    assert time is not None
+    fewest, most = runs.total
+    assert time.seconds[1] == pytest.approx(-(-most // beads.workers) * cost.wall_seconds)
+    assert (fewest, most) == (runs.design + runs.after, runs.design + 4 * runs.after)
+    lines = describe_plan(beads).lines
+    [line] = [line for line in lines if line.startswith("DEM runs")]
+    assert f"{runs.design} for the design, then usually {runs.after} to {4 * runs.after}" in line
+    [line] = [line for line in lines if line.startswith("Time: ")]
+    assert str(time) in line
+    assert list(shortening_notes(beads, time)) == []
+
+
+def test_budget_limits_the_time(tmp_path: Path) -> None:
+    beads = setup(tmp_path, ("[[test]]", "[strategy]\nmax_runs = 10\nworkers = 1\n\n[[test]]"))
+    time = run_time(beads, expected_runs(beads))
+    assert time is not None
+    assert time.seconds[1] == pytest.approx(10 * time.per_run["heap"])
+
+
+def test_calibration_of_days_says_what_would_shorten_it_and_to_what(tmp_path: Path) -> None:
+    stiff = ('youngs_modulus = "0.36 MPa"', 'youngs_modulus = "100 MPa"')
+    beads = setup(tmp_path, ('type = "heap"', WIDE), stiff)
+    time = run_time(beads, expected_runs(beads))
+    assert time is not None
+    assert time.is_long
+    [note] = shortening_notes(beads, time)
+    assert note in describe_plan(beads).notes
+    assert "days" in str(time)
+    modulus = re.search(r"particle\.youngs_modulus = (\S+) MPa", note)
+    assert modulus is not None
+    assert "the usual dimensions of the heap test (1500 particles)" in note
+    assert "particle.coarse_graining = 2" in note
+    # What it offers takes about the time that it says.
+    softer = setup(
+        tmp_path, ('type = "heap"', WIDE), (stiff[0], f'youngs_modulus = "{modulus[1]} MPa"')
+    )
+    assert f"to bulk densities, it would take {run_time(softer, expected_runs(softer))}" in note
+    usual = setup(tmp_path, stiff)
+    assert f"of that size, it would take {run_time(usual, expected_runs(usual))}" in note
+
+
+def test_bulk_density_above_every_packing_is_noted_with_a_possible_interval(
+    tmp_path: Path,
+) -> None:
+    low = ('max = "2793 kg/m^3"', 'max = "1700 kg/m^3"')
+    [note] = notes_on_density(tmp_path, low)
+    assert "1700 kg/m^3, the bed would have a solid fraction of 0.79, above 0.74" in note
+    proposed = re.search(r"density = (\{ min = .* \})", note)
+    assert proposed is not None
+    interval = '{ min = "1407 kg/m^3", max = "2793 kg/m^3" }'
+    assert notes_on_density(tmp_path, (interval, proposed[1])) == []
+    assert note in setup(tmp_path, low).notes()
+
+
+def test_bulk_density_below_every_packing_is_noted(tmp_path: Path) -> None:
+    [note] = notes_on_density(tmp_path, ('value = "1500 kg/m^3"', 'value = "300 kg/m^3"'))
+    assert "solid fraction of 0.21, below 0.35" in note
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        [],
+        # Small particles fill the gaps between large ones.
+        [
+            ('max = "2793 kg/m^3"', 'max = "1700 kg/m^3"'),
+            (
+                'diameter = "10 mm"',
+                'diameter = [{ value = "10 mm", mass_fraction = 0.7 },'
+                ' { value = "4 mm", mass_fraction = 0.3 }]',
+            ),
+        ],
+        # Clumps pack more densely than spheres.
+        [
+            ('max = "2793 kg/m^3"', 'max = "1700 kg/m^3"'),
+            ('diameter = "10 mm"', 'diameter = "10 mm"\nshape = "two_spheres"\naspect_ratio = 1.5'),
+        ],
+        # Soft particles overlap: 1.14 of the density of stiff ones.
+        [('value = "1500 kg/m^3"', 'value = "2300 kg/m^3"')],
+        # A cohesive bed may be as loose as it likes.
+        [
+            ('value = "1500 kg/m^3"', 'value = "300 kg/m^3"'),
+            ("restitution = 0.79", 'restitution = 0.79\nsurface_energy = "0.01 J/m^2"'),
+        ],
+    ],
+)
+def test_nothing_is_said_where_a_packing_is_possible(
+    tmp_path: Path, changes: list[tuple[str, str]]
+) -> None:
+    assert notes_on_density(tmp_path, *changes) == []
+
+
+def test_time_of_an_own_model_is_not_known(tmp_path: Path) -> None:
+    own = gf.load(EXAMPLE.parents[1] / "own_model" / "calibration.toml")
+    assert run_time(own, expected_runs(own)) is None
+    assert describe_plan(own).seconds is None
