@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from math import ceil, floor
+
+from grainfit.campaign.pending import ClusterJob, PendingRun
 
 #: Factor to both sides of the estimated remaining runs (`benchmarks/verdicts.py`).
 UNCERTAINTY_OF_LEFT = 1.6
@@ -32,6 +34,10 @@ class Progress:
     warm_start_runs : mapping of str to int
         Number of earlier runs used for the warm start, by their source; the empty text is the work
         folder itself.
+    pending : sequence of PendingRun
+        Runs that have not ended.
+    jobs : sequence of ClusterJob
+        Jobs of a cluster in which they execute.
     """
 
     stage: str
@@ -43,6 +49,8 @@ class Progress:
     best_deviation: float | None
     notices: tuple[str, ...]
     warm_start_runs: Mapping[str, int] = field(default_factory=dict)
+    pending: Sequence[PendingRun] = ()
+    jobs: Sequence[ClusterJob] = ()
 
     @property
     def left_range(self) -> tuple[int, int]:
