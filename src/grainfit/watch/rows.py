@@ -61,8 +61,15 @@ def _response_row(saved: SavedCalibration, target: Target, result: Result | None
 
 
 def _verdict(found: ResponseResult) -> str:
-    likely = "" if found.probability is None else f" ({probability(found.probability)})"
-    return f"{found.verdict}{likely}"
+    return found.verdict + _likely(found.probability)
+
+
+def _likely(value: float | None) -> str:
+    """Return a probability in few characters, after a verdict."""
+    if value is None:
+        return ""
+    words = probability(value).replace("more than ", "> ").replace("less than ", "< ")
+    return f", {words}"
 
 
 def _bar(target: Target, value: float, half_width: float) -> dict[str, float]:
@@ -89,7 +96,7 @@ def _curve_row(name: str, found: CurveResult | None) -> Row:
         "measured": counted(len(found.measured), "point") if found else "a curve",
         "expected": "",
         "deviation": f"{number(found.deviation, 2)} σ" if found else "",
-        "verdict": f"{found.verdict} ({probability(found.probability)})" if found else "",
+        "verdict": found.verdict + _likely(found.probability) if found else "",
         "bar": None,
     }
 
@@ -210,12 +217,17 @@ def failure_rows(
             "test": plain(asked[record.identity][1]),
             "kind": record.kind,
             "reason": plain(record.reason) or "no reason is known",
-            "folder": plain(str(saved.folder / "runs" / record.identity)),
+            "folder": _folder(saved.folder / "runs" / record.identity),
             "log": "\n".join(plain_lines(record.log_tail)),
         }
         for record in lost[:MOST_ROWS]
     ]
     return rows, len(lost)
+
+
+def _folder(path: Path) -> str:
+    """Return the folder of a run, if it has one: Python functions have none."""
+    return plain(str(path)) if path.is_dir() else ""
 
 
 def job_rows(jobs: Sequence[ClusterJob]) -> list[Row]:

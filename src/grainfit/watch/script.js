@@ -191,7 +191,7 @@
       make("div", { class: "watch-failure" },
         make("p", {}, make("strong", {}, `Run ${run.number}${several ? `, ${run.test}` : ""}: `),
           run.reason),
-        make("p", { class: "quiet" }, make("code", {}, run.folder)),
+        run.folder ? make("p", { class: "quiet" }, make("code", {}, run.folder)) : null,
         run.log
           ? make("details", { "data-key": run.key },
             make("summary", {}, "End of its log"), make("pre", {}, run.log))
@@ -220,12 +220,13 @@
       judged(row.verdict),
     ]);
     const parts = rows.length
-      ? [
-        table(["response", "measured", "expected", "", "deviation", ""], rows),
-        make("p", { class: "quiet" },
-          `Measured ± tolerance (green); expected${provisional ? " by the runs so far" : ""} ± half of the 95 % interval (dark).`),
-      ]
+      ? [table(["response", "measured", "expected", "", "deviation", ""], rows)]
       : [];
+    if (responses.some((row) => row.bar)) {
+      const by = provisional ? " by the runs so far" : "";
+      parts.push(make("p", { class: "quiet" },
+        `Measured ± tolerance (box); expected${by} ± half of the 95 % interval (line).`));
+    }
     fill("responses", JSON.stringify([responses, provisional]), ...parts);
   };
 
