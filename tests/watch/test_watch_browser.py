@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -12,13 +13,28 @@ import pytest
 from playwright.sync_api import Browser, Page, expect
 from watched_runs import NAME, address, calibration, go, run, served, wait_for
 
+import grainfit as gf
 from benchmarks import campaigns, chromium
+from grainfit.bulk_tests.heap import Heap
 from grainfit.calibration.live_file import LIVE_NAME
+from grainfit.materials.sizes import ParticleSizes
+from grainfit.solvers.dem.lammps.program import Lammps
+from grainfit.testing.materials import GLASS_BEADS
 
 pytestmark = pytest.mark.skipif(
     chromium.EXECUTABLE is None, reason="Chromium is not installed: apt-get install chromium"
 )
 LAPTOP, PHONE = {"width": 1440, "height": 900}, {"width": 390, "height": 844}
+
+#: Share of the newest drawing that is not empty.
+PAINTED = """() => {
+    const canvas = document.querySelector("#drawings canvas");
+    const { width, height } = canvas;
+    const data = canvas.getContext("2d").getImageData(0, 0, width, height).data;
+    let painted = 0;
+    for (let i = 3; i < data.length; i += 4) painted += data[i] > 0;
+    return painted / (width * height);
+}"""
 
 
 @pytest.fixture(scope="module")
@@ -149,3 +165,37 @@ def test_names_are_text_on_a_laptop_and_a_phone(browser: Browser, tmp_path: Path
             page.set_viewport_size(size)
             assert page.evaluate("document.documentElement.scrollWidth") <= size["width"]
         assert faults == []
+
+
+@pytest.mark.slow
+def test_the_newest_heap_is_drawn_as_it_comes_in(browser: Browser, tmp_path: Path) -> None:
+    heap = Heap(
+        ParticleSizes((0.010,)),
+        cylinder_radius=0.04,
+        strike_off_height=0.08,
+        bulk_density_top=0.07,
+        plate_radius=0.12,
+    )
+    fixed = {name: v for name, v in GLASS_BEADS.items() if name != "particle.density"}
+    problem = gf.Problem(
+        [gf.Parameter("particle.density", 1400.0, 2800.0)],
+        [gf.Target("bulk_density", 1200.0, uncertainty=20.0)],
+    )
+    work = tmp_path / "work"
+    with ThreadPoolExecutor(1) as threads:
+        ended = threads.submit(
+            gf.calibrate, problem, Lammps(heap, fixed), workdir=work, max_runs=7, workers=1
+        )
+        wait_for((work / LIVE_NAME).exists)
+        with served(work) as server, opened(browser, server.address) as (page, faults):
+            drawn = page.locator("#drawings canvas")
+            expect(drawn).to_be_visible(timeout=60_000)
+            expect(page.locator("#drawings h2")).to_have_text("Newest heap")
+            first = page.locator("#drawings p").first.inner_text()
+            drawn.focus()
+            page.keyboard.press("ArrowLeft")
+            page.keyboard.press("+")
+            expect(page.locator("#drawings p").first).not_to_have_text(first, timeout=60_000)
+            assert page.evaluate(PAINTED) > 0.05
+            assert ended.result(120).runs.failed == 0
+            assert faults == []

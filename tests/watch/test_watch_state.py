@@ -137,7 +137,7 @@ def test_runs_without_a_worker_wait(tmp_path: Path) -> None:
             wait_for(lambda: state(work)["run_counts"]["running"] == 1)
             found = state(work)
             assert [row["state"] for row in found["runs"]] == ["running", "waiting"]
-            assert found["run_counts"] == {"running": 1, "waiting": 1, "again": 0, "elsewhere": 0}
+            assert found["run_counts"]["waiting"] == 1
         finally:
             go(tmp_path)
         assert ended.result(60).status == "calibrated"

@@ -197,6 +197,7 @@ class Campaign:
     def pending_runs(self) -> list[PendingRun]:
         """Runs that have not ended, in the order in which they were submitted."""
         postponed = {task.record.identity for _, task in self._postponed}
+        begun = {identity for identity, future in self._futures.items() if future.running()}
         here = [
             PendingRun(
                 identity,
@@ -205,6 +206,7 @@ class Campaign:
                 self._submitted.get(identity, 0.0),
                 self._tries.get(identity, 1),
                 task.solver.uses_folder,
+                identity in begun and isinstance(self._executor, ThreadPoolExecutor),
             )
             for identity, task in self._under_way.items()
         ]

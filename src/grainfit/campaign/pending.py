@@ -27,6 +27,8 @@ class PendingRun:
         Number of tries, this one included.
     has_folder : bool
         Whether it works in a folder of its own, which appears when a worker begins with it.
+    has_begun : bool
+        Whether a worker is known to have begun with it; not for runs in other processes.
     """
 
     identity: str
@@ -35,6 +37,7 @@ class PendingRun:
     submitted: float = 0.0
     tries: int = 1
     has_folder: bool = True
+    has_begun: bool = False
 
 
 @dataclass(frozen=True)

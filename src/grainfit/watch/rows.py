@@ -135,7 +135,7 @@ def run_rows(
     return rows[:MOST_ROWS], counts
 
 
-_RUN_STATES = ("running", "waiting", "again", "elsewhere")
+_RUN_STATES = ("running", "submitted", "waiting", "again", "elsewhere")
 
 
 def _run_row(
@@ -144,24 +144,28 @@ def _run_row(
     begun: Mapping[str, float],
     usual: Mapping[str, float],
 ) -> Row:
-    state, since = "running", run.submitted
-    if run.state != "submitted":
-        state = "again" if run.state == "postponed" else "elsewhere"
-    elif run.has_folder:
-        state = "running" if run.identity in begun else "waiting"
-        since = begun.get(run.identity, run.submitted)
+    since = begun.get(run.identity, run.submitted)
     request, name = asked if asked else (None, run.test)
     return {
         "key": run.identity[:12],
         "number": request.position if request else None,
         "test": plain(name),
         "stage": request.stage if request else "",
-        "state": state,
+        "state": _state_of(run, run.identity in begun),
         "since": since or None,
         "usual": usual.get(run.test),
         "tries": run.tries,
         "parameters": _values(request.parameters) if request else "",
     }
+
+
+def _state_of(run: PendingRun, has_folder_now: bool) -> str:
+    if run.state != "submitted":
+        return "again" if run.state == "postponed" else "elsewhere"
+    if has_folder_now or (run.has_begun and not run.has_folder):
+        return "running"
+    # Of a Python function in another process, nobody knows whether it has begun.
+    return "waiting" if run.has_folder else "submitted"
 
 
 def _values(parameters: Mapping[str, float]) -> str:

@@ -147,7 +147,8 @@
       step("Runs ended", String(progress.done));
       if (state === "running") {
         const waiting = (runs.waiting ?? 0) + (runs.again ?? 0) + (runs.elsewhere ?? 0);
-        step("Under way", `${runs.running ?? 0}${waiting ? `, ${waiting} waiting` : ""}`);
+        const begun = (runs.running ?? 0) + (runs.submitted ?? 0);
+        step("Under way", `${begun}${waiting ? `, ${waiting} waiting` : ""}`);
         if (progress.left) {
           const [low, high] = progress.left;
           step("To come", low === high ? `about ${high}` : `${low} to ${high}`);
@@ -245,8 +246,8 @@
   };
 
   const STATES = {
-    running: "running", waiting: "waiting for a worker", again: "to be tried again",
-    elsewhere: "by another process",
+    running: "running", submitted: "submitted", waiting: "waiting for a worker",
+    again: "to be tried again", elsewhere: "by another process",
   };
   const showRuns = ({ runs, run_counts: counts, several, shown, state }) => {
     const rows = runs.map((run) => {
