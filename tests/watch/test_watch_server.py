@@ -9,9 +9,10 @@ import socket
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
+from urllib.parse import urlsplit
 
 import pytest
-from watched_runs import served, wait_for
+from watched_runs import address, calibration, run, served, wait_for
 
 from benchmarks import campaigns
 from grainfit.campaign.folder_lock import hold
@@ -123,7 +124,7 @@ def test_the_report_is_shown_without_the_rights_of_the_page(server: WatchServer)
     status, body, headers = ask(server, f"/{server.token}/report")
     assert (status, body) == (200, "<p>the report</p>")
     policy = headers["Content-Security-Policy"]
-    assert policy.startswith("sandbox allow-scripts;")
+    assert policy.startswith("sandbox allow-scripts allow-downloads;")
     assert "same-origin" not in policy
 
 
@@ -185,6 +186,27 @@ def test_only_the_page_itself_can_stop_a_calibration(
     status, body, _ = ask(server, f"/{server.token}/stop", "POST", Origin=own)
     assert status == 409
     assert "no process uses the work folder" in json.loads(body)["why"]
+
+
+def test_the_server_of_a_killed_run_tells_so_and_ends(tmp_path: Path) -> None:
+    file = calibration(tmp_path)
+    with run(file, "--watch") as process:
+        at = urlsplit(address(file))
+        connection = http.client.HTTPConnection(at.netloc, timeout=60)
+        connection.request("GET", f"{at.path}events")
+        stream = connection.getresponse()
+        process.kill()
+        lines = (line.decode() for line in stream)
+        states = [json.loads(line[6:]) for line in lines if line.startswith("data: ")]
+    assert states[0]["state"] == "running"
+    assert (states[-1]["state"], states[-1]["ended"]) == ("interrupted", True)
+    assert not any(state["ended"] for state in states[:-1])
+    wait_for(lambda: not is_listening(at.port), 20)
+
+
+def is_listening(port: int | None) -> bool:
+    with socket.socket() as caller:
+        return caller.connect_ex(("127.0.0.1", port)) == 0
 
 
 def test_watching_changes_nothing_in_the_folder(folder: Path) -> None:

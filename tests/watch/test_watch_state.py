@@ -112,9 +112,23 @@ def test_a_finished_calibration_shows_its_verdict_and_intervals(tmp_path: Path) 
     assert not (tmp_path / LIVE_NAME).exists()
 
 
+def test_a_result_that_is_not_written_yet_is_not_missing(tmp_path: Path) -> None:
+    with campaigns.campaign("one_parameter", tmp_path):
+        (tmp_path / "result.json").unlink()
+        with hold(tmp_path):
+            found = state(tmp_path)
+            assert found["verdict"]["line"] == "The last run has ended."
+            assert found["provisional"]
+        assert "no answer to be read" in state(tmp_path)["verdict"]["line"]
+
+
 def test_a_folder_without_calibration_or_store_says_so(tmp_path: Path) -> None:
-    assert state(tmp_path)["verdict"]["line"] == "The work folder cannot be read."
-    assert "is not a work folder" in state(tmp_path)["verdict"]["details"][0]
+    nothing = "Nothing has been calibrated here yet."
+    assert state(tmp_path / "no_such_folder")["verdict"]["line"] == nothing
+    (tmp_path / "runs.sqlite").write_bytes(b"no store" * 100)
+    found = state(tmp_path)
+    assert found["verdict"]["line"] == "The work folder cannot be read."
+    assert "runs.sqlite" in found["verdict"]["details"][0]
 
 
 def test_runs_without_a_worker_wait(tmp_path: Path) -> None:

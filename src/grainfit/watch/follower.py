@@ -17,7 +17,7 @@ from grainfit.calibration.so_far import result_so_far
 from grainfit.campaign.folder_lock import holder, is_held, last_heartbeat
 from grainfit.campaign.store.store import STORE_NAME
 from grainfit.campaign.work_folder import RESULT_NAME
-from grainfit.errors import GrainfitError
+from grainfit.formatting import plain
 from grainfit.report.page import REPORT_NAME
 from grainfit.report.rendering import script_json
 from grainfit.result import Result
@@ -53,6 +53,7 @@ class Follower:
         self._ending, self._ended = threading.Event(), threading.Event()
         self._drawings = LatestDrawings()
         self._so_far: tuple[object, Result | None] = (None, None)
+        self._fault = ""
         self._rest_until = 0.0
         self._heartbeat: tuple[int | None, float] = (None, float("-inf"))
         self._thread = threading.Thread(target=self._follow, name="follower", daemon=True)
@@ -177,9 +178,14 @@ class Follower:
 
     def _compute(self, reading: Reading) -> None:
         begun = time.monotonic()
-        self._compute_so_far(reading)
-        if reading.saved is not None:
-            self._drawings.update(reading.saved)
+        self._fault = ""
+        try:
+            self._compute_so_far(reading)
+            if reading.saved is not None:
+                self._drawings.update(reading.saved)
+        except Exception as error:
+            # The rest of the page is right nevertheless.
+            self._fault = f"Verdict or particles cannot be shown: {type(error).__name__}: {error}"
         self._publish(reading)
         self._is_stale = False
         now = time.monotonic()
@@ -192,22 +198,23 @@ class Follower:
         known = _known(reading)
         if known == self._so_far[0]:
             return
-        try:
-            with threadpool_limits(limits=1, user_api="blas"):
-                found = result_so_far(
-                    saved.problem,
-                    saved.evaluations,
-                    saved.learnt,
-                    options=saved.strategy_options,
-                    seed=saved.seed,
-                )
-        except GrainfitError:
-            found = None
+        # Tried once, whether it succeeds or not.
+        self._so_far = (known, None)
+        with threadpool_limits(limits=1, user_api="blas"):
+            found = result_so_far(
+                saved.problem,
+                saved.evaluations,
+                saved.learnt,
+                options=saved.strategy_options,
+                seed=saved.seed,
+            )
         self._so_far = (known, found)
 
     def _publish(self, reading: Reading) -> None:
         so_far = self._so_far[1] if _calibration(reading) == _of(self._so_far[0]) else None
         state = state_of(reading, so_far)
+        if self._fault:
+            state["notices"] = [*state["notices"], plain(self._fault)]
         state["drawings"] = [one.about for one in self._drawings.found.values()]
         with self._changed:
             if json.dumps(state) != json.dumps(self._state):

@@ -9,8 +9,11 @@ from typing import Any
 
 from grainfit.analysis import Analysis
 from grainfit.calibration.live_file import LiveState, read_live_state
+from grainfit.campaign.folder_lock import is_held
 from grainfit.campaign.store.records import RequestRecord, RunRecord
+from grainfit.campaign.store.store import STORE_NAME
 from grainfit.errors import StoreError
+from grainfit.files import is_file
 from grainfit.formatting import plain, probability
 from grainfit.report.page import REPORT_NAME
 from grainfit.report.section import ReportContext
@@ -56,7 +59,9 @@ class Reading:
     live : LiveState or None
         What only its process knows, while it runs.
     is_running : bool
-        Whether a process is at work on it.
+        Whether the calibration is running.
+    is_held : bool
+        Whether a process uses the folder: it also writes the result of one that has ended.
     fault : str
         Reason why nothing can be read; empty if it can.
     """
@@ -67,6 +72,7 @@ class Reading:
     failed: Sequence[RunRecord] = ()
     live: LiveState | None = None
     is_running: bool = False
+    is_held: bool = False
     fault: str = ""
 
 
@@ -81,6 +87,8 @@ def read_folder(folder: Path, *, is_alive_elsewhere: bool = False) -> Reading:
         Whether a process of another machine was seen to use the folder, which its lock may not
         tell.
     """
+    if not is_file(folder / STORE_NAME):
+        return Reading(folder)
     try:
         with open_folder(folder) as opened:
             requests, failed = opened.requests, opened.store.runs("failed")
@@ -93,7 +101,7 @@ def read_folder(folder: Path, *, is_alive_elsewhere: bool = False) -> Reading:
         saved = replace(saved, state="running", result=None)
     is_running = saved.state == "running"
     live = read_live_state(folder, saved.identity) if is_running else None
-    return Reading(folder, saved, requests, failed, live, is_running)
+    return Reading(folder, saved, requests, failed, live, is_running, is_held(folder))
 
 
 def state_of(reading: Reading, so_far: Result | None) -> dict[str, Any]:
@@ -162,6 +170,9 @@ def _verdict(reading: Reading, so_far: Result | None) -> dict[str, Any]:
     assert reading.saved is not None, "there is a calibration"
     if reading.is_running:
         return _verdict_so_far(so_far)
+    if reading.is_held and reading.saved.result is None and reading.saved.state != "failed":
+        details = ["Its result is computed and written: this takes some seconds."]
+        return {"grade": "run", "mark": "…", "line": "The last run has ended.", "details": details}
     # Intervals are shown beside the parameters; the analysis would take seconds.
     found = verdict(ReportContext(reading.saved, Analysis()))
     return {

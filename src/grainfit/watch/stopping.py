@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import signal
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
 
 from grainfit.campaign.folder_lock import Signature, holder, is_held
@@ -17,10 +21,10 @@ class CannotStopError(GrainfitError):
 def why_not_to_be_stopped(folder: Path) -> str:
     """Return why the calibration that runs in a folder cannot be stopped here; "" if it can."""
     try:
-        os.close(_open_process(folder)[0])
+        with _holding_process(folder):
+            return ""
     except CannotStopError as error:
         return str(error)
-    return ""
 
 
 def stop_calibration(folder: Path) -> None:
@@ -31,20 +35,13 @@ def stop_calibration(folder: Path) -> None:
     CannotStopError
         No process holds it, or one of another machine or user, or one that takes no interrupts.
     """
-    process, number = _open_process(folder)
-    try:
-        signal.pidfd_send_signal(process, number)
-    except OSError as error:
-        raise CannotStopError(f"the process cannot be interrupted: {error.strerror}.") from error
-    finally:
-        os.close(process)
+    with _holding_process(folder) as interrupt:
+        interrupt()
 
 
-def _open_process(folder: Path) -> tuple[int, signal.Signals]:
-    """Return the process that holds a folder, as a descriptor, and the signal that interrupts it.
-
-    A descriptor stays that of the process: its number may be that of another one a moment later.
-    """
+@contextmanager
+def _holding_process(folder: Path) -> Iterator[Callable[[], None]]:
+    """Yield what interrupts the process that holds a folder."""
     signature = holder(folder)
     if signature.process and not signature.is_of_this_machine():
         raise CannotStopError(
@@ -54,21 +51,34 @@ def _open_process(folder: Path) -> tuple[int, signal.Signals]:
     if not is_held(folder):
         raise CannotStopError("no process uses the work folder any more.")
     try:
-        process = os.pidfd_open(int(signature.process))
-    except (OSError, ValueError, OverflowError) as error:
-        raise CannotStopError(_unknown(signature)) from error
-    try:
-        if not _has_open(signature.process, folder / "lock"):
-            raise CannotStopError(_unknown(signature))
-        return process, _interrupt_of(signature.process)
+        process = int(signature.process)
+        with _pinned(process) as send:
+            if not _has_open(process, folder / "lock"):
+                raise CannotStopError(_unknown(signature))
+            yield partial(send, _interrupt_of(process))
     except PermissionError as error:
-        os.close(process)
         raise CannotStopError(
             f"process {signature.process} belongs to another user, who can stop it."
         ) from error
-    except (CannotStopError, OSError):
-        os.close(process)
-        raise
+    except (OSError, ValueError, OverflowError) as error:
+        raise CannotStopError(_unknown(signature)) from error
+
+
+@contextmanager
+def _pinned(process: int) -> Iterator[Callable[[signal.Signals], None]]:
+    """Yield what sends a signal to a process, and not to a later one of the same number."""
+    try:
+        descriptor = os.pidfd_open(process)
+    except OSError as error:
+        if error.errno != errno.ENOSYS:
+            raise
+        # Linux before 5.3.
+        yield partial(os.kill, process)
+        return
+    try:
+        yield partial(signal.pidfd_send_signal, descriptor)
+    finally:
+        os.close(descriptor)
 
 
 def _unknown(signature: Signature) -> str:
@@ -79,7 +89,7 @@ def _unknown(signature: Signature) -> str:
     )
 
 
-def _has_open(process: str, path: Path) -> bool:
+def _has_open(process: int, path: Path) -> bool:
     """Return whether a process has a file open: a number alone may be that of a later process."""
     wanted = path.stat()
     for opened in Path(f"/proc/{process}/fd").iterdir():
@@ -92,7 +102,7 @@ def _has_open(process: str, path: Path) -> bool:
     return False
 
 
-def _interrupt_of(process: str) -> signal.Signals:
+def _interrupt_of(process: int) -> signal.Signals:
     """Return the signal that a process handles: in the background, SIGINT may be ignored."""
     text = Path(f"/proc/{process}/status").read_text(encoding="utf-8")
     handled = int(text.partition("SigCgt:")[2].split()[0], 16)
