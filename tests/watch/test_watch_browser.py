@@ -24,6 +24,8 @@ from grainfit.testing.materials import GLASS_BEADS
 pytestmark = pytest.mark.skipif(
     chromium.EXECUTABLE is None, reason="Chromium is not installed: apt-get install chromium"
 )
+# Chromium, solvers and metamodels share a few cores.
+expect.set_options(timeout=60_000)
 LAPTOP, PHONE = {"width": 1440, "height": 900}, {"width": 390, "height": 844}
 
 #: Share of the newest drawing that is not empty.
@@ -85,9 +87,7 @@ def test_the_page_follows_a_run_to_its_verdict(browser: Browser, tmp_path: Path)
         assert page.evaluate("document.documentElement.scrollWidth") <= PHONE["width"]
         page.set_viewport_size(LAPTOP)
         go(tmp_path)
-        expect(page.locator(".verdict.good .verdict-line")).to_contain_text(
-            "Calibrated", timeout=60_000
-        )
+        expect(page.locator(".verdict.good .verdict-line")).to_contain_text("Calibrated")
         expect(page.locator("#responses tbody tr")).to_contain_text("✓ met")
         expect(page.locator("#parameters tbody tr")).to_contain_text("determined")
         expect(page.locator("#failures .watch-failure").first).to_contain_text("exit code 3")
@@ -189,13 +189,13 @@ def test_the_newest_heap_is_drawn_as_it_comes_in(browser: Browser, tmp_path: Pat
         wait_for((work / LIVE_NAME).exists)
         with served(work) as server, opened(browser, server.address) as (page, faults):
             drawn = page.locator("#drawings canvas")
-            expect(drawn).to_be_visible(timeout=60_000)
+            expect(drawn).to_be_visible()
             expect(page.locator("#drawings h2")).to_have_text("Newest heap")
             first = page.locator("#drawings p").first.inner_text()
             drawn.focus()
             page.keyboard.press("ArrowLeft")
             page.keyboard.press("+")
-            expect(page.locator("#drawings p").first).not_to_have_text(first, timeout=60_000)
+            expect(page.locator("#drawings p").first).not_to_have_text(first)
             assert page.evaluate(PAINTED) > 0.05
             assert ended.result(120).runs.failed == 0
             assert faults == []

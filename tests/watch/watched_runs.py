@@ -27,13 +27,14 @@ workers = 2
 [[test]]
 type = "command"
 folder = "model"
-command = ["sh", "simulate.sh", "{{ friction }}"]
+command = ["sh", "simulate.sh", "{{ friction }}", "{{ seed }}"]
 targets.angle = { value = 36, uncertainty = 0.4 }
 """
 SCRIPT = """
 while [ ! -e GO ]; do sleep 0.05; done
-awk -v f=$1 'BEGIN { if (f > BREAKS) { print "the drum <i>broke</i>"; exit 3 }
-    printf "{\\"angle\\": %.6f}", 20 + 40 * f > "responses.json" }'
+awk -v f=$1 -v seed=$2 'BEGIN { if (f > BREAKS) { print "the drum <i>broke</i>"; exit 3 }
+    noise = 0.4 * ((seed * 7919 % 1009) / 1009 - 0.5)
+    printf "{\\"angle\\": %.6f}", 20 + 40 * f + noise > "responses.json" }'
 """
 NAME = "sand & <b>gravel</b>"
 
