@@ -167,7 +167,7 @@ def run(
         setup = replace(_build(file), local=local)
         if setup.file.cluster is not None and setup.cluster is None and not local:
             _err.print(f"Cluster: {missing_scheduler(setup.file.cluster)}")
-        if watched:
+        if watched or open_page or port:
             stack.enter_context(watching(folder, port, open_page))
         result = _calibrate(
             setup,

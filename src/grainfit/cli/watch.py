@@ -35,7 +35,10 @@ OpenPage = Annotated[
 ]
 Watch = Annotated[
     bool,
-    typer.Option("--watch", help="Serve a page on this machine that follows the calibration."),
+    typer.Option(
+        "--watch",
+        help="Serve a page on this machine that follows the run; --port and --open do, too.",
+    ),
 ]
 
 
