@@ -37,7 +37,7 @@ FLOORS: tuple[tuple[str, ...], ...] = (
     ("work_folder",),
     ("cards", "plots"),
     ("report",),
-    ("opened", "preview"),
+    ("opened", "preview", "watch"),
     ("cli",),
 )
 #: Rooms that nothing imports, and that may import everything.

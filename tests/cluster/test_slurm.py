@@ -34,6 +34,7 @@ from grainfit.solvers.dem.lammps.program import Lammps
 from grainfit.solvers.dem.liggghts.program import Liggghts
 from grainfit.solvers.own_model.python_callable import PythonCallable
 from grainfit.testing.materials import GLASS_BEADS
+from grainfit.watch.state import read_folder, state_of
 
 pytest.importorskip("parsl")
 pytestmark = pytest.mark.slow
@@ -269,6 +270,25 @@ def test_what_happens_to_jobs_costs_the_runs_in_them_alone(tmp_path: Path) -> No
     # The last one was requeued, and cancelled in the end.
     ends = ["NODE_FAIL", "PREEMPTED", "TIMEOUT", "CANCELLED", "CANCELLED"]
     assert [jobs()[job] for job in disturbed] == ends
+
+
+@pytest.mark.usefixtures("_quick")
+def test_who_watches_sees_the_queue(tmp_path: Path) -> None:
+    drum = drum_folder(tmp_path / "drum")
+    (drum / "hold").touch()
+
+    def watched() -> list[tuple[str, str]]:
+        reading = read_folder(drum / "work")
+        rows = state_of(reading, None)["jobs"] if reading.is_running else []
+        return [(row["number"], row["state"]) for row in rows]
+
+    with ThreadPoolExecutor() as threads:
+        drums = threads.submit(calibrate_drum, drum, ONE_JOB, max_runs=7)
+        until(lambda: watched() and watched()[0][1] == "running")
+        [(number, _)] = watched()
+        assert jobs()[number] == "RUNNING"
+        (drum / "hold").unlink()
+    assert drums.result().runs.total > 0
 
 
 def halt(folder: Path) -> str:

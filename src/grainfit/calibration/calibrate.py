@@ -12,6 +12,7 @@ from typing import Any
 
 from threadpoolctl import threadpool_limits
 
+from grainfit.calibration.live_file import LiveFile
 from grainfit.calibration.loop import CalibrationLoop, LoopOptions
 from grainfit.calibration.options import CalibrationOptions
 from grainfit.calibration.progress import Progress
@@ -172,6 +173,7 @@ def calibrate(
         stack.callback(runs.close)
         if folder is not None:
             recover(folder, runs)
+            options = replace(options, live_file=stack.enter_context(LiveFile(folder)))
         for source in [runs_from] if isinstance(runs_from, str | Path) else runs_from:
             with open_source(source) as other:
                 take_runs(other, problem, solvers, runs)

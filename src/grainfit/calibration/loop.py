@@ -15,6 +15,7 @@ from typing import Any
 from grainfit.calibration.build_result import About, make_result
 from grainfit.calibration.expected_deviation import ExpectedDeviation
 from grainfit.calibration.intervals import with_intervals
+from grainfit.calibration.live_file import LiveFile
 from grainfit.calibration.progress import Progress
 from grainfit.calibration.provenance import Provenance
 from grainfit.calibration.verdict import Outcome, judge
@@ -61,6 +62,7 @@ class LoopOptions:
     verification_runs: int
     on_progress: Callable[[Progress], None] | None = None
     provenance: Provenance | None = None
+    live_file: LiveFile | None = None
 
 
 class CalibrationLoop:
@@ -445,8 +447,17 @@ class CalibrationLoop:
         )
 
     def _show(self) -> None:
-        if self._options.on_progress is None:
+        tell, live_file = self._options.on_progress, self._options.live_file
+        is_due = live_file is not None and live_file.is_due
+        if tell is None and not is_due:
             return
+        progress = self._progress()
+        if live_file is not None and is_due:
+            live_file.update(self._identity, progress)
+        if tell is not None:
+            tell(progress)
+
+    def _progress(self) -> Progress:
         evaluations = self._evaluations
         verified = [e for e in evaluations if e.proposal.stage == "verification"]
         campaign = self._campaign
@@ -457,22 +468,22 @@ class CalibrationLoop:
         left = math.ceil(self._with_failing(left))
         simulated = _runs(evaluations) - sum(e.reused for e in evaluations)
         seconds = sum(e.simulated_seconds for e in evaluations)
-        self._options.on_progress(
-            Progress(
-                self._stage,
-                _runs(evaluations),
-                self._campaign.under_way,
-                sum(len(e.failed_runs) for e in evaluations),
-                left,
-                seconds / simulated * left / self._options.workers if simulated else None,
-                min(self._deviations(), default=None),
-                self._all_notices(),
-                self._origins,
-                evaluations=tuple(evaluations),
-                best_expected_deviation=(
-                    self._expected.after(len(evaluations)) if self._stage != "design" else None
-                ),
-            )
+        return Progress(
+            self._stage,
+            _runs(evaluations),
+            campaign.under_way,
+            sum(len(e.failed_runs) for e in evaluations),
+            left,
+            seconds / simulated * left / self._options.workers if simulated else None,
+            min(self._deviations(), default=None),
+            self._all_notices(),
+            self._origins,
+            pending=campaign.pending_runs,
+            jobs=campaign.jobs,
+            evaluations=tuple(evaluations),
+            best_expected_deviation=(
+                self._expected.after(len(evaluations)) if self._stage != "design" else None
+            ),
         )
 
     def _all_notices(self) -> tuple[str, ...]:

@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from math import ceil, floor
 
+from grainfit.campaign.pending import ClusterJob, PendingRun
 from grainfit.evaluation import Evaluation
 
 #: Factor to both sides of the estimated remaining runs (`benchmarks/verdicts.py`).
@@ -39,6 +40,10 @@ class Progress:
     best_expected_deviation : float, optional
         Largest relative deviation of an expected response from its target at the present answer;
         None during the design, and if deviations from a target are not relative.
+    pending : sequence of PendingRun
+        Runs that have not ended.
+    jobs : sequence of ClusterJob
+        Jobs of a cluster in which they execute.
     """
 
     stage: str
@@ -52,6 +57,8 @@ class Progress:
     warm_start_runs: Mapping[str, int] = field(default_factory=dict)
     evaluations: Sequence[Evaluation] = ()
     best_expected_deviation: float | None = None
+    pending: Sequence[PendingRun] = ()
+    jobs: Sequence[ClusterJob] = ()
 
     @property
     def left_range(self) -> tuple[int, int]:

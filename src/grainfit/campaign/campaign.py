@@ -15,6 +15,7 @@ from pickle import PicklingError
 
 from grainfit.campaign import work_folder as workdir
 from grainfit.campaign.keep import Keep
+from grainfit.campaign.pending import ClusterJob, PendingRun, jobs_of
 from grainfit.campaign.repeats import mean_outcome, seeds_of
 from grainfit.campaign.reserve import Reserve
 from grainfit.campaign.store.records import RunRecord
@@ -140,6 +141,8 @@ class Campaign:
         self._under_way: dict[str, RunTask] = {}
         self._futures: dict[str, Future[RunRecord]] = {}
         self._tries: dict[str, int] = {}
+        #: Time of the last submission, seconds since the epoch; for display only.
+        self._submitted: dict[str, float] = {}
         self._postponed: list[tuple[float, RunTask]] = []
         self._elsewhere: dict[str, RunTask] = {}
         #: Runs that may be those of this process: the shared store could not be asked.
@@ -189,6 +192,31 @@ class Campaign:
     def under_way(self) -> int:
         """Number of runs that have been started and have not ended."""
         return len(self._under_way)
+
+    @property
+    def pending_runs(self) -> list[PendingRun]:
+        """Runs that have not ended, in the order in which they were submitted."""
+        postponed = {task.record.identity for _, task in self._postponed}
+        begun = {identity for identity, future in self._futures.items() if future.running()}
+        here = [
+            PendingRun(
+                identity,
+                task.record.test,
+                "postponed" if identity in postponed else "submitted",
+                self._submitted.get(identity, 0.0),
+                self._tries.get(identity, 1),
+                task.solver.uses_folder,
+                identity in begun and isinstance(self._executor, ThreadPoolExecutor),
+            )
+            for identity, task in self._under_way.items()
+        ]
+        elsewhere = self._elsewhere.items()
+        return here + [PendingRun(name, task.record.test, "elsewhere") for name, task in elsewhere]
+
+    @property
+    def jobs(self) -> Sequence[ClusterJob]:
+        """Jobs of the cluster in which the runs execute; none on one machine."""
+        return jobs_of(self._executor)
 
     @property
     def has_pending(self) -> bool:
@@ -363,6 +391,7 @@ class Campaign:
     def _submit(self, task: RunTask) -> None:
         identity = task.record.identity
         self._tries[identity] = self._tries.get(identity, 0) + 1
+        self._submitted[identity] = time.time()
         executor = self._executor
         # An event cannot be sent to other processes; they check the folder of their run.
         cancelled = [self._cancelled] if isinstance(executor, ThreadPoolExecutor) else []
@@ -440,6 +469,7 @@ class Campaign:
             self._postponed.append((time.monotonic() + pause, self._under_way[record.identity]))
             return
         task = self._under_way.pop(record.identity)
+        self._submitted.pop(record.identity, None)
         if record.status == "running":
             self._store.save(record)
             self._elsewhere[record.identity] = task

@@ -66,7 +66,7 @@ def hold(folder: Path) -> Iterator[None]:
         ) from error
     with file:
         locked = _lock(file, folder)
-        signature = _Signature.read(path)
+        signature = Signature.read(path)
         if not locked:
             raise _in_use(folder, signature)
         if not signature.is_of_this_machine() and _is_touched(path):
@@ -91,8 +91,18 @@ def is_held(folder: Path) -> bool:
     return False
 
 
+def holder(folder: Path) -> Signature:
+    """Return the process that signed the lock of a folder last, also when it was killed."""
+    return Signature.read(folder / "lock")
+
+
+def last_heartbeat(folder: Path) -> int | None:
+    """Return the time of the last heartbeat by the clock of the file system, ns; None without."""
+    return _look(folder / "lock")
+
+
 @dataclass(frozen=True)
-class _Signature:
+class Signature:
     """Process that uses a folder, and its machine; empty when it has ended."""
 
     process: str = ""
@@ -100,29 +110,32 @@ class _Signature:
     boot: str = ""
 
     @classmethod
-    def own(cls) -> _Signature:
+    def own(cls) -> Signature:
+        """Return the signature of this process."""
         boot = ""
         with suppress(OSError):
             boot = Path("/proc/sys/kernel/random/boot_id").read_text(encoding="utf-8").strip()
         return cls(str(os.getpid()), socket.gethostname(), boot)
 
     @classmethod
-    def read(cls, path: Path) -> _Signature:
+    def read(cls, path: Path) -> Signature:
+        """Read the signature in a lock file; empty when there is none."""
         try:
             return cls(*path.read_text(encoding="utf-8").split()[:3])
         except (OSError, ValueError):
             return cls()
 
     def is_of_this_machine(self) -> bool:
+        """Return whether the process is one of this machine since it was started."""
         # Versions before 0.2.0 sign without a machine.
-        own = _Signature.own()
+        own = Signature.own()
         return not self.host or (self.host, self.boot) == (own.host, own.boot)
 
     def __str__(self) -> str:
         return self.process if self.is_of_this_machine() else f"{self.process} on {self.host}"
 
 
-def _in_use(folder: Path, signature: _Signature) -> StoreError:
+def _in_use(folder: Path, signature: Signature) -> StoreError:
     return StoreError(
         f"the work folder {str(folder)!r} is in use by process {signature}. "
         "Wait for it to end, or choose another folder with --workdir."
@@ -180,7 +193,7 @@ def _look(path: Path) -> int | None:
 
 @contextmanager
 def _signed(file: TextIO) -> Iterator[None]:
-    own = _Signature.own()
+    own = Signature.own()
     _write(file, f"{own.process} {own.host} {own.boot}\n")
     ended = threading.Event()
     beat = threading.Thread(target=_beat, args=(file.fileno(), ended), daemon=True)

@@ -39,10 +39,12 @@ from grainfit.cli.documents import (
 from grainfit.cli.export import export
 from grainfit.cli.help_texts import WORK_FOLDER, shown_default
 from grainfit.cli.interruption import Interruption
+from grainfit.cli.notification import Notify, notifying
 from grainfit.cli.runs import runs_app
 from grainfit.cli.search_options import with_search_options
 from grainfit.cli.simulating import INTERRUPTED, STOPPED, simulating
 from grainfit.cli.verbosity import CommandLine, Quiet, Verbose, begin, is_quiet, is_verbose
+from grainfit.cli.watch import OpenPage, Port, Watch, watch, watching
 from grainfit.errors import Fault, GrainfitError, InputError, RunFailedError
 from grainfit.materials.starting_materials import (
     read_starting_material,
@@ -52,6 +54,7 @@ from grainfit.strategies.registry import strategies
 
 if TYPE_CHECKING:
     from grainfit.calibration_file.build import CalibrationSetup
+    from grainfit.result import Result
 
 EXIT_CODES = {
     "calibrated": 0,
@@ -180,6 +183,10 @@ def run(
     no_report: Annotated[
         bool, typer.Option("--no-report", help="Do not write report.html at the end.")
     ] = False,
+    watched: Watch = False,
+    port: Port = 0,
+    open_page: OpenPage = False,
+    notify: Notify = None,
     search_options: dict[str, Any] | None = None,
 ) -> None:
     """Calibrate: simulate, fit, verify, and write result.json and report.html.
@@ -189,34 +196,47 @@ def run(
     Exit code: 0 calibrated, 1 bad input or a missing solver, 2 a mistake on the command line, 3 not
     every target is met or in reach, 130 interrupted.
     """
-    from grainfit.calibration.live_progress import LiveProgress
     from grainfit.campaign.cluster.executor import missing_scheduler
     from grainfit.campaign.work_folder import default_workdir
 
-    setup = replace(_build(file), local=local)
     folder = workdir or default_workdir(file)
-    if setup.file.cluster is not None and setup.cluster is None and not local:
-        _err.print(f"Cluster: {missing_scheduler(setup.file.cluster)}")
-    progress = LiveProgress(_err_remarks, every_run=is_verbose())
     with ExitStack() as stack:
-        if not no_report:
-            stack.enter_context(_report_of_failure(folder))
-        result = setup.calibrate(
+        told = stack.enter_context(notifying(notify, folder))
+        setup = replace(_build(file), local=local)
+        if setup.file.cluster is not None and setup.cluster is None and not local:
+            _err.print(f"Cluster: {missing_scheduler(setup.file.cluster)}")
+        if watched or open_page or port:
+            stack.enter_context(watching(folder, port, open_page))
+        result = _calibrate(
+            setup,
             folder,
+            reports=not no_report,
             strategy=strategy,
             runs_from=runs_from or (),
             store=store,
             retry_failed=retry_failed,
-            on_progress=stack.enter_context(progress).update,
             **(search_options or {}),
         )
-    if is_quiet():
-        show.print_headline(_out, result)
-    else:
-        show.print_result(_out, result, folder)
-    if not no_report:
-        _report_if_possible(folder)
+        told.result = result
+        if is_quiet():
+            show.print_headline(_out, result)
+        else:
+            show.print_result(_out, result, folder)
+        if not no_report:
+            _report_if_possible(folder)
     raise typer.Exit(EXIT_CODES[result.status])
+
+
+def _calibrate(setup: CalibrationSetup, folder: Path, *, reports: bool, **options: Any) -> Result:
+    """Calibrate with a bar; where too many runs fail, write the report of that as well."""
+    from grainfit.calibration.live_progress import LiveProgress
+
+    with ExitStack() as stack:
+        if reports:
+            stack.enter_context(_report_of_failure(folder))
+        progress = LiveProgress(_err_remarks, every_run=is_verbose())
+        tell = stack.enter_context(progress).update
+        return setup.calibrate(folder, on_progress=tell, **options)
 
 
 @app.command()
@@ -589,6 +609,7 @@ def measure(
     show.print_measurement(_out, measure_path(path))
 
 
+app.command()(watch)
 app.command()(export)
 app.command()(advise)
 app.command()(design)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, get_args
@@ -76,6 +76,8 @@ class SavedCalibration:
         Largest number of DEM runs, where there was a limit.
     failure : str
         Reason why it stopped, if it failed.
+    strategy_options : mapping
+        Options of the strategy that determine its runs.
     """
 
     folder: Path
@@ -100,6 +102,7 @@ class SavedCalibration:
     started: float
     max_runs: int | None = None
     failure: str = ""
+    strategy_options: Mapping[str, Any] = field(default_factory=dict)
 
     @classmethod
     def open(cls, folder: str | Path) -> SavedCalibration:
@@ -283,6 +286,7 @@ def _saved(
         started=calibration.started,
         max_runs=about.get("max_runs"),
         failure=str(about.get("failure", "")),
+        strategy_options=dict(definition.get("options", {})),
     )
 
 

@@ -33,6 +33,7 @@ from parsl.logconfigs.file import FileLogging
 
 from grainfit.campaign.cluster.options import ClusterOptions
 from grainfit.campaign.cluster.slurm import END_SECONDS, GiveUp, Slurm
+from grainfit.campaign.pending import ClusterJob
 from grainfit.errors import ExecutorError, GrainfitError
 from grainfit.options.python_file import PythonFile
 
@@ -194,6 +195,19 @@ class _Jobs(Executor):
         executors = self._kernel.executors.values()
         found = [getattr(executor, "interchange_proc", None) for executor in executors]
         return [process for process in found if process is not None]
+
+    def cluster_jobs(self) -> list[ClusterJob]:
+        """Return the jobs so far, as the scheduler described them last; it is not asked again."""
+        return [
+            ClusterJob(
+                str(executor.blocks_to_job_id.get(block, "")),
+                status.state.name.lower(),
+                " ".join((status.message or "").split()),
+            )
+            for executor in list(self._kernel.executors.values())
+            if isinstance(executor, BlockProviderExecutor)
+            for block, status in list(executor.status_facade.items())
+        ]
 
     def end(self) -> None:
         """End all jobs in any state, and every process on this machine."""

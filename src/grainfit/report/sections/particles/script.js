@@ -63,7 +63,7 @@
     pen.fill();
   };
 
-  const show = (canvas, scene) => {
+  const show = (canvas, scene, view) => {
     const loose = unpack(scene.particles);
     const looseCount = loose.length / 4;
     const glued = (scene.glued ?? []).map((set) => ({ ...set, table: unpack(set.particles) }));
@@ -102,7 +102,7 @@
       ...heights.map((values) => highest(values)),
     );
     const usual = { azimuth: 0.5, elevation: 0.35, zoom: 1 };
-    let camera = { ...usual };
+    let camera = { ...usual, ...view };
     let gluedSprites = null;
     let waiting = false;
 
@@ -253,9 +253,19 @@
       }
     });
     new ResizeObserver(redraw).observe(canvas);
-    document.addEventListener("grainfit:theme", redraw);
+    const repaint = () => {
+      if (canvas.isConnected) {
+        redraw();
+      } else {
+        document.removeEventListener("grainfit:theme", repaint);
+      }
+    };
+    document.addEventListener("grainfit:theme", repaint);
+    draw.view = () => camera;
     return draw;
   };
+  // For a page whose particles come in later: the view is that of the drawing before, if any.
+  window.grainfitParticles = show;
 
   const shown = new Map();
   const once = (canvas) => {

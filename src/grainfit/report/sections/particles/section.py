@@ -119,7 +119,7 @@ def _view(
         return replace(seen, picture=next((image for image in images if image), None)), None
     run, view = found
     value = _with_unit([run], target, run.value, 3)
-    return replace(_with_particles(seen, run, view, target), value=value), _scene(view)
+    return replace(_with_particles(seen, run, view, target), value=value), scene_of(view)
 
 
 def _with_particles(
@@ -234,8 +234,8 @@ def _named(context: ReportContext, target: Target | None) -> list[str]:
     return sorted(names, key=lambda name: -order.get(name, 0.0))[:_NAMED]
 
 
-def _scene(view: RunView) -> dict[str, Any]:
-    """Data of the drawing in three dimensions: positions and radii as small whole numbers."""
+def scene_of(view: RunView) -> dict[str, Any]:
+    """Return the data of a drawing in three dimensions: lengths as small whole numbers."""
     shown: Particles = visible(view.particles)
     table = np.column_stack([shown.positions, shown.radii])
     step = float(np.abs(table).max()) / _STEPS

@@ -1,0 +1,66 @@
+"""Result of a calibration that is not at its end: the one that an interrupt would leave now."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from grainfit.calibration.build_result import About, make_result
+from grainfit.calibration.verdict import judge
+from grainfit.calibration.verification import VERIFICATION_RUNS, runs_near
+from grainfit.errors import RunFailedError
+from grainfit.evaluation import Evaluation
+from grainfit.metamodels.blow_ups import without_blow_ups
+from grainfit.problem import Problem
+from grainfit.result import Result
+from grainfit.strategies.registry import make_strategy
+
+#: Options of the strategies that influence which of the known parameter sets is the answer.
+_OF_THE_ANSWER = ("prefer", "confidence")
+
+
+def result_so_far(
+    problem: Problem,
+    evaluations: Sequence[Evaluation],
+    learnt: Sequence[Evaluation] = (),
+    *,
+    options: Mapping[str, Any] | None = None,
+    seed: int = 1,
+) -> Result | None:
+    """Return the best answer by the runs so far, and what they lead to expect at it.
+
+    The answer is chosen as the sequential strategy does, from the runs alone: no search is
+    continued. The intervals of the parameters, which take much longer, are left out.
+
+    Parameters
+    ----------
+    problem : Problem
+        Parameters and targets.
+    evaluations : sequence of Evaluation
+        The runs of the calibration.
+    learnt : sequence of Evaluation
+        Runs of its warm start.
+    options : mapping, optional
+        Options of the strategy: what it prefers, and the demanded probability.
+    seed : int
+        Decides the searches of the metamodels.
+
+    Returns
+    -------
+    Result or None
+        With status ``interrupted``; None while there are too few runs.
+    """
+    given = {name: value for name, value in (options or {}).items() if name in _OF_THE_ANSWER}
+    search = make_strategy("sequential", given).start(problem, seed)
+    for evaluation in (*evaluations, *learnt):
+        search.note(evaluation)
+    try:
+        answer = search.answer()
+    except RunFailedError:
+        return None
+    reduced, usable = answer.reduced(problem, without_blow_ups(problem, evaluations))
+    fresh = runs_near(reduced, answer, usable, search.answer)
+    repeats = {scope.name: scope.repeats for scope in problem.scopes}
+    outcome = judge(reduced, answer, fresh, search.confidence, VERIFICATION_RUNS, repeats)
+    about = About("", "", 0.0, 0.0, "interrupted")
+    return make_result(about, search, outcome, evaluations)

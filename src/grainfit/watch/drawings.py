@@ -1,0 +1,109 @@
+"""Newest particles of every bulk test, for the drawing in three dimensions."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from grainfit.bulk_tests.registry import class_of_test
+from grainfit.formatting import number, plain, unit_for_people, with_unit
+from grainfit.report.rendering import script_json
+from grainfit.report.sections.particles.section import scene_of
+from grainfit.report.sections.particles.shown_runs import (
+    ShownRun,
+    first_readable,
+    picture,
+    shown_runs,
+)
+from grainfit.work_folder.saved_calibration import SavedCalibration
+
+#: Newest runs that are looked at for particles that can be read.
+_TRIES = 3
+
+
+@dataclass(frozen=True)
+class LatestParticles:
+    """The particles of the newest run of a test.
+
+    Parameters
+    ----------
+    about : mapping
+        What the page shows beside them, with the ``key`` of the test and the ``run``.
+    content : str
+        Data of the drawing, or the kept picture, as JSON.
+    """
+
+    about: dict[str, Any]
+    content: str
+
+
+class LatestDrawings:
+    """Newest particles of each test; files are read only when a newer run has ended."""
+
+    def __init__(self) -> None:
+        self._newest: dict[str, str] = {}
+        self._found: dict[str, LatestParticles] = {}
+
+    @property
+    def found(self) -> dict[str, LatestParticles]:
+        """The drawings by key of the test."""
+        return self._found
+
+    def update(self, saved: SavedCalibration) -> bool:
+        """Read the particles of runs that are newer; return whether there are any."""
+        tests = shown_runs(saved.evaluations, saved.records, saved.folder)
+        found = dict(self._found)
+        for position, (test, runs) in enumerate(tests.items(), 1):
+            newest = sorted(runs, key=lambda run: run.record.ended)[: -_TRIES - 1 : -1]
+            if not newest or self._newest.get(test) == newest[0].record.identity:
+                continue
+            self._newest[test] = newest[0].record.identity
+            if latest := _latest(f"test-{position}", test if len(tests) > 1 else "", newest, saved):
+                found[f"test-{position}"] = latest
+        changed = found != self._found
+        self._found = found
+        return changed
+
+
+def _latest(
+    key: str, test: str, newest: Sequence[ShownRun], saved: SavedCalibration
+) -> LatestParticles | None:
+    seen = first_readable(newest, _TRIES)
+    if seen is not None:
+        run, view = seen
+        count = len(view.particles)
+        return LatestParticles(
+            _about(key, test, run, saved) | {"particles": count, "kind": "scene"},
+            str(script_json(scene_of(view))),
+        )
+    images = ((run, picture(run)) for run in newest)
+    for run, image in images:
+        if image:
+            about = _about(key, test, run, saved) | {"particles": 0, "kind": "picture"}
+            return LatestParticles(about, json.dumps(image))
+    return None
+
+
+def _about(key: str, test: str, run: ShownRun, saved: SavedCalibration) -> dict[str, Any]:
+    title = f"{run.shown.noun} of test {plain(test)}" if test else run.shown.noun
+    return {
+        "key": key,
+        "run": run.record.identity,
+        "title": f"Newest {title}",
+        "words": ", ".join(_words(run, saved)),
+        "ended": run.record.ended,
+    }
+
+
+def _words(run: ShownRun, saved: SavedCalibration) -> Iterator[str]:
+    kind = class_of_test(run.record.definition)
+    info = kind.responses.get(run.shown.response) if kind else None
+    unit = unit_for_people(info.unit) if info else ""
+    name = plain(run.shown.response.replace("_", " "))
+    yield f"Run {run.number}: {name} {with_unit(number(run.value, 3), unit)}"
+    for target in saved.problem.targets:
+        if target.name == run.response:
+            shown = with_unit(number(target.value, 6), unit_for_people(target.unit))
+            yield f"measured {shown}"

@@ -1,0 +1,236 @@
+"""Follow a work folder: read it when something in it has changed, and tell who waits for it."""
+
+from __future__ import annotations
+
+import json
+import threading
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+from threadpoolctl import threadpool_limits
+
+from grainfit.calibration.live_file import LIVE_NAME
+from grainfit.calibration.so_far import result_so_far
+from grainfit.campaign.folder_lock import holder, is_held, last_heartbeat
+from grainfit.campaign.store.store import STORE_NAME
+from grainfit.campaign.work_folder import RESULT_NAME
+from grainfit.formatting import plain
+from grainfit.report.page import REPORT_NAME
+from grainfit.report.rendering import script_json
+from grainfit.result import Result
+from grainfit.watch.drawings import LatestDrawings
+from grainfit.watch.state import Reading, read_folder, state_of
+
+_LOOK_SECONDS = 1.0
+#: What is read or computed takes at most this share of a core.
+_SHARE = 0.1
+#: Time without a heartbeat after which a process of another machine counts as dead, s.
+_SILENT_SECONDS = 20.0
+_LONGEST_READ_SECONDS = 30.0
+_WATCHED = (STORE_NAME, f"{STORE_NAME}-wal", LIVE_NAME, RESULT_NAME, REPORT_NAME, "runs")
+
+
+class Follower:
+    """The latest state of a work folder, read by a thread of its own.
+
+    Runs are read when they change; metamodels and particles only while somebody watches.
+
+    Parameters
+    ----------
+    folder : Path
+        The work folder.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        self._folder = folder
+        self._changed = threading.Condition()
+        self._version = 0
+        self._state: dict[str, Any] = {}
+        self._watchers = 0
+        self._ending, self._ended = threading.Event(), threading.Event()
+        self._drawings = LatestDrawings()
+        self._so_far: tuple[object, Result | None] = (None, None)
+        self._fault = ""
+        self._rest_until = 0.0
+        self._heartbeat: tuple[int | None, float] = (None, float("-inf"))
+        self._thread = threading.Thread(target=self._follow, name="follower", daemon=True)
+        self._look_now = threading.Event()
+        #: Whether something was read since metamodels and particles were.
+        self._is_stale = True
+
+    def start(self) -> None:
+        """Read the folder once, and follow it from then on."""
+        self._read(costly=False)
+        self._thread.start()
+
+    def end(self) -> None:
+        """Read the folder for the last time, and let all who wait for changes go."""
+        self._ending.set()
+        self._look_now.set()
+        self._thread.join(_LONGEST_READ_SECONDS)
+        self._read(costly=False)
+        self._ended.set()
+        with self._changed:
+            self._version += 1
+            self._changed.notify_all()
+
+    @property
+    def has_ended(self) -> bool:
+        """Whether nothing is read any more."""
+        return self._ended.is_set()
+
+    @contextmanager
+    def watching(self) -> Iterator[None]:
+        """Count somebody who watches until the end of the block."""
+        with self._changed:
+            self._watchers += 1
+        self._look_now.set()
+        try:
+            yield
+        finally:
+            with self._changed:
+                self._watchers -= 1
+
+    @property
+    def watchers(self) -> int:
+        """Number of those who watch."""
+        return self._watchers
+
+    def wait(self, seen: int, seconds: float) -> tuple[int, str]:
+        """Wait for a state that is newer than the one seen.
+
+        Parameters
+        ----------
+        seen : int
+            Number of that state; 0 for none.
+        seconds : float
+            Longest wait.
+
+        Returns
+        -------
+        number, state : int and str
+            The latest state as JSON, with the time at which it is given; the same number when
+            nothing has changed.
+        """
+        with self._changed:
+            self._changed.wait_for(lambda: self._version > seen, seconds)
+            state = self._state | {"now": time.time(), "ended": self.has_ended}
+            return self._version, str(script_json(state))
+
+    def drawing(self, key: str) -> str | None:
+        """Return the data of the newest drawing of a test as JSON."""
+        found = self._drawings.found.get(key)
+        return None if found is None else found.content
+
+    def _follow(self) -> None:
+        before: object = None
+        while not self._ending.is_set():
+            begun = time.monotonic()
+            marks = self._marks()
+            costly = self._watchers > 0 and begun >= self._rest_until
+            if marks != before or (costly and self._is_stale):
+                before = marks
+                self._read(costly=costly)
+            spent = time.monotonic() - begun
+            self._look_now.wait(max(_LOOK_SECONDS, spent * (1 / _SHARE - 1)))
+            self._look_now.clear()
+
+    def _marks(self) -> object:
+        """Return what differs when something in the folder has changed."""
+        found: list[object] = [is_held(self._folder), self._is_alive_elsewhere()]
+        for name in _WATCHED:
+            try:
+                status = (self._folder / name).stat()
+                found.append((status.st_ino, status.st_mtime_ns, status.st_size))
+            except OSError:
+                found.append(None)
+        return found
+
+    def _is_alive_elsewhere(self) -> bool:
+        """Return whether a process of another machine was heard of lately.
+
+        Its heartbeat counts when it changes, whatever the clocks of both machines say.
+        """
+        signature, beat = holder(self._folder), last_heartbeat(self._folder)
+        last, when = self._heartbeat
+        if beat != last:
+            first = last is None
+            self._heartbeat = (beat, float("-inf") if first else time.monotonic())
+            when = self._heartbeat[1]
+        if not signature.process or signature.is_of_this_machine():
+            return False
+        return time.monotonic() - when < _SILENT_SECONDS
+
+    def _read(self, *, costly: bool) -> None:
+        try:
+            reading = read_folder(self._folder, is_alive_elsewhere=self._is_alive_elsewhere())
+            self._publish(reading)
+            self._is_stale = True
+            if costly:
+                self._compute(reading)
+        except Exception as error:
+            # A page that shows nothing would hide why.
+            fault = f"{type(error).__name__}: {error}"
+            self._publish(Reading(self._folder, fault=fault))
+
+    def _compute(self, reading: Reading) -> None:
+        begun = time.monotonic()
+        self._fault = ""
+        try:
+            self._compute_so_far(reading)
+            if reading.saved is not None:
+                self._drawings.update(reading.saved)
+        except Exception as error:
+            # The rest of the page is right nevertheless.
+            self._fault = f"Verdict or particles cannot be shown: {type(error).__name__}: {error}"
+        self._publish(reading)
+        self._is_stale = False
+        now = time.monotonic()
+        self._rest_until = now + (now - begun) * (1 / _SHARE - 1)
+
+    def _compute_so_far(self, reading: Reading) -> None:
+        saved = reading.saved
+        if saved is None or (saved.result is not None and saved.result.parameters):
+            return
+        known = _known(reading)
+        if known == self._so_far[0]:
+            return
+        # Tried once, whether it succeeds or not.
+        self._so_far = (known, None)
+        with threadpool_limits(limits=1, user_api="blas"):
+            found = result_so_far(
+                saved.problem,
+                saved.evaluations,
+                saved.learnt,
+                options=saved.strategy_options,
+                seed=saved.seed,
+            )
+        self._so_far = (known, found)
+
+    def _publish(self, reading: Reading) -> None:
+        so_far = self._so_far[1] if _calibration(reading) == _of(self._so_far[0]) else None
+        state = state_of(reading, so_far)
+        if self._fault:
+            state["notices"] = [*state["notices"], plain(self._fault)]
+        state["drawings"] = [one.about for one in self._drawings.found.values()]
+        with self._changed:
+            if json.dumps(state) != json.dumps(self._state):
+                self._state = state
+                self._version += 1
+                self._changed.notify_all()
+
+
+def _known(reading: Reading) -> object:
+    saved = reading.saved
+    return (_calibration(reading), len(saved.evaluations) if saved else 0)
+
+
+def _calibration(reading: Reading) -> str:
+    return reading.saved.identity if reading.saved else ""
+
+
+def _of(known: object) -> object:
+    return known[0] if isinstance(known, tuple) else None

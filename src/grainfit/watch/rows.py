@@ -1,0 +1,254 @@
+"""Rows of the page: responses, parameters, runs, failures and jobs, as text and plain numbers."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+from statistics import median
+from typing import Any
+
+from grainfit.calibration.live_file import LiveState
+from grainfit.campaign.pending import ClusterJob, PendingRun
+from grainfit.campaign.store.records import RequestRecord, RunRecord
+from grainfit.campaign.work_folder import PARTIAL_SUFFIX
+from grainfit.evaluation import names_of_tests
+from grainfit.formatting import (
+    counted,
+    number,
+    plain,
+    plain_lines,
+    probability,
+    rounded,
+    unit_for_people,
+)
+from grainfit.plots.labels import label_of_parameter, label_of_response
+from grainfit.problem import Parameter, Target
+from grainfit.result import CurveResult, ResponseResult, Result
+from grainfit.work_folder.saved_calibration import SavedCalibration
+
+#: Most rows that are shown of a kind.
+MOST_ROWS = 50
+Row = dict[str, Any]
+
+
+def response_rows(saved: SavedCalibration, result: Result | None) -> list[Row]:
+    """Return every response with its target, and what the runs lead to expect."""
+    rows = [_response_row(saved, target, result) for target in saved.problem.targets]
+    curves = result.curves if result else {}
+    names = (curve.name for curve in saved.problem.curves)
+    return rows + [_curve_row(name, curves.get(name)) for name in names]
+
+
+def _response_row(saved: SavedCalibration, target: Target, result: Result | None) -> Row:
+    label, unit = label_of_response(saved, target.name), unit_for_people(target.unit)
+    row = {
+        "name": plain(target.name),
+        "words": label.words,
+        "unit": unit,
+        "measured": f"{number(target.value, 6)} ± {number(target.tolerance, 3)}",
+    }
+    found = result.responses.get(target.name) if result else None
+    if found is None:
+        return row | {"expected": "", "deviation": "", "verdict": "", "bar": None}
+    value, half_width = found.expected
+    return row | {
+        "expected": f"{rounded(value, half_width)} ± {rounded(half_width, half_width)}",
+        "deviation": found.deviation_in_words(unit).replace("-", "−"),
+        "verdict": _verdict(found),
+        "bar": _bar(target, value, half_width),
+    }
+
+
+def _verdict(found: ResponseResult) -> str:
+    return found.verdict + _likely(found.probability)
+
+
+def _likely(value: float | None) -> str:
+    """Return a probability in few characters, after a verdict."""
+    if value is None:
+        return ""
+    words = probability(value).replace("more than ", "> ").replace("less than ", "< ")
+    return f", {words}"
+
+
+def _bar(target: Target, value: float, half_width: float) -> dict[str, float]:
+    """Return a bar about the target: percentages of its width."""
+    reach = max(2 * target.tolerance, 1.15 * (abs(value - target.value) + half_width))
+
+    def place(at: float) -> float:
+        return round(50 + 50 * (at - target.value) / reach, 2)
+
+    return {
+        "from": place(target.value - target.tolerance),
+        "to": place(target.value + target.tolerance),
+        "low": place(value - half_width),
+        "high": place(value + half_width),
+        "value": place(value),
+    }
+
+
+def _curve_row(name: str, found: CurveResult | None) -> Row:
+    return {
+        "name": plain(name),
+        "words": plain(name),
+        "unit": "",
+        "measured": counted(len(found.measured), "point") if found else "a curve",
+        "expected": "",
+        "deviation": f"{number(found.deviation, 2)} σ" if found else "",
+        "verdict": found.verdict + _likely(found.probability) if found else "",
+        "bar": None,
+    }
+
+
+def parameter_rows(saved: SavedCalibration, result: Result | None) -> list[Row]:
+    """Return every free parameter with its value so far and, at the end, its interval."""
+    return [_parameter_row(saved, parameter, result) for parameter in saved.problem.parameters]
+
+
+def _parameter_row(saved: SavedCalibration, parameter: Parameter, result: Result | None) -> Row:
+    label = label_of_parameter(saved, parameter.name)
+    value = result.parameters.get(parameter.name) if result else None
+    found = result.intervals.get(parameter.name) if result else None
+    return {
+        "name": plain(parameter.name),
+        "words": label.words,
+        "unit": label.unit,
+        "value": "" if value is None else number(value, 4),
+        "interval": f"{number(found.low, 3)} … {number(found.high, 3)}" if found else "",
+        "determination": found.determination if found else "",
+        "searched": f"{number(parameter.minimum)} … {number(parameter.maximum)}",
+        "place": None if value is None else round(100 * parameter.to_unit(value), 2),
+    }
+
+
+def run_rows(
+    saved: SavedCalibration, requests: Sequence[RequestRecord], live: LiveState
+) -> tuple[list[Row], Mapping[str, int]]:
+    """Return the runs that have not ended, and their numbers by state."""
+    asked = {run: (request, name) for request in requests for name, run in request.runs.items()}
+    begun = _beginnings(saved.folder)
+    usual = _usual_seconds(saved.records.values())
+    rows = [_run_row(run, asked.get(run.identity), begun, usual) for run in live.pending]
+    counts = {state: sum(row["state"] == state for row in rows) for state in _RUN_STATES}
+    rows.sort(key=lambda row: _RUN_STATES.index(row["state"]))
+    return rows[:MOST_ROWS], counts
+
+
+_RUN_STATES = ("running", "submitted", "waiting", "again", "elsewhere")
+
+
+def _run_row(
+    run: PendingRun,
+    asked: tuple[RequestRecord, str] | None,
+    begun: Mapping[str, float],
+    usual: Mapping[str, float],
+) -> Row:
+    since = begun.get(run.identity, run.submitted)
+    request, name = asked if asked else (None, run.test)
+    return {
+        "key": run.identity[:12],
+        "number": request.position if request else None,
+        "test": plain(name),
+        "stage": request.stage if request else "",
+        "state": _state_of(run, run.identity in begun),
+        "since": since or None,
+        "usual": usual.get(run.test),
+        "tries": run.tries,
+        "parameters": _values(request.parameters) if request else "",
+    }
+
+
+def _state_of(run: PendingRun, has_folder_now: bool) -> str:
+    if run.state != "submitted":
+        return "again" if run.state == "postponed" else "elsewhere"
+    if has_folder_now or (run.has_begun and not run.has_folder):
+        return "running"
+    # Of a Python function in another process, nobody knows whether it has begun.
+    return "waiting" if run.has_folder else "submitted"
+
+
+def _values(parameters: Mapping[str, float]) -> str:
+    return ", ".join(f"{plain(name)} = {number(value, 4)}" for name, value in parameters.items())
+
+
+def _usual_seconds(records: Iterable[RunRecord]) -> dict[str, float]:
+    """Return the median wall time of the finished runs of every test, s."""
+    times: dict[str, list[float]] = {}
+    for record in records:
+        if record.status == "finished":
+            times.setdefault(record.test, []).append(record.seconds)
+    return {test: median(seconds) for test, seconds in times.items()}
+
+
+def _beginnings(folder: Path) -> dict[str, float]:
+    """Return when a worker began with each run that has not ended, by identity of the run."""
+    found: dict[str, float] = {}
+    try:
+        with os.scandir(folder / "runs") as entries:
+            names = [entry.name for entry in entries if entry.name.endswith(PARTIAL_SUFFIX)]
+    except OSError:
+        return {}
+    for name in names:
+        if (when := _beginning(folder / "runs" / name)) is not None:
+            found[name.partition(".")[0]] = when
+    return found
+
+
+def _beginning(partial: Path) -> float | None:
+    # Files of a model are copied with their dates; the time of the change of a file's own record
+    # is that of the copy.
+    try:
+        with os.scandir(partial) as entries:
+            files = [entry.stat(follow_symlinks=False).st_ctime for entry in entries]
+        return min([*files, partial.stat().st_ctime])
+    except OSError:
+        return None
+
+
+def failure_rows(
+    saved: SavedCalibration, requests: Sequence[RequestRecord], failed: Iterable[RunRecord]
+) -> tuple[list[Row], int]:
+    """Return the runs that failed, the latest first, and their number."""
+    asked = {run: (request, name) for request in requests for name, run in request.runs.items()}
+    known = {record.identity: record for record in (*saved.records.values(), *failed)}
+    lost = [one for one in known.values() if one.status == "failed" and one.identity in asked]
+    lost.sort(key=lambda record: record.ended, reverse=True)
+    rows = [
+        {
+            "key": record.identity[:12],
+            "number": asked[record.identity][0].position,
+            "test": plain(asked[record.identity][1]),
+            "kind": record.kind,
+            "reason": plain(record.reason) or "no reason is known",
+            "folder": _folder(saved.folder / "runs" / record.identity),
+            "log": "\n".join(plain_lines(record.log_tail)),
+        }
+        for record in lost[:MOST_ROWS]
+    ]
+    return rows, len(lost)
+
+
+def _folder(path: Path) -> str:
+    """Return the folder of a run, if it has one: Python functions have none."""
+    return plain(str(path)) if path.is_dir() else ""
+
+
+def job_rows(jobs: Sequence[ClusterJob]) -> list[Row]:
+    """Return the jobs of a cluster, those that have not ended first."""
+    alive = ("running", "pending", "held", "unknown")
+    ordered = sorted(jobs, key=lambda job: job.state not in alive)
+    return [
+        {
+            "key": f"{place}-{job.number}",
+            "number": plain(job.number) or "refused",
+            "state": plain(job.state),
+            "words": plain(job.words),
+        }
+        for place, job in enumerate(ordered[:MOST_ROWS])
+    ]
+
+
+def several_tests(requests: Iterable[RequestRecord]) -> bool:
+    """Return whether there is more than one test, so that its name has to be shown."""
+    return len(names_of_tests(run for request in requests for run in request.runs)) > 1
