@@ -15,8 +15,6 @@ from grainfit.measurement.silhouette import Silhouette
 #: Largest deviation of the drawn outline from the rendered one, pixels of the silhouette: a
 #: twentieth of a particle.
 _TOLERANCE = 1.0
-#: Distance between a fitted flank and the line at the target angle beside it, pixels.
-_BESIDE = 30.0
 
 
 @dataclass(frozen=True)
@@ -40,7 +38,7 @@ class Drawing:
     half_width, height : int
         Extent of the drawing.
     fitted, wanted : tuple of Line
-        The fitted lines, and beside them lines at the target.
+        The fitted lines, and through their middles lines at the target.
     walls : tuple of Line
         Walls of the apparatus; without any, the ground is a line at y = 0.
     """
@@ -78,7 +76,7 @@ def draw(silhouette: Silhouette, view: View | None = None, target: float | None 
         half_width=math.ceil(reach) + 12,
         height=math.ceil(float(heights.max())) + 12,
         fitted=tuple(_line(flank, size) for flank in flanks),
-        wanted=tuple(_beside(_line(flank, size), target) for flank in flanks if target),
+        wanted=tuple(_through(_line(flank, size), target) for flank in flanks if target),
     )
 
 
@@ -110,7 +108,7 @@ def wall_line(start: tuple[float, float], end: tuple[float, float], pixel: float
 def fitted_lines(
     flanks: Sequence[Flank], ground: float, pixel: float, target: float | None
 ) -> tuple[tuple[Line, ...], tuple[Line, ...]]:
-    """Return fitted flanks as lines of a drawing, and lines at a target angle beside them.
+    """Return fitted flanks as lines of a drawing, and lines at a target angle through them.
 
     Parameters
     ----------
@@ -127,7 +125,7 @@ def fitted_lines(
     for flank in flanks:
         (x1, y1), (x2, y2) = flank.start, flank.end
         lines.append(_line(Flank(flank.angle, (x1, y1 + ground), (x2, y2 + ground)), pixel))
-    return tuple(lines), tuple(_beside(line, target) for line in lines if target)
+    return tuple(lines), tuple(_through(line, target) for line in lines if target)
 
 
 def simplified(heights: NDArray[np.float64], tolerance: float) -> list[int]:
@@ -157,12 +155,11 @@ def _line(flank: Flank, size: float) -> Line:
     return Line(*(round(value / size, 1) for value in (x1, -y1, x2, -y2)))
 
 
-def _beside(line: Line, angle: float) -> Line:
-    """A line at an angle outside of a flank, as long as that and a little more."""
+def _through(line: Line, angle: float) -> Line:
+    """A line at an angle through the middle of a flank, a little longer than that."""
     side = math.copysign(1.0, line.x1 - line.x2)
     along = np.array([side * math.cos(math.radians(angle)), math.sin(math.radians(angle))])
-    outward = np.array([along[1] * side, -along[0] * side])
-    middle = np.array([line.x1 + line.x2, line.y1 + line.y2]) / 2 + _BESIDE * outward
+    middle = np.array([line.x1 + line.x2, line.y1 + line.y2]) / 2
     reach = 0.6 * math.hypot(line.x1 - line.x2, line.y1 - line.y2)
     (x1, y1), (x2, y2) = middle + reach * along, middle - reach * along
     return Line(*(round(float(value), 1) for value in (x1, y1, x2, y2)))

@@ -123,7 +123,10 @@ def _narrowing_figure(
                 "x": shares,
                 "y": list(range(len(parameters))),
                 "marker": {"color": [_COLORS[intervals[p.name].determination] for p in parameters]},
-                "text": [f"{share:.0%}" for share in shares],
+                "text": [
+                    f"{share:.0%} {intervals[p.name].determination}"
+                    for p, share in zip(parameters, shares, strict=True)
+                ],
                 "textposition": "outside",
                 "cliponaxis": False,
                 "customdata": [
@@ -141,7 +144,7 @@ def _narrowing_figure(
         ),
         layout={
             "xaxis": {
-                "range": [0, 1.12],
+                "range": [0, 1.4],
                 "tickvals": [0, 0.25, 0.5, 0.75, 1],
                 "tickformat": ".0%",
                 "title": {"text": "share of the interval ruled out"},

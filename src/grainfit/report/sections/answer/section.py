@@ -29,6 +29,7 @@ from grainfit.plots.labels import Label
 from grainfit.problem import Parameter, Target
 from grainfit.report.rendering import render
 from grainfit.report.section import ReportContext, Section
+from grainfit.report.sections.answer.next_step import next_step
 from grainfit.result import ResponseResult, Result, RunCounts
 
 
@@ -96,6 +97,7 @@ def answer(context: ReportContext) -> Section:
         time_step=_time_step(result) if result else None,
         cost=_cost(context),
         notices=list(_notices(context, tests)),
+        **next_step(context),
     )
     return Section("answer", "Answer", html)
 

@@ -26,8 +26,6 @@ def tradeoff(context: ReportContext) -> Section:
     if front is None or not len(front.time_steps):
         return waiting(context, _KEY, _TITLE, why_no_front(context.reading.problem))
     choice, gain = _choice(context, front), _gain(context, front)
-    if gain is not None and gain <= EQUAL_TIME_STEPS:
-        return Section(_KEY, _TITLE, render(f"{_KEY}/page", choice=choice, points=[]))
     unit, factor = time_unit(float(front.time_steps[-1]))
     times = [factor * float(step) for step in front.time_steps]
     html = render(
@@ -47,6 +45,7 @@ def tradeoff(context: ReportContext) -> Section:
         unit=unit,
         picked=_first_pick(front),
         choice=choice,
+        hidden=gain is not None and gain <= EQUAL_TIME_STEPS,
     )
     figures = {_FIGURE: pareto_figure(context.reading, metamodels, front)}
     return Section(_KEY, _TITLE, html, figures, _data(context, metamodels, front))

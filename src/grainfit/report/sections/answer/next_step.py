@@ -1,0 +1,63 @@
+"""Next step after a calibration: take the material to a solver, or measure something else."""
+
+from __future__ import annotations
+
+import shlex
+from typing import Any
+
+from grainfit.cards import FORMATS, material_card, require_format
+from grainfit.errors import GrainfitError
+from grainfit.formatting import plain, plain_lines
+from grainfit.report.section import ReportContext
+
+#: Format of the command where the runs name no solver that has a card.
+_USUAL_FORMAT = "liggghts"
+
+
+def next_step(context: ReportContext) -> dict[str, Any]:
+    """Return the material card with its command, and the first test to do next.
+
+    Returns
+    -------
+    dict
+        ``export``, the command; ``card``, its output, and ``card_format``, the solver's name; and
+        ``further_test``, in words. Each of them is empty where there is none.
+    """
+    solver = _solver(context)
+    card = _card(context, solver)
+    folder = shlex.quote(context.reading.folder.absolute().name)
+    return {
+        "export": plain(f"grainfit export {folder} --to {solver or _USUAL_FORMAT}")
+        if context.reading.state == "calibrated" and context.answer
+        else "",
+        "card": card,
+        "card_format": solver,
+        "further_test": _further_test(context),
+    }
+
+
+def _solver(context: ReportContext) -> str:
+    """Return the solver of the runs if it has cards."""
+    for record in context.reading.records.values():
+        solver = str(record.definition.model.get("solver", "")).lower()
+        if solver in FORMATS:
+            return solver
+    return ""
+
+
+def _card(context: ReportContext, solver: str) -> str:
+    """Return the card of a calibrated material; nothing where it lacks what a solver needs."""
+    if not solver or context.reading.state != "calibrated" or not context.answer:
+        return ""
+    try:
+        card = require_format(solver)(material_card(context.reading))
+    except GrainfitError:
+        return ""
+    return "\n".join(plain_lines(card))
+
+
+def _further_test(context: ReportContext) -> str:
+    found = context.analysis.identifiability
+    if context.posterior is None or found is None or not found.further_tests:
+        return ""
+    return plain(found.further_tests[0])
