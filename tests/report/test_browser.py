@@ -130,12 +130,26 @@ CUT = """() => {
 
 
 #: Controls and explanations that the keyboard does not come to.
-UNREACHED = """() => [
+UNREACHED = """() => {
+    const words = (one) => one.dataset.explanation ?? one.title;
+    const stops = "abbr[tabindex='0'], th[scope=row] abbr";
+    const EXPLAINED = new Set([...document.querySelectorAll(stops)].map(words));
+    return [
     ...document.querySelectorAll("a, abbr, button, input, select, summary, canvas.particles-3d"),
 ]
     .filter((one) => one.checkVisibility() && one.tabIndex < 0)
     .filter((one) => !one.closest(".modebar, button > *, label > *, summary > *"))
-    .map((one) => one.outerHTML)"""
+    // The arrow keys go on from the one stop of a row of equals.
+    .filter((one) => !one.closest("[data-roving]")?.querySelector("[tabindex='0']"))
+    // An explanation is a stop once; what the symbol of a row means stands beside it.
+    .filter((one) => !one.closest("abbr") || !EXPLAINED.has(words(one)))
+    .map((one) => one.outerHTML);
+}"""
+
+#: Number of stops of the tab key.
+STOPS = """() => [...document.querySelectorAll("*")].filter(
+    (one) => one.tabIndex >= 0 && !one.disabled && one.checkVisibility({ visibilityProperty: true })
+).length"""
 
 MOVE = """(sliders, place) => sliders.forEach((slider, i) => {
     slider.value = Number(slider.min) + place[i] * (slider.max - slider.min);
@@ -364,6 +378,45 @@ def test_the_keyboard_reaches_what_the_mouse_does(
         page.keyboard.press("ArrowRight")
         assert float(page.evaluate(f"{focus}.value")) > float(before)
         assert page.evaluate(UNREACHED) == []
+        assert page.evaluate(STOPS) <= 60
+
+
+def test_the_arrow_keys_go_from_run_to_run(
+    browser: Browser, report: Callable[[str], Report]
+) -> None:
+    with opened(browser, report("two_parameters").path) as found:
+        page = found.page
+        links = page.locator("#runs-table tbody a")
+        links.nth(0).focus()
+        page.keyboard.press("ArrowDown")
+        assert page.evaluate("document.activeElement.textContent") == links.nth(1).text_content()
+        assert page.locator("#runs-table tbody a[tabindex='0']").count() == 1
+
+
+def test_a_mark_leads_to_its_run(browser: Browser, report: Callable[[str], Report]) -> None:
+    with opened(browser, report("two_parameters").path) as found:
+        page = found.page
+        assert page.evaluate(DRAW) == ""
+        page.locator("[data-filter=stage]").select_option("verification")
+        page.evaluate(
+            """() => document.querySelector("[data-figure=convergence-misfit]").emit(
+                "plotly_click", { points: [{ data: { meta: { runs: ["run 3"] } }, pointNumber: 0 }] })"""
+        )
+        page.wait_for_function("location.hash === '#run-3'")
+        assert page.locator("#run-3").is_visible()
+
+
+def test_two_parameters_print_on_few_pages_with_a_surface_of_each_response(
+    browser: Browser, report: Callable[[str], Report]
+) -> None:
+    with opened(browser, report("two_parameters").path) as found:
+        page = found.page
+        page.evaluate("dispatchEvent(new Event('beforeprint'))")
+        assert page.locator(".surface.figure").count() == 2
+        page.evaluate("dispatchEvent(new Event('afterprint'))")
+        assert page.locator(".surface.figure").count() == 1
+        printed = page.pdf(format="A4", prefer_css_page_size=True, print_background=True)
+        assert len(re.findall(rb"/Type\s*/Page[^s]", printed)) <= 8
 
 
 def test_the_answer_is_read_without_scrolling(usual: Opened) -> None:
@@ -379,7 +432,8 @@ def test_it_prints_all_that_it_shows(browser: Browser, report: Callable[[str], R
         page = found.page
         printed = page.pdf(format="A4", print_background=True)
         titles = page.eval_on_selector_all(
-            ".figure .xtitle, .figure .ytitle", "all => all.map((one) => one.textContent)"
+            ".figure .xtitle, .figure .ytitle",
+            "all => all.filter((one) => one.checkVisibility()).map((one) => one.textContent)",
         )
         undrawn = page.locator(".figure:not(:has(.main-svg))").count()
         # As it is done for a printer: the page hears of it while it is laid out for the screen.

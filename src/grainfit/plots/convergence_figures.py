@@ -88,7 +88,7 @@ def _misfit_figure(saved: SavedCalibration, expected: Sequence[Expectation]) -> 
     layout = {
         "xaxis": _run_axis(len(evaluations)),
         "yaxis": {
-            "title": {"text": "largest deviation / tolerance"},
+            "title": {"text": "deviation / tolerance"},
             "type": "log",
             "range": [float(low) - 0.2, float(high) + 0.2],
             "dtick": 1 if high - low > 2 else "D2",

@@ -135,12 +135,23 @@
     ],
   };
   const drawn = new Set();
+  // On the screen, by element.
+  const heights = new Map();
+
+  // On paper, figures are flatter: their width is that of the page.
+  const FLATTER = 0.5;
+  const FLATTEST = 165;
+  const sizeOnPaper = (element) => ({
+    width: element.clientWidth,
+    height: Math.max(FLATTEST, FLATTER * heights.get(element)),
+  });
 
   window.grainfitDraw = (element, figure) => {
     const height = figure.height ?? (Number.parseFloat(element.style.minHeight) || 420);
+    heights.set(element, height);
     const layout = wholeLayout(figure.layout ?? {}, height);
-    if (onPaper()) {
-      layout.width = element.clientWidth;
+    if (onPaper() || figure.onPaper) {
+      Object.assign(layout, sizeOnPaper(element));
     }
     const done = window
       .grainfitPlotly()
@@ -212,7 +223,7 @@
     repaint();
     for (const element of drawn) {
       if (element.clientWidth) {
-        window.Plotly.relayout(element, { width: element.clientWidth });
+        window.Plotly.relayout(element, sizeOnPaper(element));
       }
     }
   });
@@ -224,7 +235,13 @@
     });
     repaint();
     for (const element of drawn) {
-      window.Plotly.relayout(element, { width: null, autosize: true });
+      if (element.isConnected) {
+        const height = heights.get(element);
+        window.Plotly.relayout(element, { width: null, height, autosize: true });
+      } else {
+        drawn.delete(element);
+        heights.delete(element);
+      }
     }
   });
 
@@ -302,10 +319,37 @@
       explain(element);
     }
   };
+  // The same explanation is a stop of the keyboard once, where it comes first.
+  const stops = new Set();
   for (const abbreviation of document.querySelectorAll("abbr[title]")) {
-    if (!abbreviation.closest("button, a, summary, label")) {
+    const { title } = abbreviation;
+    if (stops.has(title) || abbreviation.closest("button, a, summary, label, details")) {
+      continue;
+    }
+    stops.add(title);
+    // The meaning of a row's symbol stands beside it.
+    if (!abbreviation.closest("th[scope=row]")) {
       abbreviation.tabIndex = 0;
     }
+  }
+  // One stop of the keyboard for a row of equals; the arrow keys go from one to the next.
+  for (const group of document.querySelectorAll("[data-roving]")) {
+    const items = () => [...group.querySelectorAll("a, button")];
+    items().forEach((item, i) => {
+      item.tabIndex = i === 0 ? 0 : -1;
+    });
+    group.addEventListener("keydown", (event) => {
+      const step = { ArrowRight: 1, ArrowDown: 1, ArrowLeft: -1, ArrowUp: -1 }[event.key];
+      const all = items();
+      const next = step && all[all.indexOf(document.activeElement) + step];
+      if (next) {
+        event.preventDefault();
+        all.forEach((item) => {
+          item.tabIndex = item === next ? 0 : -1;
+        });
+        next.focus();
+      }
+    });
   }
   document.addEventListener("pointerover", (event) => {
     if (event.pointerType === "mouse") {

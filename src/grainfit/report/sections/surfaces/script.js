@@ -96,13 +96,34 @@
       }
     }
 
-    // All at once: paper does not wait.
+    // All at once: paper does not wait, and nobody can choose there.
     showNow() {
-      if (this.complete) {
-        return;
+      if (!this.complete) {
+        this.started += 1;
+        for (const _ of this.steps());
       }
-      this.started += 1;
-      for (const _ of this.steps());
+      this.others ??= this.surface ? this.surfacesOfOthers() : [];
+    }
+
+    surfacesOfOthers() {
+      const key = this.place.querySelector(".surface-key");
+      return this.responses.flatMap((shown, response) => {
+        if (response === this.latest.response) {
+          return [];
+        }
+        const [title, element] = [document.createElement("h3"), document.createElement("div")];
+        title.textContent = shown.words;
+        element.className = "surface figure";
+        key.before(title, element);
+        const deviations = this.latest.variances[response].map(Math.sqrt);
+        this.drawSurface({ ...this.latest, response, deviations, element });
+        return [title, element];
+      });
+    }
+
+    removeOthers() {
+      this.others?.forEach((element) => element.remove());
+      this.others = null;
     }
 
     repaint() {
@@ -185,7 +206,9 @@
         yield;
       }
       view.agreement = this.agreementOf(view, variances);
+      view.variances = variances;
       view.deviations = variances[view.response].map(Math.sqrt);
+      this.latest = view;
       this.redraw[0]();
       this.state(this.inWords(view));
     }
@@ -277,7 +300,7 @@
           showlegend: false,
         });
       }
-      window.grainfitDraw(this.surface, {
+      window.grainfitDraw(view.element ?? this.surface, {
         data,
         layout: {
           xaxis: axisOf(x),
@@ -287,6 +310,7 @@
           uirevision: `${response} ${across} ${up}`,
         },
         height: SURFACE_HEIGHT,
+        onPaper: Boolean(view.element),
       });
     }
 
@@ -303,7 +327,7 @@
           : [[0, "#f2f7fb"], [1, "#5b9dcc"]],
         line: { width: 0.7, color: theme["quiet-ink"] },
         contours: { coloring: "fill", showlabels: true, labelfont: { color: theme.ink, size: 11 } },
-        showscale: this.surface.clientWidth > NARROW,
+        showscale: (view.element ?? this.surface).clientWidth > NARROW,
         colorbar: { title: { text: shown.axis, side: "right" }, thickness: 12, outlinewidth: 0 },
         text: this.hoverTexts(z, view),
         hovertemplate: "%{text}<extra></extra>",
@@ -592,6 +616,7 @@
     watcher.observe(place);
     // Before the page's own, which makes all that is drawn fit the paper.
     addEventListener("beforeprint", () => made().showNow(), { capture: true });
+    addEventListener("afterprint", () => made().removeOthers(), { capture: true });
     document.addEventListener("grainfit:theme", () => surfaces?.repaint());
   });
 })();
