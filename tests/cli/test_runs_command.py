@@ -39,6 +39,7 @@ from grainfit.work_folder.run_columns import run_columns
 from grainfit.work_folder.run_import import FIRST_SEED, Imported, import_runs
 from grainfit.work_folder.run_selection import select_runs
 from grainfit.work_folder.run_table import runs_table
+from grainfit.work_folder.saved_calibration import SavedCalibration
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 
@@ -645,6 +646,15 @@ def two_tests(sand: Path) -> Path:
         + 'command = ["no_such_program", "deck"]\ntargets.force = { value = 3.0 }\n'
     )
     return sand
+
+
+def test_show_takes_the_number_of_a_run_in_the_report(sand: Path) -> None:
+    grainfit("run", sand, "--no-report", "--max-runs", "9")
+    saved = SavedCalibration.open(sand.with_suffix(".grainfit"))
+    [identity] = saved.evaluations[2].runs.values()
+    assert identity in grainfit("runs", "show", saved.folder, "3").stdout
+    with pytest.raises(InputError, match="there is no run '9999'"):
+        grainfit("runs", "show", saved.folder, "9999")
 
 
 def test_runs_of_several_tests_at_equal_parameters_belong_together(two_tests: Path) -> None:

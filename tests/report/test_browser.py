@@ -399,8 +399,12 @@ def test_a_mark_leads_to_its_run(browser: Browser, report: Callable[[str], Repor
         assert page.evaluate(DRAW) == ""
         page.locator("[data-filter=stage]").select_option("verification")
         page.evaluate(
-            """() => document.querySelector("[data-figure=convergence-misfit]").emit(
-                "plotly_click", { points: [{ data: { meta: { runs: ["run 3"] } }, pointNumber: 0 }] })"""
+            """() => {
+                const place = document.querySelector("[data-figure=convergence-misfit]");
+                const [data] = place.data.filter((one) => one.meta?.runs?.includes("run 3"));
+                const pointNumber = data.meta.runs.indexOf("run 3");
+                place.emit("plotly_click", { points: [{ data, pointNumber }] });
+            }"""
         )
         page.wait_for_function("location.hash === '#run-3'")
         assert page.locator("#run-3").is_visible()

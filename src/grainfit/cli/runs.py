@@ -12,6 +12,7 @@ from grainfit.cli.consoles import out, out_remarks
 from grainfit.cli.documents import AsJson, print_document, run_document, runs_document
 from grainfit.cli.help_texts import WORK_FOLDER, shown_default
 from grainfit.cli.verbosity import CommandLine
+from grainfit.errors import Fault, InputError, StoreError
 
 if TYPE_CHECKING:
     from grainfit.campaign.store.records import RunRecord
@@ -20,6 +21,10 @@ if TYPE_CHECKING:
 _DISK_SECONDS = 0.2
 #: Runs that a list shows.
 _SHOWN = 30
+#: Of the name of a run in lists.
+_NAME = 7
+#: More digits are the beginning of an identity.
+_DIGITS_OF_NUMBERS = 4
 
 runs_app = CommandLine(
     no_args_is_help=True,
@@ -92,7 +97,7 @@ def show_run(
         str,
         typer.Argument(
             metavar="IDENTITY",
-            help="As the list shows it, or in full.",
+            help="As the list shows it, or in full; or a number of the report's table.",
             autocompletion=complete_run,
         ),
     ],
@@ -207,5 +212,24 @@ def _find(source: str, identity: str) -> RunRecord:
     from grainfit.campaign.store.source import open_source
     from grainfit.work_folder.run_columns import find_run
 
+    wanted = identity.strip()
+    if wanted.isdecimal() and len(wanted) <= _DIGITS_OF_NUMBERS and "://" not in source:
+        wanted = _numbered(Path(source), int(wanted)) or wanted
     with open_source(source, "") as store:
-        return find_run(store, identity)
+        return find_run(store, wanted)
+
+
+def _numbered(folder: Path, number: int) -> str:
+    """Return the run of a number, as the report counts them; "" if there is none."""
+    from grainfit.work_folder.saved_calibration import SavedCalibration
+
+    try:
+        evaluations = SavedCalibration.open(folder).evaluations
+    except StoreError:
+        return ""
+    runs = list(evaluations[number - 1].runs.values()) if 0 < number <= len(evaluations) else []
+    if len(runs) > 1:
+        names = ", ".join(run[:_NAME] for run in runs)
+        words = f"run {number} has {len(runs)} simulations: {names}."
+        raise InputError(Fault("", words, "Give the name of one of them."))
+    return runs[0] if runs else ""
