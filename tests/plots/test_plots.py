@@ -21,7 +21,7 @@ from grainfit.plots.figure import Figure
 from grainfit.report.page import render_page
 from grainfit.report.section import ReportContext
 
-NAMES = ("convergence", "pareto", "posterior", "predicted", "sensitivity")
+NAMES = ("convergence", "pairs", "parallel", "pareto", "posterior", "predicted", "sensitivity")
 NASTY = "<i>friction</i>"
 PROBLEM = gf.Problem(
     [
@@ -87,12 +87,19 @@ def test_figures_hold_the_data_of_the_page(saved: gf.OpenedCalibration) -> None:
 
     for name, section in {
         "convergence": "convergence-",
+        "pairs": "undetermined-pair-",
+        "parallel": "runs-parallel",
         "pareto": "tradeoff-",
         "posterior": "undetermined-",
         "predicted": "predicted-",
         "sensitivity": "sensitivity-",
     }.items():
-        shown = [t for key, f in of_page.items() if key.startswith(section) for t in f["data"]]
+        shown = [
+            trace
+            for key, figure in of_page.items()
+            if key.startswith(section) and ("-pair-" in key) == (name == "pairs")
+            for trace in figure["data"]
+        ]
         drawn = json.loads(getattr(gf.plots, name)(saved).to_json())["data"]
         assert len(drawn) == len(shown) > 0
         assert sorted(t["type"] for t in drawn) == sorted(t["type"] for t in shown)
@@ -137,7 +144,7 @@ def test_an_analysis_that_is_given_is_drawn(saved: gf.OpenedCalibration) -> None
     assert len(gf.plots.sensitivity(saved, one).data) == 2
 
 
-@pytest.mark.parametrize("name", [name for name in NAMES if name != "convergence"])
+@pytest.mark.parametrize("name", [name for name in NAMES if name not in ("convergence", "parallel")])
 def test_a_figure_that_cannot_be_drawn_says_why(saved: gf.OpenedCalibration, name: str) -> None:
     with pytest.raises(InputError, match="nothing to draw yet: There are 2 runs only"):
         getattr(gf.plots, name)(saved, Analysis(notes=("There are 2 runs only.",)))

@@ -220,7 +220,7 @@ def test_the_answer_has_verdict_values_intervals_and_cost() -> None:
         "✓ met 1500 ± 15 1501.8 ± 1.5 +0.12 % 1503.0 ± 1.9",
         "✓ met 22 ± 0.5 21.90 ± 0.22 −0.45 % 21.93 ± 0.54",
         "2.153 ms , 1.05 times that of the middle of the intervals (2.054 ms)",
-        "40 = 5 design + 11 optimisation + 24 verification ; 1 failed, 2 reused, warm start from 3",
+        "40 = 5 design + 11 optimisation + 24 verification; 1 failed, 2 reused, warm start from 3",
         "2 min 00 s since it was started last",
         "7700",
     ):

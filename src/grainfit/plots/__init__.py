@@ -13,12 +13,23 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from grainfit.plots.convergence_figures import convergence
     from grainfit.plots.curves_figures import curves
+    from grainfit.plots.pairs_figures import pairs
+    from grainfit.plots.parallel_figures import parallel
     from grainfit.plots.pareto_figures import pareto
     from grainfit.plots.posterior_figures import posterior
     from grainfit.plots.predicted_figures import predicted
     from grainfit.plots.sensitivity_figures import sensitivity
 
-__all__ = ["convergence", "curves", "pareto", "posterior", "predicted", "sensitivity"]
+__all__ = [
+    "convergence",
+    "curves",
+    "pairs",
+    "parallel",
+    "pareto",
+    "posterior",
+    "predicted",
+    "sensitivity",
+]
 
 
 def __getattr__(name: str) -> Any:

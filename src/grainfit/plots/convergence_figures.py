@@ -127,7 +127,7 @@ def _expected_misfit(problem: Problem, expected: Sequence[Expectation]) -> Itera
         "mode": "lines",
         "name": "expected at the answer",
         "x": [one.runs for one in expected],
-        "y": np.maximum(np.abs(means - values) / tolerances, _SMALLEST).max(axis=1),
+        "y": np.maximum(np.abs(means - values) / tolerances, _SMALLEST).max(axis=1).tolist(),
         "line": {"color": VERMILION, "width": 2},
         "hovertemplate": "after %{x} runs: %{y:.2g} × tolerance<extra>expected at the answer"
         "</extra>",

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -13,10 +12,10 @@ from grainfit.analysis import Analysis, Identifiability, Posterior
 from grainfit.formatting import ends, number, plain
 from grainfit.materials.card import Determination
 from grainfit.plots.arrange import arrange, in_columns
+from grainfit.plots.axes import parameter_axis
 from grainfit.plots.figure import Figure, no_figure
 from grainfit.plots.labels import label_of_parameter
 from grainfit.plots.style import BLUE, ORANGE, QUIET, VERMILION
-from grainfit.problem import Parameter
 from grainfit.result import ParameterInterval
 from grainfit.work_folder.saved_calibration import SavedCalibration
 
@@ -24,8 +23,6 @@ if TYPE_CHECKING:
     from plotly.graph_objects import Figure as PlotlyFigure
 
 _BINS = 30
-#: Rounding error of logarithms, so that a bound that is a power of ten gets its tick.
-_ROUNDING = 1e-9
 #: With more parameters, the cells are too small for numbers.
 _MOST_NUMBERS = 8
 _COLORS: Mapping[Determination, str] = {
@@ -236,7 +233,7 @@ def _marginal_figure(
     values = [parameter.from_unit(float(edge)) for edge in edges]
     heights = (counts / counts.max()).tolist()
     layout: dict[str, Any] = {
-        "xaxis": _axis(saved, parameter),
+        "xaxis": parameter_axis(saved, parameter),
         "yaxis": {"range": [0, 1.08], "showticklabels": False, "ticks": "", "showgrid": False},
         "showlegend": False,
         "margin": {"l": 20, "r": 20, "t": 6, "b": 40},
@@ -264,30 +261,6 @@ def _marginal_figure(
         height=170,
         title=f"95 % from {between}",
     )
-
-
-def _axis(saved: SavedCalibration, parameter: Parameter) -> Mapping[str, Any]:
-    common = {
-        "title": {"text": label_of_parameter(saved, parameter.name).axis},
-        "zeroline": False,
-        "ticklabeloverflow": "allow",
-    }
-    if parameter.scale == "linear":
-        return {**common, "range": [parameter.minimum, parameter.maximum], "nticks": 5}
-    low, high = math.log10(parameter.minimum), math.log10(parameter.maximum)
-    powers = range(math.floor(low), math.floor(high + _ROUNDING) + 1)
-    factors = (1, 2, 5) if high - low < 2 else (1,)
-    ticks = [float(f"{factor}e{power}") for power in powers for factor in factors]
-    ticks = [t for t in ticks if low - _ROUNDING <= math.log10(t) <= high + _ROUNDING]
-    if len(ticks) < 2:
-        ticks = [parameter.minimum, parameter.maximum]
-    return {
-        **common,
-        "type": "log",
-        "range": [low, high],
-        "tickvals": ticks,
-        "ticktext": [number(tick, 3) for tick in ticks],
-    }
 
 
 def _line_at(value: float) -> Mapping[str, Any]:

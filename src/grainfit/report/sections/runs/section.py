@@ -10,11 +10,13 @@ from grainfit.campaign.work_folder import run_folder
 from grainfit.evaluation import Evaluation, name_of_test, names_of_tests
 from grainfit.formatting import number, plain, plain_lines
 from grainfit.plots.convergence_figures import deviation_in_tolerances
+from grainfit.plots.parallel_figures import parallel_figure
 from grainfit.report.rendering import render
 from grainfit.report.section import ReportContext, Section
 
 #: Of a run's identity, as `grainfit runs show` takes it.
 _SHORT = 7
+_PARALLEL = "runs-parallel"
 
 
 @dataclass(frozen=True)
@@ -59,8 +61,11 @@ def runs(context: ReportContext) -> Section:
         failed=sum(1 for evaluation in evaluations if evaluation.failures),
         folder=plain(shlex.quote(context.reading.folder.absolute().name)),
         learnt=len(context.reading.learnt),
+        figure=_PARALLEL,
     )
-    return Section("runs", "Every run", html)
+    figure = parallel_figure(context.reading)
+    figures = {_PARALLEL: figure} if figure is not None else {}
+    return Section("runs", "Every run", html, figures)
 
 
 def _row(context: ReportContext, count: int, evaluation: Evaluation) -> RunRow:

@@ -6,6 +6,7 @@ import shlex
 
 from grainfit.bulk_tests.registry import class_of_test
 from grainfit.formatting import plain
+from grainfit.plots.pairs_figures import pairs_figures
 from grainfit.plots.posterior_figures import interval_in_words, posterior_figures
 from grainfit.report.rendering import render
 from grainfit.report.section import ReportContext, Section, waiting, without_metamodel
@@ -23,6 +24,10 @@ def undetermined(context: ReportContext) -> Section:
     if drawn.correlations is not None:
         figures[f"{_KEY}-correlations"] = drawn.correlations
     histograms = {f"{_KEY}-marginal-{i}": figure for i, figure in enumerate(drawn.marginals)}
+    pairs = {
+        f"{_KEY}-pair-{i}": figure
+        for i, figure in enumerate(pairs_figures(context.reading, posterior))
+    }
     html = render(
         f"{_KEY}/page",
         verdicts=[plain(verdict) for verdict in found.verdicts],
@@ -30,6 +35,7 @@ def undetermined(context: ReportContext) -> Section:
         advise=_advise_command(context),
         missing=without_metamodel(context),
         figures=list(figures),
+        pairs=list(pairs),
         marginals=[
             {
                 "figure": key,
@@ -42,7 +48,7 @@ def undetermined(context: ReportContext) -> Section:
         convergence=plain(posterior.convergence),
         has_answer=bool(context.answer),
     )
-    return Section(_KEY, _TITLE, html, figures | histograms)
+    return Section(_KEY, _TITLE, html, figures | histograms | pairs)
 
 
 def _advise_command(context: ReportContext) -> str:

@@ -1,0 +1,40 @@
+"""Axes of parameters in figures."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+from grainfit.formatting import number
+from grainfit.plots.labels import label_of_parameter
+from grainfit.problem import Parameter
+from grainfit.work_folder.saved_calibration import SavedCalibration
+
+#: Rounding error of logarithms, so that a bound that is a power of ten gets its tick.
+_ROUNDING = 1e-9
+
+
+def parameter_axis(saved: SavedCalibration, parameter: Parameter) -> Mapping[str, Any]:
+    """Return the axis of a parameter over its interval, as a layout of Plotly."""
+    common = {
+        "title": {"text": label_of_parameter(saved, parameter.name).axis},
+        "zeroline": False,
+        "ticklabeloverflow": "allow",
+    }
+    if parameter.scale == "linear":
+        return {**common, "range": [parameter.minimum, parameter.maximum], "nticks": 5}
+    low, high = math.log10(parameter.minimum), math.log10(parameter.maximum)
+    powers = range(math.floor(low), math.floor(high + _ROUNDING) + 1)
+    factors = (1, 2, 5) if high - low < 2 else (1,)
+    ticks = [float(f"{factor}e{power}") for power in powers for factor in factors]
+    ticks = [t for t in ticks if low - _ROUNDING <= math.log10(t) <= high + _ROUNDING]
+    if len(ticks) < 2:
+        ticks = [parameter.minimum, parameter.maximum]
+    return {
+        **common,
+        "type": "log",
+        "range": [low, high],
+        "tickvals": ticks,
+        "ticktext": [number(tick, 3) for tick in ticks],
+    }
