@@ -19,8 +19,14 @@ def _commands() -> list[list[str]]:
     return [*([name] for name in commands), *(["runs", name] for name in runs.commands)]
 
 
+@pytest.fixture(autouse=True)
+def wide(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A terminal that breaks no line; Typer asks for the width when it is imported."""
+    monkeypatch.setattr("typer.rich_utils.MAX_WIDTH", 1000)
+
+
 def help_of(*command: str) -> str:
-    done = CliRunner().invoke(app, [*command, "--help"], env={"TERMINAL_WIDTH": "1000"})
+    done = CliRunner().invoke(app, [*command, "--help"])
     assert done.exit_code == 0, done.output
     return done.output
 

@@ -144,7 +144,9 @@ def test_an_analysis_that_is_given_is_drawn(saved: gf.OpenedCalibration) -> None
     assert len(gf.plots.sensitivity(saved, one).data) == 2
 
 
-@pytest.mark.parametrize("name", [name for name in NAMES if name not in ("convergence", "parallel")])
+@pytest.mark.parametrize(
+    "name", [name for name in NAMES if name not in ("convergence", "parallel")]
+)
 def test_a_figure_that_cannot_be_drawn_says_why(saved: gf.OpenedCalibration, name: str) -> None:
     with pytest.raises(InputError, match="nothing to draw yet: There are 2 runs only"):
         getattr(gf.plots, name)(saved, Analysis(notes=("There are 2 runs only.",)))

@@ -14,6 +14,7 @@ import typer
 from rich.console import Console
 
 from grainfit.cli import console as show
+from grainfit.cli.help_texts import shown_default
 from grainfit.errors import StoreError
 
 _out = Console()
@@ -26,7 +27,7 @@ Port = Annotated[
         metavar="N",
         min=0,
         max=65535,
-        help="Port of the page that follows the calibration. Default: any that is free.",
+        help=f"Port of the page that follows the calibration. {shown_default('any that is free')}",
         show_default=False,
     ),
 ]

@@ -117,7 +117,7 @@ def _misfit_figure(saved: SavedCalibration, expected: Sequence[Expectation]) -> 
 
 def _expected_misfit(problem: Problem, expected: Sequence[Expectation]) -> Iterator[dict[str, Any]]:
     """Line of the largest expected deviation: unlike the best run, no lucky seed lowers it."""
-    if len(expected) < _FEWEST_OF_A_LINE:
+    if len(expected) < _FEWEST_OF_A_LINE or not problem.targets:
         return
     values = np.array([target.value for target in problem.targets])
     tolerances = np.array([target.tolerance for target in problem.targets])

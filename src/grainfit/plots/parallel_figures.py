@@ -107,8 +107,8 @@ def _responses(saved: SavedCalibration, runs: Sequence[Evaluation]) -> list[_Coo
             for run in runs
         ]
         ends = target.value - target.tolerance, target.value + target.tolerance
-        low = min(ends[0], *(value for value in values if value is not None))
-        high = max(ends[1], *(value for value in values if value is not None))
+        known = [*ends, *(value for value in values if value is not None)]
+        low, high = min(known), max(known)
         found.append(
             _Coordinate(
                 label_of_response(saved, target.name),

@@ -78,14 +78,21 @@ class KnowledgeGradient:
 
         ``yields`` says which targets the run yields, see `Metamodels.yields`; all by default.
         """
+        return self.with_unknown(points, yields)[0]
+
+    def with_unknown(
+        self, points: Array, yields: NDArray[np.bool_] | None = None
+    ) -> tuple[Array, Array]:
+        """Return the improvements, and the summed variances of these targets there."""
         per_block = max(1, _LARGEST_BLOCK // (len(self._now) * _OUTCOMES))
         blocks = [
             self._of_block(points[start : start + per_block], yields)
             for start in range(0, len(points), per_block)
         ]
-        return np.concatenate(blocks)
+        improvements, unknown = zip(*blocks, strict=True)
+        return np.concatenate(improvements), np.concatenate(unknown)
 
-    def _of_block(self, points: Array, yields: NDArray[np.bool_] | None) -> Array:
+    def _of_block(self, points: Array, yields: NDArray[np.bool_] | None) -> tuple[Array, Array]:
         covariance, variance = self._covariance(points)
         learnt = covariance / np.sqrt(variance + self._scatter_at(points).T)[:, None, :]
         if yields is not None:
@@ -100,7 +107,8 @@ class KnowledgeGradient:
         outcomes = self._outcomes
         factors = np.hstack([outcomes, outcomes[:, first] * outcomes[:, second]])
         then = np.tensordot(factors, terms, axes=1) + settled
-        return np.asarray(np.maximum(self.smallest_misfit - then.min(axis=1).mean(axis=0), 0.0))
+        improved = np.maximum(self.smallest_misfit - then.min(axis=1).mean(axis=0), 0.0)
+        return improved, (variance if yields is None else variance[yields]).sum(axis=0)
 
 
 @cache

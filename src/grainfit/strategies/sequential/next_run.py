@@ -122,10 +122,9 @@ def _most_improving(
         yields = conditioned.yields([scope.name]) if several else None
 
         def lack(points: Array) -> Array:
-            variances = conditioned.deviations(points)[1]
-            unknown = (variances if yields is None else variances[:, yields]).sum(axis=1)
+            improved, unknown = improvement.with_unknown(points, yields)
             success = belief.feasibility.success_probability(points)
-            worth = (improvement(points, yields) + _TIE * unknown) * success**2
+            worth = (improved + _TIE * unknown) * success**2
             return np.asarray(-worth / costs.seconds(scope, points) if several else -worth)
 
         points, values = shrinking_search(lack, starts, random, rounds=2, width=0.08)
