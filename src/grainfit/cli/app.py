@@ -22,6 +22,7 @@ from typing_extensions import override
 from grainfit.cli import console as show
 from grainfit.cli.advice import Workers, advise, design
 from grainfit.cli.asking import can_ask, choose
+from grainfit.cli.compare import compare
 from grainfit.cli.completion import complete_material, complete_setting
 from grainfit.cli.consoles import err as _err
 from grainfit.cli.consoles import err_remarks as _err_remarks
@@ -611,6 +612,7 @@ def measure(
 
 app.command()(watch)
 app.command()(export)
+app.command()(compare)
 app.command()(advise)
 app.command()(design)
 

@@ -1,0 +1,70 @@
+"""Calibrations side by side."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner
+
+import grainfit as gf
+from grainfit.cli.app import app
+from grainfit.errors import InputError
+from grainfit.tables import TextTable
+from grainfit.work_folder.comparison import compare
+from grainfit.work_folder.saved_calibration import SavedCalibration
+
+
+def calibrated(folder: Path, angle: float) -> SavedCalibration:
+    problem = gf.Problem(
+        [gf.Parameter("friction", 0.1, 0.9)], [gf.Target("angle", angle, tolerance=0.6)]
+    )
+
+    def simulate(parameters: dict[str, float], seed: int) -> dict[str, float]:
+        return {"angle": 60 * parameters["friction"] + 0.1 * (seed % 7 - 3)}
+
+    gf.calibrate(problem, simulate, workdir=folder)
+    return SavedCalibration.open(folder)
+
+
+@pytest.fixture(scope="module")
+def three(tmp_path_factory: pytest.TempPathFactory) -> list[SavedCalibration]:
+    folder = tmp_path_factory.mktemp("compared")
+    angles = {"dry sand": 30.0, "again": 30.1, "wet 'sand'": 42.0}
+    return [calibrated(folder / name, angle) for name, angle in angles.items()]
+
+
+def rows(saved: list[SavedCalibration], number: int) -> dict[str, tuple[str, ...]]:
+    table = [part for part in compare(saved) if isinstance(part, TextTable)][number]
+    return {name: tuple(cells) for name, *cells in table.rows}
+
+
+def test_comparison_of_one_material_agrees_and_of_two_differs(
+    three: list[SavedCalibration],
+) -> None:
+    first, again, wet = three
+    for number, name in enumerate(("friction", "angle")):
+        assert rows([first, again], number)[name][-1] == "agree"
+        assert rows([first, wet], number)[name][-1] == "differ"
+    shown = rows(three, 0)["friction"]
+    assert [cell.split()[0][:3] for cell in shown[:3]] == ["0.5", "0.5", "0.7"]
+
+
+def test_comparison_says_that_a_calibration_has_no_answer_yet(
+    three: list[SavedCalibration],
+) -> None:
+    with pytest.raises(InputError, match="Name two or more"):
+        compare(three[:1])
+    (three[0].folder / "result.json").rename(three[0].folder / "kept.json")
+    try:
+        with pytest.raises(InputError, match="has no answer yet"):
+            compare([SavedCalibration.open(three[0].folder), three[1]])
+    finally:
+        (three[0].folder / "kept.json").rename(three[0].folder / "result.json")
+
+
+def test_compare_command_shows_folders_by_their_names(three: list[SavedCalibration]) -> None:
+    done = CliRunner().invoke(app, ["compare", *(str(one.folder) for one in three)])
+    assert done.exit_code == 0, done.output
+    for name in ("dry sand", "wet 'sand'", "friction", "differ"):
+        assert name in done.output
