@@ -399,6 +399,13 @@ def heaps(tmp_path: Path) -> ReportContext:
     return context(folder=tmp_path, records=records)
 
 
+def test_the_answer_says_how_its_tests_were_simulated(heaps: ReportContext) -> None:
+    shown = text(answer(heaps))
+    assert "How the test heap was simulated" in shown
+    assert "cylinder_radius Inner radius of the cylinder 0.06 m" in shown
+    assert "lift_speed Speed of the cylinder 0.05 m/s" in shown
+
+
 def test_the_heap_is_that_of_a_typical_verification_run(heaps: ReportContext) -> None:
     section = particles(heaps)
     shown = text(section)

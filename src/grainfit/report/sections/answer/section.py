@@ -30,6 +30,7 @@ from grainfit.problem import Parameter, Target
 from grainfit.report.rendering import render
 from grainfit.report.section import ReportContext, Section
 from grainfit.report.sections.answer.next_step import next_step
+from grainfit.report.sections.answer.simulated_tests import simulated_tests
 from grainfit.result import ResponseResult, Result, RunCounts
 
 
@@ -97,6 +98,7 @@ def answer(context: ReportContext) -> Section:
         time_step=_time_step(result) if result else None,
         cost=_cost(context),
         notices=list(_notices(context, tests)),
+        tests=simulated_tests(tests),
         **next_step(context),
     )
     return Section("answer", "Answer", html)

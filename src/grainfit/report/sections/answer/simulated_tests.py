@@ -1,0 +1,56 @@
+"""Geometry, speeds and procedure of the bulk tests, as they were simulated."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from grainfit.bulk_tests.base import BulkTest
+from grainfit.formatting import number, plain, unit_for_people, with_unit
+from grainfit.options.tables import Key
+
+_DIGITS = 4
+
+
+@dataclass(frozen=True)
+class SimulatedTest:
+    """Options of one test: names, meanings, and values with units.
+
+    Parameters
+    ----------
+    name : str
+        Of the test in the calibration file.
+    options : sequence of tuple of str
+        Rows of a table.
+    """
+
+    name: str
+    options: Sequence[tuple[str, str, str]]
+
+
+def simulated_tests(tests: Mapping[str, BulkTest]) -> list[SimulatedTest]:
+    """Return the options of every bulk test, defaults included."""
+    return [SimulatedTest(plain(name), list(_options(test))) for name, test in tests.items()]
+
+
+def _options(test: BulkTest) -> Iterator[tuple[str, str, str]]:
+    values = test.resolved_options()
+    for key in test.option_keys():
+        shown = _shown(key, values.get(key.name))
+        if shown:
+            yield key.name, key.description.partition(". ")[0].rstrip("."), shown
+
+
+def _shown(key: Key, value: Any) -> str:
+    """Return a value with its unit; "" for one that is not set."""
+    if value is None:
+        return ""
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    if isinstance(value, int | float):
+        unit = unit_for_people(str(getattr(key.kind, "unit", "")))
+        return with_unit(number(float(value), _DIGITS), unit)
+    if isinstance(value, list | tuple):
+        return ", ".join(filter(None, (_shown(key, one) for one in value)))
+    return plain(str(value))
