@@ -141,10 +141,12 @@ def test_what_cannot_be_stopped_says_why(browser: Browser, tmp_path: Path) -> No
             expect(stop).to_be_enabled()
             lock = work / "lock"
             signature = lock.read_text()
-            lock.write_text("1 another-host boot\n")
-            # What was read before is refused by the server, in words.
             stop.click()
-            page.get_by_role("button", name="Stop it").click()
+            confirm = page.get_by_role("button", name="Stop it")
+            expect(confirm).to_be_enabled()
+            lock.write_text("1 another-host boot\n")
+            # At once, before the page hears of it: the server refuses it, in words.
+            confirm.click()
             expect(page.locator("#stop-reason")).to_contain_text("Stop it on another-host")
             lock.write_text(signature)
 
