@@ -481,10 +481,14 @@ class CalibrationLoop:
             pending=campaign.pending_runs,
             jobs=campaign.jobs,
             evaluations=tuple(evaluations),
-            best_expected_deviation=(
-                self._expected.after(len(evaluations)) if self._stage != "design" else None
-            ),
+            best_expected_deviation=self._expected_deviation(),
         )
+
+    def _expected_deviation(self) -> float | None:
+        """Return what only a display shows: without one, metamodels are not fitted for it."""
+        if self._options.on_progress is None or self._stage == "design":
+            return None
+        return self._expected.after(len(self._evaluations))
 
     def _all_notices(self) -> tuple[str, ...]:
         sources = tuple(self._strategy.notices), self._campaign.notices

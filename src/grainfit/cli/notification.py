@@ -13,15 +13,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
-from rich.console import Console
 
 from grainfit.cli import console as show
+from grainfit.cli.consoles import err
 from grainfit.formatting import plain
 
 if TYPE_CHECKING:
     from grainfit.result import Result
 
-_err = Console(stderr=True)
 #: Longest time of the command, s.
 LONGEST_SECONDS = 60.0
 
@@ -105,7 +104,7 @@ def _notify(command: str, variables: dict[str, str]) -> None:
         fault = str(error)
     if fault:
         with suppress(OSError):
-            show.print_warning(_err, f"The command of --notify failed: {fault}.")
+            show.print_warning(err, f"The command of --notify failed: {fault}.")
 
 
 def _execute(command: str, environment: dict[str, str]) -> str:

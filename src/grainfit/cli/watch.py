@@ -14,11 +14,9 @@ import typer
 from rich.console import Console
 
 from grainfit.cli import console as show
+from grainfit.cli.consoles import err, out
 from grainfit.cli.help_texts import shown_default
 from grainfit.errors import StoreError
-
-_out = Console()
-_err = Console(stderr=True)
 
 Port = Annotated[
     int,
@@ -67,7 +65,7 @@ def watch(
     server, ticket = WatchServer(workdir, listen(port)), new_token()
     with suppress(KeyboardInterrupt):
         serve(server)
-        _print_address(_out, server.address)
+        _print_address(out, server.address)
         if open_page:
             server.add_ticket(ticket)
             _open(address_of(server.socket, ticket))
@@ -91,11 +89,11 @@ def watching(folder: Path, port: int, open_page: bool) -> Iterator[None]:
     try:
         process = WatchProcess(folder, listening, token, ticket)
     except OSError as error:
-        show.print_warning(_err, f"No page follows this run: {error.strerror}.")
+        show.print_warning(err, f"No page follows this run: {error.strerror}.")
         yield
         return
     try:
-        _print_address(_err, address)
+        _print_address(err, address)
         if open_page:
             _open(opened)
         yield

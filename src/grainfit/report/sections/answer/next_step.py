@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import shlex
-from typing import Any
 
 from grainfit.cards import FORMATS, material_card, require_format
 from grainfit.errors import GrainfitError
@@ -14,25 +13,24 @@ from grainfit.report.section import ReportContext
 _USUAL_FORMAT = "liggghts"
 
 
-def next_step(context: ReportContext) -> dict[str, Any]:
+def next_step(context: ReportContext) -> dict[str, str]:
     """Return the material card with its command, and the first test to do next.
 
     Returns
     -------
-    dict
+    dict of str
         ``export``, the command; ``card``, its output, and ``card_format``, the solver's name; and
         ``further_test``, in words. Each of them is empty where there is none.
     """
+    found = {"export": "", "card": "", "card_format": "", "further_test": _further_test(context)}
+    if context.reading.state != "calibrated" or not context.answer:
+        return found
     solver = _solver(context)
-    card = _card(context, solver)
     folder = shlex.quote(context.reading.folder.absolute().name)
-    return {
-        "export": plain(f"grainfit export {folder} --to {solver or _USUAL_FORMAT}")
-        if context.reading.state == "calibrated" and context.answer
-        else "",
-        "card": card,
+    return found | {
+        "export": plain(f"grainfit export {folder} --to {solver or _USUAL_FORMAT}"),
+        "card": _card(context, solver) if solver else "",
         "card_format": solver,
-        "further_test": _further_test(context),
     }
 
 
@@ -47,8 +45,6 @@ def _solver(context: ReportContext) -> str:
 
 def _card(context: ReportContext, solver: str) -> str:
     """Return the card of a calibrated material; nothing where it lacks what a solver needs."""
-    if not solver or context.reading.state != "calibrated" or not context.answer:
-        return ""
     try:
         card = require_format(solver)(material_card(context.reading))
     except GrainfitError:

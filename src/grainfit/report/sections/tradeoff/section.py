@@ -25,7 +25,7 @@ def tradeoff(context: ReportContext) -> Section:
         return waiting(context, _KEY, _TITLE)
     if front is None or not len(front.time_steps):
         return waiting(context, _KEY, _TITLE, why_no_front(context.reading.problem))
-    choice, gain = _choice(context, front), _gain(context, front)
+    gain = _gain(context, front)
     unit, factor = time_unit(float(front.time_steps[-1]))
     times = [factor * float(step) for step in front.time_steps]
     html = render(
@@ -44,7 +44,7 @@ def tradeoff(context: ReportContext) -> Section:
         ],
         unit=unit,
         picked=_first_pick(front),
-        choice=choice,
+        choice=_choice(gain),
         hidden=gain is not None and gain <= EQUAL_TIME_STEPS,
     )
     figures = {_FIGURE: pareto_figure(context.reading, metamodels, front)}
@@ -58,9 +58,8 @@ def _gain(context: ReportContext, front: ParetoFront) -> float | None:
     return None if step is None or not len(agreeing) else float(agreeing.max()) / step - 1
 
 
-def _choice(context: ReportContext, front: ParetoFront) -> str:
+def _choice(gain: float | None) -> str:
     """Say why the answer has its time step; nothing without an answer or a set that agrees."""
-    gain = _gain(context, front)
     if gain is None:
         return ""
     if gain <= EQUAL_TIME_STEPS:
