@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy import linalg, optimize
 from scipy.linalg import lapack
-from scipy.spatial.distance import cdist
+from scipy.spatial.distance import pdist, squareform
 
 from grainfit.metamodels.predictor import (
     Contrasts,
@@ -28,8 +28,13 @@ _LOG_RANGE_LIMITS = (math.log(0.02), math.log(100.0))
 _NOISE_LOGIT_LIMITS = (-20.0, 8.0)
 # The share of known noise in the residuals is kept below one, so that some variance remains.
 _LARGEST_KNOWN_SHARE = 0.98
-# With more hyperparameters, one search and half as many points about its end have to do.
+# With more hyperparameters, one coarser search and half as many points about its end have to do.
 _THOROUGH_UP_TO = 8
+# Relative change of the negative log density at which that search ends: less than 0.001 in all.
+_COARSE = 1e-6
+# Share of the largest weight that a set of hyperparameters needs to count: with few of them, and
+# with many.
+_SMALLEST_WEIGHTS = (1e-4, 1e-2)
 # Negative log density where rounding makes the covariance indefinite.
 _INDEFINITE = 1e25
 
@@ -52,7 +57,7 @@ def _inverse(factor: FloatArray) -> FloatArray:
 class _Covariance(NamedTuple):
     """Covariance of the contrasts, up to the common variance, and its parts.
 
-    The correlation of the contrasts; the slope of that of the runs over their distance.
+    The correlation of the contrasts; the slope of that of each pair of runs over their distance.
     """
 
     matrix: FloatArray
@@ -108,8 +113,9 @@ class HyperparameterPosterior:
     def _covariance(self, theta: FloatArray) -> _Covariance:
         ranges = np.exp(theta[:-1])
         noise_share = 1.0 / (1.0 + math.exp(-theta[-1]))
-        scaled = self.points / ranges
-        of_runs, slope = matern_and_slope(cdist(scaled, scaled))
+        of_pairs, slope = matern_and_slope(pdist(self.points / ranges))
+        of_runs = squareform(of_pairs)
+        np.fill_diagonal(of_runs, 1.0)
         correlation = self.contrasts.covariance(of_runs)
         mean_correlation = float(np.trace(correlation)) / len(self.values)
         covariance = (1.0 - noise_share) / mean_correlation * correlation
@@ -135,7 +141,7 @@ class HyperparameterPosterior:
         on_signal = float(np.vdot(sensitivity, parts.correlation)) / mean
         on_noise = float(np.vdot(sensitivity, self.noise))
         sensitivity[np.diag_indices(freedom)] -= on_signal / freedom
-        weights = self.contrasts.spread(sensitivity) * parts.slope
+        weights = self.contrasts.spread(sensitivity) * squareform(parts.slope)
         of_ranges = 0.5 * signal / mean * _weighted_squares(weights, self.points, parts.ranges)
         of_noise = 0.5 * signal * parts.noise_share * (on_noise - on_signal)
         of_prior = (theta - self.centre) / self.spread**2
@@ -187,7 +193,10 @@ class HyperparameterPosterior:
 
     def _search(self, start: FloatArray) -> tuple[float, FloatArray]:
         """Lowest value and its place."""
-        found = optimize.minimize(self, start, jac=True, method="L-BFGS-B", bounds=self.bounds)
+        options = {"ftol": _COARSE} if self._is_large else {}
+        found = optimize.minimize(
+            self, start, jac=True, method="L-BFGS-B", bounds=self.bounds, options=options
+        )
         # Rounded, so that rounding errors do not decide between searches that ended at one place.
         return round(float(found.fun), 6), np.asarray(found.x, dtype=float)
 
@@ -230,7 +239,7 @@ class HyperparameterPosterior:
         depth = values - self.value(mode) - 0.5 * len(mode)
         # Limited, so that one point above the local maximum does not get all the weight.
         weights = np.exp(-np.clip(depth, -3.0, None))
-        kept = weights > 1e-4 * weights.max()
+        kept = weights > _SMALLEST_WEIGHTS[self._is_large] * weights.max()
         weights /= weights[kept].sum()
         return [
             self._estimated(one, factorised, float(weight))
