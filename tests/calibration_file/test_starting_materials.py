@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+import shutil
 from pathlib import Path
 
 import pytest
@@ -14,6 +16,7 @@ from grainfit.calibration_file.starter import starter_file
 from grainfit.contact_models.registry import MATERIAL_PARAMETERS
 from grainfit.errors import InputError
 from grainfit.materials.starting_materials import read_starting_material, starting_material_names
+from grainfit.solvers.registry import DEM_PROGRAMS
 
 PAGE = Path(__file__).parents[2] / "docs" / "starting_materials.md"
 MATERIALS = (
@@ -84,6 +87,48 @@ def test_example_targets_are_those_of_the_material(tmp_path: Path, material: str
     density = targets["bulk_density"].value
     assert 0.5 * low < density < 0.67 * high
     assert f"{targets['angle_of_repose'].value:g} deg" == found.example_targets["angle_of_repose"]
+
+
+@pytest.mark.parametrize("material", ["glass_beads", "plastic_pellets"])
+@pytest.mark.parametrize("test", BUILT_IN)
+def test_examples_are_for_particles_of_the_material(
+    tmp_path: Path, material: str, test: str
+) -> None:
+    found = read_starting_material(material)
+    text = starter_file([test], found)
+    ratio = {"glass_beads": 1.0, "plastic_pellets": 0.3}[material]
+    powers = {"mm": 1.0, "s": 0.5, "m/s": 0.5, "rad/s": -0.5}
+    for key in BUILT_IN[test].option_keys():
+        number, _, unit = key.example.strip('"').partition(" ")
+        if unit in powers:
+            expected = float(number) * ratio ** powers[unit]
+            [written] = re.findall(rf'^# {key.name} = "(\S+) {unit}"', text, re.MULTILINE)
+            assert float(written) == pytest.approx(expected, rel=0.005)
+
+
+def test_heap_of_pellets_is_expected_on_its_plate(tmp_path: Path) -> None:
+    path = tmp_path / "new.toml"
+    path.write_text(starter_file(["heap"], read_starting_material("plastic_pellets")))
+    setup = gf.load(path)
+    targets = {target.name: target.value for target in setup.problem.targets}
+    assert targets["heap_height"] < targets["base_radius"] < 16 * 0.003
+
+
+@pytest.mark.parametrize("solver", DEM_PROGRAMS)
+def test_the_file_of_every_program_passes_the_check(tmp_path: Path, solver: str) -> None:
+    if solver != "lammps" and shutil.which(solver) is None:
+        pytest.skip(f"{solver} is not installed: apt-get install {solver}")
+    for material in (None, read_starting_material("wheat")):
+        path = tmp_path / "new.toml"
+        path.write_text(starter_file(["heap", "draw_down"], material, solver), encoding="utf-8")
+        plan = describe_plan(gf.load(path))
+        assert plan.problems == ()
+        assert f"Test heap: {solver}" in "\n".join(plan.lines)
+
+
+def test_an_unknown_program_is_refused() -> None:
+    with pytest.raises(InputError, match=r"'edem' is not a DEM program.*lammps"):
+        starter_file(["heap"], None, "edem")
 
 
 @pytest.mark.parametrize("material", MATERIALS)

@@ -4,18 +4,28 @@ from __future__ import annotations
 
 import re
 import textwrap
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 
 from grainfit.bulk_tests.base import BulkTest
 from grainfit.bulk_tests.registry import bulk_tests
 from grainfit.errors import Fault, InputError
 from grainfit.materials.starting_materials import StartingMaterial
 from grainfit.options.tables import Key
+from grainfit.solvers.registry import DEM_PROGRAMS
+from grainfit.units import to_unit
 
 #: Column at which remarks begin.
 _REMARK = 40
 _WIDTH = 100
-_DEFAULT_TEST = "heap"
+_DEFAULT_TEST, _DEFAULT_SOLVER = "heap", "lammps"
+#: Diameter of the particles that the examples of options and targets are for, mm.
+_DIAMETER_OF_EXAMPLES = 10.0
+#: Powers of the diameter that quantities of a unit follow, with Froude's number kept.
+_POWERS = {"mm": 1.0, "s": 0.5, "m/s": 0.5, "rad/s": -0.5, "kg/s": 2.5}
+_QUANTITY = re.compile(rf'"([\d.]+) ({"|".join(_POWERS)})"')
+#: Programs that have no damping of rolling, and the line of a file that sets it.
+_WITHOUT_ROLLING_DAMPING = ("yade",)
+_ROLLING_DAMPING = re.compile(r"^rolling_damping = .*$", re.MULTILINE)
 
 _HEAD = """\
 # Calibration file of grainfit. It is valid as it is: change it, then
@@ -86,7 +96,9 @@ name = "sequential"                     # every run where it helps most; or "sta
 
 
 def starter_file(
-    names: Sequence[str] = (_DEFAULT_TEST,), material: StartingMaterial | None = None
+    names: Sequence[str] = (_DEFAULT_TEST,),
+    material: StartingMaterial | None = None,
+    solver: str = _DEFAULT_SOLVER,
 ) -> str:
     """Return a commented calibration file: it teaches, and loads as it is.
 
@@ -96,11 +108,13 @@ def starter_file(
         Bulk tests; one that is named twice gets two names.
     material : StartingMaterial, optional
         Material whose values it begins with; by default glass beads, with more comments.
+    solver : str
+        DEM program of all tests.
 
     Raises
     ------
     InputError
-        There is no such test.
+        There is no such test, or no such program.
     """
     known = bulk_tests()
     faults = [
@@ -108,15 +122,25 @@ def starter_file(
         for name in names
         if name not in known
     ]
+    if solver not in DEM_PROGRAMS:
+        words = f"{solver!r} is not a DEM program that grainfit knows."
+        faults.append(Fault("solver", words, f"Use one of {', '.join(DEM_PROGRAMS)}."))
     if faults:
         raise InputError(faults)
     first = _GLASS_BEADS if material is None else "\n".join(_sections(material)) + "\n\n"
-    examples = {} if material is None else material.example_targets
     blocks = [_TESTS if material is None else f"{_TESTS}{_EXAMPLES}"]
     for number, name in enumerate(names, 1):
         own = f"{name}_{number}" if names.count(name) > 1 else ""
-        blocks.append("\n".join(_test(known[name], own, examples)) + "\n\n")
-    return _HEAD + first + "".join(blocks) + _STRATEGY
+        blocks.append("\n".join(_test(known[name], own, solver, material)) + "\n\n")
+    return _HEAD + _for_solver(first, solver) + "".join(blocks) + _STRATEGY
+
+
+def _for_solver(sections: str, solver: str) -> str:
+    """Return the sections of a material as a program takes them."""
+    if solver in _WITHOUT_ROLLING_DAMPING:
+        line = _with_remark("rolling_damping = 0", f"{solver} has none")
+        return _ROLLING_DAMPING.sub(line, sections)
+    return sections
 
 
 def _sections(material: StartingMaterial) -> Iterator[str]:
@@ -147,40 +171,52 @@ _TESTS = """\
 # A target is mean and standard uncertainty of your measurements, or the measurements themselves:
 #     targets.angle_of_repose = { measurements = ["21.4 deg", "22.9 deg", "21.8 deg", "21.9 deg"] }
 """
-_EXAMPLES = """\
-# The targets below are examples: replace them by your measurements. Lengths and times that are
-# commented out are those of particles of 10 mm.
-"""
+_EXAMPLES = "# The targets below are examples: replace them by your measurements.\n"
 
 
-def _test(test: type[BulkTest], name: str, examples: Mapping[str, str]) -> Iterator[str]:
+def _test(
+    test: type[BulkTest], name: str, solver: str, material: StartingMaterial | None
+) -> Iterator[str]:
     """Iterate over the lines of a test."""
     yield "[[test]]"
     yield _with_remark(f'type = "{test.type}"', test.title)
     if name:
         yield _with_remark(f'name = "{name}"', "this test's own name")
-    yield _with_remark('solver = "lammps"', 'or "liggghts", "yade"')
+    others = ", ".join(f'"{other}"' for other in DEM_PROGRAMS if other != solver)
+    yield _with_remark(f'solver = "{solver}"', f"or {others}")
     yield "# Geometry and procedure, as in your laboratory. These defaults follow the diameter d."
     for key in test.option_keys():
-        yield from _option(key)
+        yield from _option(key, material)
     for response, info in test.responses.items():
-        yield f"targets.{response} = {_example(info.example, examples.get(response))}"
+        target = _scaled(info.example, material)
+        value = material.example_targets.get(response) if material else None
+        if value is not None:
+            target = re.sub(r'value = "[^"]*"', f'value = "{value}"', target)
+        yield f"targets.{response} = {target}"
 
 
-def _example(target: str, value: str | None) -> str:
-    """Return the example of a target, with another value where there is one."""
-    return target if value is None else re.sub(r'value = "[^"]*"', f'value = "{value}"', target)
-
-
-def _option(key: Key) -> Iterator[str]:
+def _option(key: Key, material: StartingMaterial | None) -> Iterator[str]:
     """Iterate over the lines of an option: commented out, with its default and description."""
-    line = f"# {key.name} = {key.example}"
+    line = f"# {key.name} = {_scaled(key.example, material)}"
     remark = f"{key.default}. {key.description}" if key.default else key.description
     whole = _with_remark(line, remark)
     if len(whole) <= _WIDTH:
         yield whole
         return
     yield _with_remark(line, key.default)
+
+
+def _scaled(example: str, material: StartingMaterial | None) -> str:
+    """Return an example for the particle size of a material."""
+    if material is None:
+        return example
+    diameter = to_unit(material.sections["particle"]["diameter"].value, "mm")
+
+    def of_size(found: re.Match[str]) -> str:
+        value = float(found[1]) * (diameter / _DIAMETER_OF_EXAMPLES) ** _POWERS[found[2]]
+        return f'"{float(f"{value:.3g}"):g} {found[2]}"'
+
+    return _QUANTITY.sub(of_size, example)
 
 
 def _with_remark(line: str, remark: str) -> str:

@@ -339,19 +339,23 @@ def new(
             autocompletion=complete_material,
         ),
     ] = None,
+    solver: Annotated[
+        str,
+        typer.Option(metavar="NAME", help="DEM program of the tests: lammps, liggghts or yade."),
+    ] = "lammps",
 ) -> None:
     """Write a commented calibration file to start from.
 
     On a terminal it asks for material and tests, unless they are given.
 
-    [bold]Example:[/bold]  grainfit new pellets.toml --material plastic --test heap --test drum
+    [bold]Example:[/bold]  grainfit new pellets.toml --material plastic --solver liggghts
     """
     from grainfit.calibration_file.starter import starter_file
 
     if not file.exists() and material is None and not test and can_ask():
         [material], test = _ask_for_material(), _ask_for_tests()
     begin = None if material is None else read_starting_material(material)
-    text = starter_file(test or ["heap"], begin)
+    text = starter_file(test or ["heap"], begin, solver)
     try:
         with file.open("x", encoding="utf-8") as target:
             target.write(text)
