@@ -57,3 +57,11 @@ def test_help_of_command_leaves_out_no_bracket_of_its_texts(command: list[str]) 
 def test_help_shows_the_default_of_option(command: list[str], option: str, default: str) -> None:
     [line] = re.findall(rf"^\W+{option} .*", help_of(*command), re.M)
     assert re.search(rf"\[default: {default}\]", line), line
+
+
+@pytest.mark.parametrize("command", [["advise"], ["simulate"], ["runs", "prune"]])
+def test_help_breaks_paragraphs_where_the_terminal_ends_only(command: list[str]) -> None:
+    words = help_of(*command).partition("Arguments")[0].strip().splitlines()
+    paragraphs = "\n".join(line.strip() for line in words).split("\n\n")
+    assert len(paragraphs) > 2
+    assert [one for one in paragraphs if "\n" in one] == []

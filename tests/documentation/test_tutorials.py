@@ -61,6 +61,30 @@ def test_the_first_tutorial_checks_and_draws_its_test(
         assert quoted in printed
 
 
+@pytest.mark.skipif(
+    shutil.which("liggghts") is None, reason="LIGGGHTS is not installed: apt-get install liggghts"
+)
+def test_the_file_of_the_pellets_is_written_changed_and_checked(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    new, targets, check = marked_blocks("tutorials/pellets.md")
+    assert [new.mark, targets.mark, check.mark] == ["run", "targets", "run"]
+
+    printed = run_commands(new.text)
+    lines = Path("pellets.toml").read_text(encoding="utf-8").splitlines(keepends=True)
+    first = next(i for i, line in enumerate(lines) if line.startswith("targets."))
+    kept = [line for line in lines if not line.startswith("targets.")]
+    Path("pellets.toml").write_text("".join([*kept[:first], targets.text, *kept[first:]]))
+    printed += run_commands(check.text)
+
+    assert Path("pellets.preview.html").is_file()
+    page = (ROOT / "docs" / "tutorials" / "pellets.md").read_text(encoding="utf-8")
+    for quoted in ("particle.density is free, 850 kg/m^3 to 1050 kg/m^3", "about 70,983 steps"):
+        assert quoted in page
+        assert quoted in printed
+
+
 @pytest.mark.parametrize(("page", "solver"), [("lammps_deck", "lammps"), ("yade_script", "yade")])
 def test_a_model_of_the_user_is_checked_and_simulated(
     page: str, solver: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch

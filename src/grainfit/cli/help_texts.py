@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import inspect
+
 #: Default of the options that name a work folder.
 WORK_FOLDER = "the file's name with .grainfit, here"
 
@@ -26,3 +28,15 @@ def shown_default(words: str) -> str:
     '\\[default: all of the bench]'
     """
     return escaped(f"[default: {words}]")
+
+
+def paragraphs(docstring: str | None) -> str:
+    r"""Return a docstring with one line for each paragraph, which terminals break at their width.
+
+    Examples
+    --------
+    >>> paragraphs("Say it.\n\n    A sentence that\n    goes on.")
+    'Say it.\n\nA sentence that goes on.'
+    """
+    blocks = inspect.cleandoc(docstring or "").split("\n\n")
+    return "\n\n".join(" ".join(block.split("\n")) for block in blocks)

@@ -12,6 +12,7 @@ import typer
 from typing_extensions import override
 
 from grainfit.cli.consoles import err_remarks, out_remarks
+from grainfit.cli.help_texts import paragraphs
 
 _Command = TypeVar("_Command", bound=Callable[..., Any])
 
@@ -96,5 +97,6 @@ def _with_verbosity(command: Callable[..., Any]) -> Callable[..., Any]:
         for name, annotation in _OPTIONS.items()
     ]
     derived.__signature__ = inspect.Signature([*own, *added])  # type: ignore[attr-defined]
+    derived.__doc__ = paragraphs(command.__doc__)
     derived.__annotations__ = {p.name: p.annotation for p in (*own, *added)}
     return derived
