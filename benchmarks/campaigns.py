@@ -305,12 +305,12 @@ class _Decided(BatchSearch):
         self, problem: gf.Problem, batches: Mapping[Stage, Points], answer: Points
     ) -> None:
         super().__init__(gf.Sequential(), problem, seed=1)
-        self._batches = batches
+        self._given = batches
         self._answer = answer
 
     @property
     def design_runs(self) -> int:
-        return len(self._batches["design"])
+        return len(self._given["design"])
 
     @property
     def expected_left(self) -> int:
@@ -325,7 +325,7 @@ class _Decided(BatchSearch):
         return {"design_runs": self.design_runs}
 
     def batches(self) -> Batches:
-        for stage, points in self._batches.items():
+        for stage, points in self._given.items():
             yield [
                 Proposal(
                     self.problem.from_unit(at), insertion_seed(self.seed, stage, number), stage
@@ -340,6 +340,7 @@ class _Decided(BatchSearch):
             predicted={target.name: target.value for target in targets},
             standard_errors={target.name: 0.1 * target.tolerance for target in targets},
             probability_all_met=0.99,
+            probabilities={target.name: 0.99 for target in targets},
         )
 
     def resume_after_verification(self, affordable: int | None = None) -> bool:

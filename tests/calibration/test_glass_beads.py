@@ -48,10 +48,21 @@ def calibrate(
     return done, json.loads((folder / "work" / "result.json").read_text())
 
 
-@pytest.mark.parametrize("solver", ["lammps", pytest.param("liggghts", marks=needs_liggghts)])
-def test_glass_beads_are_calibrated_with_few_runs(tmp_path: Path, solver: str) -> None:
+@pytest.mark.parametrize(
+    ("solver", "radius", "near"),
+    [
+        ("lammps", "60 mm", 0.01),
+        # A narrower cylinder takes half the time; its wall loosens the bed by a percent.
+        pytest.param("liggghts", "45 mm", 0.02, marks=needs_liggghts),
+    ],
+)
+def test_glass_beads_are_calibrated_with_few_runs(
+    tmp_path: Path, solver: str, radius: str, near: float
+) -> None:
     # One run at a time: with more, what is asked depends on which run comes back first.
-    file = example(tmp_path, "calibration.toml", solver=f'"{solver}"')
+    file = example(
+        tmp_path, "calibration.toml", solver=f'"{solver}"\ncylinder_radius = "{radius}"'
+    )
     done, result = calibrate(tmp_path, file, "--workers", "1")
     assert done.returncode == 0, done.stdout + done.stderr
     assert result["status"] == "calibrated"
@@ -62,7 +73,7 @@ def test_glass_beads_are_calibrated_with_few_runs(tmp_path: Path, solver: str) -
     assert runs["failed"] == 0
     assert result["probability_all_met"] >= 0.95
     # The study's own calibration by hand ended near 2310 kg/m^3.
-    assert result["parameters"]["particle.density"] == pytest.approx(2310, rel=0.01)
+    assert result["parameters"]["particle.density"] == pytest.approx(2310, rel=near)
     # Five seeds leave a standard error of 0.36 degrees, 1.6 %.
     for name, tolerance in (("bulk_density", 0.8), ("angle_of_repose", 2.3)):
         assert abs(result["responses"][name]["deviation_percent"]) <= tolerance
@@ -96,7 +107,7 @@ def test_kill_dash_nine_in_mid_run_loses_no_finished_simulation(tmp_path: Path) 
     file = example(tmp_path, "calibration.toml")
     text = file.read_text() + "\n[strategy]\ndesign_runs = 5\nmax_runs = 8\nverification_runs = 2\n"
     # A small heap: this is about runs, not about heaps.
-    small = 'solver = "lammps"\ncylinder_radius = "50 mm"'
+    small = 'solver = "lammps"\ncylinder_radius = "40 mm"'
     file.write_text(text.replace('solver = "lammps"', small))
     runs = tmp_path / "work" / "runs"
     process = subprocess.Popen(

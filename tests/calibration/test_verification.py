@@ -34,11 +34,19 @@ def fresh(friction: float, angle: float, seed: int, stage: str = "verification")
 def test_four_fresh_seeds_contradict_beyond_three_standard_errors(
     off: float, contradicts: int
 ) -> None:
-    # The mean of four runs has 0.4, and the expectation, which they are part of, 0.2: the
-    # difference has sqrt(0.4^2 - 0.2^2) = 0.346, three of which are 1.04... and at 1.1 the fresh
-    # seeds would contradict an expectation without any error, 1.2.
+    # The mean of four runs has a standard error of 0.4, and the expectation, which they are part
+    # of, of 0.1: three of the difference are 3 sqrt(0.4^2 - 0.1^2) = 1.16.
     known = answer(0.5, 22.0, error=0.1)
     verified = {ANGLE.name: mean_with_interval([22 + off + d for d in (-0.3, -0.1, 0.1, 0.3)])}
+    assert len(contradictions(PROBLEM, verified, known)) == contradicts
+
+
+@pytest.mark.parametrize(("off", "contradicts"), [(0.004, 0), (0.006, 1)])
+def test_seeds_that_do_not_scatter_contradict_from_a_hundredth_of_the_tolerance_on(
+    off: float, contradicts: int
+) -> None:
+    known = answer(0.5, 22.0, error=1e-9, noise=1e-9)
+    verified = {ANGLE.name: mean_with_interval([22 + off] * 3)}
     assert len(contradictions(PROBLEM, verified, known)) == contradicts
 
 

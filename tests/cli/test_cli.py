@@ -118,6 +118,9 @@ def test_undecided_exits_with_three_and_says_what_would_help(tmp_path: Path) -> 
     assert "undecided" in status.stdout
     card = grainfit("export", "my sand.grainfit", "--to", "json", folder=tmp_path)
     assert json.loads(card.stdout)["status"] == "undecided"
+    dash = grainfit("export", "my sand.grainfit", "--to", "json", "-o", "-", folder=tmp_path)
+    assert dash.stdout == card.stdout
+    assert not (tmp_path / "-").exists()
     assert "Undecided" in (tmp_path / "my sand.grainfit" / "report.html").read_text()
 
 

@@ -32,6 +32,8 @@ _QUIET, _FEWEST_QUIET = 0.25, 2
 #: Standard errors between fresh seeds and all runs that contradict each other. By chance it
 #: happens in 3 of 1,000 checks.
 _CONTRADICTION = 3.0
+#: Deviation in tolerances that contradicts nothing: without scatter, every deviation is significant.
+_NEGLIGIBLE = 0.01
 
 
 @dataclass(frozen=True)
@@ -233,8 +235,7 @@ def contradictions(
         # An expectation that rests on little else than the fresh seeds cannot contradict them.
         difference = max(of_mean - answer.standard_errors[target.name] ** 2, 0.1 * of_mean)
         expected = answer.predicted[target.name]
-        if abs(check.mean - expected) > max(
-            _CONTRADICTION * sqrt(difference), 1e-9 * target.tolerance
-        ):
+        negligible = _NEGLIGIBLE * target.tolerance
+        if abs(check.mean - expected) > max(_CONTRADICTION * sqrt(difference), negligible):
             found.append(Contradiction(target, check, expected))
     return found

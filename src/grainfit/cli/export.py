@@ -43,7 +43,7 @@ def export(
     render = require_format(to)
     card = material_card(folder)
     text = render(card)
-    if output is None:
+    if output is None or str(output) == "-":
         # As bytes: the card is UTF-8 on every terminal.
         typer.echo(text.encode(), nl=False)
     else:
