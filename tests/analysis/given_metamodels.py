@@ -5,8 +5,9 @@ from typing import Any
 
 import numpy as np
 
-from grainfit.metamodels.kriging import Kriging, LeaveOneOut, Prediction
+from grainfit.metamodels.kriging import Kriging
 from grainfit.metamodels.metamodels import Metamodels
+from grainfit.metamodels.prediction import LeaveOneOut, Prediction
 from grainfit.problem import Parameter, Problem, Target
 
 Function = Callable[[np.ndarray], np.ndarray]

@@ -60,9 +60,7 @@ def test_glass_beads_are_calibrated_with_few_runs(
     tmp_path: Path, solver: str, radius: str, near: float
 ) -> None:
     # One run at a time: with more, what is asked depends on which run comes back first.
-    file = example(
-        tmp_path, "calibration.toml", solver=f'"{solver}"\ncylinder_radius = "{radius}"'
-    )
+    file = example(tmp_path, "calibration.toml", solver=f'"{solver}"\ncylinder_radius = "{radius}"')
     done, result = calibrate(tmp_path, file, "--workers", "1")
     assert done.returncode == 0, done.stdout + done.stderr
     assert result["status"] == "calibrated"

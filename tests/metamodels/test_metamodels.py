@@ -6,8 +6,9 @@ from scipy.stats import norm
 
 from grainfit.errors import RunFailedError
 from grainfit.evaluation import Evaluation, Proposal, Response
-from grainfit.metamodels.kriging import Kriging, Prediction
+from grainfit.metamodels.kriging import Kriging
 from grainfit.metamodels.metamodels import Metamodels, can_be_fitted
+from grainfit.metamodels.prediction import Prediction
 from grainfit.problem import Parameter, Problem, Target
 
 PROBLEM = Problem(

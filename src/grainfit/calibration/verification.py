@@ -32,7 +32,7 @@ _QUIET, _FEWEST_QUIET = 0.25, 2
 #: Standard errors between fresh seeds and all runs that contradict each other. By chance it
 #: happens in 3 of 1,000 checks.
 _CONTRADICTION = 3.0
-#: Deviation in tolerances that contradicts nothing: without scatter, every deviation is significant.
+#: Deviation in tolerances that contradicts nothing: without scatter, any is significant.
 _NEGLIGIBLE = 0.01
 
 

@@ -14,9 +14,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -24,9 +23,16 @@ from scipy import stats
 from threadpoolctl import threadpool_limits
 
 from grainfit.errors import Fault, InputError
+from grainfit.metamodels.checked_arrays import (
+    checked,
+    checked_noise,
+    checked_points,
+    checked_values,
+)
 from grainfit.metamodels.growing_scatter import GrowingScatter
 from grainfit.metamodels.hyperparameters import RANGE_MEDIAN, HyperparameterPosterior
 from grainfit.metamodels.noise_ratios import most_probable, noise_ratios
+from grainfit.metamodels.prediction import NORMAL_QUANTILE, LeaveOneOut, Prediction
 from grainfit.metamodels.predictor import (
     Component,
     Contrasts,
@@ -38,117 +44,34 @@ from grainfit.metamodels.predictor import (
 
 _MINIMUM_RUNS = 3
 _LARGEST_BLOCK = 4096
-# Beyond these, squares of the response or of its rounding error are no floating-point numbers.
-_MAGNITUDES = (1e-100, 1e100)
 #: With a smaller Q2, a metamodel predicts a run hardly better than the mean of all runs does.
 POOR_Q2 = 0.5
-#: Half the width of a 95 % interval in standard deviations.
-NORMAL_QUANTILE = float(stats.norm.ppf(0.975))
 
 
-@dataclass(frozen=True)
-class Prediction:
-    """Prediction of a metamodel at some points.
+class _Standardised(NamedTuple):
+    """Responses less their mean, over the standard deviation of their residuals from the trend.
 
-    ``mean`` plus or minus 1.96 times a standard deviation is a 95 % interval: the variances
-    account for the uncertainty of the metamodel's own variance, ranges and noise.
-
-    Attributes
-    ----------
-    mean : ndarray, shape (m,)
-        Expected response.
-    variance_of_mean : ndarray, shape (m,)
-        Uncertainty of the expected response.
-    variance_of_new_run : ndarray, shape (m,)
-        Uncertainty of the response of one more run: the same plus the scatter of runs.
+    Values that the trend explains but for rounding are exact: nothing can be estimated of them.
     """
 
-    mean: FloatArray
-    variance_of_mean: FloatArray
-    variance_of_new_run: FloatArray
+    values: FloatArray
+    offset: float
+    scale: float
+    are_exact: bool
 
-    @property
-    def standard_error(self) -> FloatArray:
-        """Square root of the variance of the mean, shape (m,)."""
-        return np.asarray(np.sqrt(self.variance_of_mean))
-
-
-@dataclass(frozen=True)
-class LeaveOneOut:
-    """Prediction of each run from the others, at the same hyperparameters.
-
-    Attributes
-    ----------
-    predicted : ndarray, shape (n,)
-        Response predicted from the other runs.
-    standard_deviation : ndarray, shape (n,)
-        Standard deviation of a run about that prediction.
-    q2 : float
-        Share of the variance of the runs that is predicted; NaN if the runs are all equal.
-    coverage : float
-        Share of the runs inside their 95 % interval.
-    """
-
-    predicted: FloatArray
-    standard_deviation: FloatArray
-    q2: float
-    coverage: float
-
-
-def _checked(name: str, array: ArrayLike, shape: tuple[int | None, ...]) -> FloatArray:
-    """Return the array as finite floats, checked to have a shape (``None``: any length)."""
-    try:
-        checked = np.asarray(array, dtype=float)
-    except (TypeError, ValueError):
-        raise InputError(Fault(name, "is not an array of numbers.")) from None
-    fits = len(checked.shape) == len(shape) and all(
-        want is None or want == got for want, got in zip(shape, checked.shape, strict=True)
-    )
-    if not fits:
-        wanted = " x ".join("any" if length is None else str(length) for length in shape)
-        raise InputError(Fault(name, f"has the shape {checked.shape}, needed is {wanted}."))
-    if not np.isfinite(checked).all():
-        where = tuple(int(i) for i in np.argwhere(~np.isfinite(checked))[0])
-        raise InputError(
-            Fault(name, f"has the value {checked[where]} at {where}.", "Leave failed runs out.")
-        )
-    return checked
-
-
-def _checked_values(values: ArrayLike, n: int) -> FloatArray:
-    checked = _checked("values", values, (n,))
-    largest = float(np.abs(checked).max(initial=0.0))
-    if largest and not _MAGNITUDES[0] <= largest <= _MAGNITUDES[1]:
-        raise InputError(
-            Fault(
-                "values",
-                f"are as large as {largest:g}.",
-                f"Give responses that are {_MAGNITUDES[0]:g} to {_MAGNITUDES[1]:g} large, or 0.",
-            )
-        )
-    return checked
-
-
-def _checked_noise(noise: ArrayLike | None, n: int, name: str = "noise_variance") -> FloatArray:
-    if noise is None:
-        return np.zeros(n)
-    checked = _checked(name, noise, (n,))
-    if (checked < 0).any():
-        raise InputError(Fault(name, f"has the negative value {checked.min():g}."))
-    return checked
-
-
-def _checked_points(points: ArrayLike, d: int | None) -> FloatArray:
-    checked = _checked("points", points, (None, d))
-    if checked.size and (checked.min() < -1.0 or checked.max() > 2.0):
-        raise InputError(
-            Fault(
-                "points",
-                f"reach from {checked.min():g} to {checked.max():g}.",
-                "Give points of the unit cube (0 to 1 over each interval).",
-            )
-        )
-    return checked
+    @classmethod
+    def of(cls, values: FloatArray, contrasts: Contrasts) -> _Standardised:
+        """Standardise responses."""
+        offset = float(values.mean())
+        left_over = contrasts.complement.T @ (values - offset)
+        scale = math.sqrt(float(left_over @ left_over) / contrasts.degrees_of_freedom)
+        # Residuals from the trend below this are rounding errors of the values.
+        rounding = 1e-10 * float(np.ptp(values)) + 1e-13 * float(np.abs(values).max())
+        are_exact = scale <= rounding
+        if are_exact:
+            # Tiny, so that all variances stay above zero.
+            scale = rounding or 1e-12
+        return cls((values - offset) / scale, offset, scale, are_exact)
 
 
 class Kriging:
@@ -232,9 +155,9 @@ class Kriging:
             If there are fewer than 3 runs, a value is not finite or of no physical magnitude, the
             shapes do not agree or the points are far outside the unit cube.
         """
-        points = _checked_points(points, None)
+        points = checked_points(points, None)
         n, d = points.shape
-        values = _checked_values(values, n)
+        values = checked_values(values, n)
         if n < _MINIMUM_RUNS or d < 1:
             raise InputError(
                 Fault(
@@ -243,40 +166,26 @@ class Kriging:
                     f"Give at least {_MINIMUM_RUNS} runs of at least one parameter.",
                 )
             )
-        known_noise = _checked_noise(noise_variance, n)
-        candidates = noise_ratios(_checked_noise(standard_errors, n, "standard_errors"))
+        known_noise = checked_noise(noise_variance, n)
+        candidates = noise_ratios(checked_noise(standard_errors, n, "standard_errors"))
         if scatter is not None:
             candidates.append(scatter.ratios(points))
         trend = Trend.choose(points, linear_trend)
         contrasts = Contrasts.of(trend.matrix(points))
-        offset = float(values.mean())
-        left_over = contrasts.complement.T @ (values - offset)
-        scale = math.sqrt(float(left_over @ left_over) / contrasts.degrees_of_freedom)
-        # Residuals from the trend below this are rounding errors of the values.
-        rounding = 1e-10 * float(np.ptp(values)) + 1e-13 * float(np.abs(values).max())
-        exact = scale <= rounding
-        if exact:
-            scale = rounding or 1e-12
-        standardised = (values - offset) / scale
-        known_noise = known_noise / scale**2
-        if exact:
-            # Nothing can be estimated; the tiny scale keeps all variances above zero.
+        standardised = _Standardised.of(values, contrasts)
+        known_noise = known_noise / standardised.scale**2
+        if standardised.are_exact:
             median = np.full(d, RANGE_MEDIAN * math.sqrt(d))
             sets, ratios = [Hyperparameters(median, 0.5, 0.5, 1.0)], None
         else:
-            # The matrices are small: more threads only wait for each other and for the DEM runs.
-            with threadpool_limits(limits=1, user_api="blas"):
-                fits = [
-                    HyperparameterPosterior(points, standardised, contrasts, known_noise, ratios)
-                    for ratios in candidates
-                ]
-                best = most_probable([fit.log_density for fit in fits], 0 if scatter is None else d)
-                sets, ratios = fits[best].hyperparameters(), candidates[best]
-        data = (trend, points, standardised, known_noise, contrasts, ratios)
+            data = (points, standardised.values, contrasts, known_noise)
+            slopes = 0 if scatter is None else d
+            sets, ratios = _most_probable_sets(candidates, slopes, data)
+        given = (trend, points, standardised.values, known_noise, contrasts, ratios)
         return cls(
-            [Component(one, *data) for one in sets],
-            offset=offset,
-            scale=scale,
+            [Component(one, *given) for one in sets],
+            offset=standardised.offset,
+            scale=standardised.scale,
             degrees_of_freedom=contrasts.degrees_of_freedom,
             scatter=scatter if ratios is candidates[-1] else None,
         )
@@ -394,7 +303,7 @@ class Kriging:
         InputError
             If the points have another shape or are not finite.
         """
-        points = _checked("points", points, (None, self.d))
+        points = checked("points", points, (None, self.d))
         blocks = [
             self._predict_block(points[start : start + _LARGEST_BLOCK])
             for start in range(0, max(len(points), 1), _LARGEST_BLOCK)
@@ -413,7 +322,7 @@ class Kriging:
         InputError
             As `predict`.
         """
-        points = _checked("points", points, (None, self.d))
+        points = checked("points", points, (None, self.d))
         means = np.array([component.mean(points) for component in self._components])
         return np.asarray(self._offset + self._scale * (self._weights @ means))
 
@@ -440,7 +349,7 @@ class Kriging:
         InputError
             If the points have another shape or are not finite.
         """
-        points = _checked("points", points, (None, self.d))
+        points = checked("points", points, (None, self.d))
         gradients = np.array([component.gradients(points) for component in self._components])
         return np.asarray(self._scale * np.tensordot(self._weights, gradients, axes=1))
 
@@ -466,7 +375,7 @@ class Kriging:
         InputError
             If the points have another shape or are not finite.
         """
-        points = _checked("points", points, (None, self.d))
+        points = checked("points", points, (None, self.d))
         here = [component.project(points) for component in self._components]
         means = np.array([c.predict_at(p)[0] for c, p in zip(self._components, here, strict=True)])
         off = means - self._weights @ means
@@ -533,8 +442,8 @@ class Kriging:
         InputError
             As `fit`.
         """
-        points = _checked_points(points, self.d)
-        added = (_checked_values(values, len(points)) - self._offset) / self._scale
+        points = checked_points(points, self.d)
+        added = (checked_values(values, len(points)) - self._offset) / self._scale
         noise = self._usual_known_noise(len(points))
         return self._with(
             [
@@ -561,7 +470,7 @@ class Kriging:
         InputError
             As `fit`.
         """
-        points = _checked_points(points, self.d)
+        points = checked_points(points, self.d)
         noise = self._usual_known_noise(len(points))
         ratios = self.scatter_ratios(points)
         components = [c.condition_on_pending(points, noise, ratios) for c in self._components]
@@ -755,3 +664,16 @@ class Kriging:
             "they are left out: the metamodel is too certain. Look for outliers among "
             "the runs, or run more simulations."
         )
+
+
+def _most_probable_sets(
+    candidates: Sequence[FloatArray | None],
+    slopes: int,
+    data: tuple[FloatArray, FloatArray, Contrasts, FloatArray],
+) -> tuple[list[Hyperparameters], FloatArray | None]:
+    """Sets of hyperparameters, with the ratios of noise variances that the runs support most."""
+    # The matrices are small: more threads only wait for each other and for the DEM runs.
+    with threadpool_limits(limits=1, user_api="blas"):
+        fits = [HyperparameterPosterior(*data, ratios) for ratios in candidates]
+        best = most_probable([fit.log_density for fit in fits], slopes)
+        return fits[best].hyperparameters(), candidates[best]

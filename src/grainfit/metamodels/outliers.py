@@ -15,7 +15,8 @@ from scipy import stats
 from scipy.spatial.distance import cdist
 
 from grainfit.metamodels.growing_scatter import find_growing_scatter
-from grainfit.metamodels.kriging import NORMAL_QUANTILE, Kriging
+from grainfit.metamodels.kriging import Kriging
+from grainfit.metamodels.prediction import NORMAL_QUANTILE
 from grainfit.metamodels.predictor import FloatArray
 
 #: Probability that runs of normal scatter are found to have an outlier.

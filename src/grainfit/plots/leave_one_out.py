@@ -10,8 +10,9 @@ from numpy.typing import NDArray
 
 from grainfit.analysis import Analysis
 from grainfit.formatting import plain
-from grainfit.metamodels.kriging import NORMAL_QUANTILE, POOR_Q2, LeaveOneOut
+from grainfit.metamodels.kriging import POOR_Q2
 from grainfit.metamodels.metamodels import Metamodels
+from grainfit.metamodels.prediction import NORMAL_QUANTILE, LeaveOneOut
 from grainfit.plots.labels import Label, label_of_response
 from grainfit.plots.style import named_runs
 from grainfit.problem import Target

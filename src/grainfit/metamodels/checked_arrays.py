@@ -1,0 +1,86 @@
+"""Arrays that a metamodel is given, checked: faults are named instead of calculated with."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from grainfit.errors import Fault, InputError
+from grainfit.metamodels.predictor import FloatArray
+
+# Beyond these, squares of the response or of its rounding error are no floating-point numbers.
+_MAGNITUDES = (1e-100, 1e100)
+
+
+def checked(name: str, array: ArrayLike, shape: tuple[int | None, ...]) -> FloatArray:
+    """Return an array as finite floats.
+
+    Parameters
+    ----------
+    name : str
+        Its name in messages.
+    array : array_like
+        The array.
+    shape : tuple of int or None
+        Its shape; None is any length.
+
+    Raises
+    ------
+    InputError
+        It has another shape, or a value is not finite.
+    """
+    try:
+        found = np.asarray(array, dtype=float)
+    except (TypeError, ValueError):
+        raise InputError(Fault(name, "is not an array of numbers.")) from None
+    fits = len(found.shape) == len(shape) and all(
+        want is None or want == got for want, got in zip(shape, found.shape, strict=True)
+    )
+    if not fits:
+        wanted = " x ".join("any" if length is None else str(length) for length in shape)
+        raise InputError(Fault(name, f"has the shape {found.shape}, needed is {wanted}."))
+    if not np.isfinite(found).all():
+        where = tuple(int(i) for i in np.argwhere(~np.isfinite(found))[0])
+        raise InputError(
+            Fault(name, f"has the value {found[where]} at {where}.", "Leave failed runs out.")
+        )
+    return found
+
+
+def checked_values(values: ArrayLike, n: int) -> FloatArray:
+    """Return n responses whose squares are floating-point numbers, or raise `InputError`."""
+    found = checked("values", values, (n,))
+    largest = float(np.abs(found).max(initial=0.0))
+    if largest and not _MAGNITUDES[0] <= largest <= _MAGNITUDES[1]:
+        raise InputError(
+            Fault(
+                "values",
+                f"are as large as {largest:g}.",
+                f"Give responses that are {_MAGNITUDES[0]:g} to {_MAGNITUDES[1]:g} large, or 0.",
+            )
+        )
+    return found
+
+
+def checked_noise(noise: ArrayLike | None, n: int, name: str = "noise_variance") -> FloatArray:
+    """Return n variances or standard errors, 0 where none are given, or raise `InputError`."""
+    if noise is None:
+        return np.zeros(n)
+    found = checked(name, noise, (n,))
+    if (found < 0).any():
+        raise InputError(Fault(name, f"has the negative value {found.min():g}."))
+    return found
+
+
+def checked_points(points: ArrayLike, d: int | None) -> FloatArray:
+    """Return points in or about the unit cube of d dimensions, or raise `InputError`."""
+    found = checked("points", points, (None, d))
+    if found.size and (found.min() < -1.0 or found.max() > 2.0):
+        raise InputError(
+            Fault(
+                "points",
+                f"reach from {found.min():g} to {found.max():g}.",
+                "Give points of the unit cube (0 to 1 over each interval).",
+            )
+        )
+    return found
