@@ -305,12 +305,12 @@ class _Decided(BatchSearch):
         self, problem: gf.Problem, batches: Mapping[Stage, Points], answer: Points
     ) -> None:
         super().__init__(gf.Sequential(), problem, seed=1)
-        self._batches = batches
+        self._given = batches
         self._answer = answer
 
     @property
     def design_runs(self) -> int:
-        return len(self._batches["design"])
+        return len(self._given["design"])
 
     @property
     def expected_left(self) -> int:
@@ -325,7 +325,7 @@ class _Decided(BatchSearch):
         return {"design_runs": self.design_runs}
 
     def batches(self) -> Batches:
-        for stage, points in self._batches.items():
+        for stage, points in self._given.items():
             yield [
                 Proposal(
                     self.problem.from_unit(at), insertion_seed(self.seed, stage, number), stage
