@@ -340,7 +340,7 @@ class _Decided(BatchSearch):
             predicted={target.name: target.value for target in targets},
             standard_errors={target.name: 0.1 * target.tolerance for target in targets},
             probability_all_met=0.99,
-            probabilities={target.name: 0.99 for target in targets},
+            probabilities={target.name: 0.995 for target in targets},
         )
 
     def resume_after_verification(self, affordable: int | None = None) -> bool:

@@ -13,6 +13,22 @@ EXECUTABLE = next(
     filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None
 )
 
+#: Draw every figure of a report, as a reader does who scrolls through all of the page; returns the
+#: one that does not appear.
+DRAW = """async () => {
+    for (const details of document.querySelectorAll("details")) details.open = true;
+    for (const place of document.querySelectorAll("[data-figure]")) {
+        place.scrollIntoView({ behavior: "instant" });
+        const end = performance.now() + 20000;
+        while (!place.querySelector(".main-svg")) {
+            if (performance.now() > end) return place.dataset.figure;
+            await new Promise(requestAnimationFrame);
+        }
+    }
+    window.scrollTo(0, 0);
+    return "";
+}"""
+
 
 @contextmanager
 def browser() -> Iterator[Browser]:

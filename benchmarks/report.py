@@ -21,7 +21,7 @@ import chromium
 from grainfit.report.page import write_report
 
 #: Upper limits: seconds to write and to open it, and megabytes.
-GOALS = {"writing": 20.0, "first paint": 3.0, "size": 8.0}
+GOALS = {"writing": 20.0, "first paint": 3.0, "size": 4.0}
 UNITS = {"writing": "s", "first paint": "s", "size": "MB"}
 _PAINT = """() => new Promise((resolve) => {
     new PerformanceObserver((list) => {

@@ -45,6 +45,7 @@ html_theme = "furo"
 html_title = f"grainfit {release}"
 html_static_path = ["_static"]
 html_css_files = ["site.css"]
+html_js_files = [("site.js", {"defer": "defer"})]
 copybutton_prompt_text = "$ "
 
 sphinx_gallery_conf = {

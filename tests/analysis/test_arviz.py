@@ -52,5 +52,5 @@ def test_without_arviz_the_error_says_how_to_install_it(
     posterior: Posterior, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setitem(sys.modules, "arviz", None)
-    with pytest.raises(InputError, match=r"ArviZ is not installed. .*grainfit\[arviz\]"):
+    with pytest.raises(InputError, match=r"arviz, which is not installed. .*grainfit\[arviz\]"):
         posterior.to_arviz()

@@ -13,6 +13,9 @@ from typing import Any
 
 import pytest
 
+from benchmarks import chromium
+from benchmarks.axe import violations_in
+
 EXAMPLES = Path(__file__).parents[2] / "examples" / "glass_beads"
 pytestmark = pytest.mark.slow
 
@@ -78,6 +81,8 @@ def test_glass_beads_are_calibrated_with_few_runs(
     folders = [path for path in (tmp_path / "work" / "runs").iterdir() if path.is_dir()]
     assert len(folders) == runs["total"]
     assert all((path / "heap.png").stat().st_size > 1000 for path in folders)
+    if solver == "lammps" and chromium.EXECUTABLE:
+        assert violations_in(tmp_path / "work" / "report.html") == []
 
 
 def test_a_narrow_interval_is_recognised_as_out_of_reach(tmp_path: Path) -> None:

@@ -9,6 +9,8 @@ import numpy as np
 import pytest
 
 import grainfit as gf
+from benchmarks import chromium
+from benchmarks.axe import violations_in
 from grainfit.report.page import write_report
 from grainfit.result import Result
 
@@ -84,6 +86,13 @@ def test_curve_calibration_opens_again_with_figures_and_report(
     names = {trace.name for trace in gf.plots.curves(saved).data}
     assert {"measured, with 95 % intervals", "expected at the answer", "fresh seeds"} <= names
     assert "Do the simulated curves follow the measured ones?" in page
+
+
+@pytest.mark.skipif(chromium.EXECUTABLE is None, reason="Chromium is not installed")
+def test_report_with_curves_breaks_no_rule_of_accessibility(
+    finished: tuple[Result, Path], tmp_path: Path
+) -> None:
+    assert violations_in(write_report(finished[1], tmp_path / "curves.html")) == []
 
 
 def test_curve_calibration_repeats_no_run(finished: tuple[Result, Path]) -> None:

@@ -55,7 +55,7 @@ def test_without_parsl_it_is_said_how_to_get_it(
 ) -> None:
     monkeypatch.setitem(sys.modules, "parsl", None)
     monkeypatch.setattr("importlib.util.find_spec", lambda _name: None)
-    with pytest.raises(GrainfitError, match=r'pip install "grainfit\[parsl\]"'):
+    with pytest.raises(GrainfitError, match=r"pip install 'grainfit\[parsl\]'"):
         cluster_executor(HOUR, tmp_path).__enter__()
 
 

@@ -13,6 +13,8 @@ import pytest
 from PIL import Image
 from typer.testing import CliRunner
 
+from benchmarks import chromium
+from benchmarks.axe import violations_in
 from grainfit.bulk_tests.registry import BUILT_IN
 from grainfit.calibration_file.build import load_calibration
 from grainfit.calibration_file.starter import starter_file
@@ -219,6 +221,19 @@ def test_the_command_writes_page_and_picture_of_a_scene_of_the_user(
     text = (tmp_path / "calibration.preview.html").read_text()
     assert "blade moves at 0.1 m/s along x" in text
     assert not re.search(r"https?://", text)
+
+
+@pytest.mark.skipif(chromium.EXECUTABLE is None, reason="Chromium is not installed")
+def test_the_page_breaks_no_rule_of_accessibility(tmp_path: Path) -> None:
+    file, page = tmp_path / "two.toml", tmp_path / "two.html"
+    # The shear test has glued particles and walls of every kind.
+    file.write_text(starter_file(["heap", "shear"]))
+    setup = load_calibration(file)
+    values = setup.values([])
+    write_preview(page, setup.name, preview_tests(setup, values, 1), values)
+
+    assert page.read_text().count("<canvas") == 2
+    assert violations_in(page) == []
 
 
 def test_a_file_without_a_scene_and_a_place_that_cannot_be_written_are_said(

@@ -76,7 +76,7 @@ class Page(HTMLParser):
 def test_the_report_is_one_file_that_asks_for_nothing(work: Path) -> None:
     path = grainfit.write_report(work)
     assert path == work / "report.html"
-    assert 1_000_000 < path.stat().st_size < 8_000_000
+    assert 1_000_000 < path.stat().st_size < 4_000_000
     page = Page(path.read_text(encoding="utf-8"))
     assert "sand </script><b> & 'Kies'" in page.texts["h1"]
     # Links to the folders of runs beside it are followed by a reader, never by the page.

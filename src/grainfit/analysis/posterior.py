@@ -14,6 +14,7 @@ from threadpoolctl import threadpool_limits
 
 from grainfit.analysis.ensemble import sample_cube
 from grainfit.errors import Fault, InputError
+from grainfit.extras import import_extra
 from grainfit.metamodels.metamodels import Metamodels
 from grainfit.problem import Problem, Target
 
@@ -117,11 +118,7 @@ class Posterior:
         >>> import arviz  # doctest: +SKIP
         >>> arviz.summary(saved.analyse().posterior.to_arviz())  # doctest: +SKIP
         """
-        try:
-            import arviz
-        except ImportError as error:
-            remedy = "Install it: pip install 'grainfit[arviz]'."
-            raise InputError(Fault("", "ArviZ is not installed.", remedy)) from error
+        arviz = import_extra("arviz", "arviz", "a posterior for ArviZ")
         names = [name.replace("/", "_") for name in self.names]
         variables = {name: self.chains[..., axis] for axis, name in enumerate(names)}
         if arviz.__version__.startswith("0."):

@@ -131,11 +131,10 @@ def export(
     """Write a line for each run to a CSV or Parquet file, in SI units, angles in degrees."""
     from grainfit.formatting import counted
     from grainfit.work_folder.run_export import export_runs, writer_for
-    from grainfit.work_folder.run_table import as_table
 
     writer_for(file)
     _, selected = _selected(source, status, test, where, sort)
-    export_runs(file, as_table(selected))
+    export_runs(file, selected)
     words = counted(len(selected), "run")
     out_remarks.print(f"Wrote {words} to {file}", highlight=False, markup=False)
 

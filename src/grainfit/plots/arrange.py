@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from itertools import count
 from typing import TYPE_CHECKING, Any
 
+from grainfit.extras import import_extra
 from grainfit.plots.figure import Figure
 
 if TYPE_CHECKING:
@@ -54,12 +55,16 @@ def arrange(
     one_legend : bool
         Whether all figures share one legend, for narrow figures: traces of one name have one
         entry.
-    """
-    # Imported here: the report draws its figures itself and does not need these 150 modules.
-    from plotly.graph_objects import Figure as PlotlyFigure
 
+    Raises
+    ------
+    InputError
+        Plotly is not installed.
+    """
+    # Imported here: the report draws its figures itself.
+    plotly = import_extra("plotly.graph_objects", "notebook", "a figure")
     height = _HEADING_HEIGHT + sum(_height(row) + _ROW_GAP for row in rows)
-    drawn = PlotlyFigure(layout=_common(height, heading))
+    drawn: PlotlyFigure = plotly.Figure(layout=_common(height, heading))
     numbers = {"x": count(1), "y": count(1)}
     for number, cell in enumerate(_cells(rows, height), start=1):
         _add(drawn, cell, numbers, f"legend{number}" if number > 1 else "legend")

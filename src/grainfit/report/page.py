@@ -110,7 +110,7 @@ def _parts(first: str, of_section: str) -> list[str]:
 
 
 def _plotly() -> str:
-    return (files("plotly") / "package_data" / "plotly.min.js").read_text(encoding="utf-8")
+    return page_part("plotly/plotly-cartesian.min.js")
 
 
 def page_part(file: str) -> str:

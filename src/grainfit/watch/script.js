@@ -85,10 +85,13 @@
     );
     section.hidden = children.length === 0;
     place.replaceChildren(...children);
+    window.grainfitScrolls(place);
     for (const details of place.querySelectorAll("details")) {
       details.open = open.has(details.dataset.key);
     }
   };
+  // Head of a column that is clear to the eye.
+  const unseen = (words) => make("span", { class: "visually-hidden" }, words);
   const table = (heads, rows) =>
     make("div", { class: "table-wrap" },
       make("table", { class: "data" },
@@ -97,7 +100,8 @@
           make("tr", {}, ...cells.map((cell, column) => {
             const tag = column === 0 ? "th" : "td";
             const shown = cell instanceof Array ? cell : [cell];
-            const given = column === 0 ? { scope: "row" } : { "data-label": heads[column] };
+            const label = typeof heads[column] === "string" ? heads[column] : "";
+            const given = column === 0 ? { scope: "row" } : { "data-label": label };
             const wide = shown.some((one) => one instanceof SVGElement);
             return make(tag, { ...given, class: wide ? "wide" : "" }, ...shown);
           })),
@@ -221,7 +225,9 @@
       judged(row.verdict),
     ]);
     const parts = rows.length
-      ? [table(["response", "measured", "expected", "", "deviation", ""], rows)]
+      ? [table(
+        ["response", "measured", "expected", unseen("drawn"), "deviation", unseen("verdict")], rows,
+      )]
       : [];
     if (responses.some((row) => row.bar)) {
       const by = provisional ? " by the runs so far" : "";
@@ -269,7 +275,7 @@
       }
       return cells;
     });
-    const heads = ["", "state", "for", "stage", "parameters"];
+    const heads = [unseen("run"), "state", "for", "stage", "parameters"];
     if (several) {
       heads.splice(1, 0, "test");
     }
@@ -286,7 +292,7 @@
 
   const showJobs = ({ jobs }) => {
     const rows = jobs.map((job) => [job.number, job.state, job.words]);
-    fill("jobs", JSON.stringify(jobs), ...(rows.length ? [table(["job", "state", ""], rows)] : []));
+    fill("jobs", JSON.stringify(jobs), ...(rows.length ? [table(["job", "state", unseen("more")], rows)] : []));
   };
 
   const showNotices = ({ notices }) => {

@@ -57,7 +57,7 @@ _PAGE_POLICY = (
 #: The report is a page of its own, which must not use the address that it was reached by.
 _REPORT_POLICY = (
     "sandbox allow-scripts allow-downloads; default-src 'none'; style-src 'unsafe-inline'; "
-    "script-src 'unsafe-inline' 'unsafe-eval'; img-src data: blob:"
+    "script-src 'unsafe-inline'; img-src data: blob:"
 )
 
 

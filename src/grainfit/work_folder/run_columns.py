@@ -96,8 +96,9 @@ def run_columns(records: Iterable[RunRecord]) -> RunColumns:
     for name, column in responses.items():
         error = _free(f"{column}{ERROR_SUFFIX}", "response", taken)
         found = [given.get(name) for given in numbers]
-        values[column] = [response.value if response else None for response in found]
-        values[error] = [response.standard_error if response else None for response in found]
+        values[column] = [_number(response.value) if response else None for response in found]
+        errors = (response.standard_error if response else None for response in found)
+        values[error] = [_number(error) for error in errors]
     return RunColumns(records, values, parameters, responses)
 
 
@@ -139,7 +140,7 @@ def _common_columns(records: Sequence[RunRecord]) -> dict[str, list[Any]]:
         **{name: [_text(getattr(record, name)) for record in records] for name in own},
         **{name: [_text(model.get(name)) for model in models] for name in ("solver", "version")},
         "seed": [_seed(record.definition.seed) for record in records],
-        "seconds": [record.seconds for record in records],
+        "seconds": [_number(record.seconds) for record in records],
         "ended": [_moment(record.ended) for record in records],
     }
 

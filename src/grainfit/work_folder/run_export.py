@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
+import csv
 from collections.abc import Callable
+from datetime import datetime
 from pathlib import Path
 
-import pandas as pd
-from pandas.api.types import is_datetime64_any_dtype, is_numeric_dtype
-
 from grainfit.errors import Fault, InputError
+from grainfit.extras import import_extra
 from grainfit.files import in_place_of
 from grainfit.formatting import spreadsheet_text
+from grainfit.work_folder.run_columns import RunColumns
+from grainfit.work_folder.run_table import as_table
 
-Write = Callable[[pd.DataFrame, Path], None]
+Write = Callable[[RunColumns, Path], None]
 
 
 def writer_for(path: Path) -> Write:
@@ -21,7 +23,7 @@ def writer_for(path: Path) -> Write:
     Raises
     ------
     InputError
-        The name has no known ending, or the package that writes the format is missing.
+        The name has no known ending, or a package that writes the format is missing.
     """
     suffix = path.suffix.lower()
     if suffix == ".csv":
@@ -30,64 +32,52 @@ def writer_for(path: Path) -> Write:
         raise InputError(
             Fault("", f"{str(path)!r} has no known format.", "End it in .csv or .parquet.")
         )
-    try:
-        import pyarrow.parquet  # noqa: F401
-    except ImportError:
-        raise InputError(
-            Fault(
-                "",
-                "Parquet needs the Python package pyarrow, which is not installed.",
-                "Install it: pip install 'grainfit[parquet]'. Or export to a .csv file.",
-            )
-        ) from None
+    for module in ("pandas", "pyarrow.parquet"):
+        import_extra(module, "parquet", "a Parquet file", "Or export to a .csv file.")
     return _write_parquet
 
 
-def export_runs(path: Path, runs: pd.DataFrame) -> None:
+def export_runs(path: Path, runs: RunColumns) -> None:
     """Write one line for each run, in SI units, angles in degrees; the file is complete or absent.
 
     Parameters
     ----------
     path : Path
         Ends in ``.csv`` or ``.parquet``; an existing file is replaced.
-    runs : pandas.DataFrame
-        As `runs_table` returns it.
+    runs : RunColumns
+        The runs.
 
     Raises
     ------
     InputError
-        The format is not known, or the file cannot be written.
+        The format is not known, a package is missing, or the file cannot be written.
     """
     write = writer_for(path)
     try:
         with in_place_of(path) as place:
-            write(runs.reset_index(), place)
+            write(runs, place)
     except OSError as error:
         raise InputError(
             Fault("", f"{str(path)!r} cannot be written: {error.strerror or error}.")
         ) from error
 
 
-def _write_csv(runs: pd.DataFrame, path: Path) -> None:
-    # The line ends of the CSV standard; with them, a reason of several lines is always quoted.
-    _for_spreadsheets(runs).to_csv(
-        path,
-        index=False,
-        compression=None,
-        lineterminator="\r\n",
-        date_format="%Y-%m-%dT%H:%M:%S+00:00",
-    )
+def _write_csv(runs: RunColumns, path: Path) -> None:
+    columns = runs.values.values()
+    with path.open("w", encoding="utf-8", newline="") as file:
+        # The line ends of the CSV standard; with them, a reason of several lines is always quoted.
+        lines = csv.writer(file, lineterminator="\r\n")
+        lines.writerow(map(spreadsheet_text, runs.values))
+        lines.writerows(map(_cell, row) for row in zip(*columns, strict=True))
 
 
-def _for_spreadsheets(runs: pd.DataFrame) -> pd.DataFrame:
-    """Return the table with all names and texts as `spreadsheet_text`."""
-    texts = {
-        name: [spreadsheet_text(cell) if isinstance(cell, str) else cell for cell in column]
-        for name, column in runs.items()
-        if not is_numeric_dtype(column) and not is_datetime64_any_dtype(column)
-    }
-    return runs.assign(**texts).rename(columns=spreadsheet_text)
+def _cell(value: str | float | datetime | None) -> str | float | None:
+    if isinstance(value, str):
+        return spreadsheet_text(value)
+    if isinstance(value, datetime):
+        return value.strftime("%Y-%m-%dT%H:%M:%S+00:00")
+    return value
 
 
-def _write_parquet(runs: pd.DataFrame, path: Path) -> None:
-    runs.to_parquet(path, engine="pyarrow", index=False)
+def _write_parquet(runs: RunColumns, path: Path) -> None:
+    as_table(runs).reset_index().to_parquet(path, engine="pyarrow", index=False)

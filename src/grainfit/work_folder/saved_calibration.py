@@ -25,6 +25,7 @@ from grainfit.result import ParameterInterval, Result, Status, damaged_result
 from grainfit.strategies.distinct_runs import distinct_runs
 from grainfit.tables import TextTable, as_html, as_text
 from grainfit.work_folder.open_folder import OpenFolder, open_folder
+from grainfit.work_folder.run_table import runs_table
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -146,10 +147,12 @@ class SavedCalibration:
         pandas.DataFrame
             See `grainfit.work_folder.run_table.runs_table`; ``attrs["units"]`` has the units of the
             problem too.
-        """
-        # The state of a calibration is shown without waiting for pandas.
-        from grainfit.work_folder.run_table import runs_table
 
+        Raises
+        ------
+        InputError
+            pandas is not installed.
+        """
         table = runs_table(self.records.values())
         units = {name: self.units[name] for name in table.columns if name in self.units}
         targets = {target.name: target.unit for target in self.problem.targets if target.unit}

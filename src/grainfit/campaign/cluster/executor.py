@@ -15,8 +15,8 @@ from pathlib import Path
 
 from grainfit.campaign.cluster.options import SCHEDULERS, ClusterOptions
 from grainfit.errors import GrainfitError
+from grainfit.extras import how_to_install
 
-_INSTALL = 'Install it with: pip install "grainfit[parsl]"'
 #: The path of the work folder is part of the job script, which a shell reads.
 _SAFE_PATH = re.compile(r"[A-Za-z0-9_./+@,:=-]+")
 
@@ -83,7 +83,9 @@ def cluster_executor(options: ClusterOptions, folder: Path) -> Iterator[Executor
             "have such a path. Choose one of letters (a to z), digits and _ . - with --workdir."
         )
     if importlib.util.find_spec("parsl") is None:
-        raise GrainfitError(f"runs on a cluster need Parsl, which is not installed. {_INSTALL}")
+        raise GrainfitError(
+            f"runs on a cluster need Parsl, which is not installed. {how_to_install('parsl')}"
+        )
     from grainfit.campaign.cluster.parsl_executor import jobs_of
 
     with jobs_of(options, folder / "parsl") as executor:

@@ -35,6 +35,7 @@ from grainfit.campaign.store.schema import calibrations as _calibrations
 from grainfit.campaign.store.schema import requests as _requests
 from grainfit.campaign.store.schema import runs as _runs
 from grainfit.errors import Fault, StoreError, StoreUnreachableError
+from grainfit.extras import how_to_install
 
 if TYPE_CHECKING:
     from grainfit.campaign.store.postgresql import Connector
@@ -156,8 +157,8 @@ class RunStore:
             return sql.create_engine(self._address.url, **options)
         except ImportError as error:
             raise StoreError(
-                f"the run store {self._where} needs the Python package {error.name}. "
-                "For PostgreSQL: pip install 'grainfit[postgresql]'."
+                f"the run store {self._where} needs the Python package {error.name}, which is "
+                f"not installed. For PostgreSQL: {how_to_install('postgresql')}"
             ) from error
         except (ArgumentError, TypeError, ValueError) as error:
             raise self._unusable(error, "Check its address.") from None

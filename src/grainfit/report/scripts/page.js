@@ -6,6 +6,7 @@
 //   grainfitDraw(element, figure)   draw {data, layout} there in the page's theme, again if need be
 //   grainfitTheme()                 colours of now by the names of the CSS variables
 //   grainfitPlotly()                Plotly, loaded when it is first needed
+//   grainfitScrolls(element)        let the keyboard reach what scrolls in an element
 //   event "grainfit:drawn"          on an element whose figure was drawn for the first time (bubbles)
 //   event "grainfit:theme"          on the document, when the colours have changed
 (() => {
@@ -366,4 +367,31 @@
       hide();
     }
   });
+
+  // --- Wide tables and long lines: stops of the keyboard while they scroll -----------------------
+
+  const SCROLLING = ".table-wrap:not([tabindex]), pre:not([tabindex])";
+  const reach = (element) => {
+    const scrolls =
+      element.scrollWidth > element.clientWidth || element.scrollHeight > element.clientHeight;
+    if (!scrolls) {
+      ["tabindex", "role", "aria-label"].forEach((name) => element.removeAttribute(name));
+      return;
+    }
+    const caption = element.querySelector("caption")?.textContent;
+    const words = caption ?? (element.matches("pre") ? "Text" : "Table");
+    element.tabIndex = 0;
+    element.setAttribute("role", "group");
+    element.setAttribute("aria-label", `${words}, scrolls`);
+  };
+  const resized = new ResizeObserver((entries) => {
+    new Set(entries.map(({ target }) => target.closest("[data-scrolls]"))).forEach(reach);
+  });
+  window.grainfitScrolls = (part) => {
+    for (const element of part.querySelectorAll(SCROLLING)) {
+      element.dataset.scrolls = "";
+      [element, ...element.children].forEach((one) => resized.observe(one));
+    }
+  };
+  window.grainfitScrolls(document);
 })();

@@ -46,6 +46,12 @@
   const translucent = (colour, share) =>
     `rgba(${[1, 3, 5].map((at) => Number.parseInt(colour.slice(at, at + 2), 16)).join(",")},${share})`;
 
+  // A picture without words would say nothing: it is one from when it has them.
+  const describe = (element, words) => {
+    element.setAttribute("role", "img");
+    element.setAttribute("aria-label", words);
+  };
+
   class Surfaces {
     constructor(place, data, { runs, symbols }) {
       this.place = place;
@@ -166,8 +172,8 @@
       const shown = this.responses[response];
       const view = { response, across, up, means: new Map(), agreement: null, deviations: null };
       this.title("surface", `${shown.words} over ${x.words} and ${y.words}`);
-      this.surface.setAttribute(
-        "aria-label",
+      describe(
+        this.surface,
         `Contours of the expected ${shown.name} over ${x.name} (across) and ${y.name} (upwards), ` +
           "with the target band, the region that agrees with all measurements, and the runs.",
       );
@@ -418,7 +424,7 @@
       const range = this.sliceRange(response, along.flat());
       for (const [j, element] of this.slices.entries()) {
         const { name } = this.parameters[j];
-        element.setAttribute("aria-label", `Expected ${shown.name} along ${name}, with runs.`);
+        describe(element, `Expected ${shown.name} along ${name}, with runs.`);
         this.redraw[j + 1] = () => this.drawSlice(element, response, j, along[j], range);
         this.redraw[j + 1]();
         yield;

