@@ -109,7 +109,11 @@ def animate(
     """
     folders = run_folders(setup.solvers, evaluation, workdir)
     sources = dict(folders)
-    without = [test for test in folders if _needs_film(setup, test, folders[test], frames)]
+    without = [
+        test
+        for test, folder in folders.items()
+        if _needs_film(setup, evaluation, test, folder, frames)
+    ]
     again = workdir.absolute() / _AGAIN
     if without:
         solvers = {
@@ -126,14 +130,16 @@ def animate(
     shutil.rmtree(again, ignore_errors=True)
 
 
-def _needs_film(setup: CalibrationSetup, test: str, folder: Path, frames: int) -> bool:
+def _needs_film(
+    setup: CalibrationSetup, evaluation: Evaluation, test: str, folder: Path, frames: int
+) -> bool:
     if setup.solvers[name_of_test(test)].bulk_test is None:
         return False
     try:
         film = Film(folder / FILM)
     except NotMeasurableError:
-        # The run is known from before, or its files were removed.
-        return True
+        # A run that was made now, and has none, did not come to its simulation.
+        return evaluation.reused > 0
     return len(film.steps) < _SHARE * frames
 
 
