@@ -38,6 +38,7 @@ FLOORS: tuple[tuple[str, ...], ...] = (
     ("cards", "plots"),
     ("report",),
     ("opened", "preview", "watch"),
+    ("animation",),
     ("cli",),
 )
 #: Rooms that nothing imports, and that may import everything.

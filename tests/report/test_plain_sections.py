@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import base64
+import json
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -17,6 +19,7 @@ from contexts import result_of
 from PIL import Image
 
 import grainfit
+from benchmarks import chromium
 from grainfit.analysis import Analysis
 from grainfit.bulk_tests.heap import Heap
 from grainfit.bulk_tests.registry import BUILT_IN
@@ -27,6 +30,7 @@ from grainfit.formatting import number, rounded
 from grainfit.materials.sizes import ParticleSizes
 from grainfit.measurement.drawing import simplified
 from grainfit.metamodels.outliers import Outliers
+from grainfit.report import page as report_page
 from grainfit.report.section import ReportContext, Section
 from grainfit.report.sections.answer.section import answer, verdict
 from grainfit.report.sections.convergence.section import convergence
@@ -417,7 +421,69 @@ def test_the_heap_is_that_of_a_typical_verification_run(heaps: ReportContext) ->
     strip = re.findall(r"<figcaption><strong>([\d.]+)°", str(section.html))
     assert strip == ["15", "21.8", "30"]
     assert len(section.html) < 60_000
+    # In three dimensions, all at one scale, and small.
+    drawn = [
+        section.data[key] for key in re.findall(r'data-particles="([^"]+-run-\d)"', section.html)
+    ]
+    assert len(drawn) == 3
+    assert len({json.dumps(one["extent"]) for one in drawn}) == 1
+    radii = {np.frombuffer(base64.b64decode(one["particles"]), "<i2")[3] for one in drawn}
+    assert len(radii) == 1
+    tops = [np.frombuffer(base64.b64decode(one["particles"]), "<i2")[2::4].max() for one in drawn]
+    assert tops == sorted(tops)
+    assert max(tops) + radii.pop() == drawn[0]["extent"]["top"]
+    assert tops[0] < 0.7 * tops[2]
     assert section.data["particles-1"]["outlines"][0][0][0] > 0
+
+
+#: Width of each drawing of the strip, and a mark of its picture; 0 for one that is not shown.
+STRIP = """() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(() => done(
+    [...document.querySelectorAll(".strip canvas")].map((canvas) => [
+        canvas.clientWidth, canvas.clientWidth && canvas.toDataURL(),
+    ])))))"""
+
+
+@pytest.mark.skipif(chromium.EXECUTABLE is None, reason="Chromium is not installed")
+def test_the_corners_stand_side_by_side_in_three_dimensions(
+    heaps: ReportContext, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(report_page, "SECTIONS", (particles,))
+    path = tmp_path / "report.html"
+    path.write_text(report_page.render_page(heaps))
+    with chromium.browser() as browser:
+        page = browser.new_page(viewport={"width": 1366, "height": 900})
+        page.goto(path.as_uri())
+        silhouettes, canvases = page.locator(".strip .silhouette"), page.locator(".strip canvas")
+        button = page.get_by_role("button", name="in 3-D")
+        assert silhouettes.count() == canvases.count() == 3
+        # Nothing is drawn before it is asked for: a canvas begins 300 pixels wide.
+        assert not any(width for width, _ in page.evaluate(STRIP))
+        assert canvases.nth(0).evaluate("one => one.width") == 300
+
+        button.click()
+        page.wait_for_function(
+            "[...document.querySelectorAll('.strip canvas')].every((one) => one.width !== 300)"
+        )
+        assert button.get_attribute("aria-pressed") == "true"
+        assert not silhouettes.nth(0).is_visible()
+        before = page.evaluate(STRIP)
+        assert len({picture for _, picture in before}) == 3
+        # One stop of the keyboard, and turning one turns all.
+        assert canvases.evaluate_all("all => all.map((one) => one.tabIndex)") == [0, -1, -1]
+        canvases.nth(0).focus()
+        page.keyboard.press("ArrowRight")
+        turned = page.evaluate(STRIP)
+        assert all(one != other for one, other in zip(before, turned, strict=True))
+        assert canvases.nth(0).evaluate("one => one === document.activeElement")
+
+        # On paper they are silhouettes.
+        page.evaluate("dispatchEvent(new Event('beforeprint'))")
+        assert silhouettes.nth(0).is_visible()
+        assert not canvases.nth(0).is_visible()
+        page.evaluate("dispatchEvent(new Event('afterprint'))")
+        button.click()
+        assert silhouettes.nth(0).is_visible()
+        assert not canvases.nth(0).is_visible()
 
 
 def test_the_drawn_outline_is_that_of_the_heap(heaps: ReportContext) -> None:

@@ -55,6 +55,7 @@ from grainfit.strategies.registry import strategies
 
 if TYPE_CHECKING:
     from grainfit.calibration_file.build import CalibrationSetup
+    from grainfit.evaluation import Evaluation
     from grainfit.result import Result
 
 EXIT_CODES = {
@@ -65,6 +66,8 @@ EXIT_CODES = {
     "interrupted": 130,
 }
 _BAD_INPUT = 1
+#: Frames of an animation.
+_FRAMES = 60
 #: Base of what Typer raises for an unknown command, option or value.
 _WRONG_USAGE: Any = typer.BadParameter.__base__
 
@@ -481,6 +484,24 @@ def simulate(
             + shown_default("the file's name with .simulated, here"),
         ),
     ] = None,
+    animated: Annotated[
+        bool,
+        typer.Option(
+            "--animate",
+            help="Write a page beside each run that plays it in three dimensions, with the walls "
+            "where they are. Also of a run that fails: it shows why.",
+        ),
+    ] = False,
+    frames: Annotated[
+        int | None,
+        typer.Option(
+            metavar="N",
+            min=2,
+            max=1000,
+            help="Largest number of frames of --animate. " + shown_default("60"),
+            show_default=False,
+        ),
+    ] = None,
 ) -> None:
     """Simulate every test once and show its responses and its folder.
 
@@ -488,15 +509,30 @@ def simulate(
     the tolerances. Finished runs are kept: stop it with Ctrl-C, start it again, also with more
     seeds, and only what is missing is simulated.
 
+    With --animate, watch what a test does: animation.html in the folder of the run opens in any
+    browser, without network. The run is the same, to the last digit of its responses; one that was
+    simulated before without frames is simulated again, and stays as it is.
+
     Free parameters that are not set take the middle of their interval.
 
-    [bold]Example:[/bold]  grainfit simulate beads.toml --repeat 20
+    [bold]Examples:[/bold]  grainfit simulate beads.toml --repeat 20
+    grainfit simulate beads.toml --set particle.density=2300 --animate
     """
     from grainfit.campaign.batch import run_folders
     from grainfit.campaign.work_folder import simulations_folder
     from grainfit.work_folder.repeat_runs import repeat_runs
 
     setup = _build(file)
+    if frames is not None and not animated:
+        raise InputError(Fault("", "--frames is for --animate.", "Give both, or none."))
+    if animated and repeat > 1:
+        remedy = "Choose the run with --seed instead."
+        raise InputError(Fault("", "--animate shows one run, not --repeat of them.", remedy))
+    frames = frames or _FRAMES
+    if animated:
+        from grainfit.animation.animation import filming
+
+        setup = filming(setup, frames)
     with simulating() as report:
         runs = repeat_runs(
             setup,
@@ -513,8 +549,23 @@ def simulate(
         [evaluation] = runs.evaluations
         folder = workdir or simulations_folder(file)
         show.print_run(_out, evaluation, run_folders(setup.solvers, evaluation, folder))
+        if animated:
+            _animate(setup, evaluation, folder, frames)
     if runs.failures:
         raise typer.Exit(_BAD_INPUT)
+
+
+def _animate(setup: CalibrationSetup, evaluation: Evaluation, folder: Path, frames: int) -> None:
+    """Write the pages of the runs of a command, and say where they are."""
+    from grainfit.animation.animation import animate
+
+    def say(tests: list[str]) -> None:
+        words = f"Simulating {', '.join(tests)} again: the stored run has too few frames or none."
+        _remarks.print(words, highlight=False, markup=False)
+
+    with simulating("animation"):
+        for animation in animate(setup, evaluation, folder, frames, say):
+            show.print_animation(_out, animation)
 
 
 @app.command()

@@ -17,6 +17,7 @@ from grainfit.evaluation import Curve, Measured, curves, scalars
 from grainfit.formatting import duration, plain, probability
 
 if TYPE_CHECKING:
+    from grainfit.animation.animation import Animation
     from grainfit.calibration_file.plan import Plan
     from grainfit.curve_target import CurveTarget
     from grainfit.evaluation import Evaluation
@@ -214,6 +215,16 @@ def print_run(console: Console, evaluation: Evaluation, folders: Mapping[str, Pa
     console.print(f"Wall time: {words}", highlight=False)
     for folder in folders.values():
         console.print(f"Run folder: {folder}", highlight=False, markup=False, soft_wrap=True)
+
+
+def print_animation(console: Console, animation: Animation) -> None:
+    """Print where the animation of a run is, or why there is none."""
+    if animation.path is None:
+        console.print(_text(f"No animation of {animation.test}: {animation.problem}."))
+        return
+    about = f"{animation.frames} frames, {animation.size / 1e6:.1f} MB"
+    words = f"Animation: {animation.path} ({about})"
+    console.print(words, highlight=False, markup=False, soft_wrap=True)
 
 
 def print_parts(console: Console, parts: Sequence[str | TextTable]) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Literal
 
 import numpy as np
@@ -92,6 +92,8 @@ class Geometry:
         Glued sets.
     each : int
         Number of spheres of each loose particle.
+    shift : ndarray of shape (3,)
+        By which it was moved, m.
     """
 
     positions: Array
@@ -100,6 +102,7 @@ class Geometry:
     not_drawn: tuple[str, ...]
     glued: tuple[DrawnGlued, ...] = ()
     each: int = 1
+    shift: Array = field(default_factory=lambda: np.zeros(3))
 
     @property
     def spheres(self) -> list[tuple[Array, Array, State | None]]:
@@ -261,4 +264,10 @@ def _centred(geometry: Geometry) -> Geometry:
         replace(body, positions=body.positions + shift, arrows=body.arrows + shift)
         for body in geometry.glued
     )
-    return replace(geometry, positions=geometry.positions + shift, walls=walls, glued=glued)
+    return replace(
+        geometry,
+        positions=geometry.positions + shift,
+        walls=walls,
+        glued=glued,
+        shift=geometry.shift + shift,
+    )

@@ -2,24 +2,21 @@
 
 from __future__ import annotations
 
-import base64
 from collections.abc import Iterator, Mapping, Sequence
 from importlib.metadata import version
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from grainfit.formatting import counted, in_a_row, plain
 from grainfit.preview.geometry import Geometry, State
 from grainfit.preview.picture import COLOURS
 from grainfit.preview.previewed_test import PreviewedTest
 from grainfit.preview.words import box_words, stage_words, wall_words
+from grainfit.report.packing import LARGEST, packed
 from grainfit.report.page import element_text, page_part
 from grainfit.report.rendering import render, script_json
 
-#: Positions are whole numbers up to this one.
-_STEPS = 32_000
 #: Particles above this number are left out of the drawing, evenly.
 _MOST_PARTICLES = 20_000
 _STATES: Mapping[State, str] = {"still": "stand still", "moving": "move", "later": "put later"}
@@ -87,22 +84,22 @@ def _walls(test: PreviewedTest) -> Iterator[tuple[str, str]]:
 
 def _scene(geometry: Geometry) -> dict[str, Any]:
     """Data of the drawing in three dimensions: lengths as small whole numbers."""
-    step = float(np.abs(geometry.corners).max()) / _STEPS
+    step = float(np.abs(geometry.corners).max()) / LARGEST
     table = np.column_stack([geometry.positions, geometry.radii])
     every = -(-len(table) // (_MOST_PARTICLES * geometry.each))
     shown = table.reshape(-1, geometry.each, 4)[::every].reshape(-1, 4)
     return {
-        "particles": _packed(shown / step),
+        "particles": packed(shown / step),
         "outlines": [
             np.round(edge / step).tolist() for wall in geometry.walls for edge in wall.edges
         ],
         "walls": [
-            {"triangles": _packed(wall.triangles / step), "colour": COLOURS[wall.state]}
+            {"triangles": packed(wall.triangles / step), "colour": COLOURS[wall.state]}
             for wall in geometry.walls
         ],
         "glued": [
             {
-                "particles": _packed(np.column_stack([body.positions, body.radii]) / step),
+                "particles": packed(np.column_stack([body.positions, body.radii]) / step),
                 "colour": COLOURS[body.state],
             }
             for body in geometry.glued
@@ -111,7 +108,3 @@ def _scene(geometry: Geometry) -> dict[str, Any]:
             [*np.round(arrow / step).tolist(), COLOURS["moving"]] for arrow in geometry.arrows
         ],
     }
-
-
-def _packed(values: NDArray[np.float64]) -> str:
-    return base64.b64encode(np.round(values).astype("<i2").tobytes()).decode("ascii")

@@ -109,6 +109,14 @@ class RunOutput:
         except (ValueError, IndexError) as error:
             raise NotMeasurableError(f"{path}: is damaged ({error}).") from error
 
+    @property
+    def ends(self) -> tuple[StageEnd, ...]:
+        """Ends of the stages, in order; none when they cannot be read."""
+        try:
+            return self.stages
+        except NotMeasurableError:
+            return ()
+
     def snapshot(self, name: str, glued: int = 0) -> Particles:
         """Read the particles of a snapshot.
 

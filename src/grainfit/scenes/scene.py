@@ -250,6 +250,9 @@ class Scene:
         Rigid bodies of glued particles, by name (one word, and no wall's).
     contact_models : tuple of str
         Contact models that replace the usual ones of their kind.
+    film_interval : float, optional
+        Simulated time between two frames of all particles through all stages, s, which change
+        nothing of the run; none by default. See `grainfit.scenes.film`.
     """
 
     title: str
@@ -267,6 +270,7 @@ class Scene:
     typical_load: float = TYPICAL_LOAD
     glued: Mapping[str, Glued] = field(default_factory=dict)
     contact_models: tuple[str, ...] = ()
+    film_interval: float | None = None
 
     def __post_init__(self) -> None:
         """Raise `InputError` if a deck would misread a name, or what a stage names is not there."""

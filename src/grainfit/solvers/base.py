@@ -18,7 +18,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Self
 
 from grainfit.bulk_tests.run_cost import RunCost
 from grainfit.errors import Fault
@@ -79,6 +79,21 @@ class Solver(ABC):
     def bulk_test(self) -> BulkTest | None:
         """The bulk test that it simulates; None for a model of the user."""
         return None
+
+    def filming(self, frames: int, duration: float | None = None) -> Self:
+        """Return the solver such that its runs keep frames of the particles; they are the same.
+
+        A model of the user keeps none.
+
+        Parameters
+        ----------
+        frames : int
+            About how many frames a run is to be shown with; it keeps more.
+        duration : float, optional
+            Simulated time of the run, s, where it is known.
+        """
+        del frames, duration
+        return self
 
     @property
     def walls(self) -> Mapping[str, str]:

@@ -33,6 +33,7 @@ from grainfit.contact_models.registry import CONTACT_MODELS
 from grainfit.errors import InputError, RunFailedError
 from grainfit.materials.sizes import ParticleSizes
 from grainfit.scenes.conditions import AtRest, Clear, Elapsed, Loaded
+from grainfit.scenes.film import FILM, Film
 from grainfit.scenes.packing import Column, Rectangle, random_column
 from grainfit.scenes.records import (
     Force,
@@ -894,6 +895,33 @@ class SceneContract(SimulatedScenes):
             for frame, time in zip(frames, times, strict=True):
                 heights = np.array([0.1, 0.15]) - GRAVITY * time**2 / 2
                 assert frame.particles.positions[:, 2] == pytest.approx(heights, abs=2e-6)
+
+    def test_a_film_goes_through_all_stages_and_changes_nothing(self, run: Run) -> None:
+        stages = [
+            Stage("fall", Elapsed(0.05)),
+            Stage("on", Elapsed(0.03), strike_off=0.12),
+            settle(),
+        ]
+        particles = spheres([(0, 0, 0.1), (0.05, 0, 0.15)])
+        scene = scene_of(particles, FLOOR, stages, DAMPED)
+        plain, out = run(scene), run(replace(scene, film_interval=0.004))
+
+        assert out.stages == plain.stages
+        np.testing.assert_array_equal(
+            out.snapshot("rest").positions, plain.snapshot("rest").positions
+        )
+        film = Film(out.folder / FILM)
+        times = film.steps * scene.time_step
+        every = scene.steps(0.004) * scene.time_step
+        np.testing.assert_allclose(times, every * np.arange(len(times)), rtol=1e-9)
+        assert out.stages[-1].time - times[-1] < 0.004 + scene.time_step
+        for frame, time in zip(film.read(range(len(times))), times, strict=True):
+            is_struck_off = time > out.stages[0].time
+            assert len(frame.numbers) == (1 if is_struck_off else 2)
+            assert set(frame.glued) == {0}
+            if time < 0.1:
+                heights = np.array([0.1, 0.15])[: len(frame.numbers)] - GRAVITY * time**2 / 2
+                assert frame.positions[:, 2] == pytest.approx(heights, abs=2e-6)
 
     def test_energy_from_nowhere_fails_the_run(self, run: Run) -> None:
         # Grossly overlapping: they shoot apart.

@@ -10,7 +10,7 @@ from typing import Any
 from grainfit.bulk_tests.registry import class_of_test
 from grainfit.formatting import number, plain, unit_for_people, with_unit
 from grainfit.report.rendering import script_json
-from grainfit.report.sections.particles.section import scene_of
+from grainfit.report.sections.particles.drawn_scenes import scene_of
 from grainfit.report.sections.particles.shown_runs import (
     ShownRun,
     first_readable,

@@ -10,10 +10,11 @@ import subprocess
 import tempfile
 from abc import abstractmethod
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from copy import copy
 from dataclasses import replace
 from functools import cached_property, lru_cache
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Self
 
 from typing_extensions import override
 
@@ -45,6 +46,7 @@ from grainfit.evaluation import Measured
 from grainfit.files import log_tail, text_of
 from grainfit.materials.particle_shape import ASPECT_RATIO, aspect_ratio_faults
 from grainfit.materials.walls import plain_name, wall_of
+from grainfit.scenes.film import filmed
 from grainfit.scenes.run_output import RunOutput
 from grainfit.scenes.scene import Scene
 from grainfit.solvers.base import Solver, Workspace
@@ -122,6 +124,9 @@ class DeckSolver(Solver):
             raise InputError(faults)
         self.ranks = ranks
         self.executable = executable
+        #: Frames that a run is to be shown with, and its simulated time if that is known. No part
+        #: of the model: frames change nothing of a run.
+        self._film: tuple[int, float | None] | None = None
 
     @property
     @override
@@ -134,6 +139,13 @@ class DeckSolver(Solver):
     def bulk_test(self) -> BulkTest:
         """The bulk test that it simulates."""
         return self.test
+
+    @override
+    def filming(self, frames: int, duration: float | None = None) -> Self:
+        """Return the solver such that its runs keep frames of the particles, see `filmed`."""
+        solver = copy(self)
+        solver._film = (frames, duration)
+        return solver
 
     @property
     @override
@@ -217,12 +229,19 @@ class DeckSolver(Solver):
         for fault in self._material_faults(material):
             raise RunFailedError(str(fault))
         with recorded_faults(workspace):
-            run = self.simulate(self._scene(material, seed), workspace)
+            run = self.simulate(self._filmed(self._scene(material, seed), material), workspace)
             try:
                 return self.test.measure(run)
             except NotMeasurableError as error:
                 tail = log_tail(workspace.folder / self._own_log)
                 raise RunFailedError(str(error), tail, kind="evaluation") from error
+
+    def _filmed(self, scene: Scene, material: Mapping[str, float]) -> Scene:
+        if self._film is None:
+            return scene
+        frames, duration = self._film
+        expected = self.test.simulated_time(self._parts.material_of_test(material))
+        return filmed(scene, frames, duration or expected)
 
     def simulate(self, scene: Scene, workspace: Workspace) -> RunOutput:
         """Translate a scene, run the program, and return the output.

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from grainfit.scenes.conditions import AtRest, Clear, Elapsed, Loaded
+from grainfit.scenes.film import FILM
 from grainfit.scenes.records import Force, KineticEnergy, MassAbove, RadialForce, Recorded, Travel
 from grainfit.scenes.run_output import STAGES, STAGES_HEADER, series_file, snapshot_file
 from grainfit.scenes.scene import Load, Motion, Scene, Stage, Wall, load_on
@@ -19,6 +20,8 @@ from grainfit.solvers.dem.script_glued import COLUMN, LOOSE, GluedSets
 from grainfit.solvers.dem.script_words import command, continued, heading
 
 PARTICLES = "particles.data"
+#: Name of the dump of the whole run: one that no snapshot of a scene has.
+_FILM_DUMP = "film.of.run"
 _AXES = {"x": 0, "y": 1, "z": 2}
 
 
@@ -75,6 +78,7 @@ class ScriptDeck(SceneDeck):
         yield from self.first_walls()
         yield heading("motion, and what is looked at")
         yield from self.motion()
+        yield from self._film_run()
         for stage in self.scene.stages:
             yield from self.stage(stage)
         yield command("jump", "SELF end")
@@ -236,7 +240,7 @@ class ScriptDeck(SceneDeck):
         yield command("variable", "start equal ${now}")
         yield from self._start_motions(stage)
         yield from self._record(stage)
-        yield from self._film(stage)
+        yield from self._film_stage(stage)
         if stage.is_closed:
             yield command("variable", "expected equal ${remaining}")
         yield from self._until(stage)
@@ -403,14 +407,22 @@ class ScriptDeck(SceneDeck):
             [f'"{row}"', f'file {path} title "{title}" screen no'],
         )
 
-    def _film(self, stage: Stage) -> Iterator[str]:
+    def _film_stage(self, stage: Stage) -> Iterator[str]:
         """Write snapshots of the particles into one file while the stage goes on."""
-        if stage.frames is None:
-            return
-        name, every = stage.frames.name, self.scene.steps(stage.frames.every)
-        yield command(
-            "dump", f"{name} all custom {every} {snapshot_file(name)} {self.snapshot_columns}"
-        )
+        if stage.frames is not None:
+            name = stage.frames.name
+            yield from self._dump(name, snapshot_file(name), stage.frames.every)
+
+    def _film_run(self) -> Iterator[str]:
+        """Write the frames of the whole run."""
+        if self.scene.film_interval is not None:
+            yield heading("frames of all stages")
+            yield from self._dump(_FILM_DUMP, FILM, self.scene.film_interval)
+
+    def _dump(self, name: str, file: str, every: float) -> Iterator[str]:
+        """Write the particles into one file from now on, at an interval in s."""
+        steps = self.scene.steps(every)
+        yield command("dump", f"{name} all custom {steps} {file} {self.snapshot_columns}")
         yield command("dump_modify", f"{name} sort id")
 
     def _quantity(self, quantity: Recorded, name: str) -> Iterator[str]:

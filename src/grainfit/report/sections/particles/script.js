@@ -63,6 +63,32 @@
     pen.fill();
   };
 
+  // Several drawings may have one camera: turning one turns all.
+  const USUAL = { azimuth: 0.5, elevation: 0.35, zoom: 1 };
+  const makeCamera = (view) => ({ ...USUAL, ...view, redraws: new Set() });
+  // Place of a particle that is not there.
+  const GONE = -32768;
+
+  // Corners of a wall that has moved along an axis, or turned about it.
+  const movedCorners = (wall, corners, place) => {
+    const moved = corners.slice();
+    if (!wall.turns) {
+      for (let i = wall.axis; i < moved.length; i += 3) {
+        moved[i] += place;
+      }
+      return moved;
+    }
+    const [first, second] = [(wall.axis + 1) % 3, (wall.axis + 2) % 3];
+    const [cosine, sine] = [Math.cos(place), Math.sin(place)];
+    for (let i = 0; i < moved.length; i += 3) {
+      const u = corners[i + first] - wall.through[first];
+      const v = corners[i + second] - wall.through[second];
+      moved[i + first] = wall.through[first] + u * cosine - v * sine;
+      moved[i + second] = wall.through[second] + u * sine + v * cosine;
+    }
+    return moved;
+  };
+
   const show = (canvas, scene, view) => {
     const loose = unpack(scene.particles);
     const looseCount = loose.length / 4;
@@ -87,8 +113,14 @@
       top = i < looseCount ? Math.max(top, z + r) : top;
       reach = Math.max(reach, Math.hypot(x, y) + r);
     }
+    const shares = scene.shares && Uint8Array.from(atob(scene.shares), (s) => s.charCodeAt(0));
+    const binOf = (i, z) =>
+      Math.min(BINS - 1, Math.max(0, Math.floor((shares ? shares[i] / 255 : z / top) * BINS)));
     // Walls are one colour each, so that layers of them can be composed without seams.
-    const walls = (scene.walls ?? []).map((wall) => ({ ...wall, corners: unpack(wall.triangles) }));
+    const walls = (scene.walls ?? []).map((wall) => {
+      const [corners, edges] = [unpack(wall.triangles), unpack(wall.edges ?? "")];
+      return { ...wall, corners, edges, begin: { corners, edges }, isThere: true };
+    });
     for (const { corners } of walls) {
       for (let i = 0; i < corners.length; i += 3) {
         reach = Math.max(reach, Math.hypot(corners[i], corners[i + 1]));
@@ -96,13 +128,18 @@
     }
     const heights = walls.map(({ corners }) => corners.filter((_, i) => i % 3 === 2));
     const highest = (values) => values.reduce((most, value) => Math.max(most, value), 0);
-    const roof = Math.max(
+    let roof = Math.max(
       topOfAll,
       ...scene.outlines.flat().map(([, , z]) => z),
       ...heights.map((values) => highest(values)),
     );
-    const usual = { azimuth: 0.5, elevation: 0.35, zoom: 1 };
-    let camera = { ...usual, ...view };
+    // Half of the width and of the depth that a picture must show.
+    let [across, deep] = [reach, reach];
+    if (scene.extent) {
+      ({ across, deep, roof, top = top } = scene.extent);
+    }
+    const usual = { ...USUAL, ...scene.view };
+    const camera = view?.redraws ? view : makeCamera({ ...usual, ...view });
     let gluedSprites = null;
     let waiting = false;
 
@@ -117,12 +154,15 @@
         canvas.width = width;
         canvas.height = height;
       }
+      if (width === 0 || height === 0) {
+        return;
+      }
       const pen = canvas.getContext("2d");
       const theme = window.grainfitTheme();
       const [ca, sa] = [Math.cos(camera.azimuth), Math.sin(camera.azimuth)];
       const [ce, se] = [Math.cos(camera.elevation), Math.sin(camera.elevation)];
-      const tall = roof * ce + 2 * reach * se;
-      const zoom = camera.zoom * 0.94 * Math.min(width / (2 * reach), height / tall);
+      const tall = roof * ce + 2 * deep * se;
+      const zoom = camera.zoom * 0.94 * Math.min(width / (2 * across), height / tall);
       const middleX = width / 2;
       const middleY = height / 2 + (zoom * roof * ce) / 2;
       const place = (x, y, z) => [
@@ -140,8 +180,19 @@
         }
         pen.stroke();
       }
+      for (const { edges } of walls.filter(({ isThere }) => isThere)) {
+        for (let i = 0; i < edges.length; i += 6) {
+          pen.beginPath();
+          pen.moveTo(...place(...edges.subarray(i, i + 3)));
+          pen.lineTo(...place(...edges.subarray(i + 3, i + 6)));
+          pen.stroke();
+        }
+      }
       const depth = (x, y, z) => (y * ca - x * sa) * ce - z * se;
-      const middle = depth(0, 0, topOfAll / 2);
+      // Upright walls are before or behind the axis, level ones above or below the middle.
+      const middle = scene.extent ? roof / 2 : topOfAll / 2;
+      const isBefore = ([x, y, z], level) =>
+        (y * ca - x * sa) * (1 - level) - (z - middle) * level < 0;
       const layer = (isFront, alpha) => {
         if (walls.length === 0) {
           return;
@@ -150,7 +201,7 @@
         paper.width = width;
         paper.height = height;
         const brush = paper.getContext("2d");
-        const faces = walls.flatMap(({ corners, colour: rgb }) =>
+        const faces = walls.filter(({ isThere }) => isThere).flatMap(({ corners, colour: rgb }) =>
           Array.from({ length: corners.length / 9 }, (_, i) => {
             const [a, b, c] = [0, 3, 6].map((at) => corners.subarray(9 * i + at, 9 * i + at + 3));
             const away = (depth(...a) + depth(...b) + depth(...c)) / 3;
@@ -158,11 +209,14 @@
             const normal = [
               u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0],
             ];
-            const lit = Math.abs(-0.35 * normal[0] - 0.55 * normal[1] + 0.76 * normal[2]);
-            return { away, corners: [a, b, c], rgb, lit: lit / (Math.hypot(...normal) || 1) };
+            const length = Math.hypot(...normal) || 1;
+            const lit = Math.abs(-0.35 * normal[0] - 0.55 * normal[1] + 0.76 * normal[2]) / length;
+            const centre = [0, 1, 2].map((axis) => (a[axis] + b[axis] + c[axis]) / 3);
+            const before = isBefore(centre, Math.abs(normal[2]) / length);
+            return { away, corners: [a, b, c], rgb, lit, before };
           }),
         );
-        const shown = faces.filter(({ away }) => away < middle === isFront);
+        const shown = faces.filter(({ before }) => before === isFront);
         shown.sort((one, other) => other.away - one.away);
         for (const { corners, rgb, lit } of shown) {
           brush.fillStyle = brush.strokeStyle = shade(rgb, 0.75 + 0.45 * lit);
@@ -178,17 +232,18 @@
       };
       layer(false, 0.28);
       for (let i = 0; i < count; i += 1) {
-        const deep = table[4 * i + 1] * ca - table[4 * i] * sa;
-        away[i] = deep * ce - table[4 * i + 2] * se;
+        away[i] = depth(...table.subarray(4 * i, 4 * i + 3));
       }
       order.sort((a, b) => away[b] - away[a]);
       for (const i of order) {
         const [x, y, z, r] = table.subarray(4 * i, 4 * i + 4);
+        if (x === GONE) {
+          continue;
+        }
         const size = r * zoom;
-        const [across, down] = place(x, y, z);
-        const bin = Math.min(BINS - 1, Math.max(0, Math.floor((z / top) * BINS)));
-        const sprite = setOf[i] ? gluedSprites[setOf[i] - 1] : sprites[bin];
-        pen.drawImage(sprite, across - size, down - size, 2 * size, 2 * size);
+        const [column, row] = place(x, y, z);
+        const sprite = setOf[i] ? gluedSprites[setOf[i] - 1] : sprites[binOf(i, z)];
+        pen.drawImage(sprite, column - size, row - size, 2 * size, 2 * size);
       }
       layer(true, 0.28);
       for (const [start, end, rgb] of scene.arrows ?? []) {
@@ -201,15 +256,17 @@
         requestAnimationFrame(draw);
       }
     };
-    const turn = (right, up) => {
-      camera.azimuth -= right;
-      camera.elevation = Math.min(1.45, Math.max(0, camera.elevation + up));
-      redraw();
+    camera.redraws.add(redraw);
+    const look = (change) => {
+      Object.assign(camera, change);
+      camera.redraws.forEach((again) => again());
     };
-    const zoomBy = (factor) => {
-      camera.zoom = Math.min(8, Math.max(0.5, camera.zoom * factor));
-      redraw();
-    };
+    const turn = (right, up) =>
+      look({
+        azimuth: camera.azimuth - right,
+        elevation: Math.min(1.45, Math.max(0, camera.elevation + up)),
+      });
+    const zoomBy = (factor) => look({ zoom: Math.min(8, Math.max(0.5, camera.zoom * factor)) });
 
     let last = null;
     canvas.addEventListener("pointerdown", (event) => {
@@ -222,10 +279,7 @@
         last = [event.clientX, event.clientY];
       }
     });
-    canvas.addEventListener("dblclick", () => {
-      camera = { ...usual };
-      redraw();
-    });
+    canvas.addEventListener("dblclick", () => look(usual));
     canvas.addEventListener(
       "wheel",
       (event) => {
@@ -249,6 +303,8 @@
     canvas.addEventListener("keydown", (event) => {
       if (keys[event.key] && !event.ctrlKey && !event.altKey && !event.metaKey) {
         event.preventDefault();
+        // A row of equals would go on to its next.
+        event.stopPropagation();
         keys[event.key]();
       }
     });
@@ -261,16 +317,43 @@
       }
     };
     document.addEventListener("grainfit:theme", repaint);
-    draw.view = () => camera;
+    draw.view = () => {
+      const { azimuth, elevation, zoom } = camera;
+      return { azimuth, elevation, zoom };
+    };
+    // Another moment: places of the particles, three numbers each, and of the walls, null for one
+    // that is not there.
+    draw.move = (places, ofWalls) => {
+      for (let i = 0; i < count; i += 1) {
+        table.set(places.subarray(3 * i, 3 * i + 3), 4 * i);
+      }
+      walls.forEach((wall, i) => {
+        wall.isThere = ofWalls[i] !== null;
+        if (wall.isThere) {
+          wall.corners = movedCorners(wall, wall.begin.corners, ofWalls[i]);
+          wall.edges = movedCorners(wall, wall.begin.edges, ofWalls[i]);
+        }
+      });
+      redraw();
+    };
     return draw;
   };
   // For a page whose particles come in later: the view is that of the drawing before, if any.
   window.grainfitParticles = show;
+  window.grainfitUnpack = unpack;
 
   const shown = new Map();
+  const cameras = new Map();
+  const cameraOf = (canvas) => {
+    const name = canvas.dataset.camera;
+    if (name && !cameras.has(name)) {
+      cameras.set(name, makeCamera());
+    }
+    return cameras.get(name);
+  };
   const once = (canvas) => {
     if (!shown.has(canvas)) {
-      shown.set(canvas, show(canvas, scenes[canvas.dataset.particles]));
+      shown.set(canvas, show(canvas, scenes[canvas.dataset.particles], cameraOf(canvas)));
     }
   };
   const canvases = [...document.querySelectorAll("canvas[data-particles]")].filter(
@@ -288,8 +371,15 @@
     { rootMargin: "200px 0px" },
   );
   canvases.forEach((canvas) => watcher.observe(canvas));
+  for (const button of document.querySelectorAll("[data-strip]")) {
+    button.addEventListener("click", () => {
+      const isIn = document.getElementById(button.dataset.strip).classList.toggle("in-3d");
+      button.setAttribute("aria-pressed", isIn);
+    });
+  }
   addEventListener("beforeprint", () => {
-    canvases.forEach(once);
+    // Those that paper has: silhouettes are smaller than a strip of drawings.
+    canvases.filter((canvas) => canvas.clientWidth > 0).forEach(once);
     shown.forEach((draw) => draw());
   });
 })();

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import base64
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from statistics import fmean
@@ -14,31 +13,29 @@ from grainfit.bulk_tests.registry import bulk_tests, class_of_test
 from grainfit.bulk_tests.view import RunView
 from grainfit.formatting import in_a_row, number, plain, unit_for_people, with_unit
 from grainfit.measurement.drawing import Drawing
-from grainfit.measurement.particles import Particles
 from grainfit.plots.labels import Label
 from grainfit.problem import Target
 from grainfit.report.rendering import render
 from grainfit.report.section import ReportContext, Section
+from grainfit.report.sections.particles.drawn_scenes import scene_of, scenes_of_one_scale
 from grainfit.report.sections.particles.shown_runs import (
     ShownRun,
     at_corners,
     first_readable,
     picture,
     shown_runs,
-    visible,
 )
 
 #: Parameters whose corners are shown in the strip, and parameters that are named below each.
 _CORNERS = 2
 _NAMED = 3
-#: Positions are whole numbers up to this one.
-_STEPS = 32_000
 
 
 @dataclass(frozen=True)
 class StripRun:
     """A run of the strip: its silhouette, and the values of some parameters."""
 
+    key: str
     number: int
     value: str
     expected: str
@@ -73,13 +70,13 @@ def particles(context: ReportContext) -> Section:
     """Silhouette beside its target, the particles in three dimensions, and runs compared."""
     reading = context.reading
     tests = shown_runs(reading.evaluations, reading.records, reading.folder)
-    views, data = [], {}
+    views: list[SeenTest] = []
+    data: dict[str, Any] = {}
     for position, (test, runs) in enumerate(tests.items(), 1):
         key = f"particles-{position}"
-        view, scene = _view(context, key, test if len(tests) > 1 else "", runs)
+        view, scenes = _view(context, key, test if len(tests) > 1 else "", runs)
         views.append(view)
-        if scene is not None:
-            data[key] = scene
+        data.update(scenes)
     drawn = [name for name, test in bulk_tests().items() if test.shown is not None]
     nouns = dict.fromkeys(view.noun for view in views)
     html = render(
@@ -91,11 +88,11 @@ def particles(context: ReportContext) -> Section:
 
 def _view(
     context: ReportContext, key: str, title: str, runs: list[ShownRun]
-) -> tuple[SeenTest, dict[str, Any] | None]:
+) -> tuple[SeenTest, dict[str, Any]]:
     target = _target(context, runs)
     candidates, words = _candidates(context, runs, target)
     found = first_readable(candidates)
-    strip = _strip(context, runs, target)
+    strip, scenes = _strip(context, key, runs, target)
     seen = SeenTest(
         key=key,
         title=title,
@@ -116,10 +113,11 @@ def _view(
     )
     if found is None:
         images = (picture(run) for run in candidates[:5])
-        return replace(seen, picture=next((image for image in images if image), None)), None
+        return replace(seen, picture=next((image for image in images if image), None)), scenes
     run, view = found
     value = _with_unit([run], target, run.value, 3)
-    return replace(_with_particles(seen, run, view, target), value=value), scene_of(view)
+    shown = replace(_with_particles(seen, run, view, target), value=value)
+    return shown, {key: scene_of(view), **scenes}
 
 
 def _with_particles(
@@ -187,15 +185,18 @@ def _candidates(
     return runs[::-1], "The last run"
 
 
-def _strip(context: ReportContext, runs: list[ShownRun], target: Target | None) -> list[StripRun]:
+def _strip(
+    context: ReportContext, key: str, runs: list[ShownRun], target: Target | None
+) -> tuple[list[StripRun], dict[str, Any]]:
     names = _named(context, target)
     shown = at_corners(runs, context.reading.problem, names[:_CORNERS])
     strip = []
-    for run, view in shown:
+    for position, (run, view) in enumerate(shown, 1):
         mean = _mean_over_seeds(context, run, target)
         value = run.value if mean is None else mean
         strip.append(
             StripRun(
+                key=f"{key}-run-{position}",
                 number=run.number,
                 value=_with_unit([run], target, run.value, 3),
                 expected="" if mean is None else _with_unit([run], target, mean, 3),
@@ -204,7 +205,8 @@ def _strip(context: ReportContext, runs: list[ShownRun], target: Target | None) 
                 values=[_named_value(context, run, name) for name in names],
             )
         )
-    return strip
+    scenes = scenes_of_one_scale([view for _, view in shown])
+    return strip, dict(zip((run.key for run in strip), scenes, strict=True))
 
 
 def _mean_over_seeds(context: ReportContext, run: ShownRun, target: Target | None) -> float | None:
@@ -232,18 +234,6 @@ def _named(context: ReportContext, target: Target | None) -> list[str]:
     shares = np.asarray(sensitivity.total)[list(sensitivity.responses).index(target.name)]
     order = dict(zip(sensitivity.names, shares.tolist(), strict=True))
     return sorted(names, key=lambda name: -order.get(name, 0.0))[:_NAMED]
-
-
-def scene_of(view: RunView) -> dict[str, Any]:
-    """Return the data of a drawing in three dimensions: lengths as small whole numbers."""
-    shown: Particles = visible(view.particles)
-    table = np.column_stack([shown.positions, shown.radii])
-    step = float(np.abs(table).max()) / _STEPS
-    packed = np.round(table / step).astype("<i2")
-    return {
-        "particles": base64.b64encode(packed.tobytes()).decode("ascii"),
-        "outlines": [np.round(np.array(line) / step).tolist() for line in view.outlines()],
-    }
 
 
 def _length(metres: float) -> str:

@@ -70,9 +70,17 @@ class ShownRun:
         return RunOutput(self.folder).path_of(self.shown.particles).is_file()
 
 
-def visible(particles: Particles) -> Particles:
-    """Return the particles that can be seen from above and from the sides."""
-    if len(particles) <= _MOST_PARTICLES:
+def visible(particles: Particles, most: int = _MOST_PARTICLES) -> Particles:
+    """Return the particles that can be seen from above and from the sides.
+
+    Parameters
+    ----------
+    particles : Particles
+        All of them.
+    most : int
+        Up to this number, all are returned, and never more.
+    """
+    if len(particles) <= most:
         return particles
     cells = np.floor(particles.positions[:, :2] / particles.diameter).astype(np.int64)
     _, column = np.unique(cells, axis=0, return_inverse=True)
@@ -80,7 +88,7 @@ def visible(particles: Particles) -> Particles:
     np.maximum.at(tops, column.ravel(), particles.positions[:, 2])
     depth = tops[column.ravel()] - particles.positions[:, 2]
     shown = particles.select(depth < _SEEN_DEPTH * particles.diameter)
-    return shown.select(np.argsort(np.argsort(-shown.positions[:, 2])) < _MOST_PARTICLES)
+    return shown.select(np.argsort(np.argsort(-shown.positions[:, 2])) < most)
 
 
 def shown_runs(

@@ -15,6 +15,7 @@ from grainfit.contact_models.yade import YadeArgument, yade_law, yade_on_wall, y
 from grainfit.errors import Fault, InputError
 from grainfit.materials.clumps import Clump
 from grainfit.scenes.conditions import AtRest, Clear, Elapsed, Loaded
+from grainfit.scenes.film import FILM
 from grainfit.scenes.records import Force, MassAbove, RadialForce, Recorded, Travel
 from grainfit.scenes.run_output import STAGES_HEADER
 from grainfit.scenes.scene import Motion, Rotation, Stage, Velocity, Wall, load_on
@@ -125,6 +126,9 @@ class YadeSceneDeck(SceneDeck):
                 "law": ", ".join(f"{n}={v}" for n, v, _ in yade_law(self.law, contact)),
                 "rolling": list(self._rolling()),
                 "rolling_every": _ROLLING_EVERY,
+                "after_step": list(self._after_step()),
+                "film_every": self._film_steps,
+                "film_file": FILM,
                 "verlet_distance": self._verlet_distance(),
                 "stages_header": STAGES_HEADER,
                 "first_walls": first_walls,
@@ -158,6 +162,19 @@ class YadeSceneDeck(SceneDeck):
             attributes = yade_on_wall(self.law, contact)
             if attributes:
                 yield surface, attributes
+
+    def _after_step(self) -> Iterator[str]:
+        """Iterate over the functions that every stage calls after a step."""
+        if any(self._rolling()):
+            yield "set_rolling_friction_sometimes"
+        if self._film_steps:
+            yield "film"
+
+    @property
+    def _film_steps(self) -> int:
+        """Time steps between two frames of the whole run; 0 without any."""
+        interval = self.scene.film_interval
+        return 0 if interval is None else self.scene.steps(interval)
 
     def _wall_materials(self) -> Iterator[tuple[str, float, float]]:
         """Iterate over surface, Young's modulus and Poisson's ratio."""

@@ -1,0 +1,188 @@
+"""Animation of runs: simulate them with frames, and write a page for each."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from grainfit.animation.drawn_film import draw_film
+from grainfit.animation.page import AnimatedRun, animation_page
+from grainfit.calibration_file.build import CalibrationSetup
+from grainfit.campaign.batch import run_folders, simulate_batch
+from grainfit.campaign.campaign import CampaignOptions
+from grainfit.errors import Fault, InputError, NotMeasurableError, RunFailedError
+from grainfit.evaluation import Evaluation, name_of_test
+from grainfit.files import write_atomically
+from grainfit.scenes.film import FILM, Film
+from grainfit.scenes.run_output import RunOutput
+
+PAGE = "animation.html"
+#: Work folder of runs that are simulated again, within the work folder; gone at the end.
+_AGAIN = "filming"
+#: A film of fewer frames, over those that are asked for, is made again.
+_SHARE = 0.5
+
+
+@dataclass(frozen=True)
+class Animation:
+    """Page that shows a run.
+
+    Parameters
+    ----------
+    test : str
+        Name of the test.
+    path : Path, optional
+        The page; None if there is nothing to show.
+    frames : int
+        Number of frames.
+    size : int
+        Of the page, bytes.
+    problem : str
+        Why there is no page; empty if there is one.
+    """
+
+    test: str
+    path: Path | None
+    frames: int = 0
+    size: int = 0
+    problem: str = ""
+
+
+def filming(setup: CalibrationSetup, frames: int) -> CalibrationSetup:
+    """Return a calibration whose runs keep frames of the particles; they are the same runs.
+
+    Parameters
+    ----------
+    setup : CalibrationSetup
+        The calibration.
+    frames : int
+        About how many frames a page is to show.
+
+    Raises
+    ------
+    InputError
+        No test has a scene.
+    """
+    if not setup.bulk_tests:
+        message = "has no test that can be animated: all are models of your own."
+        remedy = "Only grainfit's own scenes tell where particles and walls are."
+        raise InputError(Fault("test", message, remedy), str(setup.file.path))
+    solvers = {name: solver.filming(frames) for name, solver in setup.solvers.items()}
+    return replace(setup, solvers=solvers)
+
+
+def animate(
+    setup: CalibrationSetup,
+    evaluation: Evaluation,
+    workdir: Path,
+    frames: int,
+    on_again: Callable[[list[str]], None] | None = None,
+) -> Iterator[Animation]:
+    """Write a page beside each run of an evaluation; simulate those again that kept no frames.
+
+    Parameters
+    ----------
+    setup : CalibrationSetup
+        The calibration, from `filming`.
+    evaluation : Evaluation
+        Runs of its tests, finished or failed.
+    workdir : Path
+        The work folder that keeps them.
+    frames : int
+        About how many frames a page shows.
+    on_again : callable, optional
+        Called with the tests whose runs are simulated again, before.
+
+    Yields
+    ------
+    Animation
+        For each test, in their order.
+
+    Raises
+    ------
+    InputError
+        A page cannot be written.
+    StoreError
+        The folder cannot be used.
+    """
+    folders = run_folders(setup.solvers, evaluation, workdir)
+    sources = dict(folders)
+    without = [
+        test
+        for test, folder in folders.items()
+        if _needs_film(setup, evaluation, test, folder, frames)
+    ]
+    again = workdir.absolute() / _AGAIN
+    if without:
+        solvers = {
+            test: setup.solvers[test].filming(frames, _duration(folders[test])) for test in without
+        }
+        options = CampaignOptions(len(solvers), setup.timeouts)
+        # Apart from the runs that are kept, which stay as they are whatever happens.
+        if on_again is not None:
+            on_again(without)
+        [made] = simulate_batch(solvers, [evaluation.proposal], again, options)
+        sources |= run_folders(solvers, made, again)
+    for test in evaluation.runs:
+        yield _animation(setup, evaluation, test, folders.get(test), sources.get(test), frames)
+    shutil.rmtree(again, ignore_errors=True)
+
+
+def _needs_film(
+    setup: CalibrationSetup, evaluation: Evaluation, test: str, folder: Path, frames: int
+) -> bool:
+    if setup.solvers[name_of_test(test)].bulk_test is None:
+        return False
+    try:
+        film = Film(folder / FILM)
+    except NotMeasurableError:
+        # A run that was made now, and has none, did not come to its simulation.
+        return evaluation.reused > 0
+    return len(film.steps) < _SHARE * frames
+
+
+def _duration(folder: Path) -> float | None:
+    """Return the simulated time of a run, s; None if it is not known."""
+    ends = RunOutput(folder).ends
+    return ends[-1].time if ends else None
+
+
+def _animation(
+    setup: CalibrationSetup,
+    evaluation: Evaluation,
+    test: str,
+    folder: Path | None,
+    source: Path | None,
+    frames: int,
+) -> Animation:
+    solver = setup.solvers[test]
+    if solver.bulk_test is None or folder is None or source is None:
+        return Animation(test, None, problem="a model of your own has no scene to draw")
+    proposal, run = evaluation.proposal, RunOutput(source)
+    try:
+        film = Film(source / FILM)
+        scene = solver.experiment(proposal.parameters, proposal.seed)
+        drawn = draw_film(scene, run, film, frames)
+    except (NotMeasurableError, RunFailedError) as error:
+        reason = evaluation.failures.get(test) or str(error)
+        return Animation(test, None, problem=f"there are no frames ({reason})")
+    about = AnimatedRun(
+        setup.name,
+        test,
+        solver.name,
+        proposal.seed,
+        proposal.parameters,
+        evaluation.failures.get(test, ""),
+    )
+    path = folder / PAGE
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        if source != folder:
+            shutil.move(source / FILM, folder / FILM)
+        write_atomically(path, animation_page(about, drawn))
+    except OSError as error:
+        message = f"{str(path)!r} cannot be written: {error.strerror or error}."
+        raise InputError(Fault("", message)) from error
+    return Animation(test, path, drawn.frames, path.stat().st_size)

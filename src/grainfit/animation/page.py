@@ -1,0 +1,136 @@
+"""Page of an animation: one file that works offline and holds everything that it shows."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from importlib.metadata import version
+from importlib.resources import files
+from typing import Any
+
+from jinja2 import Environment, PackageLoader, StrictUndefined
+
+from grainfit.animation.drawn_film import DrawnFilm
+from grainfit.formatting import counted, in_a_row, number, plain
+from grainfit.preview.picture import COLOURS
+from grainfit.preview.words import stage_words
+from grainfit.report.page import element_text, page_part
+from grainfit.report.rendering import script_json
+from grainfit.scenes.wall_travels import StageSpan
+
+_STATES: Mapping[str, str] = {"still": "stand still", "moving": "move", "later": "are put later"}
+#: Ends of stages in words.
+_OUTCOMES: Mapping[str, str] = {
+    "at_rest": "at rest",
+    "done": "done",
+    "restless": "did not come to rest",
+    "unloaded": "the load was not held",
+    "unstable": "became unstable",
+    "broken": "particles broke out",
+    "": "the run stopped here",
+}
+
+
+@dataclass(frozen=True)
+class AnimatedRun:
+    """A run that is shown.
+
+    Parameters
+    ----------
+    name, test, solver : str
+        Of the calibration, of the test, and of the program that simulated it.
+    seed : int
+        Insertion seed.
+    parameters : mapping of str to float
+        Values of the free parameters.
+    failure : str
+        Why the run failed; empty if it did not.
+    """
+
+    name: str
+    test: str
+    solver: str
+    seed: int
+    parameters: Mapping[str, float]
+    failure: str
+
+
+def animation_page(run: AnimatedRun, film: DrawnFilm) -> str:
+    """Return a page that needs no network.
+
+    Parameters
+    ----------
+    run : AnimatedRun
+        The run.
+    film : DrawnFilm
+        Its film.
+    """
+    environment = Environment(
+        loader=PackageLoader("grainfit.animation", ""),
+        undefined=StrictUndefined,
+        autoescape=True,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    styles = [
+        page_part("styles/report.css"),
+        page_part("sections/particles/style.css"),
+        _part("style.css"),
+    ]
+    scripts = [
+        page_part("scripts/page.js"),
+        page_part("sections/particles/script.js"),
+        _part("script.js"),
+    ]
+    page = environment.get_template("page.html.jinja").render(
+        name=plain(run.name),
+        run=run,
+        values=in_a_row(f"{key} = {value:.4g}" for key, value in run.parameters.items()),
+        failure=plain(run.failure),
+        version=version("grainfit"),
+        frames=counted(film.frames, "frame"),
+        particles=_particles(film),
+        stages=[_stage(span) for span in film.spans],
+        legend=[(_STATES[state], COLOURS[state]) for state in COLOURS if state in film.states],
+        bodies="Walls and glued particles" if film.data["glued"] else "Walls",
+        missing=[*_missing(film)],
+        data=script_json(film.data),
+        styles=[element_text(text) for text in styles],
+        scripts=[element_text(text) for text in scripts],
+    )
+    # Names of files may contain bytes that are not text; a page may not.
+    return page.encode("utf-8", errors="replace").decode("utf-8")
+
+
+def _part(file: str) -> str:
+    return (files("grainfit.animation") / file).read_text(encoding="utf-8")
+
+
+def _particles(film: DrawnFilm) -> str:
+    words = counted(film.particles, "particle")
+    return words if film.drawn >= film.particles else f"{words} ({film.drawn} of them are drawn)"
+
+
+def _stage(span: StageSpan) -> dict[str, Any]:
+    end = "" if math.isinf(span.end) else f" to {number(span.end, 3)}"
+    return {
+        "name": span.stage.name,
+        "remark": span.stage.remark,
+        "words": stage_words(span.stage),
+        "times": f"{number(span.begin, 3)}{end} s" if end else f"from {number(span.begin, 3)} s",
+        "outcome": _OUTCOMES.get(span.outcome, span.outcome),
+        "is_good": span.outcome in ("at_rest", "done"),
+    }
+
+
+def _missing(film: DrawnFilm) -> Iterator[str]:
+    if film.is_thinned:
+        yield f"Of so many particles there are {film.frames} frames only: the page stays small."
+    for name, stages in film.unknown.items():
+        yield (
+            f"The {name} is not drawn in {in_a_row(stages)}: a load moves it, and the scene does "
+            "not record its travel there."
+        )
+    if film.not_drawn:
+        yield f"Not drawn, because their shape is not known here: {in_a_row(film.not_drawn)}."
