@@ -515,8 +515,9 @@ def simulate(
 
     Free parameters that are not set take the middle of their interval.
 
-    [bold]Examples:[/bold]  grainfit simulate beads.toml --repeat 20
-    grainfit simulate beads.toml --set particle.density=2300 --animate
+    [bold]Example:[/bold]  grainfit simulate beads.toml --repeat 20
+
+    [bold]Example:[/bold]  grainfit simulate beads.toml --set particle.density=2300 --animate
     """
     from grainfit.campaign.batch import run_folders
     from grainfit.campaign.work_folder import simulations_folder
