@@ -21,6 +21,7 @@ from grainfit.calibration_file.content import CalibrationFile, SearchOptions, Te
 from grainfit.calibration_file.load import load_calibration_file
 from grainfit.calibration_file.same_simulation import same_simulation_notes
 from grainfit.calibration_file.size_notes import size_notes
+from grainfit.calibration_file.smooth_wall_notes import smooth_wall_notes
 from grainfit.calibration_file.solid_fraction_notes import solid_fraction_notes
 from grainfit.campaign.cluster.executor import cluster_executor, is_available
 from grainfit.campaign.cluster.options import ClusterOptions
@@ -142,7 +143,8 @@ class CalibrationSetup:
         They say which free parameters the tests will leave open, with tests to add, by how much
         soft particles raise the responses, whether the contact law is the same for all solvers and
         safe at the time step, which tests simulate the same, where particles are too few for their
-        sizes, and which bulk densities no solid fraction gives. ``grainfit check`` shows them.
+        sizes, which bulk densities no solid fraction gives, and which walls are too smooth for a
+        bed to come to rest. ``grainfit check`` shows them.
 
         Examples
         --------
@@ -163,6 +165,7 @@ class CalibrationSetup:
             *same_simulation_notes(self.file.tests),
             *size_notes(self.bulk_tests),
             *solid_fraction_notes(self.problem, self.bulk_tests, self.file.fixed),
+            *smooth_wall_notes(self.problem, self.bulk_tests, self.file.fixed),
         )
 
     def calibrate(

@@ -30,6 +30,10 @@ STAGES = "stages.csv"
 STAGES_HEADER = "stage,end,step,time,particles,kinetic_energy"
 _LOGS = ("log.lammps", "log.liggghts", "solver.log")
 _REMEDY = "a smaller time_step_fraction or more dissipative contacts may help"
+_REMEDY_OF_RESTLESS = (
+    "see what moves with 'grainfit simulate --animate'; more rolling friction of the walls, a "
+    "longer settling_time_limit, more dissipative contacts or a smaller time_step_fraction may help"
+)
 
 
 def series_file(stage: str) -> str:
@@ -201,7 +205,8 @@ class RunOutput:
         for stage in self.stages:
             reason = _what_went_wrong(stage, container)
             if reason:
-                raise RunFailedError(f"{reason}: {_REMEDY}", self.log_tail())
+                remedy = _REMEDY_OF_RESTLESS if stage.end == "restless" else _REMEDY
+                raise RunFailedError(f"{reason}: {remedy}", self.log_tail())
         return self.stages
 
     def require_complete(self, names: Sequence[str], container: str) -> tuple[StageEnd, ...]:

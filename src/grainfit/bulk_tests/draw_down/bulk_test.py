@@ -95,6 +95,8 @@ class DrawDown(BulkTest):
     shown: ClassVar[Shown | None] = Shown(
         "draw-down", "angle_of_repose", snapshot_file(END), _PICTURE
     )
+    #: At 0.005, beads roll off the shelf one by one for more than 7 s.
+    least_wall_rolling_friction: ClassVar[float] = 0.02
     responses: ClassVar[Mapping[str, ResponseInfo]] = {
         "bulk_density": ResponseInfo(
             "kg/m^3",
