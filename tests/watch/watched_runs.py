@@ -79,6 +79,8 @@ def run(file: Path, *options: str) -> Iterator[subprocess.Popen[str]]:
         if process.poll() is None:
             process.send_signal(signal.SIGTERM)
             process.communicate(timeout=60)
+        # Solvers of a killed one would wait without end.
+        go(file.parent)
 
 
 def address(file: Path) -> str:
