@@ -133,6 +133,8 @@ def main() -> None:
     parser.add_argument("--json", type=Path)
     options = parser.parse_args()
     cube = maximin_latin_hypercube(options.runs, options.parameters, 1)
+    # Packages are imported when they are first needed.
+    time_of_proposals(cube[:60], 1)
     times = time_of_proposals(cube, options.proposals)
     found = {"proposals": times, "report": time_of_report(cube)}
     print("proposals:", " ".join(f"{seconds:.2f}" for seconds in times), "s of processor time")

@@ -8,8 +8,10 @@ import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 import pytest
+import sqlalchemy as sql
 
 from grainfit.campaign import work_folder as workdir
 from grainfit.campaign.store.records import RequestRecord, RunRecord, RunStatus
@@ -61,6 +63,34 @@ def test_runs_under_way_are_forgotten_and_others_are_not(tmp_path: Path) -> None
     store.save(RunRecord("b", "heap", "finished", RUN))
     store.forget_running()
     assert store.identities() == {"b"}
+
+
+@pytest.mark.parametrize("query", ["INSERT", "SELECT", "COMMIT"])
+def test_an_interrupt_in_a_query_leaves_a_store_that_can_be_written(
+    tmp_path: Path, query: str
+) -> None:
+    store = RunStore.in_folder(tmp_path)
+    store.save(RunRecord("a", "heap", "finished", RUN))
+    waiting = [KeyboardInterrupt()]
+
+    def interrupt(_cursor: Any, statement: str, *_: Any) -> None:
+        if waiting and statement.startswith(query):
+            raise waiting.pop()
+
+    def interrupt_commit(connection: Any) -> None:
+        if waiting and query == "COMMIT":
+            connection.connection.invalidate()
+            raise waiting.pop()
+
+    sql.event.listen(store._engine, "do_execute", interrupt)
+    sql.event.listen(store._engine, "commit", interrupt_commit)
+    with pytest.raises(KeyboardInterrupt):
+        store.runs() if query == "SELECT" else store.save(RunRecord("b", "heap", "running", RUN))
+
+    store.save(RunRecord("c", "heap", "finished", RUN))
+    assert {run.identity for run in store.runs()} == {"a", "c"}
+    store.close()
+    assert not (tmp_path / "runs.sqlite-wal").exists()
 
 
 def test_a_calibration_started_again_lists_its_requests_once(tmp_path: Path) -> None:

@@ -462,7 +462,8 @@ def test_the_corners_stand_side_by_side_in_three_dimensions(
 
         button.click()
         page.wait_for_function(
-            "[...document.querySelectorAll('.strip canvas')].every((one) => one.width !== 300)"
+            "() => Array.from(document.querySelectorAll('.strip canvas'))"
+            ".every((one) => one.width !== 300)"
         )
         assert button.get_attribute("aria-pressed") == "true"
         assert not silhouettes.nth(0).is_visible()

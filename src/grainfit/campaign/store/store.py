@@ -126,6 +126,8 @@ class RunStore:
         #: The file in a work folder, and all that must not be removed while it is in use.
         self._path = path
         self._files: Sequence[_File] = ()
+        #: Of a work folder: open from the first query to the end.
+        self._held: sql.Connection | None = None
         self._version = SCHEMA_VERSION
         options: dict[str, Any] = {"pool_pre_ping": True, "json_deserializer": read_json}
         if self._address.url == sql.make_url("sqlite://"):
@@ -178,6 +180,7 @@ class RunStore:
         if path.exists() and not path.stat().st_size and log.exists() and log.stat().st_size:
             raise StoreError(f"the run store {path} is damaged: it is empty. {_RENEW}")
         store = cls(sql.URL.create("sqlite", database=str(path)), path=path)
+        store._hold_log()
         store._files = (_File(path), _File(log))
         return store
 
@@ -296,8 +299,20 @@ class RunStore:
         """Return the error of a store with unusable contents."""
         return StoreError(f"the run store {self._where} is damaged: {why}. {_RENEW}")
 
+    def _hold_log(self) -> None:
+        """Keep a connection that no query uses.
+
+        One that is interrupted in a query is closed, and SQLite removes the log with the last.
+        """
+        with self._reading():
+            self._held = self._engine.connect()
+            self._held.execute(sql.text("SELECT 1 FROM sqlite_master"))
+            self._held.rollback()
+
     def close(self) -> None:
         """Close all connections."""
+        if self._held is not None:
+            self._held.close()
         self._engine.dispose()
 
     def hurry(self) -> None:
