@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import grainfit as gf
 from grainfit.bulk_tests.draw_down import DrawDown
 from grainfit.bulk_tests.draw_down.surfaces import Surfaces
 from grainfit.bulk_tests.draw_down.view import DrawDownView
@@ -16,7 +17,10 @@ from grainfit.bulk_tests.shared.validity import (
     require_emptied,
     require_foot_on_floor,
 )
+from grainfit.calibration_file.starter import starter_file
+from grainfit.campaign.batch import simulate_once
 from grainfit.errors import InputError, NotMeasurableError, RunFailedError
+from grainfit.materials.starting_materials import read_starting_material
 from grainfit.measurement.height_map import HeightMap
 from grainfit.measurement.particles import Particles
 from grainfit.solvers.base import Workspace
@@ -129,6 +133,20 @@ def test_heap_on_a_floor_9_d_below_chokes_the_slot(tmp_path: Path) -> None:
         Lammps(test, ROUGH_SPHERES).run({}, 1, Workspace(tmp_path, 300.0))
     assert (tmp_path / "draw_down.png").stat().st_size > 10_000
     assert (tmp_path / "draw_down.vtk").is_file()
+
+
+@pytest.mark.slow
+def test_the_file_that_new_writes_gives_every_response(tmp_path: Path) -> None:
+    text = starter_file(["draw_down"], read_starting_material("glass_beads"))
+    # Soft and shallow, for time.
+    text = text.replace('youngs_modulus = "10 MPa"', 'youngs_modulus = "0.36 MPa"')
+    text = text.replace('solver = "lammps"', 'solver = "lammps"\ndepth = "50 mm"')
+    path = tmp_path / "beads.toml"
+    path.write_text(text, encoding="utf-8")
+    setup = gf.load(path)
+    evaluation, _ = simulate_once(setup.solvers, setup.values([]), 1, tmp_path / "work")
+    assert evaluation.failures == {}
+    assert set(evaluation.responses) == set(DrawDown.responses)
 
 
 def test_a_smooth_floor_is_lined_for_particles_that_would_roll_off() -> None:

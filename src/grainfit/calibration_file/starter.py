@@ -73,7 +73,7 @@ rolling_damping = 0.25                  # viscous rolling damping ratio
 
 [particle_wall]                         # contacts between particles and walls
 sliding_friction = 0.27
-rolling_friction = 0.005
+rolling_friction = 0.05                 # on smooth steel less; then beads roll on for seconds
 restitution = 0.82
 rolling_damping = 0.25
 
@@ -186,7 +186,7 @@ def _test(
     yield _with_remark(f'solver = "{solver}"', f"or {others}")
     yield "# Geometry and procedure, as in your laboratory. These defaults follow the diameter d."
     for key in test.option_keys():
-        yield from _option(key, material)
+        yield from _option(key, material, is_set=key.name in test.starter_options)
     for response, info in test.responses.items():
         target = _scaled(info.example, material)
         value = material.example_targets.get(response) if material else None
@@ -195,9 +195,9 @@ def _test(
         yield f"targets.{response} = {target}"
 
 
-def _option(key: Key, material: StartingMaterial | None) -> Iterator[str]:
-    """Iterate over the lines of an option: commented out, with its default and description."""
-    line = f"# {key.name} = {_scaled(key.example, material)}"
+def _option(key: Key, material: StartingMaterial | None, *, is_set: bool) -> Iterator[str]:
+    """Iterate over the lines of an option, commented out or set; with default and description."""
+    line = f"{'' if is_set else '# '}{key.name} = {_scaled(key.example, material)}"
     remark = f"{key.default}. {key.description}" if key.default else key.description
     whole = _with_remark(line, remark)
     if len(whole) <= _WIDTH:
