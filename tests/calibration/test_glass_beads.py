@@ -86,7 +86,9 @@ def test_glass_beads_are_calibrated_with_few_runs(
 
 
 def test_a_narrow_interval_is_recognised_as_out_of_reach(tmp_path: Path) -> None:
-    file = example(tmp_path, "narrow_interval.toml")
+    # A narrower cylinder takes half the time; its wall loosens the bed by a percent.
+    small = '"lammps"\\ncylinder_radius = "45 mm"'
+    file = example(tmp_path, "narrow_interval.toml", solver=small)
     file.write_text(file.read_text() + "\n[strategy]\nverification_runs = 3\n")
     done, result = calibrate(tmp_path, file, "--workers", "2")
     assert done.returncode == 3, done.stdout + done.stderr
@@ -100,8 +102,8 @@ def test_a_narrow_interval_is_recognised_as_out_of_reach(tmp_path: Path) -> None
         "particle.density",
         "max",
     )
-    assert miss["suggestion"] == pytest.approx(2340, abs=40)
-    assert result["responses"]["bulk_density"]["deviation_percent"] == pytest.approx(-5, abs=1)
+    assert miss["suggestion"] == pytest.approx(2360, abs=40)
+    assert result["responses"]["bulk_density"]["deviation_percent"] == pytest.approx(-5.7, abs=1)
     # Lines are wrapped to the width of the terminal.
     assert "particle.density.max = 2205" in " ".join(done.stdout.split())
 
