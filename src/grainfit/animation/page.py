@@ -5,17 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from importlib.metadata import version
-from importlib.resources import files
 from typing import Any
-
-from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from grainfit.animation.drawn_film import DrawnFilm
 from grainfit.formatting import counted, in_a_row, number, plain
 from grainfit.preview.picture import COLOURS
 from grainfit.preview.words import stage_words
-from grainfit.report.page import element_text, page_part
+from grainfit.report.package_page import package_page
 from grainfit.report.rendering import script_json
 from grainfit.scenes.wall_travels import StageSpan
 
@@ -66,29 +62,12 @@ def animation_page(run: AnimatedRun, film: DrawnFilm) -> str:
     film : DrawnFilm
         Its film.
     """
-    environment = Environment(
-        loader=PackageLoader("grainfit.animation", ""),
-        undefined=StrictUndefined,
-        autoescape=True,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
-    styles = [
-        page_part("styles/report.css"),
-        page_part("sections/particles/style.css"),
-        _part("style.css"),
-    ]
-    scripts = [
-        page_part("scripts/page.js"),
-        page_part("sections/particles/script.js"),
-        _part("script.js"),
-    ]
-    page = environment.get_template("page.html.jinja").render(
+    return package_page(
+        "grainfit.animation",
         name=plain(run.name),
         run=run,
         values=in_a_row(f"{key} = {value:.4g}" for key, value in run.parameters.items()),
         failure=plain(run.failure),
-        version=version("grainfit"),
         frames=counted(film.frames, "frame"),
         particles=_particles(film),
         stages=[_stage(span) for span in film.spans],
@@ -96,15 +75,7 @@ def animation_page(run: AnimatedRun, film: DrawnFilm) -> str:
         bodies="Walls and glued particles" if film.data["glued"] else "Walls",
         missing=[*_missing(film)],
         data=script_json(film.data),
-        styles=[element_text(text) for text in styles],
-        scripts=[element_text(text) for text in scripts],
     )
-    # Names of files may contain bytes that are not text; a page may not.
-    return page.encode("utf-8", errors="replace").decode("utf-8")
-
-
-def _part(file: str) -> str:
-    return (files("grainfit.animation") / file).read_text(encoding="utf-8")
 
 
 def _particles(film: DrawnFilm) -> str:

@@ -14,7 +14,7 @@ from grainfit.preview.picture import COLOURS
 from grainfit.preview.previewed_test import PreviewedTest
 from grainfit.preview.words import box_words, stage_words, wall_words
 from grainfit.report.packing import LARGEST, packed
-from grainfit.report.page import element_text, page_part
+from grainfit.report.page import element_text, page_part, valid_text
 from grainfit.report.rendering import render, script_json
 
 #: Particles above this number are left out of the drawing, evenly.
@@ -51,8 +51,7 @@ def preview_page(name: str, tests: Sequence[PreviewedTest], values: Mapping[str,
         styles=[element_text(text) for text in styles],
         scripts=[element_text(text) for text in scripts],
     )
-    # Names of files may contain bytes that are not text; a page may not.
-    return page.encode("utf-8", errors="replace").decode("utf-8")
+    return valid_text(page)
 
 
 def _described(key: str, test: PreviewedTest) -> dict[str, Any]:

@@ -92,8 +92,7 @@ def render_page(context: ReportContext) -> str:
         data=_data(sections),
         plotly=element_text(_plotly()) if figures else None,
     )
-    # Names of files may contain bytes that are not text; a page may not.
-    return page.encode("utf-8", errors="replace").decode("utf-8")
+    return valid_text(page)
 
 
 def _data(sections: list[Section]) -> dict[str, Markup]:
@@ -116,6 +115,11 @@ def _plotly() -> str:
 def page_part(file: str) -> str:
     """Return a style or script of the report, such as ``"scripts/page.js"``."""
     return (files("grainfit.report") / file).read_text(encoding="utf-8")
+
+
+def valid_text(page: str) -> str:
+    """Return a page as text that can be written: names of files may contain bytes that are none."""
+    return page.encode("utf-8", errors="replace").decode("utf-8")
 
 
 def element_text(text: str) -> Markup:

@@ -9,7 +9,7 @@ from functools import cache
 from typing import Any
 
 import numpy as np
-from jinja2 import ChoiceLoader, Environment, PackageLoader, StrictUndefined
+from jinja2 import BaseLoader, ChoiceLoader, Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
 from grainfit.formatting import counted, duration, number, plain, rounded
@@ -29,7 +29,7 @@ def render(template: str, **values: Any) -> Markup:
     **values
         Values of its variables.
     """
-    return Markup(_environment().get_template(f"{template}.html.jinja").render(values))
+    return Markup(_of_report().get_template(f"{template}.html.jinja").render(values))
 
 
 def script_json(value: Any, digits: int | None = None) -> Markup:
@@ -61,21 +61,28 @@ def _plain_data(value: Any, digits: int | None) -> Any:
 
 
 @cache
-def _environment() -> Environment:
-    environment = Environment(
-        loader=ChoiceLoader(
+def _of_report() -> Environment:
+    return environment(
+        ChoiceLoader(
             [PackageLoader("grainfit.report"), PackageLoader("grainfit.report", "sections")]
-        ),
+        )
+    )
+
+
+def environment(loader: BaseLoader) -> Environment:
+    """Return what fills in templates of pages, with the filters of the report."""
+    made = Environment(
+        loader=loader,
         undefined=StrictUndefined,
         autoescape=True,
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    environment.filters |= {
+    made.filters |= {
         "counted": counted,
         "number": number,
         "rounded": rounded,
         "plain": plain,
         "duration": duration,
     }
-    return environment
+    return made
