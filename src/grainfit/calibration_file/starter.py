@@ -23,9 +23,6 @@ _DIAMETER_OF_EXAMPLES = 10.0
 #: Powers of the diameter that quantities of a unit follow, with Froude's number kept.
 _POWERS = {"mm": 1.0, "s": 0.5, "m/s": 0.5, "rad/s": -0.5, "kg/s": 2.5}
 _QUANTITY = re.compile(rf'"([\d.]+) ({"|".join(_POWERS)})"')
-#: Programs that have no damping of rolling, and the line of a file that sets it.
-_WITHOUT_ROLLING_DAMPING = ("yade",)
-_ROLLING_DAMPING = re.compile(r"^rolling_damping = .*$", re.MULTILINE)
 
 _HEAD = """\
 # Calibration file of grainfit. It is valid as it is: change it, then
@@ -137,9 +134,10 @@ def starter_file(
 
 def _for_solver(sections: str, solver: str) -> str:
     """Return the sections of a material as a program takes them."""
-    if solver in _WITHOUT_ROLLING_DAMPING:
-        line = _with_remark("rolling_damping = 0", f"{solver} has none")
-        return _ROLLING_DAMPING.sub(line, sections)
+    for name in DEM_PROGRAMS[solver].absent_parameters:
+        key = name.rpartition(".")[2]
+        line = _with_remark(f"{key} = 0", f"{solver} has none")
+        sections = re.sub(rf"^{key} = .*$", line, sections, flags=re.MULTILINE)
     return sections
 
 

@@ -98,6 +98,8 @@ class DeckSolver(Solver):
     deck: ClassVar[type[SceneDeck]]
     #: Concepts of scenes that it does not have, with the reason and what to use instead.
     missing: ClassVar[Mapping[str, str]] = {}
+    #: Material parameters that can only be 0, because it has nothing of the kind.
+    absent_parameters: ClassVar[tuple[str, ...]] = ()
 
     def __init__(
         self,

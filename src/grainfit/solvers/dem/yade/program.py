@@ -17,7 +17,6 @@ from grainfit.solvers.dem.program import DeckSolver, program_help
 from grainfit.solvers.dem.yade.scene_deck import MISSING, YadeSceneDeck
 
 _INSTALL = "Install it with: apt-get install yade"
-_DAMPING = ("particle_particle.rolling_damping", "particle_wall.rolling_damping")
 
 
 class Yade(DeckSolver):
@@ -35,6 +34,10 @@ class Yade(DeckSolver):
     _install: ClassVar[str] = _INSTALL
     deck: ClassVar[type[SceneDeck]] = YadeSceneDeck
     missing: ClassVar[Mapping[str, str]] = MISSING
+    absent_parameters: ClassVar[tuple[str, ...]] = (
+        "particle_particle.rolling_damping",
+        "particle_wall.rolling_damping",
+    )
     #: The last line of a traceback.
     _error: ClassVar[re.Pattern[str]] = re.compile(r"\w*(Error|Exception)\b")
 
@@ -83,7 +86,7 @@ class Yade(DeckSolver):
 
 def _damping_faults(values: Iterable[tuple[str, float]]) -> Iterator[Fault]:
     for name, value in values:
-        if plain_name(name) in _DAMPING and value > 0:
+        if plain_name(name) in Yade.absent_parameters and value > 0:
             yield Fault(
                 name,
                 f"{value:g} is above 0, and YADE has no rolling damping.",
