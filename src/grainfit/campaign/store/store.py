@@ -262,9 +262,13 @@ class RunStore:
 
     @contextmanager
     def _connection(self, engine: sql.Engine) -> Iterator[sql.Connection]:
+        with self._named_errors(), engine.begin() as connection:
+            yield connection
+
+    @contextmanager
+    def _named_errors(self) -> Iterator[None]:
         try:
-            with engine.begin() as connection:
-                yield connection
+            yield
         except SQLAlchemyError as error:
             self._require_file()
             cause = getattr(error, "orig", None) or error
@@ -304,7 +308,7 @@ class RunStore:
 
         One that is interrupted in a query is closed, and SQLite removes the log with the last.
         """
-        with self._reading():
+        with self._named_errors():
             self._held = self._engine.connect()
             self._held.execute(sql.text("SELECT 1 FROM sqlite_master"))
             self._held.rollback()
