@@ -83,8 +83,8 @@ _STYLES: dict[str, dict[str, Any]] = {
 def _group(saved: SavedCalibration, run: Evaluation) -> str:
     if run.failures:
         return "failed"
-    known = [t for t in saved.problem.targets if t.name in run.responses]
-    met = all(abs(run.responses[t.name].value - t.value) <= t.tolerance for t in known)
+    known = [target for target in saved.problem.targets if target.name in run.responses]
+    met = all(target.is_met_by(run.responses[target.name].value) for target in known)
     return "meets every target by itself" if met and known else "misses a target"
 
 

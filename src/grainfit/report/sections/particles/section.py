@@ -200,7 +200,7 @@ def _strip(
                 number=run.number,
                 value=_with_unit([run], target, run.value, 3),
                 expected="" if mean is None else _with_unit([run], target, mean, 3),
-                met=target is not None and abs(value - target.value) <= target.tolerance,
+                met=target is not None and target.is_met_by(value),
                 drawing=view.drawing(),
                 values=[_named_value(context, run, name) for name in names],
             )
