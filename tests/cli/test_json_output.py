@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from sand_files import FILE
 
 DOCS = Path(__file__).parents[2] / "docs" / "command_line.md"
 
@@ -21,18 +22,6 @@ def drum(parameters, seed):
     if parameters["friction"] > 0.75:
         raise ValueError("the \\x1b[31mdrum broke")
     return {"angle": 20 + 40 * parameters["friction"] + random.Random(seed).gauss(0, 0.3)}
-"""
-
-FILE = """
-name = "sand"
-
-[parameters]
-friction = { min = 0.1, max = 0.9 }
-
-[[test]]
-type = "python"
-function = "model.py:drum"
-targets.angle = { value = 36, uncertainty = 0.4, unit = "deg" }
 """
 
 

@@ -11,6 +11,7 @@ from pathlib import Path
 import pyarrow.parquet
 import pytest
 from rich.console import Console
+from sand_files import MODEL
 from typer.testing import CliRunner, Result
 
 from grainfit.calibration.calibrate import calibrate
@@ -43,13 +44,6 @@ from grainfit.work_folder.saved_calibration import SavedCalibration
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 
-MODEL = """
-import random
-
-def drum(parameters, seed):
-    noise = random.Random(seed).gauss(0, 0.3)
-    return {"angle": 20 + 40 * parameters["friction"] + noise}
-"""
 
 FILE = """
 name = "sand"

@@ -9,6 +9,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from sand_files import FILE, MODEL
 
 EXTRAS = ("IPython", "arviz", "ipywidgets", "pandas", "parsl", "plotly", "psycopg", "pyarrow")
 #: Python runs it at its start, and takes these packages for not installed.
@@ -69,24 +70,6 @@ for use in (
     except gf.InputError as error:
         print(error)
 print(CliRunner().invoke(app, ["runs", "export", "sand.grainfit", "runs.parquet"]).exception)
-"""
-MODEL = """
-import random
-
-def drum(parameters, seed):
-    noise = random.Random(seed).gauss(0, 0.3)
-    return {"angle": 20 + 40 * parameters["friction"] + noise}
-"""
-FILE = """
-name = "sand"
-
-[parameters]
-friction = { min = 0.1, max = 0.9 }
-
-[[test]]
-type = "python"
-function = "model.py:drum"
-targets.angle = { value = 36, uncertainty = 0.4, unit = "deg" }
 """
 
 
