@@ -223,6 +223,15 @@ def test_the_command_writes_page_and_picture_of_a_scene_of_the_user(
     assert not re.search(r"https?://", text)
 
 
+def test_the_name_of_a_picture_is_that_of_the_picture(tmp_path: Path) -> None:
+    done = CliRunner().invoke(app, ["preview", str(BLADE), "-o", str(tmp_path / "blade.png")])
+
+    assert done.exit_code == 0, done.output
+    assert {path.name for path in tmp_path.iterdir()} == {"blade.html", "blade.png"}
+    with Image.open(tmp_path / "blade.png") as image:
+        assert image.size[0] > 800
+
+
 @pytest.mark.skipif(chromium.EXECUTABLE is None, reason="Chromium is not installed")
 def test_the_page_breaks_no_rule_of_accessibility(tmp_path: Path) -> None:
     file, page = tmp_path / "two.toml", tmp_path / "two.html"

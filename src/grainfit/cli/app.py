@@ -291,7 +291,7 @@ def preview(
             "--output",
             "-o",
             metavar="FILE.html",
-            help="The page; the picture is beside it. "
+            help="The page, or FILE.png for the picture; the other one is beside it. "
             + shown_default("the file's name with .preview.html, here"),
         ),
     ] = None,

@@ -92,7 +92,7 @@ def write_preview(
     Parameters
     ----------
     path : Path
-        The page to write.
+        The page to write; the name of a picture (.png) is that of the picture.
     name : str
         Name of the calibration.
     tests : sequence of PreviewedTest
@@ -105,6 +105,8 @@ def write_preview(
     InputError
         A file cannot be written.
     """
+    if path.suffix.lower() == ".png":
+        path = path.with_suffix(".html")
     picture = path.with_suffix(".png")
     try:
         write_atomically(path, preview_page(name, tests, values))
