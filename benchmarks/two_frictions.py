@@ -7,7 +7,11 @@ calibrations are kept in the file ``--kept``, runs of unfinished ones in the fol
 that the command can be stopped and started again.
 
     python benchmarks/two_frictions.py --kept two_frictions.jsonl [--materials 20]
-        [--tests heap+draw_down ...] [--processes 2] [--table]
+        [--tests heap+draw_down ...] [--processes 2] [--table] [--bound]
+
+``--bound`` simulates nothing: it prints the half-widths that the recorded sensitivities allow for
+the same materials, with the errors of the laboratory and of the mean of five runs of each test, and
+with those of the laboratory alone, as if runs cost nothing.
 """
 
 from __future__ import annotations
@@ -32,6 +36,7 @@ os.environ["OMP_NUM_THREADS"] = "1"
 import numpy as np
 
 import grainfit
+from grainfit.analysis.information import NORMAL_QUANTILE, RUNS, Knowledge, Observation
 from grainfit.bulk_tests.base import BulkTest
 from grainfit.bulk_tests.registry import bulk_tests
 from grainfit.campaign.batch import simulate_once
@@ -60,6 +65,13 @@ LABORATORY: Mapping[str, float | str] = {
     "unloading_modulus": "3 %",
     "lateral_stress_ratio": 0.01,
 }
+#: Values to which absolute uncertainties are compared in the bound, in the same units.
+TYPICAL: Mapping[str, float] = {
+    "angle_of_repose": 25.0,
+    "shear_angle": 29.0,
+    "discharged_share": 0.73,
+    "lateral_stress_ratio": 0.39,
+}
 DIAMETER = 0.010
 
 
@@ -87,6 +99,15 @@ def _test(name: str) -> BulkTest:
     return bulk_tests()[name](diameter=DIAMETER)
 
 
+def draw(number: int) -> tuple[dict[str, float], float, float]:
+    """Return a random material: both frictions, the particle density, and what is known of it."""
+    random = np.random.default_rng([2016, number])
+    truth = {key: float(random.uniform(*TRUE[key])) for key in TRUE}
+    density = float(random.uniform(1500.0, 3000.0))
+    known = density * (1 + DENSITY_UNCERTAINTY * float(random.standard_normal()))
+    return truth, density, known
+
+
 # One material -------------------------------------------------------------------------------
 
 
@@ -106,10 +127,7 @@ def _seconds_since(start: float) -> dict[str, float]:
 
 def _calibrate(name: str, number: int, folder: Path) -> dict[str, Any]:
     combination = COMBINATIONS[name]
-    random = np.random.default_rng([2016, number])
-    truth = {key: float(random.uniform(*TRUE[key])) for key in TRUE}
-    density = float(random.uniform(1500.0, 3000.0))
-    known = density * (1 + DENSITY_UNCERTAINTY * float(random.standard_normal()))
+    truth, density, known = draw(number)
     fixed = {n: v for n, v in GLASS_BEADS.items() if n not in (*INTERVALS, DENSITY)}
     fixed["particle.youngs_modulus"] = combination.youngs_modulus
     real = {**fixed, **truth, DENSITY: density}
@@ -235,15 +253,69 @@ def _not_determined(records: Sequence[Mapping[str, Any]], key: str) -> str:
     return str(sum(r["intervals"][key][2] == "not determined" for r in records))
 
 
+# What can be known at all -------------------------------------------------------------------
+
+
+def bound(materials: int) -> str:
+    """Return the median half-widths that recorded sensitivities allow as a table in Markdown."""
+    lines = [
+        "| tests | five runs of each test: sliding, rolling | without scatter: sliding, rolling |",
+        "|---|---|---|",
+    ]
+    for name, combination in COMBINATIONS.items():
+        cells = []
+        for runs in (RUNS, math.inf):
+            left = [_after(combination, number, runs) for number in range(1, materials + 1)]
+            widths = [
+                100 * NORMAL_QUANTILE * statistics.median(k.deviation(key) for k in left)
+                for key in TRUE
+            ]
+            cells.append(", ".join(f"{width:.0f} %" for width in widths))
+        words = name.replace("+", " + ").replace("_", "-")
+        lines.append(f"| {words} | {' | '.join(cells)} |")
+    return "\n".join(lines)
+
+
+def _after(combination: Combination, number: int, runs: float) -> Knowledge:
+    """Return what the tests leave of a material, linear and with normal errors."""
+    truth, density, _ = draw(number)
+    material = {**GLASS_BEADS, **truth, DENSITY: density}
+    spreads = [(high - low) / math.sqrt(12) / truth[key] for key, (low, high) in INTERVALS.items()]
+    before = Knowledge((*INTERVALS, DENSITY), np.diag([*spreads, DENSITY_UNCERTAINTY]) ** 2)
+    return before.after([*_observations(combination, material, runs)])
+
+
+def _observations(
+    combination: Combination, material: Mapping[str, float], runs: float
+) -> Iterable[Observation]:
+    for test in combination.tests:
+        for name, info in bulk_tests()[test].responses.items():
+            if name in LABORATORY and info.sensitivities is not None:
+                accuracy = LABORATORY[name]
+                if isinstance(accuracy, str):
+                    relative = float(accuracy.rstrip(" %")) / 100
+                else:
+                    relative = accuracy / TYPICAL[name]
+                scatter = info.sensitivities.scatter**2 * (1 / MEASURED_SEEDS + 1 / runs)
+                slopes = info.sensitivities.at(material)
+                yield Observation(f"{test}.{name}", slopes, relative**2 + scatter)
+
+
 def main() -> None:
     """Calibrate, and print the table."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--kept", type=Path, required=True)
+    parser.add_argument("--kept", type=Path)
     parser.add_argument("--materials", type=int, default=20)
     parser.add_argument("--tests", nargs="+", choices=COMBINATIONS, default=list(COMBINATIONS))
     parser.add_argument("--processes", type=int, default=2)
     parser.add_argument("--table", action="store_true", help="only print what is known")
+    parser.add_argument("--bound", action="store_true", help="print what can be known at all")
     options = parser.parse_args()
+    if options.bound:
+        print(bound(options.materials))
+        return
+    if options.kept is None:
+        parser.error("--kept FILE is needed for calibrations")
     if options.table:
         print(table(_read(options.kept)))
         return
