@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import pickle
 import shutil
+import subprocess
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -175,6 +177,11 @@ def test_a_process_elsewhere_has_the_contents_that_were_hashed(beads: Path) -> N
         ("(6 * d, d, 4 * d)", "(3 * d, d, 4 * d)", "1 of 3 begin outside of the box"),
         ("[2 * d * i", "[0.5 * d * i", "2 pairs overlap at the beginning"),
         ("np.zeros(3, dtype=int)", "np.full(3, 1)", "size_indices go from 1 to 1"),
+        (
+            "(6 * d, d, 4 * d))",
+            '(6 * d, d / 2, 4 * d), "y")',
+            "repeats along y every 0.015 m, which",
+        ),
         ("time_step=time_step", 'time_step="1 ms"', "has a value of a wrong type"),
         ('Wall(Plane("z", 0.0))', "None", "has a value of a wrong type: 'NoneType'"),
         ("AtRest(limit=5.0, at_least=0.1)", "Elapsed(0.0)", "has the time 0.0"),
@@ -302,6 +309,24 @@ def test_problems_of_a_scene_stop_a_calibration_before_its_first_run(
     assert "beads.py, line 16: NameError: name 'AtRst' is not defined" in problem
     with pytest.raises(InputError, match=r"beads\.py, line 16"):
         load_calibration(path).calibrate(tmp_path / "work")
+
+
+@pytest.mark.parametrize("options", [[], ["--json"]])
+def test_a_scene_that_needs_more_memory_than_there_is_is_said(
+    beads: Path, tmp_path: Path, options: list[str]
+) -> None:
+    path = tmp_path / "beads.toml"
+    path.write_text(FILE.replace("SOLVER", "lammps"))
+    beads.write_text(
+        CODE.replace("    d = sizes.sauter", "    np.empty(10**18)\n    d = sizes.sauter")
+    )
+
+    command = [sys.executable, "-m", "grainfit", "check", str(path), *options]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+
+    assert done.returncode == 1
+    assert "has no memory left: unable to allocate" in " ".join((done.stdout + done.stderr).split())
+    assert "Traceback" not in done.stderr
 
 
 def test_two_scenes_are_loaded_without_executing_anything(beads: Path, tmp_path: Path) -> None:

@@ -9,6 +9,7 @@ from scipy.spatial.distance import pdist, squareform
 from grainfit.errors import InputError
 from grainfit.materials.sizes import ParticleSizes
 from grainfit.scenes.packing import (
+    PeriodicRectangle,
     Rectangle,
     Round,
     column_height,
@@ -94,6 +95,31 @@ def test_height_is_that_of_a_loose_filling():
 def test_a_negative_seed_is_refused():
     with pytest.raises(InputError, match="seed"):
         random_column(MONOSIZE, 10, Round(0.06), seed=-1)
+
+
+@pytest.mark.parametrize("count", [0, -5, 1_000_001])
+def test_no_particles_and_more_than_a_test_may_have_are_refused(count):
+    with pytest.raises(InputError, match=rf"{count} particles is impossible: 1 to 1000000"):
+        random_column(MONOSIZE, count, Round(0.06), seed=1)
+
+
+@pytest.mark.parametrize("footprint", [Round(0.004), Rectangle(0.009, 0.1)])
+def test_a_container_narrower_than_a_particle_is_refused(footprint):
+    with pytest.raises(InputError, match=r"narrower than a particle of 0\.01 m"):
+        random_column(MONOSIZE, 10, footprint, seed=1)
+
+
+@pytest.mark.parametrize(
+    ("make", "words"),
+    [
+        (lambda: Round(-0.1), "radius: is -0.1"),
+        (lambda: Rectangle(0.1, 0.0), "depth: is 0.0"),
+        (lambda: PeriodicRectangle(float("nan"), 0.1), "length: is nan"),
+    ],
+)
+def test_a_container_without_an_extent_is_refused(make, words):
+    with pytest.raises(InputError, match=words):
+        make()
 
 
 def test_a_column_between_two_walls_is_periodic_in_depth():

@@ -750,10 +750,21 @@ def _exit_code() -> int:
     except GrainfitError as error:
         show.print_error(_err, error)
         return _BAD_INPUT
+    except MemoryError as error:
+        show.print_error(_err, _out_of_memory(error))
+        return _BAD_INPUT
     except KeyboardInterrupt:
         _err.print("Interrupted.")
         return INTERRUPTED
     return 0
+
+
+def _out_of_memory(error: MemoryError) -> GrainfitError:
+    words = " ".join(str(error).split()).rstrip(".")
+    why = f": {words[:1].lower()}{words[1:]}" if words else ""
+    return GrainfitError(
+        f"The machine has no memory left{why}. Use fewer particles, or end other programs."
+    )
 
 
 def _exit_code_with_json() -> int:
@@ -766,6 +777,10 @@ def _exit_code_with_json() -> int:
         return code
     except GrainfitError as error:
         print_document("error", error_document(error, str(error), _BAD_INPUT))
+        return _BAD_INPUT
+    except MemoryError as error:
+        reason = _out_of_memory(error)
+        print_document("error", error_document(reason, str(reason), _BAD_INPUT))
         return _BAD_INPUT
     except (KeyboardInterrupt, typer.Abort) as error:
         print_document("error", error_document(error, "Interrupted.", INTERRUPTED))

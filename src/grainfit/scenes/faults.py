@@ -38,6 +38,7 @@ def scene_faults(scene: Scene) -> tuple[Fault, ...]:
     if numbers:
         return tuple(numbers)
     return (
+        *_period_faults(scene),
         *_particle_faults(scene),
         *(f for name, body in scene.glued.items() for f in _glued_faults(name, body, scene)),
         *(f for name, wall in scene.all_walls().items() for f in _wall_faults(name, wall, scene)),
@@ -69,6 +70,19 @@ def _box_faults(box: Box) -> Iterator[Fault]:
             yield Fault("box", f"goes from {low!r} to {high!r} along {axis}.", "low is below high.")
     if not set(box.periodic) <= set(_AXES) or len(set(box.periodic)) < len(box.periodic):
         yield Fault("box", f"is periodic along {box.periodic!r}.", 'Write axes, such as "y".')
+
+
+def _period_faults(scene: Scene) -> Iterator[Fault]:
+    """A particle must not touch the same neighbour from both sides."""
+    largest = max(scene.sizes.outer_diameters)
+    for axis, low, high in zip(_AXES, scene.box.low, scene.box.high, strict=True):
+        if axis in scene.box.periodic and high - low < 2 * largest:
+            yield Fault(
+                "box",
+                f"repeats along {axis} every {high - low:.3g} m, which is less than two diameters "
+                f"of the largest particles ({largest:.3g} m).",
+                "Use a longer period; five diameters are usual.",
+            )
 
 
 def _particle_faults(scene: Scene) -> Iterator[Fault]:

@@ -28,6 +28,8 @@ _ROUNDS_BEFORE_GROWING = 50
 _GROWTH = 1.05
 #: Particles in a tube are pushed apart at most so often; above this solid fraction they jam.
 _MOST_PUSHES, _JAMMED = 2000, 0.6
+#: Most particles of a test.
+MOST_PARTICLES = 1_000_000
 
 
 class Footprint(Protocol):
@@ -63,6 +65,9 @@ class Round:
     radius: float
     period: None = None
 
+    def __post_init__(self) -> None:
+        _require_lengths(radius=self.radius)
+
     @property
     def area(self) -> float:
         """Area inside the wall, m^2."""
@@ -70,7 +75,7 @@ class Round:
 
     def area_of_centres(self, radius: float) -> float:
         """Return the area that centres of particles of a radius can take, m^2."""
-        return math.pi * (self.radius - radius) ** 2
+        return math.pi * max(self.radius - radius, 0.0) ** 2
 
     def places(
         self, random: np.random.Generator, count: int, wall: float
@@ -94,6 +99,9 @@ class Rectangle:
     width: float
     depth: float
 
+    def __post_init__(self) -> None:
+        _require_lengths(width=self.width, depth=self.depth)
+
     @property
     def period(self) -> tuple[float, float, float]:
         """Periods along the axes, 0 where there is none."""
@@ -106,7 +114,7 @@ class Rectangle:
 
     def area_of_centres(self, radius: float) -> float:
         """Return the area that centres of particles of a radius can take, m^2."""
-        return (self.width - 2 * radius) * self.depth
+        return max(self.width - 2 * radius, 0.0) * self.depth
 
     def places(
         self, random: np.random.Generator, count: int, wall: float
@@ -128,6 +136,9 @@ class PeriodicRectangle:
 
     length: float
     depth: float
+
+    def __post_init__(self) -> None:
+        _require_lengths(length=self.length, depth=self.depth)
 
     @property
     def period(self) -> tuple[float, float, float]:
@@ -151,6 +162,17 @@ class PeriodicRectangle:
     ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Draw x and y of places, uniform in the area."""
         return self.length * random.random(count), self.depth * random.random(count)
+
+
+def _require_lengths(**lengths: float) -> None:
+    wrong = {name: value for name, value in lengths.items() if not 0 < value < math.inf}
+    if wrong:
+        raise InputError(
+            [
+                Fault(name, f"is {value!r}.", "Give a length above 0, in m.")
+                for name, value in wrong.items()
+            ]
+        )
 
 
 @dataclass(frozen=True)
@@ -245,9 +267,11 @@ def random_column(sizes: ParticleSizes, count: int, footprint: Footprint, seed: 
     Raises
     ------
     InputError
-        The seed is negative.
+        The seed is negative, there are no or too many particles, or the container is narrower than
+        a particle.
     """
     random = np.random.default_rng(_valid(seed))
+    _require_room(sizes, count, footprint)
     height = column_height(sizes, count, footprint)
     period = footprint.period
     numbers = particle_numbers(sizes, count)
@@ -426,6 +450,27 @@ def _push_apart(
     np.add.at(places, first[near], -push)
     np.add.at(places, second[near], push)
     return True
+
+
+def _require_room(sizes: ParticleSizes, count: int, footprint: Footprint) -> None:
+    if not 0 < count <= MOST_PARTICLES:
+        raise InputError(
+            Fault(
+                "particles",
+                f"a column of {count} particles is impossible: 1 to {MOST_PARTICLES} are accepted.",
+                "Check the lengths that the number follows from, and their units.",
+            )
+        )
+    largest = max(sizes.outer_diameters)
+    if footprint.area_of_centres((1 + _CLEARANCE) * largest / 2) <= 0:
+        raise InputError(
+            Fault(
+                "particles",
+                f"a container of {footprint.area:.3g} m^2 is narrower than a particle of "
+                f"{largest:.3g} m.",
+                "Use a wider container, or smaller particles.",
+            )
+        )
 
 
 def _valid(seed: int) -> int:

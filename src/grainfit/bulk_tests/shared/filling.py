@@ -9,7 +9,13 @@ from dataclasses import dataclass
 from grainfit.errors import Fault
 from grainfit.materials.sizes import ParticleSizes
 from grainfit.scenes.conditions import AtRest
-from grainfit.scenes.packing import Footprint, Round, column_height, mean_particle_volume
+from grainfit.scenes.packing import (
+    MOST_PARTICLES,
+    Footprint,
+    Round,
+    column_height,
+    mean_particle_volume,
+)
 from grainfit.scenes.scene import Stage, natural_speed, natural_time
 
 #: Solid fraction to calculate the number of particles of beds that are struck off: a settled bed is
@@ -20,7 +26,6 @@ _OVERFULL_POLYDISPERSE = 0.70
 _LOOSE = 0.58
 #: A bed that is struck off needs this share of the calculated particles at least.
 _FEWEST = 0.95
-_MOST_PARTICLES = 1_000_000
 #: Narrowest cylinder, in diameters of the largest particles.
 _NARROWEST_CYLINDER = 4.0
 #: Shortest time of the fill stage, and the default of the longest in which the bed may come to
@@ -180,13 +185,13 @@ def count_faults(count: int, lengths: Mapping[str, float], count_is_given: bool)
     count_is_given : bool
         The user gave the number, as ``particle_count``, and not the lengths alone.
     """
-    if count <= _MOST_PARTICLES:
+    if count <= MOST_PARTICLES:
         return
     longest = max(lengths, key=lambda name: lengths[name])
     container = ", ".join(f"{name} {value:g} m" for name, value in lengths.items())
     yield Fault(
         "particle_count" if count_is_given else longest,
-        f"{count} particles are more than {_MOST_PARTICLES} ({container}).",
+        f"{count} particles are more than {MOST_PARTICLES} ({container}).",
         "Use a smaller container or larger particles.",
     )
 

@@ -10,7 +10,7 @@ from grainfit.bulk_tests.shared.stress import scaled_stress, softness_faults
 from grainfit.bulk_tests.shear.plates import PlateLayout, plate_layout
 from grainfit.errors import Fault, InputError
 from grainfit.materials.sizes import ParticleSizes
-from grainfit.scenes.packing import mean_particle_volume
+from grainfit.scenes.packing import MOST_PARTICLES, mean_particle_volume
 from grainfit.scenes.scene import Load, Velocity
 
 #: The default stress for particles of 10 mm on Earth.
@@ -20,7 +20,6 @@ SMALLEST_STIFFNESS = 700.0
 #: Smallest gap, in diameters of the largest particles, and smallest periods.
 _SMALLEST_GAP = 7.0
 _SMALLEST_LENGTH, _SMALLEST_DEPTH = 6.0, 4.0
-_MOST_PARTICLES = 1_000_000
 #: Solid fraction that gives the number of particles: that of a bed in shear.
 _SOLID_FRACTION = 0.58
 #: Layer at a plate that its own particles fill, over their diameter.
@@ -157,12 +156,12 @@ def plan_setup(sizes: ParticleSizes, options: Mapping[str, float | None]) -> She
     plate = plate_layout(sizes, length, depth)
     height = gap - 2 * _LAYER * plate.diameter
     count = _SOLID_FRACTION * length * depth * height / mean_particle_volume(sizes)
-    if count > _MOST_PARTICLES:
+    if count > MOST_PARTICLES:
         raise InputError(
             Fault(
                 "gap",
                 f"between plates of {length:g} m x {depth:g} m, {gap:g} m apart, are "
-                f"{count:.3g} particles; at most {_MOST_PARTICLES:g} are allowed.",
+                f"{count:.3g} particles; at most {MOST_PARTICLES:g} are allowed.",
                 "Use smaller lengths, or larger particles.",
             )
         )
