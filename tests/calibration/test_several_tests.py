@@ -146,6 +146,19 @@ def test_a_saved_calibration_has_the_runs_of_each_test(tmp_path: Path, whole: gf
     assert set(result.intervals) == {"friction", "bounce"}
 
 
+def test_no_more_runs_are_said_to_run_than_there_are_workers() -> None:
+    told: list[gf.Progress] = []
+
+    def on_progress(progress: gf.Progress) -> None:
+        told.append(progress)
+        if progress.done >= 4:
+            raise KeyboardInterrupt
+
+    gf.calibrate(problem(), solvers(), seed=2, workers=1, on_progress=on_progress)
+    assert max(len(progress.pending) for progress in told) == 2
+    assert max(progress.running for progress in told) == 1
+
+
 def test_correlated_targets_of_two_tests_are_read_back(tmp_path: Path) -> None:
     pairs = (("heap.angle", "drop.rebound", 0.5),)
     known = replace(problem(), correlations=pairs)

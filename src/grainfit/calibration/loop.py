@@ -471,7 +471,8 @@ class CalibrationLoop:
         return Progress(
             self._stage,
             _runs(evaluations),
-            campaign.under_way,
+            # Runs of one parameter set in several tests wait for a worker.
+            min(campaign.under_way, self._options.workers),
             sum(len(e.failed_runs) for e in evaluations),
             left,
             seconds / simulated * left / self._options.workers if simulated else None,
