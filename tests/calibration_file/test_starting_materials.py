@@ -131,6 +131,11 @@ def test_an_unknown_program_is_refused() -> None:
         starter_file(["heap"], None, "edem")
 
 
+def test_no_file_is_begun_for_a_test_that_the_program_cannot_simulate() -> None:
+    with pytest.raises(InputError, match=r"yade cannot simulate this drum test\..*turning walls"):
+        starter_file(["heap", "drum"], None, "yade")
+
+
 @pytest.mark.parametrize("material", MATERIALS)
 def test_the_page_has_the_values_of_the_file(material: str) -> None:
     sections = read_starting_material(material).sections

@@ -111,7 +111,7 @@ def starter_file(
     Raises
     ------
     InputError
-        There is no such test, or no such program.
+        There is no such test, no such program, or it cannot simulate a test.
     """
     known = bulk_tests()
     faults = [
@@ -122,6 +122,12 @@ def starter_file(
     if solver not in DEM_PROGRAMS:
         words = f"{solver!r} is not a DEM program that grainfit knows."
         faults.append(Fault("solver", words, f"Use one of {', '.join(DEM_PROGRAMS)}."))
+    if not faults:
+        tests = [
+            known[name](diameter=f"{_DIAMETER_OF_EXAMPLES} mm") for name in dict.fromkeys(names)
+        ]
+        program = DEM_PROGRAMS[solver]
+        faults = [f for test in tests for f in program.concept_faults(test.type, test.concepts())]
     if faults:
         raise InputError(faults)
     first = _GLASS_BEADS if material is None else "\n".join(_sections(material)) + "\n\n"

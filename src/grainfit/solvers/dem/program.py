@@ -286,12 +286,24 @@ class DeckSolver(Solver):
         law = contact_law(values, self.contact_models)
         return overlap_faults(law, values, conditions.sizes.real.diameters, conditions.gravity)
 
+    @classmethod
+    def concept_faults(cls, type_of_test: str, concepts: Iterable[str]) -> list[Fault]:
+        """Return why the program cannot simulate a test: concepts that it lacks, with its reasons.
+
+        Parameters
+        ----------
+        type_of_test : str
+            For the message.
+        concepts : iterable of str
+            Those of the test's scene, see `Scene.concepts`.
+        """
+        message = f"{cls.name} cannot simulate this {type_of_test} test."
+        reasons = [cls.missing[name] for name in sorted(concepts) if name in cls.missing]
+        return [Fault("solver", message, f"{reason}.") for reason in reasons]
+
     def _require_concepts(self, concepts: Iterable[str]) -> None:
-        """Raise `InputError` if the program lacks a concept of the scene."""
-        reasons = [self.missing[name] for name in sorted(concepts) if name in self.missing]
-        if reasons:
-            message = f"{self.name} cannot simulate this {self.test.type} test."
-            raise InputError([Fault("solver", message, f"{reason}.") for reason in reasons])
+        if faults := self.concept_faults(self.test.type, concepts):
+            raise InputError(faults)
 
     def _simulate(self, deck: Path, workspace: Workspace) -> None:
         """Run the program; a failure has the error message of the program, if there is one."""
