@@ -10,6 +10,7 @@ the file ``--kept`` and not repeated, so that the command can be stopped and sta
 
     python benchmarks/plate_discharge.py --kept plate.jsonl [--solver lammps] [--seeds 3]
         [--plates 0.4 0.6] [--depth 0.06] [--end-walls] [--slidings 0.1 0.2 0.4]
+        [--torques 0.1 0.025]
 """
 
 from __future__ import annotations
@@ -36,23 +37,24 @@ from grainfit.testing.materials import GLASS_BEADS
 
 SCENE = Path(__file__).parents[1] / "examples" / "plate_discharge" / "plate_box.py"
 DIAMETER, WIDTH, FILL_HEIGHT = 0.010, 1.0, 0.235
-#: Torque of rolling friction over normal force, a share of the diameter.
-TORQUE = 0.1
 #: What makes runs the same but for their seed.
-CASE = ("solver", "plate", "depth", "end_walls", "sliding")
+CASE = ("solver", "plate", "depth", "end_walls", "torque", "sliding")
 Record = dict[str, Any]
 
 
-def published(sliding: float) -> float:
-    """Return the published angle, degrees, for one sliding friction everywhere."""
+def published(torque: float, sliding: float) -> float:
+    """Return the published angle, degrees, for the same frictions everywhere.
+
+    ``torque`` is that of rolling friction over normal force, a share of the diameter.
+    """
     diameter = 1000 * DIAMETER
-    rolling = TORQUE * diameter
+    rolling = torque * diameter
     return float(68.61 * sliding ** (0.27 + 0.22) * rolling ** (0.06 + 0.12) * diameter**-0.2)
 
 
-def material(sliding: float) -> dict[str, float]:
-    """Return the material with one sliding friction everywhere."""
-    given = {"particle_particle": 4 * TORQUE, "particle_wall": 2 * TORQUE}
+def material(torque: float, sliding: float) -> dict[str, float]:
+    """Return the material with the same frictions everywhere."""
+    given = {"particle_particle": 4 * torque, "particle_wall": 2 * torque}
     of_body = {"youngs_modulus": 1e6, "poissons_ratio": 0.3, "density": 2400.0}
     return {
         **GLASS_BEADS,
@@ -65,11 +67,9 @@ def material(sliding: float) -> dict[str, float]:
     }
 
 
-def run(
-    solver: str, plate: float, depth: float, end_walls: bool, sliding: float, seed: int
-) -> Record:
+def run(case: tuple[Any, ...], seed: int) -> Record:
     """Simulate the box once; return the angle and its standard error, or why there is none."""
-    case = (solver, plate, depth, end_walls, sliding)
+    solver, plate, depth, end_walls, torque, sliding = case
     record: Record = dict(zip(CASE, case, strict=True)) | {"seed": seed}
     options = {
         "width": WIDTH,
@@ -87,7 +87,7 @@ def run(
     before = _processor_seconds()
     with tempfile.TemporaryDirectory() as folder:
         try:
-            program = DEM_PROGRAMS[solver](box, material(sliding))
+            program = DEM_PROGRAMS[solver](box, material(torque, sliding))
             found = scalars(program.run({}, seed, Workspace(Path(folder))))["angle_of_repose"]
         except GrainfitError as error:
             return record | {"why": str(error)}
@@ -104,9 +104,9 @@ def table(records: Iterable[Record]) -> str:
     """Return means and standard deviations over seeds as a table in Markdown."""
     records = list(records)
     lines = [
-        "| solver | plate, m | depth, m | end walls | sliding friction | seeds | angle "
-        "| stated error | published | CPU s a run |",
-        "|---" * 10 + "|",
+        "| solver | plate, m | depth, m | end walls | torque / d | sliding friction | seeds "
+        "| angle | stated error | published | CPU s a run |",
+        "|---" * 11 + "|",
     ]
     for case in dict.fromkeys(tuple(r[key] for key in CASE) for r in records):
         own = [r for r in records if tuple(r[key] for key in CASE) == case]
@@ -114,10 +114,15 @@ def table(records: Iterable[Record]) -> str:
         if measured:
             values, errors = np.array([r["angle"] for r in measured]).T
             scatter = f" ± {values.std(ddof=1):.1f}°" if len(values) > 1 else ""
-            solver, plate, depth, end_walls, sliding = case
+            solver, plate, depth, end_walls, torque, sliding = case
             cells = [solver, f"{plate:g}", f"{depth:g}", "yes" if end_walls else "no"]
-            cells += [f"{sliding:g}", str(len(values)), f"{values.mean():.1f}°{scatter}"]
-            cells += [f"{math.sqrt((errors**2).mean()):.1f}°", f"{published(sliding):.1f}°"]
+            cells += [
+                f"{torque:g}",
+                f"{sliding:g}",
+                str(len(values)),
+                f"{values.mean():.1f}°{scatter}",
+            ]
+            cells += [f"{math.sqrt((errors**2).mean()):.1f}°", f"{published(torque, sliding):.1f}°"]
             cells += [f"{np.median([r['seconds'] for r in measured]):.0f}"]
             lines.append("| " + " | ".join(cells) + " |")
         lines += [f"{case}, seed {r['seed']}: {r['why']}" for r in own if "why" in r]
@@ -134,16 +139,18 @@ def main() -> None:
     parser.add_argument("--depth", type=float, default=0.06)
     parser.add_argument("--end-walls", action="store_true", help="instead of a periodic slice")
     parser.add_argument("--slidings", type=float, nargs="+", default=[0.2])
+    parser.add_argument("--torques", type=float, nargs="+", default=[0.1])
     given = parser.parse_args()
     lines = given.kept.read_text().splitlines() if given.kept.exists() else []
     records = [json.loads(line) for line in lines]
     known = {(*(r[key] for key in CASE), r["seed"]) for r in records}
     seeds = range(1, given.seeds + 1)
-    for seed, plate, sliding in itertools.product(seeds, given.plates, given.slidings):
-        job = (given.solver, plate, given.depth, given.end_walls, sliding, seed)
-        if job in known:
+    product = itertools.product(seeds, given.plates, given.torques, given.slidings)
+    for seed, plate, torque, sliding in product:
+        case = (given.solver, plate, given.depth, given.end_walls, torque, sliding)
+        if (*case, seed) in known:
             continue
-        records.append(run(*job))
+        records.append(run(case, seed))
         with given.kept.open("a") as file:
             file.write(json.dumps(records[-1]) + "\n")
         print(records[-1], file=sys.stderr, flush=True)

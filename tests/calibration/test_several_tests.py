@@ -138,6 +138,9 @@ def test_a_saved_calibration_has_the_runs_of_each_test(tmp_path: Path, whole: gf
     told: list[gf.Progress] = []
     result = gf.calibrate(problem(), solvers(), seed=2, workdir=tmp_path, on_progress=told.append)
     assert told[-1].done == result.runs.total == whole.runs.total
+    # Runs after the design are of one test: the best one says nothing about the answer.
+    with_best = {progress.stage for progress in told if progress.best_deviation is not None}
+    assert with_best == {"design"}
     saved = gf.open(tmp_path)
     assert [e.proposal.tests or ("heap", "drop") for e in saved.evaluations] == asked_tests(whole)
     assert saved.problem.tests == with_scopes(problem(), solvers()).tests

@@ -512,8 +512,11 @@ class CalibrationLoop:
     def _deviations(self) -> list[float]:
         """Return the largest relative deviation of each evaluation that has all responses.
 
-        None where a target has no relative deviations, or is a curve.
+        None where a target has no relative deviations, or is a curve. None after the design of
+        several tests: later runs are of one test each, so the best one would be of the design.
         """
+        if len(self._problem.scopes) > 1 and self._stage != "design":
+            return []
         if self._problem.curves or not all(target.is_relative for target in self._problem.targets):
             return []
         names = {target.name for target in self._problem.targets}

@@ -29,7 +29,7 @@ class Progress:
         Estimated remaining time, s.
     best_deviation : float, optional
         Largest relative deviation from a target in the best run so far; None if deviations from a
-        target are not relative.
+        target are not relative, and after the design of several tests.
     notices : tuple of str
         Notices for the user.
     warm_start_runs : mapping of str to int
