@@ -2,131 +2,110 @@
 
 Zhou et al. (2002) discharged boxes over a plate and fitted the angle of the pile that stays:
 68.61 mu_pp^0.27 mu_pw^0.22 m_pp^0.06 m_pw^0.12 d^-0.2, with rolling frictions m (torque over normal
-force) and the diameter d in mm. Spheres of 10 mm with sliding and rolling frictions of 0.2 and
+force) and the diameter d in mm. Spheres of 10 mm with a sliding friction of 0.2 and a torque of
 0.1 d have 19.7 degrees. `examples/plate_discharge/plate_box.py` simulates them without a rolling
-dashpot; rolling frictions are 0.4 and 0.2 here, over effective radii of d/4 and d/2. The published
-box is 1 x 0.2 m with 52,000 particles; the width of its plate is not known here. Runs are kept in
-the file ``--kept`` and not repeated, so that the command can be stopped and started again.
+dashpot; a torque of 0.1 d is a rolling friction of 0.4 between two particles and of 0.2 on walls,
+over effective radii of d/4 and d/2. The published box is 1 x 0.2 m with 52,000 particles; the width
+of its plate is not known here. Finished runs are kept in the file ``--kept`` and not repeated, so
+that the command can be stopped and started again.
 
     python benchmarks/plate_discharge.py --kept plate.jsonl [--solver lammps] [--seeds 3]
-        [--plates 0.4 0.6] [--depth 0.06] [--end-walls] [--slidings 0.1 0.2 0.4]
-        [--torques 0.1 0.025]
+        [--plates 0.4 0.6] [--depth 0.05] [--end-walls] [--torques 0.1 0.025]
+        [--slidings 0.1 0.2 0.4] [--table]
 """
 
 from __future__ import annotations
 
 import argparse
-import itertools
-import json
-import math
-import resource
-import sys
-import tempfile
-from collections.abc import Iterable
+from collections.abc import Iterator, Mapping
+from itertools import product
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from grainfit.bulk_tests.own_scene.bulk_test import OwnScene
-from grainfit.errors import GrainfitError
-from grainfit.evaluation import scalars
-from grainfit.solvers.base import Workspace
 from grainfit.solvers.registry import DEM_PROGRAMS
 from grainfit.testing.materials import GLASS_BEADS
+from kept_runs import mean_and, measure, read, simulate
 
 SCENE = Path(__file__).parents[1] / "examples" / "plate_discharge" / "plate_box.py"
 DIAMETER, WIDTH, FILL_HEIGHT = 0.010, 1.0, 0.235
-#: What makes runs the same but for their seed.
-CASE = ("solver", "plate", "depth", "end_walls", "torque", "sliding")
-Record = dict[str, Any]
 
 
-def published(torque: float, sliding: float) -> float:
-    """Return the published angle, degrees, for the same frictions everywhere.
+class Run(NamedTuple):
+    """What is varied; lengths in m, the torque as a share of the diameter."""
 
-    ``torque`` is that of rolling friction over normal force, a share of the diameter.
-    """
+    seed: int
+    solver: str
+    plate: float
+    depth: float
+    end_walls: bool
+    torque: float
+    sliding: float
+
+
+def published(run: Run) -> float:
+    """Return the published angle, degrees."""
     diameter = 1000 * DIAMETER
-    rolling = torque * diameter
-    return float(68.61 * sliding ** (0.27 + 0.22) * rolling ** (0.06 + 0.12) * diameter**-0.2)
+    rolling = run.torque * diameter
+    return float(68.61 * run.sliding ** (0.27 + 0.22) * rolling ** (0.06 + 0.12) * diameter**-0.2)
 
 
-def material(torque: float, sliding: float) -> dict[str, float]:
-    """Return the material with the same frictions everywhere."""
-    given = {"particle_particle": 4 * torque, "particle_wall": 2 * torque}
+def material_of(run: Run) -> Mapping[str, float]:
+    """Return the material of a run: its frictions are the same everywhere."""
     of_body = {"youngs_modulus": 1e6, "poissons_ratio": 0.3, "density": 2400.0}
+    rolling = {"particle_particle": 4 * run.torque, "particle_wall": 2 * run.torque}
     return {
         **GLASS_BEADS,
         **{f"particle.{key}": value for key, value in of_body.items()},
         **{f"wall.{key}": value for key, value in of_body.items()},
-        **{f"{pair}.sliding_friction": sliding for pair in given},
-        **{f"{pair}.rolling_friction": rolling for pair, rolling in given.items()},
-        **{f"{pair}.restitution": 0.9 for pair in given},
-        **{f"{pair}.rolling_damping": 0.0 for pair in given},
+        **{f"{pair}.sliding_friction": run.sliding for pair in rolling},
+        **{f"{pair}.rolling_friction": value for pair, value in rolling.items()},
+        **{f"{pair}.restitution": 0.9 for pair in rolling},
+        **{f"{pair}.rolling_damping": 0.0 for pair in rolling},
     }
 
 
-def run(case: tuple[Any, ...], seed: int) -> Record:
-    """Simulate the box once; return the angle and its standard error, or why there is none."""
-    solver, plate, depth, end_walls, torque, sliding = case
-    record: Record = dict(zip(CASE, case, strict=True)) | {"seed": seed}
-    options = {
-        "width": WIDTH,
-        "plate": plate,
-        "depth": depth,
-        "fill_height": FILL_HEIGHT,
-        "end_walls": end_walls,
-    }
+def record_of(run: Run) -> dict[str, Any]:
+    """Simulate a run."""
     box = OwnScene(
         diameter=DIAMETER,
         scene=f"{SCENE}:scene",
         measure=f"{SCENE}:measure",
-        options=options,
+        options={
+            "width": WIDTH,
+            "plate": run.plate,
+            "depth": run.depth,
+            "fill_height": FILL_HEIGHT,
+            "end_walls": run.end_walls,
+        },
     )
-    before = _processor_seconds()
-    with tempfile.TemporaryDirectory() as folder:
-        try:
-            program = DEM_PROGRAMS[solver](box, material(torque, sliding))
-            found = scalars(program.run({}, seed, Workspace(Path(folder))))["angle_of_repose"]
-        except GrainfitError as error:
-            return record | {"why": str(error)}
-    seconds = round(_processor_seconds() - before, 1)
-    return record | {"angle": [found.value, found.standard_error], "seconds": seconds}
+    return simulate(DEM_PROGRAMS[run.solver](box, material_of(run)), run.seed)
 
 
-def _processor_seconds() -> float:
-    used = resource.getrusage(resource.RUSAGE_CHILDREN)
-    return used.ru_utime + used.ru_stime
+def table(records: Mapping[Run, dict[str, Any]]) -> Iterator[str]:
+    """Yield the lines of the table in Markdown, one for every setting."""
+    yield (
+        "| solver | plate, m | depth, m | torque / d | sliding friction | seeds | angle, ° "
+        "| published | CPU s |"
+    )
+    yield "|---" * 9 + "|"
+    for setting in dict.fromkeys(run._replace(seed=0) for run in sorted(records)):
+        own = {run: r for run, r in records.items() if run._replace(seed=0) == setting}
+        angles = [r["responses"]["angle_of_repose"] for r in own.values() if "responses" in r]
+        if angles:
+            depth = f"{setting.depth:g}, {'end walls' if setting.end_walls else 'periodic'}"
+            cells = [setting.solver, f"{setting.plate:g}", depth, f"{setting.torque:g}"]
+            cells += [f"{setting.sliding:g}", str(len(angles)), mean_and(_scatter, angles)]
+            cells += [f"{published(setting):.1f}"]
+            cells += [f"{np.median([r['seconds'] for r in own.values()]):.0f}"]
+            yield f"| {' | '.join(cells)} |"
+        yield from (f"{run}: {r['why']}" for run, r in own.items() if "why" in r)
 
 
-def table(records: Iterable[Record]) -> str:
-    """Return means and standard deviations over seeds as a table in Markdown."""
-    records = list(records)
-    lines = [
-        "| solver | plate, m | depth, m | end walls | torque / d | sliding friction | seeds "
-        "| angle | stated error | published | CPU s a run |",
-        "|---" * 11 + "|",
-    ]
-    for case in dict.fromkeys(tuple(r[key] for key in CASE) for r in records):
-        own = [r for r in records if tuple(r[key] for key in CASE) == case]
-        measured = [r for r in own if "angle" in r]
-        if measured:
-            values, errors = np.array([r["angle"] for r in measured]).T
-            scatter = f" ± {values.std(ddof=1):.1f}°" if len(values) > 1 else ""
-            solver, plate, depth, end_walls, torque, sliding = case
-            cells = [solver, f"{plate:g}", f"{depth:g}", "yes" if end_walls else "no"]
-            cells += [
-                f"{torque:g}",
-                f"{sliding:g}",
-                str(len(values)),
-                f"{values.mean():.1f}°{scatter}",
-            ]
-            cells += [f"{math.sqrt((errors**2).mean()):.1f}°", f"{published(torque, sliding):.1f}°"]
-            cells += [f"{np.median([r['seconds'] for r in measured]):.0f}"]
-            lines.append("| " + " | ".join(cells) + " |")
-        lines += [f"{case}, seed {r['seed']}: {r['why']}" for r in own if "why" in r]
-    return "\n".join(lines)
+def _scatter(values: Any) -> float:
+    return float(np.std(values, ddof=1))
 
 
 def main() -> None:
@@ -136,25 +115,21 @@ def main() -> None:
     parser.add_argument("--solver", choices=sorted(DEM_PROGRAMS), default="lammps")
     parser.add_argument("--seeds", type=int, default=3)
     parser.add_argument("--plates", type=float, nargs="+", default=[0.6])
-    parser.add_argument("--depth", type=float, default=0.06)
+    parser.add_argument("--depth", type=float, default=0.05)
     parser.add_argument("--end-walls", action="store_true", help="instead of a periodic slice")
-    parser.add_argument("--slidings", type=float, nargs="+", default=[0.2])
     parser.add_argument("--torques", type=float, nargs="+", default=[0.1])
+    parser.add_argument("--slidings", type=float, nargs="+", default=[0.2])
+    parser.add_argument("--table", action="store_true", help="only print what is known")
     given = parser.parse_args()
-    lines = given.kept.read_text().splitlines() if given.kept.exists() else []
-    records = [json.loads(line) for line in lines]
-    known = {(*(r[key] for key in CASE), r["seed"]) for r in records}
-    seeds = range(1, given.seeds + 1)
-    product = itertools.product(seeds, given.plates, given.torques, given.slidings)
-    for seed, plate, torque, sliding in product:
-        case = (given.solver, plate, given.depth, given.end_walls, torque, sliding)
-        if (*case, seed) in known:
-            continue
-        records.append(run(case, seed))
-        with given.kept.open("a") as file:
-            file.write(json.dumps(records[-1]) + "\n")
-        print(records[-1], file=sys.stderr, flush=True)
-    print(table(records))
+    cases = product(given.plates, given.torques, given.slidings)
+    runs = [
+        Run(seed, given.solver, plate, given.depth, given.end_walls, torque, sliding)
+        for plate, torque, sliding in cases
+        for seed in range(1, given.seeds + 1)
+    ]
+    if not given.table:
+        measure(runs, given.kept, record_of)
+    print("\n".join(table(read(given.kept, Run))))
 
 
 if __name__ == "__main__":
