@@ -4,15 +4,17 @@ Random materials are "measured" (the mean of eight seeds at the true parameters,
 a laboratory) and calibrated with a particle density that is known to 0.5 %: it is free within two
 standard uncertainties. The 95 % intervals of both frictions are compared with the truth. Finished
 calibrations are kept in the file ``--kept``, runs of unfinished ones in the folder beside it, so
-that the command can be stopped and started again.
+that the command can be stopped and started again. With ``--wanted``, the search goes on until the
+half-widths are as wanted, if it can; these calibrations are kept apart from those without it.
 
     python benchmarks/two_frictions.py --kept two_frictions.jsonl [--materials 20]
-        [--tests heap+draw_down ...] [--processes 2] [--table]
+        [--tests heap+draw_down ...] [--wanted 25%] [--processes 2] [--table]
 """
 
 from __future__ import annotations
 
 import argparse
+import itertools
 import json
 import math
 import os
@@ -90,12 +92,12 @@ def _test(name: str) -> BulkTest:
 # One material -------------------------------------------------------------------------------
 
 
-def calibrate(name: str, number: int, folder: Path) -> dict[str, Any]:
+def calibrate(name: str, number: int, wanted: str | None, folder: Path) -> dict[str, Any]:
     """Measure a random material, calibrate it, and compare the intervals with the truth."""
     start = time.perf_counter()
-    record = {"tests": name, "material": number}
+    record = {"tests": name, "material": number, **({"wanted": wanted} if wanted else {})}
     try:
-        return record | _calibrate(name, number, folder) | _seconds_since(start)
+        return record | _calibrate(name, number, wanted, folder) | _seconds_since(start)
     except GrainfitError as error:
         return record | {"status": "error", "why": str(error)} | _seconds_since(start)
 
@@ -104,7 +106,7 @@ def _seconds_since(start: float) -> dict[str, float]:
     return {"seconds": round(time.perf_counter() - start, 1)}
 
 
-def _calibrate(name: str, number: int, folder: Path) -> dict[str, Any]:
+def _calibrate(name: str, number: int, wanted: str | None, folder: Path) -> dict[str, Any]:
     combination = COMBINATIONS[name]
     random = np.random.default_rng([2016, number])
     truth = {key: float(random.uniform(*TRUE[key])) for key in TRUE}
@@ -124,6 +126,7 @@ def _calibrate(name: str, number: int, folder: Path) -> dict[str, Any]:
     result = grainfit.calibrate(
         problem,
         combination.solvers(fixed),
+        strategy=grainfit.Sequential(wanted_half_width=wanted),
         seed=number,
         workdir=folder / "calibration",
         keep="results",
@@ -135,6 +138,7 @@ def _calibrate(name: str, number: int, folder: Path) -> dict[str, Any]:
         "answer": dict(result.parameters),
         "intervals": {n: [i.low, i.high, i.determination] for n, i in result.intervals.items()},
         "runs": result.runs.total,
+        "notices": list(result.notices),
     }
 
 
@@ -163,15 +167,18 @@ def _target(key: str, values: Sequence[float], random: np.random.Generator) -> T
 
 
 def measure(
-    names: Sequence[str], materials: int, processes: int, kept: Path
+    names: Sequence[str], materials: int, wanted: str | None, processes: int, kept: Path
 ) -> list[dict[str, Any]]:
     """Return the records of all calibrations; add new ones to the file as they end."""
     records = _read(kept)
-    known = {(record["tests"], record["material"]) for record in records}
-    jobs = [(n, k) for k in range(1, materials + 1) for n in names if (n, k) not in known]
+    known = {(record["tests"], record["material"], record.get("wanted")) for record in records}
+    jobs = [(n, k, wanted) for k in range(1, materials + 1) for n in names]
+    jobs = [job for job in jobs if job not in known]
     start = time.monotonic()
     with ProcessPoolExecutor(processes) as pool, kept.open("a") as file:
-        folders = {job: kept.with_suffix("") / f"{job[0]} {job[1]}" for job in jobs}
+        folders = {
+            job: kept.with_suffix("") / " ".join(map(str, filter(None, job))) for job in jobs
+        }
         for folder in folders.values():
             folder.mkdir(parents=True, exist_ok=True)
         pending = {pool.submit(calibrate, *job, folders[job]): job for job in jobs}
@@ -185,7 +192,13 @@ def measure(
         except BaseException:
             pool.shutdown(wait=False, cancel_futures=True)
             raise
-    return [r for r in records if r["tests"] in names and r["material"] <= materials]
+    return [
+        record
+        for record in records
+        if record["tests"] in names
+        and record["material"] <= materials
+        and record.get("wanted") == wanted
+    ]
 
 
 def _read(kept: Path) -> list[dict[str, Any]]:
@@ -207,14 +220,16 @@ def table(records: Iterable[Mapping[str, Any]]) -> str:
     records = list(records)
     failed = [f"{r['tests']}, material {r['material']}: {r['why']}" for r in records if "why" in r]
     records = [record for record in records if "intervals" in record]
-    for name in COMBINATIONS:
-        own = [record for record in records if record["tests"] == name]
+    kinds = sorted({record.get("wanted") or "" for record in records})
+    for name, wanted in itertools.product(COMBINATIONS, kinds):
+        own = [r for r in records if (r["tests"], r.get("wanted") or "") == (name, wanted)]
         if own:
             held = ", ".join(_held(own, key) for key in INTERVALS)
             widths = ", ".join(f"{100 * _half_width(own, key):.0f} %" for key in INTERVALS)
             open_ones = ", ".join(_not_determined(own, key) for key in INTERVALS)
             runs = statistics.median(record["runs"] for record in own)
             words = name.replace("+", " + ").replace("_", "-")
+            words += f", ±{wanted} wanted" if wanted else ""
             lines.append(f"| {words} | {len(own)} | {held} | {widths} | {open_ones} | {runs:g} |")
     return "\n".join([*lines, *failed])
 
@@ -241,13 +256,17 @@ def main() -> None:
     parser.add_argument("--kept", type=Path, required=True)
     parser.add_argument("--materials", type=int, default=20)
     parser.add_argument("--tests", nargs="+", choices=COMBINATIONS, default=list(COMBINATIONS))
+    parser.add_argument("--wanted", metavar="SHARE", help="half-width of the 95 %% intervals")
     parser.add_argument("--processes", type=int, default=2)
     parser.add_argument("--table", action="store_true", help="only print what is known")
     options = parser.parse_args()
     if options.table:
         print(table(_read(options.kept)))
         return
-    print(table(measure(options.tests, options.materials, options.processes, options.kept)))
+    found = measure(
+        options.tests, options.materials, options.wanted, options.processes, options.kept
+    )
+    print(table(found))
 
 
 if __name__ == "__main__":
