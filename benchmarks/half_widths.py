@@ -45,6 +45,7 @@ from grainfit.metamodels.likelihood import standard_uncertainty
 from grainfit.metamodels.metamodels import Metamodels
 from grainfit.problem import Problem, Target
 from grainfit.result import Result
+from grainfit.strategies.sequential.feasibility import FeasibilityModel
 from grainfit.strategies.sequential.parameter_knowledge import ParameterKnowledge
 
 Record = dict[str, Any]
@@ -139,7 +140,13 @@ def _estimated(problem: Problem, result: Result) -> dict[str, float]:
         for run in result.history
     ]
     answer = problem.to_unit(result.parameters)
-    knowledge = ParameterKnowledge(Metamodels.fit(problem, runs), answer, 1.0, (result.seed,))
+    knowledge = ParameterKnowledge(
+        Metamodels.fit(problem, runs),
+        FeasibilityModel(problem, runs),
+        answer,
+        1.0,
+        (result.seed,),
+    )
     return dict(knowledge.half_widths)
 
 

@@ -21,4 +21,4 @@ class TestSequential(StrategyContract):
 class TestSequentialWithAWantedHalfWidth(StrategyContract):
     @pytest.fixture
     def strategy(self) -> Strategy:
-        return Sequential(wanted_half_width="18 %")
+        return Sequential(wanted_half_width="22 %")

@@ -16,7 +16,7 @@ from grainfit.evaluation import Evaluation, Proposal, Response
 from grainfit.problem import Parameter, Problem, ScopeOfTest, Target
 from grainfit.strategies.base import Search
 from grainfit.strategies.sequential.strategy import Sequential
-from grainfit.testing.strategy_contract import converse, heap_problem
+from grainfit.testing.strategy_contract import converse, failed, heap_problem, nearly_quiet
 
 TRUTH = {"x": 0.4, "y": 0.6}
 #: Scatter of both responses from seed to seed.
@@ -180,6 +180,32 @@ def test_an_interrupted_calibration_continues_as_it_would_have(tmp_path: Path) -
         (r.parameters, r.seed) for r in whole.history
     ]
     assert again.notices == whole.notices
+
+
+def test_a_bound_in_the_way_is_moved_before_the_intervals_are_narrowed() -> None:
+    density = Parameter("density", 1407.0, 2205.0)
+    problem = replace(heap_problem(), parameters=[density, heap_problem().parameters[1]])
+    search = Sequential(extend_intervals=True, wanted_half_width="20 %").start(problem, 1)
+    runs = converse(search, nearly_quiet)
+
+    assert search.current_problem.intervals["density"][1] > 2326.0
+    assert any("has been moved" in notice for notice in search.notices)
+    assert "All are within the wanted ±20 %" in search.notices[-1]
+    assert all(evaluation.proposal.parameters["density"] > 1400.0 for evaluation in runs)
+
+
+def test_runs_that_would_fail_are_not_made_to_narrow_an_interval() -> None:
+    def without_a_corner(proposal: Proposal) -> Evaluation:
+        if proposal.parameters["x"] > 0.55:
+            return failed(proposal)
+        return simulate(proposal)
+
+    search = Sequential(wanted_half_width="28 %").start(ridge(), 1)
+    runs = converse(search, without_a_corner)[search.design_runs :]
+
+    assert len(runs) >= 8
+    assert sum(bool(evaluation.failures) for evaluation in runs) <= 0.4 * len(runs)
+    assert "Runs fail at" in search.notices[0]
 
 
 # Where it goes -------------------------------------------------------------------------------

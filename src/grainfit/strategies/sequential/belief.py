@@ -158,7 +158,9 @@ class Belief:
         wanted = self._options.wanted_half_width
         if wanted is None:
             return None
-        return ParameterKnowledge(self.metamodels, self.answer, wanted, self._seeds)
+        return ParameterKnowledge(
+            self.metamodels, self.feasibility, self.answer, wanted, self._seeds
+        )
 
     def narrowing(self, runs: int) -> float:
         """Share by which further runs at the answer would narrow its standard errors."""

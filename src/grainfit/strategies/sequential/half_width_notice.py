@@ -7,6 +7,9 @@ from collections.abc import Iterable, Mapping
 from grainfit.formatting import in_a_row, number
 from grainfit.strategies.sequential.parameter_knowledge import ParameterKnowledge
 
+#: Share of the parameter sets that agree at which runs fail, above which that is said.
+_MANY_FAILURES = 0.05
+
 
 def about_half_widths(knowledge: ParameterKnowledge, *, is_answered: bool) -> str:
     """Return the sentences for the end of a search.
@@ -26,6 +29,9 @@ def about_half_widths(knowledge: ParameterKnowledge, *, is_answered: bool) -> st
     if not is_answered:
         return f"{short}Runs for it are made only once the answer agrees with all measurements."
     best = _listed(knowledge.at_best, missed)
+    if knowledge.share_of_failures > _MANY_FAILURES:
+        share = _percent(knowledge.share_of_failures)
+        short += f"Runs fail at {share} of the parameter sets that agree with the measurements. "
     if knowledge.is_worth_runs:
         return f"{short}More runs would narrow it, to {best} at best; a larger budget allows them."
     return (

@@ -17,6 +17,7 @@ from grainfit.metamodels.importance_sampling import (
 )
 from grainfit.metamodels.likelihood import Likelihood, log_density, log_prior
 from grainfit.metamodels.metamodels import Metamodels
+from grainfit.strategies.sequential.feasibility import LIKELY_TO_SUCCEED, FeasibilityModel
 
 Array = NDArray[np.float64]
 
@@ -39,12 +40,15 @@ class ParameterKnowledge:
 
     Weighted points represent the posterior distribution, the same as that of the final intervals.
     With smaller variances of the metamodels and unchanged means, the same points have other
-    weights: so it is known at once what pending runs will bring, or exact metamodels.
+    weights: so it is known at once what pending runs will bring, or exact metamodels. Where a run
+    rather fails than succeeds, the metamodels can learn only from runs elsewhere.
 
     Parameters
     ----------
     metamodels : Metamodels
         Of all responses.
+    feasibility : FeasibilityModel
+        Probability that a run succeeds.
     answer : ndarray, shape (d,)
         Point of the current answer, which the intervals hold and their half-widths refer to.
     wanted : float
@@ -54,7 +58,12 @@ class ParameterKnowledge:
     """
 
     def __init__(
-        self, metamodels: Metamodels, answer: Array, wanted: float, seeds: Sequence[int]
+        self,
+        metamodels: Metamodels,
+        feasibility: FeasibilityModel,
+        answer: Array,
+        wanted: float,
+        seeds: Sequence[int],
     ) -> None:
         self.wanted = wanted
         self._problem = metamodels.problem
@@ -66,6 +75,7 @@ class ParameterKnowledge:
         with threadpool_limits(limits=1, user_api="blas"):
             self._sample = importance_sample(density, self._problem.dimension, self._random())
             self._means, self._errors = reduced.predict(self._sample.points)
+        self._likely = feasibility.success_probability(self._sample.points) > LIKELY_TO_SUCCEED
         self._prior = log_prior(self._problem, self._sample.points)
         self._likelihood = Likelihood(self._problem)
 
@@ -80,7 +90,21 @@ class ParameterKnowledge:
     @cached_property
     def at_best(self) -> Mapping[str, float]:
         """The same if the metamodels were exact: no number of runs leaves less."""
-        return self._named(self._half_widths(np.zeros_like(self._errors)))
+        return self._named(self._half_widths(self._lasting))
+
+    @cached_property
+    def _lasting(self) -> Array:
+        """Variances that remain however many runs are made: none but where runs fail."""
+        if self._likely.all():
+            return np.zeros_like(self._errors)
+        known = self._metamodels.condition_on_pending(self.points).reduced()
+        _, errors = known.predict(self._sample.points)
+        return np.where(self._likely[:, None], 0.0, np.minimum(errors, self._errors))
+
+    @cached_property
+    def share_of_failures(self) -> float:
+        """Share of the parameter sets that agree with the measurements at which runs fail."""
+        return float(self._weights(self._errors)[~self._likely].sum())
 
     @property
     def too_wide(self) -> tuple[str, ...]:
@@ -101,9 +125,8 @@ class ParameterKnowledge:
             Conditioned on the pending runs.
         """
         _, errors = conditioned.reduced().predict(self._sample.points)
-        # An interval does not grow by runs, whatever metamodels of other runs say.
-        errors = np.minimum(errors, self._errors)
-        return self._is_worth_runs(self._named(self._half_widths(errors)))
+        then = np.clip(errors, self._lasting, self._errors)
+        return self._is_worth_runs(self._named(self._half_widths(then)))
 
     def _is_worth_runs(self, half_widths: Mapping[str, float]) -> bool:
         within_reach = _WITHIN_REACH * self.wanted
@@ -114,8 +137,11 @@ class ParameterKnowledge:
 
     @cached_property
     def points(self) -> Array:
-        """Points that represent the posterior distribution equally, shape (m, d)."""
+        """Points that represent the posterior equally where runs may succeed, shape (m, d)."""
         weights = self._weights(self._errors)
+        if self.share_of_failures < 1.0:
+            weights = np.where(self._likely, weights, 0.0)
+        weights /= weights.sum()
         return representatives(self._sample.points, weights, _REPRESENTATIVES, self._random())
 
     @cached_property
@@ -132,7 +158,7 @@ class ParameterKnowledge:
 
     def _narrowing_by(self, response: int) -> float:
         exact = self._errors.copy()
-        exact[:, response] = 0.0
+        exact[:, response] = self._lasting[:, response]
         then = self._named(self._half_widths(exact))
         return sum(math.log(self.half_widths[name] / then[name]) for name in self.too_wide)
 
@@ -154,7 +180,8 @@ class ParameterKnowledge:
 
     def _is_enough(self, share: float) -> bool:
         """Whether a share of the metamodels' variance leaves intervals that are not worth runs."""
-        return not self._is_worth_runs(self._named(self._half_widths(share * self._errors)))
+        left = np.maximum(share * self._errors, self._lasting)
+        return not self._is_worth_runs(self._named(self._half_widths(left)))
 
     def _weights(self, errors: Array) -> Array:
         return self._sample.weights(self._likelihood.logarithms(self._means, errors) + self._prior)

@@ -3,7 +3,8 @@
 After a small Latin hypercube, metamodels of all responses are fitted again whenever a run has
 ended, and `next_run` chooses the next run with the pending ones taken into account. The search ends
 when `stopping` finds it decided: the answer agrees with all measurements with the demanded
-probability, or no parameter set can.
+probability, or no parameter set can. When a half-width of the 95 % intervals is wanted, the answer
+is followed by runs that narrow them (`parameter_knowledge`, `variance_reduction`).
 
 The next proposal depends only on the known and the pending runs, not on their order. So an
 interrupted calibration needs only its history to continue.

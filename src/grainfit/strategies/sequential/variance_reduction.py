@@ -11,7 +11,7 @@ from grainfit.metamodels.metamodels import Metamodels
 from grainfit.metamodels.unit_cube import points_about, shrinking_search, spread_points
 from grainfit.problem import ScopeOfTest
 from grainfit.strategies.run_costs import RunCosts
-from grainfit.strategies.sequential.feasibility import FeasibilityModel
+from grainfit.strategies.sequential.feasibility import LIKELY_TO_SUCCEED, FeasibilityModel
 from grainfit.strategies.sequential.next_run import NextRun
 from grainfit.strategies.sequential.parameter_knowledge import ParameterKnowledge
 
@@ -94,6 +94,7 @@ def most_narrowing_run(
 
         def lack(points: Array) -> Array:
             success = feasibility.success_probability(points)
+            success = np.where(success > LIKELY_TO_SUCCEED, success, 0.0)
             worth = reduction(points, yields) * success**2
             return np.asarray(-worth / costs.seconds(scope, points))
 
