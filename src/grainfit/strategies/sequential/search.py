@@ -43,6 +43,7 @@ from grainfit.strategies.sequential.next_run import (
     space_filling_point,
 )
 from grainfit.strategies.sequential.options import SequentialOptions
+from grainfit.strategies.sequential.parameter_knowledge import ParameterKnowledge
 from grainfit.strategies.sequential.stopping import StoppingRule
 from grainfit.strategies.sequential.variance_reduction import most_narrowing_run
 
@@ -214,8 +215,8 @@ class SequentialSearch(Search):
         needed = min(belief.runs_needed(self.confidence_to_stop), usual)
         if not belief.is_likely:
             needed = max(needed, _USUAL_AFTER_DESIGN)
-        if belief.knowledge is not None and self._rule.is_answered(belief):
-            usual_to_narrow = belief.knowledge.runs_needed
+        if knowledge := self._knowledge_to_narrow(belief):
+            usual_to_narrow = knowledge.runs_needed
         return max(pending, min(left, needed + usual_to_narrow))
 
     def warm_start(self, evaluations: Sequence[Evaluation]) -> None:
@@ -455,8 +456,7 @@ class SequentialSearch(Search):
     def _chosen(self, belief: Belief, conditioned: Metamodels, pending: int) -> NextRun | None:
         """Choose the next run; None where the pending ones will probably be enough."""
         costs = RunCosts(belief.problem, self.known)
-        knowledge = belief.knowledge if self._rule.is_answered(belief) else None
-        if knowledge is not None:
+        if knowledge := self._knowledge_to_narrow(belief):
             if pending and not knowledge.is_worth_runs_after(conditioned):
                 return None
             return most_narrowing_run(
@@ -465,6 +465,12 @@ class SequentialSearch(Search):
         if pending and pending_is_enough(belief, conditioned, pending, self.confidence_to_stop):
             return None
         return next_run(belief, conditioned, costs, self._random())
+
+    def _knowledge_to_narrow(self, belief: Belief) -> ParameterKnowledge | None:
+        """Knowledge of the parameters, once the answer is known and if it is to be narrowed."""
+        if self._options.wanted_half_width is None or not self._rule.is_answered(belief):
+            return None
+        return belief.knowledge
 
     @property
     def _pending_proposals(self) -> list[Proposal]:
