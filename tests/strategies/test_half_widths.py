@@ -236,7 +236,21 @@ def test_of_two_tests_it_runs_the_one_whose_metamodel_limits_the_intervals() -> 
     assert "All are within" in search.notices[0]
 
 
-def test_runs_at_a_time_are_apart_and_none_is_made_that_pending_ones_replace() -> None:
+def test_no_more_runs_are_started_than_are_needed_at_most() -> None:
+    alone = converse(Sequential(wanted_half_width="28 %").start(ridge(), 1), simulate)
+    search = Sequential(wanted_half_width="28 %").start(ridge(), 1, 80)
+    for evaluation in alone[:-3]:
+        assert search.ask() == evaluation.proposal
+        search.tell(evaluation.proposal, evaluation)
+    pending = []
+    while (proposal := search.ask()) is not None:
+        pending.append(proposal)
+
+    assert 1 <= len(pending) <= 15
+    assert len({tuple(proposal.parameters.values()) for proposal in pending}) > len(pending) / 2
+
+
+def test_several_runs_at_a_time_come_to_the_same_end() -> None:
     alone = converse(Sequential(wanted_half_width="28 %").start(ridge(), 1), simulate)
     search = Sequential(wanted_half_width="28 %").start(ridge(), 1)
     runs = converse(search, simulate, workers=3)
