@@ -11,7 +11,9 @@ from grainfit.strategies.sequential.parameter_knowledge import ParameterKnowledg
 _MANY_FAILURES = 0.05
 
 
-def about_half_widths(knowledge: ParameterKnowledge, *, is_answered: bool) -> str:
+def about_half_widths(
+    knowledge: ParameterKnowledge, *, is_answered: bool, is_budget_used: bool
+) -> str:
     """Return the sentences for the end of a search.
 
     Parameters
@@ -20,6 +22,8 @@ def about_half_widths(knowledge: ParameterKnowledge, *, is_answered: bool) -> st
         By all runs.
     is_answered : bool
         Whether the answer itself was known before the search ended.
+    is_budget_used : bool
+        Whether no more runs were allowed.
     """
     wanted = f"±{_percent(knowledge.wanted)}"
     widths, missed = knowledge.half_widths, knowledge.too_wide
@@ -32,11 +36,13 @@ def about_half_widths(knowledge: ParameterKnowledge, *, is_answered: bool) -> st
     if knowledge.share_of_failures > _MANY_FAILURES:
         share = _percent(knowledge.share_of_failures)
         short += f"Runs fail at {share} of the parameter sets that agree with the measurements. "
-    if knowledge.is_worth_runs:
+    if knowledge.is_worth_runs and is_budget_used:
         return f"{short}More runs would narrow it, to {best} at best; a larger budget allows them."
+    # The verification may have changed a little what is worth runs.
+    limit = "" if knowledge.is_worth_runs else "The measurements limit it. "
     return (
-        f"{short}The measurements limit it: any number of runs would leave {best}. More accurate "
-        "measurements or another test would narrow it; `grainfit advise` says which."
+        f"{short}{limit}Any number of runs would leave {best}. More accurate measurements or "
+        "another test would narrow it; `grainfit advise` says which."
     )
 
 

@@ -162,7 +162,13 @@ class SequentialSearch(Search):
         belief = self._belief
         if belief is None or self._rule.is_out_of_reach(belief) or belief.knowledge is None:
             return ()
-        return [about_half_widths(belief.knowledge, is_answered=self._rule.is_answered(belief))]
+        return [
+            about_half_widths(
+                belief.knowledge,
+                is_answered=self._rule.is_answered(belief),
+                is_budget_used=self._budget_is_used,
+            )
+        ]
 
     @property
     def current_problem(self) -> Problem:
