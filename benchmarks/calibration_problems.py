@@ -85,15 +85,15 @@ class Case:
         return float(off.max())
 
 
-def _inside(problem: Problem, seed: int) -> dict[str, float]:
-    """Return a random parameter set that is not too near the bounds."""
+def true_parameters(problem: Problem, seed: int) -> dict[str, float]:
+    """Return the parameter set whose responses are the targets: random, not near the bounds."""
     random = np.random.default_rng([seed, 2016])
     return problem.from_unit(random.uniform(MARGIN, 1 - MARGIN, problem.dimension))
 
 
 def _target_the_responses_of(case: Case, seed: int, relative: Mapping[str, float]) -> Case:
     """Return the same problem with the responses of a random parameter set as targets."""
-    values = case.expected(_inside(case.problem, seed))
+    values = case.expected(true_parameters(case.problem, seed))
     targets = [
         Target(
             target.name,

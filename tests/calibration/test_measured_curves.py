@@ -65,6 +65,20 @@ def test_curve_calibrates_two_parameters(finished: tuple[Result, Path]) -> None:
         assert interval.determination == "determined"
 
 
+def test_parameters_from_a_curve_are_known_as_closely_as_wanted(
+    finished: tuple[Result, Path],
+) -> None:
+    usual, _ = finished
+    widths = [(i.high - i.low) / 2 / usual.parameters[n] for n, i in usual.intervals.items()]
+    strategy = gf.Sequential(wanted_half_width=0.8 * max(widths))
+    result = gf.calibrate(problem(measured()), gf.solvers.PythonCallable(press), strategy=strategy)
+
+    assert result.status == "calibrated"
+    assert result.runs.total > usual.runs.total
+    [notice] = [notice for notice in result.notices if "wanted" in notice]
+    assert "stiffening" in notice
+
+
 def test_curve_at_the_answer_is_in_the_result(finished: tuple[Result, Path]) -> None:
     result, folder = finished
     curve = result.curves["stress"]

@@ -258,6 +258,16 @@ DIAMETER = 'diameter = "10 mm"'
             "yes",
             "true",
         ),
+        *(
+            (
+                ANGLE,
+                ANGLE + f"\n[strategy]\nwanted_half_width = {value}",
+                "strategy.wanted_half_width",
+                value.strip('"'),
+                'such as "25 %"',
+            )
+            for value in ('"0 %"', '"-5 %"', "3")
+        ),
         (ANGLE, ANGLE + '\n[strategy]\nname = "stages"', "strategy.name", "stages", '"staged"'),
         (ANGLE, ANGLE + "\n[strategy]\nrayleigh_weight = nan", "weight", "nan", "finite"),
     ],

@@ -16,3 +16,9 @@ class TestSequential(StrategyContract):
     @pytest.fixture
     def strategy(self) -> Strategy:
         return Sequential()
+
+
+class TestSequentialWithAWantedHalfWidth(StrategyContract):
+    @pytest.fixture
+    def strategy(self) -> Strategy:
+        return Sequential(wanted_half_width="22 %")

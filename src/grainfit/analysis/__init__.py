@@ -3,8 +3,9 @@
 from grainfit.analysis.analysis import Analysis, analyse
 from grainfit.analysis.identifiability import Direction, Identifiability, assess_identifiability
 from grainfit.analysis.pareto import ParetoFront, pareto_front
-from grainfit.analysis.posterior import Posterior, sample_posterior, standard_uncertainty
+from grainfit.analysis.posterior import Posterior, sample_posterior
 from grainfit.analysis.sensitivity import Sensitivity, estimate_sensitivity
+from grainfit.metamodels.likelihood import standard_uncertainty
 
 __all__ = [
     "Analysis",

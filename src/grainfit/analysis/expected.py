@@ -27,13 +27,13 @@ from grainfit.analysis.information import (
     even_deviation,
     recorded_measurable,
 )
-from grainfit.analysis.posterior import standard_uncertainty
 from grainfit.analysis.wall_sensitivities import on_walls, without_sensitivities
 from grainfit.bulk_tests.accuracy import Accuracy
 from grainfit.bulk_tests.sensitivities import VARIED
 from grainfit.evaluation import response_name
 from grainfit.formatting import in_a_row
 from grainfit.materials.walls import plain_name
+from grainfit.metamodels.likelihood import standard_uncertainty
 from grainfit.problem import Problem
 from grainfit.solvers.base import Solver
 

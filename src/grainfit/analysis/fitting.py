@@ -16,12 +16,6 @@ from grainfit.metamodels.known_runs import (
 from grainfit.metamodels.metamodels import Metamodels
 from grainfit.problem import Problem
 
-#: Squared numbers of runs, times sets of hyperparameters, summed over the responses.
-_LARGEST_EFFORT = 400_000
-#: Fixed cost of a prediction, in the same unit.
-_EFFORT_OF_ASKING = 5_000
-_FEWEST_COMPONENTS = 2
-
 
 @dataclass(frozen=True)
 class Fitted:
@@ -70,7 +64,7 @@ def fit_runs(
     whole, missing = fit_where_possible(problem, chosen)
     if chosen:
         notes += [f"There is no metamodel of {name}: {why}" for name, why in missing.items()]
-    return Fitted(whole, _reduced(whole) if whole else None, tuple(chosen), tuple(notes))
+    return Fitted(whole, whole.reduced() if whole else None, tuple(chosen), tuple(notes))
 
 
 def _order(evaluation: Evaluation) -> tuple[list[tuple[str, float]], int]:
@@ -130,10 +124,3 @@ def _which(inside: int, answer_is_known: bool) -> str:
     words = "the answer" if answer_is_known else "what looks like the answer"
     half = MOST_RUNS // 2
     return f"the {half} nearest to {words} and {MOST_RUNS - half} spread over the others"
-
-
-def _reduced(metamodels: Metamodels) -> Metamodels:
-    effort = sum(model.n**2 + _EFFORT_OF_ASKING for model in metamodels.models)
-    components = max(_LARGEST_EFFORT // effort, _FEWEST_COMPONENTS)
-    models = [model.reduced(components) for model in metamodels.models]
-    return Metamodels(metamodels.problem, models, metamodels.outliers, metamodels.reduction)

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from grainfit.analysis.posterior import NORMAL_QUANTILE, Posterior
+from grainfit.analysis.posterior import Posterior
 from grainfit.materials.card import Determination
+from grainfit.metamodels.likelihood import NORMAL_QUANTILE
 from grainfit.problem import Parameter, Problem
 from grainfit.result import ParameterInterval
 

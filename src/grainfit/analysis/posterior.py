@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, field
-from functools import cached_property, partial
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -15,13 +14,11 @@ from threadpoolctl import threadpool_limits
 from grainfit.analysis.ensemble import sample_cube
 from grainfit.errors import Fault, InputError
 from grainfit.extras import import_extra
+from grainfit.metamodels.likelihood import log_density
 from grainfit.metamodels.metamodels import Metamodels
-from grainfit.problem import Problem, Target
+from grainfit.problem import Problem
 
 Array = NDArray[np.float64]
-
-#: Half the width of a 95 % interval in standard deviations.
-NORMAL_QUANTILE = 1.96
 
 
 @dataclass(frozen=True)
@@ -136,16 +133,6 @@ class Posterior:
         return np.asarray(self.values[:, self.names.index(name)])
 
 
-def standard_uncertainty(target: Target) -> float:
-    """Standard uncertainty of a measured value, in its unit.
-
-    If none is given, the tolerance is read as a 95 % interval.
-    """
-    if target.uncertainty is not None:
-        return target.uncertainty
-    return target.tolerance / NORMAL_QUANTILE
-
-
 def sample_posterior(
     metamodels: Metamodels, *, seed: int = 1, samples: int = 4000, max_steps: int = 500
 ) -> Posterior:
@@ -180,7 +167,7 @@ def sample_posterior(
     problem = metamodels.problem
     with threadpool_limits(limits=1, user_api="blas"):
         sample = sample_cube(
-            _log_density(metamodels),
+            log_density(metamodels),
             problem.dimension,
             seed=seed,
             samples=samples,
@@ -210,45 +197,3 @@ def _in_units(problem: Problem, points: Array) -> Array:
         for axis, p in enumerate(problem.parameters)
     ]
     return np.stack(columns, axis=-1)
-
-
-def _log_density(metamodels: Metamodels) -> Callable[[Array], Array]:
-    """Return the logarithm of the density: the likelihood, and what was measured on its own."""
-    log_likelihood = _log_likelihood(metamodels)
-
-    def log_density(points: Array) -> Array:
-        own = (metamodels.problem.off_measured(points) ** 2).sum(axis=1)
-        return np.asarray(log_likelihood(points) - 0.5 * own)
-
-    return log_density
-
-
-def _log_likelihood(metamodels: Metamodels) -> Callable[[Array], Array]:
-    targets = metamodels.problem.targets
-    measured = np.array([target.value for target in targets])
-    variances = np.array([standard_uncertainty(target) ** 2 for target in targets])
-    if metamodels.problem.correlations:
-        deviations = np.sqrt(variances)
-        covariance = metamodels.problem.correlation_matrix * np.outer(deviations, deviations)
-        return partial(_correlated_log_likelihood, metamodels, measured, covariance)
-
-    def log_likelihood(points: Array) -> Array:
-        means, errors = metamodels.predict(points)
-        total = variances + errors
-        # A point must not look good only because it is uncertain.
-        return np.asarray(-0.5 * ((means - measured) ** 2 / total + np.log(total)).sum(axis=1))
-
-    return log_likelihood
-
-
-def _correlated_log_likelihood(
-    metamodels: Metamodels, measured: Array, covariance: Array, points: Array
-) -> Array:
-    """Log-likelihood with a covariance of the measured values, shape (m,)."""
-    means, errors = metamodels.predict(points)
-    # The metamodels are fitted one by one: their errors are independent.
-    total = covariance + errors[:, :, None] * np.eye(len(measured))
-    factors = np.linalg.cholesky(total)
-    off = np.linalg.solve(factors, (means - measured)[..., None])[..., 0]
-    logarithms = np.log(np.diagonal(factors, axis1=1, axis2=2))
-    return np.asarray(-0.5 * (off**2).sum(axis=1) - logarithms.sum(axis=1))

@@ -86,6 +86,7 @@ name = "sequential"                     # every run where it helps most; or "sta
 # verification_runs = 5                 # with fresh seeds, at the answer
 # prefer = "accuracy"                   # closest parameter set, not the fastest that agrees
 # extend_intervals = true               # move a bound that keeps a target out of reach
+# wanted_half_width = "25 %"            # go on until the 95 % intervals are that narrow
 
 # A DEM model of your own, instead of these tests or beside them, and all other keys:
 # docs/calibration_file.md; runs in jobs of a cluster: docs/clusters.md

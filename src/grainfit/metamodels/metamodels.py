@@ -25,6 +25,12 @@ Array = NDArray[np.float64]
 _NO_NOISE = 1e-12
 #: A single outlying run may be the only one for long.
 _FEWEST_TORN = 2
+#: Largest effort of `Metamodels.reduced`: squared numbers of runs, times sets of hyperparameters,
+#: summed over the responses.
+_LARGEST_EFFORT = 400_000
+#: Fixed cost of a prediction, in the same unit.
+_EFFORT_OF_ASKING = 5_000
+_FEWEST_COMPONENTS = 2
 #: Outcomes by which the share that meets correlated targets together is counted.
 _OUTCOMES = 512
 
@@ -101,6 +107,13 @@ class Metamodels:
         fits = [_fit(reduced, runs, target.name) for target in reduced.targets]
         models, outliers = [model for model, _ in fits], [found for _, found in fits]
         return cls(reduced, models, outliers, reduction)
+
+    def reduced(self) -> Metamodels:
+        """Keep the most probable sets of hyperparameters alone, as many predictions need."""
+        effort = sum(model.n**2 + _EFFORT_OF_ASKING for model in self.models)
+        components = max(_LARGEST_EFFORT // effort, _FEWEST_COMPONENTS)
+        models = [model.reduced(components) for model in self.models]
+        return Metamodels(self.problem, models, self.outliers, self.reduction)
 
     @property
     def is_torn(self) -> bool:

@@ -265,6 +265,27 @@ class Quantity(Kind):
 
 
 @dataclass(frozen=True)
+class Share(Quantity):
+    """A share, above zero and at most one: a percentage in quotes, or a plain number."""
+
+    unit: str | None = ""
+    highest: float = 1.0
+    above_zero: bool = True
+
+    def _checked(
+        self,
+        number: float,
+        shown: str,
+        hint: str,  # noqa: ARG002
+        place: Place,
+    ) -> float | None:
+        if 0 < number <= self.highest:
+            return number
+        place.fault(f"is {shown}.", 'Give a share above 0 and at most 100 %, such as "25 %".')
+        return None
+
+
+@dataclass(frozen=True)
 class ListOf(Kind):
     """A list of values of one kind."""
 

@@ -9,10 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from grainfit.analysis import Analysis
-from grainfit.analysis.posterior import NORMAL_QUANTILE
 from grainfit.bulk_tests.registry import curve_info
 from grainfit.curve_target import CurveTarget
 from grainfit.formatting import plain, unit_for_people
+from grainfit.metamodels.likelihood import NORMAL_QUANTILE
 from grainfit.plots.arrange import arrange
 from grainfit.plots.figure import Figure, no_figure
 from grainfit.plots.style import BLUE, GREEN, PURPLE, QUIET

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from grainfit.analysis.analysis import Analysis, analyse
-from grainfit.analysis.posterior import Posterior, standard_uncertainty
+from grainfit.analysis.posterior import Posterior
 from grainfit.calibration_file.build import CalibrationSetup, load_calibration
 from grainfit.calibration_file.content import TestSpecification
 from grainfit.campaign.reuse import runs_of
@@ -18,6 +18,7 @@ from grainfit.errors import Fault, InputError
 from grainfit.evaluation import Evaluation, Proposal, response_name
 from grainfit.formatting import counted, in_unit, number, plain_ends, plain_interval
 from grainfit.metamodels.curve_reduction import ComponentTarget
+from grainfit.metamodels.likelihood import standard_uncertainty
 from grainfit.problem import Parameter, Problem, Target
 from grainfit.tables import TextTable, as_html, as_text
 from grainfit.work_folder.import_table import read_import_table

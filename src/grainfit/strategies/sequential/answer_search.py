@@ -24,7 +24,7 @@ from grainfit.metamodels.unit_cube import (
     spread_points,
 )
 from grainfit.problem import Problem
-from grainfit.strategies.sequential.feasibility import FeasibilityModel
+from grainfit.strategies.sequential.feasibility import LIKELY_TO_SUCCEED, FeasibilityModel
 
 Array = NDArray[np.float64]
 
@@ -82,7 +82,7 @@ class AnswerSearch:
         return np.random.default_rng(self._seeds)
 
     def _misfit(self, points: Array) -> Array:
-        likely = self._feasibility.success_probability(points) > 0.5
+        likely = self._feasibility.success_probability(points) > LIKELY_TO_SUCCEED
         return np.asarray(self.metamodels.misfit(points) + np.where(likely, 0.0, _FORBIDDEN))
 
     def _promising(self, points: Array) -> Array:
@@ -195,7 +195,7 @@ class AnswerSearch:
         return points[0], -float(values[0])
 
     def _probability_all_met(self, points: Array) -> Array:
-        likely = self._feasibility.success_probability(points) > 0.5
+        likely = self._feasibility.success_probability(points) > LIKELY_TO_SUCCEED
         # A larger time step is not bought with a value that a measurement rules out.
         likely &= (np.abs(self.problem.off_measured(points)) <= 1.0).all(axis=1)
         return np.asarray(self.metamodels.probability_all_met(points) * likely)

@@ -18,6 +18,7 @@ from grainfit.strategies.out_of_reach import out_of_reach
 from grainfit.strategies.sequential.answer_search import AnswerSearch
 from grainfit.strategies.sequential.feasibility import FeasibilityModel
 from grainfit.strategies.sequential.options import SequentialOptions
+from grainfit.strategies.sequential.parameter_knowledge import ParameterKnowledge
 
 Array = NDArray[np.float64]
 
@@ -63,8 +64,8 @@ class Belief:
         self._options = options
         self._confidence_to_stop = confidence_to_stop
         runs = np.array([problem.to_unit(e.proposal.parameters) for e in known])
-        seeds = (seed, len(known))
-        self.answers = AnswerSearch(self.metamodels, self.feasibility, runs, seeds)
+        self._seeds = (seed, len(known))
+        self.answers = AnswerSearch(self.metamodels, self.feasibility, runs, self._seeds)
 
     @cached_property
     def misses(self) -> tuple[OutOfReach, ...]:
@@ -150,6 +151,16 @@ class Belief:
         tolerances = np.array([target.tolerance for target in self.problem.targets])
         ratio = float((self.metamodels.noise_at(self.answers.closest[0]) / tolerances).max())
         return int(min(1.1 * (2.24 * ratio) ** 2 + self.problem.dimension + 4, 1e6))
+
+    @cached_property
+    def knowledge(self) -> ParameterKnowledge | None:
+        """Knowledge of the parameters; None when no half-width of their intervals is wanted."""
+        wanted = self._options.wanted_half_width
+        if wanted is None:
+            return None
+        return ParameterKnowledge(
+            self.metamodels, self.feasibility, self.answer, wanted, self._seeds
+        )
 
     def narrowing(self, runs: int) -> float:
         """Share by which further runs at the answer would narrow its standard errors."""

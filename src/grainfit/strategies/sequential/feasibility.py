@@ -13,6 +13,8 @@ from grainfit.problem import Problem, ScopeOfTest
 
 Array = NDArray[np.float64]
 
+#: Probability of success above which a point may be an answer, or a run of its own.
+LIKELY_TO_SUCCEED = 0.5
 #: Length of the kernel per axis: the neighbourhood about which a run gives information.
 _REACH = 0.15
 #: Largest distance of a success that proves a point, as a share of that length.

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal, get_args
 
 from grainfit.options.fields import option
-from grainfit.options.kinds import Choice, Flag, Quantity, Whole
+from grainfit.options.kinds import Choice, Flag, Quantity, Share, Whole
 from grainfit.strategies.base import Strategy
 
 if TYPE_CHECKING:
@@ -47,6 +47,14 @@ class SequentialOptions(Strategy):
         "Demanded probability that all expected responses are within their tolerances.",
         default=0.95,
         example="0.99",
+    )
+    wanted_half_width: float | None = option(
+        Share(),
+        "Wanted half of the 95 % interval of every free parameter, a share of its value. Once the "
+        "answer agrees, the search goes on until all are that narrow, until more runs would hardly "
+        "narrow them, or to the end of the budget.",
+        words="none: the search ends when the answer agrees",
+        example='"25 %"',
     )
 
     def fewest_evaluations(self, problem: Problem) -> int:

@@ -3,7 +3,8 @@
 After a small Latin hypercube, metamodels of all responses are fitted again whenever a run has
 ended, and `next_run` chooses the next run with the pending ones taken into account. The search ends
 when `stopping` finds it decided: the answer agrees with all measurements with the demanded
-probability, or no parameter set can.
+probability, or no parameter set can. When a half-width of the 95 % intervals is wanted, the answer
+is followed by runs that narrow them (`parameter_knowledge`, `variance_reduction`).
 
 The next proposal depends only on the known and the pending runs, not on their order. So an
 interrupted calibration needs only its history to continue.
@@ -34,13 +35,17 @@ from grainfit.strategies.out_of_reach import widened, widenings
 from grainfit.strategies.run_costs import RunCosts
 from grainfit.strategies.seeds import insertion_seed
 from grainfit.strategies.sequential.belief import LIKELY, Belief
+from grainfit.strategies.sequential.half_width_notice import about_half_widths
 from grainfit.strategies.sequential.next_run import (
+    NextRun,
     next_run,
     pending_is_enough,
     space_filling_point,
 )
 from grainfit.strategies.sequential.options import SequentialOptions
+from grainfit.strategies.sequential.parameter_knowledge import ParameterKnowledge
 from grainfit.strategies.sequential.stopping import StoppingRule
+from grainfit.strategies.sequential.variance_reduction import most_narrowing_run
 
 Array = NDArray[np.float64]
 
@@ -55,6 +60,8 @@ _TRIES_OF_A_MACHINE = 3
 _USUAL_AFTER_DESIGN = 5
 #: The same before the scatter is known.
 _USUAL_BEFORE_ANY_RUN = 7
+#: Runs that usually narrow the intervals to a wanted half-width after the answer is known.
+_USUAL_TO_NARROW = 12
 _MOST_WIDENINGS = 4
 
 
@@ -116,11 +123,16 @@ class SequentialSearch(Search):
         self._resumptions = 0
         self._latest: tuple[tuple[int, int], Belief] | None = None
         self._notices: list[str] = []
+        self._has_ended = False
 
     @property
     def definition(self) -> dict[str, Any]:
         """All options; the budget only limits the number of proposals."""
-        return asdict(self._options) | {"design_runs": self._usual_design}
+        options = asdict(self._options) | {"design_runs": self._usual_design}
+        if self._options.wanted_half_width is None:
+            # So calibrations without this option keep the identity that they had before it.
+            del options["wanted_half_width"]
+        return options
 
     @property
     def design_runs(self) -> int:
@@ -139,8 +151,24 @@ class SequentialSearch(Search):
 
     @property
     def notices(self) -> Sequence[str]:
-        """Widened intervals, and why the search has ended."""
-        return tuple(self._notices)
+        """Widened intervals, why the search has ended, and how closely parameters are known."""
+        if self._options.wanted_half_width is None or not (self._has_ended or self.finished):
+            return tuple(self._notices)
+        return (*self._notices, *self._notices_of_half_widths)
+
+    @property
+    def _notices_of_half_widths(self) -> Sequence[str]:
+        """What is known of the parameters now, verification included; so it is not kept."""
+        belief = self._belief
+        if belief is None or self._rule.is_out_of_reach(belief) or belief.knowledge is None:
+            return ()
+        return [
+            about_half_widths(
+                belief.knowledge,
+                is_answered=self._rule.is_answered(belief),
+                is_budget_used=self._budget_is_used,
+            )
+        ]
 
     @property
     def current_problem(self) -> Problem:
@@ -162,6 +190,7 @@ class SequentialSearch(Search):
         if used or (self._belief is not None and self._rule.is_decided(self._belief)):
             if self._belief is not None:
                 self._note(self._rule.final_notices(self._belief))
+            self._has_ended = True
             return True
         return False
 
@@ -179,8 +208,9 @@ class SequentialSearch(Search):
         """The same in parameter sets that are simulated in every test."""
         told, pending = self._sets_told, self._sets(self._pending_proposals)
         done = told + self._sets(evaluation.proposal for evaluation in self._others)
+        usual_to_narrow = 0 if self._options.wanted_half_width is None else _USUAL_TO_NARROW
         if not self._design_is_told or self._belief is None:
-            usual = self._design_size + _USUAL_BEFORE_ANY_RUN
+            usual = self._design_size + _USUAL_BEFORE_ANY_RUN + usual_to_narrow
             return max(pending, min(self._allowed, usual) - told)
         belief = self._belief
         left = self._allowed - told
@@ -191,7 +221,9 @@ class SequentialSearch(Search):
         needed = min(belief.runs_needed(self.confidence_to_stop), usual)
         if not belief.is_likely:
             needed = max(needed, _USUAL_AFTER_DESIGN)
-        return max(pending, min(left, needed))
+        if knowledge := self._knowledge_to_narrow(belief):
+            usual_to_narrow = knowledge.runs_needed
+        return max(pending, min(left, needed + usual_to_narrow))
 
     def warm_start(self, evaluations: Sequence[Evaluation]) -> None:
         """Use runs of other calibrations instead of a part of the design."""
@@ -224,6 +256,7 @@ class SequentialSearch(Search):
             return self._propose(again.parameters, again.stage, again.tests)
         if self.finished:
             return None
+        self._has_ended = False
         if self._belief is None:
             return None if self._pending else self._propose_space_filling()
         return self._propose_most_useful(self._belief)
@@ -420,13 +453,30 @@ class SequentialSearch(Search):
         conditioned = belief.metamodels.condition_on_pending(
             np.array(points).reshape(-1, belief.problem.dimension), np.array(yields)
         )
-        confidence = self.confidence_to_stop
-        if pending and pending_is_enough(belief, conditioned, len(pending), confidence):
+        chosen = self._chosen(belief, conditioned, len(pending))
+        if chosen is None:
             return None
-        costs = RunCosts(belief.problem, self.known)
-        chosen = next_run(belief, conditioned, costs, self._random())
         values = belief.problem.from_unit(chosen.point)
         return self._propose(values, "optimisation", self._some([chosen.scope.name]))
+
+    def _chosen(self, belief: Belief, conditioned: Metamodels, pending: int) -> NextRun | None:
+        """Choose the next run; None where the pending ones will probably be enough."""
+        costs = RunCosts(belief.problem, self.known)
+        if knowledge := self._knowledge_to_narrow(belief):
+            if pending and not knowledge.is_worth_runs_after(conditioned):
+                return None
+            return most_narrowing_run(
+                conditioned, knowledge, belief.feasibility, costs, self._random()
+            )
+        if pending and pending_is_enough(belief, conditioned, pending, self.confidence_to_stop):
+            return None
+        return next_run(belief, conditioned, costs, self._random())
+
+    def _knowledge_to_narrow(self, belief: Belief) -> ParameterKnowledge | None:
+        """Knowledge of the parameters, once the answer is known and if it is to be narrowed."""
+        if self._options.wanted_half_width is None or not self._rule.is_answered(belief):
+            return None
+        return belief.knowledge
 
     @property
     def _pending_proposals(self) -> list[Proposal]:

@@ -46,11 +46,21 @@ class StoppingRule:
     runs_left: int | None
 
     def is_decided(self, belief: Belief) -> bool:
-        """Whether the answer is known but for its verification, or no further run could help."""
+        """Whether all that is wanted is known but for the verification, or no run could help."""
+        if self.is_hopeless(belief):
+            return True
+        if not self.is_answered(belief):
+            return False
+        return belief.knowledge is None or not belief.knowledge.is_worth_runs
+
+    def is_hopeless(self, belief: Belief) -> bool:
+        """Whether no further run could decide the answer."""
         if self.is_out_of_reach(belief) or self._is_at_noise_floor(belief):
             return True
-        if belief.metamodels.is_torn:
-            return True
+        return belief.metamodels.is_torn
+
+    def is_answered(self, belief: Belief) -> bool:
+        """Whether the answer is known but for its verification."""
         return self._is_left_to_verification(belief) and belief.gain < _GAIN_WORTH_RUNS
 
     def is_out_of_reach(self, belief: Belief) -> bool:

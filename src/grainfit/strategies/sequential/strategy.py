@@ -27,11 +27,17 @@ class Sequential(SequentialOptions):
         Move a bound that keeps a target out of reach, within physical limits, and continue.
     confidence : float
         Demanded probability that all expected responses are within their tolerances.
+    wanted_half_width : float or str, optional
+        Wanted half of the 95 % interval of every free parameter, a share of its value such as
+        ``"25 %"``. Once the answer agrees, the search goes on until all are that narrow, until
+        more runs would hardly narrow them, or to the end of the budget.
 
     Examples
     --------
-    >>> Sequential(prefer="accuracy")
-    Sequential(design_runs=None, prefer='accuracy', extend_intervals=False, confidence=0.95)
+    >>> Sequential(prefer="accuracy").prefer
+    'accuracy'
+    >>> Sequential(wanted_half_width="25 %").wanted_half_width
+    0.25
     """
 
     name: ClassVar[str] = "sequential"

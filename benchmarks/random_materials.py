@@ -1,0 +1,283 @@
+"""Random materials: "measured" by simulation, calibrated, and compared with the truth.
+
+A measurement is the mean of eight seeds at the true parameters, with the error of a laboratory.
+Finished calibrations are kept in a file of JSON lines, runs of unfinished ones in the folder beside
+it, so that a command can be stopped and started again.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import math
+import os
+import shutil
+import statistics
+import sys
+import time
+from collections.abc import Iterator, Mapping, Sequence
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, NamedTuple
+from zlib import crc32
+
+os.environ["OMP_NUM_THREADS"] = "1"
+
+import numpy as np
+
+import grainfit
+from grainfit.bulk_tests.base import BulkTest
+from grainfit.campaign.batch import simulate_once
+from grainfit.errors import GrainfitError
+from grainfit.evaluation import scalars
+from grainfit.formatting import percent, short_names
+from grainfit.problem import Parameter, Problem, Target
+from grainfit.solvers.base import Solver
+from grainfit.solvers.dem.lammps.program import Lammps
+
+MEASURED_SEEDS = 8
+Record = dict[str, Any]
+
+
+class Unknown(NamedTuple):
+    """A parameter to be found: where true values lie, and the interval of the calibration."""
+
+    true: tuple[float, float]
+    interval: tuple[float, float]
+
+
+class Measured(NamedTuple):
+    """A parameter that is measured on its own, free within two standard uncertainties."""
+
+    true: tuple[float, float]
+    uncertainty: float
+    """A share of the value."""
+
+
+@dataclass(frozen=True)
+class Study:
+    """Random materials of one kind, and the tests that they are calibrated with.
+
+    Parameters
+    ----------
+    tests : mapping of str to BulkTest
+        By name.
+    fixed : mapping of str to float
+        Material parameters that are known exactly.
+    unknown : mapping of str to Unknown
+        Those to be found; their intervals are compared with the truth.
+    measured : mapping of str to Measured
+        Those known from elsewhere.
+    laboratory : mapping of str to float or str
+        Standard uncertainty of each response that is measured: a share of the value, or absolute.
+    """
+
+    tests: Mapping[str, BulkTest]
+    fixed: Mapping[str, float]
+    unknown: Mapping[str, Unknown]
+    measured: Mapping[str, Measured]
+    laboratory: Mapping[str, float | str]
+
+    def solvers(self, fixed: Mapping[str, float]) -> dict[str, Solver]:
+        """Return one solver for each test."""
+        return {name: Lammps(test, fixed) for name, test in self.tests.items()}
+
+    def draw(self, number: int) -> tuple[dict[str, float], dict[str, float], dict[str, float]]:
+        """Return a random material: the unknown and the measured parameters, and their readings."""
+        random = np.random.default_rng([2016, number])
+        truth = {key: float(random.uniform(*it.true)) for key, it in self.unknown.items()}
+        known = {key: float(random.uniform(*it.true)) for key, it in self.measured.items()}
+        read = {
+            key: known[key] * (1 + it.uncertainty * float(random.standard_normal()))
+            for key, it in self.measured.items()
+        }
+        return truth, known, read
+
+    def intervals(self, read: Mapping[str, float]) -> dict[str, tuple[float, float]]:
+        """Return the intervals of a calibration with these readings."""
+        found = {key: it.interval for key, it in self.unknown.items()}
+        for key, it in self.measured.items():
+            reach = 2 * it.uncertainty * read[key]
+            found[key] = (read[key] - reach, read[key] + reach)
+        return found
+
+
+class Job(NamedTuple):
+    """One calibration: name of the study, number of the material, wanted half-width."""
+
+    tests: str
+    material: int
+    wanted: str | None
+
+
+def calibrate(study: Study, job: Job, folder: Path) -> Record:
+    """Measure a random material, calibrate it, and return what is to be compared."""
+    start = time.perf_counter()
+    record: Record = {"tests": job.tests, "material": job.material}
+    if job.wanted:
+        record["wanted"] = job.wanted
+    try:
+        record |= _calibrate(study, job, folder)
+    except GrainfitError as error:
+        record |= {"status": "error", "why": str(error)}
+    return record | {"seconds": round(time.perf_counter() - start, 1)}
+
+
+def _calibrate(study: Study, job: Job, folder: Path) -> Record:
+    truth, known, read = study.draw(job.material)
+    real = study.solvers({**study.fixed, **truth, **known})
+    targets = [
+        _target(study, key, values, job.material)
+        for key, values in _measure(real, folder / "laboratory").items()
+        if key.rpartition(".")[2] in study.laboratory
+    ]
+    parameters = [Parameter(name, *interval) for name, interval in study.intervals(read).items()]
+    result = grainfit.calibrate(
+        Problem(parameters, targets),
+        study.solvers(study.fixed),
+        strategy=grainfit.Sequential(wanted_half_width=job.wanted),
+        seed=job.material,
+        workdir=folder / "calibration",
+        keep="results",
+    )
+    return {
+        "truth": truth,
+        "status": result.status,
+        "probability": result.probability_all_met,
+        "answer": dict(result.parameters),
+        "intervals": {n: [i.low, i.high, i.determination] for n, i in result.intervals.items()},
+        "runs": result.runs.total,
+        "notices": list(result.notices),
+    }
+
+
+def _measure(solvers: Mapping[str, Solver], folder: Path) -> dict[str, list[float]]:
+    """Return the values of every response for seeds that no calibration uses."""
+    found: dict[str, list[float]] = {}
+    for seed in range(900_001, 900_001 + MEASURED_SEEDS):
+        evaluation, _ = simulate_once(solvers, {}, seed, folder, keep="results")
+        for key, response in scalars(evaluation.responses).items():
+            found.setdefault(key, []).append(response.value)
+    return found
+
+
+def _target(study: Study, key: str, values: Sequence[float], number: int) -> Target:
+    """Return a target at the mean of the values, with the error of a laboratory."""
+    random = np.random.default_rng([2016, number, crc32(key.encode())])
+    mean = statistics.fmean(values)
+    absolute = absolute_uncertainty(study.laboratory[key.rpartition(".")[2]], mean)
+    of_mean = statistics.stdev(values) / math.sqrt(len(values))
+    value = mean + absolute * float(random.standard_normal())
+    return Target(key, value, uncertainty=math.hypot(absolute, of_mean))
+
+
+def absolute_uncertainty(accuracy: float | str, value: float) -> float:
+    """Return the standard uncertainty of a value from an absolute one, or a text with a share."""
+    return float(accuracy.rstrip(" %")) / 100 * value if isinstance(accuracy, str) else accuracy
+
+
+# All of them --------------------------------------------------------------------------------
+
+
+def measure(studies: Mapping[str, Study], jobs: Sequence[Job], processes: int, kept: Path) -> None:
+    """Make the calibrations that are not kept yet; keep each as it ends."""
+    known = {_job_of(record) for record in read(kept)}
+    missing = [job for job in jobs if job not in known]
+    start = time.monotonic()
+    with ProcessPoolExecutor(processes) as pool, kept.open("a") as file:
+        folders = {
+            job: kept.with_suffix("") / " ".join(map(str, filter(None, job))) for job in missing
+        }
+        for folder in folders.values():
+            folder.mkdir(parents=True, exist_ok=True)
+        pending = {
+            pool.submit(calibrate, studies[job.tests], job, folder): job
+            for job, folder in folders.items()
+        }
+        try:
+            for done, future in enumerate(as_completed(pending), 1):
+                file.write(json.dumps(future.result()) + "\n")
+                file.flush()
+                shutil.rmtree(folders[pending[future]])
+                left = (time.monotonic() - start) / done * (len(missing) - done) / 60
+                words = f"{done} of {len(missing)} calibrations, about {left:.0f} min left"
+                print(words, file=sys.stderr)
+        except BaseException:
+            pool.shutdown(wait=False, cancel_futures=True)
+            raise
+
+
+def read(kept: Path) -> list[Record]:
+    """Return the records that are kept."""
+    return [json.loads(line) for line in kept.read_text().splitlines()] if kept.exists() else []
+
+
+def _job_of(record: Record) -> Job:
+    return Job(record["tests"], record["material"], record.get("wanted"))
+
+
+def table(studies: Mapping[str, Study], records: Sequence[Record]) -> Iterator[str]:
+    """Yield the findings as the lines of a table in Markdown."""
+    yield (
+        "| tests | materials | parameters | truth in the 95 % interval | median half-width "
+        "| called not determined | calibrated | runs (median) |"
+    )
+    yield "|---" * 8 + "|"
+    done = [record for record in records if "intervals" in record]
+    for name, wanted in dict.fromkeys((r["tests"], r.get("wanted")) for r in done):
+        own = [r for r in done if (r["tests"], r.get("wanted")) == (name, wanted)]
+        keys = list(studies[name].unknown)
+        calibrated = sum(record["status"] == "calibrated" for record in own)
+        cells = [
+            name.replace("+", " + ").replace("_", "-") + (f", ±{wanted} wanted" if wanted else ""),
+            str(len(own)),
+            ", ".join(short_names(keys)),
+            ", ".join(f"{sum(_holds(r, key) for r in own)} of {len(own)}" for key in keys),
+            ", ".join(percent(statistics.median(_half_width(r, k) for r in own)) for k in keys),
+            ", ".join(str(sum(_is_open(r, key) for r in own)) for key in keys),
+            str(calibrated),
+            f"{statistics.median(record['runs'] for record in own):g}",
+        ]
+        yield f"| {' | '.join(cells)} |"
+    yield from (
+        f"{r['tests']}, material {r['material']}: {r['why']}" for r in records if "why" in r
+    )
+
+
+def _holds(record: Record, key: str) -> bool:
+    low, high, _ = record["intervals"][key]
+    return bool(low <= record["truth"][key] <= high)
+
+
+def _half_width(record: Record, key: str) -> float:
+    low, high, _ = record["intervals"][key]
+    return float((high - low) / 2 / record["truth"][key])
+
+
+def _is_open(record: Record, key: str) -> bool:
+    return bool(record["intervals"][key][2] == "not determined")
+
+
+def command(studies: Mapping[str, Study], materials: int, about: str) -> argparse.ArgumentParser:
+    """Return the parser of a command that calibrates the materials of some studies."""
+    parser = argparse.ArgumentParser(description=about)
+    parser.add_argument("--kept", type=Path)
+    parser.add_argument("--materials", type=int, default=materials)
+    parser.add_argument("--tests", nargs="+", choices=studies, default=list(studies))
+    parser.add_argument("--wanted", metavar="SHARE", help="half-width of the 95 %% intervals")
+    parser.add_argument("--processes", type=int, default=2)
+    parser.add_argument("--table", action="store_true", help="only print what is known")
+    return parser
+
+
+def run(studies: Mapping[str, Study], parser: argparse.ArgumentParser) -> None:
+    """Make the calibrations that the command line asks for, and print the table."""
+    given = parser.parse_args()
+    if given.kept is None:
+        parser.error("--kept FILE is needed for calibrations")
+    numbers = range(1, given.materials + 1)
+    jobs = [Job(name, number, given.wanted) for number in numbers for name in given.tests]
+    if not given.table:
+        measure(studies, jobs, given.processes, given.kept)
+    print("\n".join(table(studies, read(given.kept))))

@@ -1,0 +1,101 @@
+"""Density of parameter sets, given the measurements and what the metamodels predict."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from grainfit.metamodels.metamodels import Metamodels
+from grainfit.problem import Problem, Target
+
+Array = NDArray[np.float64]
+
+#: Half the width of a 95 % interval in standard deviations.
+NORMAL_QUANTILE = 1.96
+
+
+def standard_uncertainty(target: Target) -> float:
+    """Standard uncertainty of a measured value, in its unit.
+
+    If none is given, the tolerance is read as a 95 % interval.
+    """
+    if target.uncertainty is not None:
+        return target.uncertainty
+    return target.tolerance / NORMAL_QUANTILE
+
+
+class Likelihood:
+    """Likelihood of the measured values, which are normal about the expected responses.
+
+    Their variance is that of the measurement plus that of the metamodel's mean, which includes the
+    scatter from run to run; correlations of the targets are those of the measurement.
+
+    Parameters
+    ----------
+    problem : Problem
+        Has the targets.
+    """
+
+    def __init__(self, problem: Problem) -> None:
+        targets = problem.targets
+        self._measured = np.array([target.value for target in targets])
+        deviations = np.array([standard_uncertainty(target) for target in targets])
+        self._variances = deviations**2
+        self._covariance: Array | None = None
+        if problem.correlations:
+            self._covariance = problem.correlation_matrix * np.outer(deviations, deviations)
+
+    def logarithms(self, means: Array, errors: Array) -> Array:
+        """Return logarithms of the likelihood, but for a constant, shape (m,).
+
+        Parameters
+        ----------
+        means, errors : ndarray, shape (m, targets)
+            Expected responses and the variances of their metamodels.
+        """
+        if self._covariance is not None:
+            return self._correlated(means, errors, self._covariance)
+        total = self._variances + errors
+        # A point must not look good only because it is uncertain.
+        off = (means - self._measured) ** 2 / total
+        return np.asarray(-0.5 * (off + np.log(total)).sum(axis=1))
+
+    def _correlated(self, means: Array, errors: Array, covariance: Array) -> Array:
+        # The metamodels are fitted one by one: their errors are independent.
+        total = covariance + errors[:, :, None] * np.eye(len(self._measured))
+        factors = np.linalg.cholesky(total)
+        off = np.linalg.solve(factors, (means - self._measured)[..., None])[..., 0]
+        logarithms = np.log(np.diagonal(factors, axis1=1, axis2=2))
+        return np.asarray(-0.5 * (off**2).sum(axis=1) - logarithms.sum(axis=1))
+
+
+def log_prior(problem: Problem, points: Array) -> Array:
+    """Return logarithms of the density before the tests at points of the unit cube, shape (m,).
+
+    It is even over the cube; a parameter with a measurement of its own is normal about it.
+    """
+    return np.asarray(-0.5 * (problem.off_measured(points) ** 2).sum(axis=1))
+
+
+def log_density(metamodels: Metamodels) -> Callable[[Array], Array]:
+    """Return the logarithm of the posterior density over the unit cube, but for a constant.
+
+    Parameters
+    ----------
+    metamodels : Metamodels
+        Of all responses.
+
+    Returns
+    -------
+    callable
+        Of points, shape (m, d): logarithms, shape (m,).
+    """
+    likelihood = Likelihood(metamodels.problem)
+
+    def logarithms(points: Array) -> Array:
+        found = likelihood.logarithms(*metamodels.predict(points))
+        return np.asarray(found + log_prior(metamodels.problem, points))
+
+    return logarithms
