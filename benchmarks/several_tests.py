@@ -28,7 +28,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import grainfit
-from calibration_problems import Case, heap_of_four
+from calibration_problems import Case, heap_and_rebound, heap_of_four
 from grainfit.campaign.store.records import RunRecord
 from grainfit.campaign.worker import RunTask
 from grainfit.errors import GrainfitError
@@ -192,6 +192,17 @@ def _heap_and_rebound(seed: int) -> Split:
     )
 
 
+def _recorded_heap_and_rebound(seed: int) -> Split:
+    """Recorded heaps of all four parameters, and a rebound of two at ten times their cost."""
+    case = heap_and_rebound(seed)
+    names = [parameter.name for parameter in case.problem.parameters]
+    parts = [
+        Part("heap", [0, 1], names, _constant(60.0)),
+        Part("rebound", [2], ["particle.density", "particle.youngs_modulus"], _constant(600.0)),
+    ]
+    return Split(case, parts)
+
+
 def _stiff(seed: int) -> Split:
     """The same with wall times that grow with the root of Young's modulus."""
     split = _heap_and_rebound(seed)
@@ -209,6 +220,7 @@ def _stiff(seed: int) -> Split:
 PROBLEMS: dict[str, Callable[[int], Split]] = {
     "heap and rebound, 1 : 10": _heap_and_rebound,
     "the same, costs grow with stiffness": _stiff,
+    "recorded heap and rebound, 1 : 10": _recorded_heap_and_rebound,
     "recorded heap, noisy : precise = 1 : 10": _heap(density=600.0, angle=60.0),
     "recorded heap, equal costs": _heap(density=60.0, angle=60.0),
     "recorded heap, noisy : precise = 10 : 1": _heap(density=60.0, angle=600.0),
