@@ -12,7 +12,6 @@ import numpy as np
 import pytest
 
 from grainfit.bulk_tests.discharge import Discharge
-from grainfit.bulk_tests.draw_down import DrawDown
 from grainfit.bulk_tests.drum import Drum
 from grainfit.bulk_tests.heap import Heap
 from grainfit.bulk_tests.packing import Packing
@@ -30,7 +29,6 @@ from grainfit.scenes.shapes import Plane
 from grainfit.solvers.base import Workspace
 from grainfit.solvers.dem.yade.program import Yade
 from grainfit.solvers.dem.yade.scene_deck import YadeSceneDeck
-from grainfit.testing.decks import write_deck
 from grainfit.testing.materials import GLASS_BEADS
 from grainfit.testing.solver_contract import ProcessSolverContract
 
@@ -177,16 +175,6 @@ def test_a_period_that_yade_would_overlook_contacts_across_is_refused(tmp_path):
     box = Box((-0.1, 0.0, -0.1), (0.1, 0.02, 0.1), periodic="y")
     with pytest.raises(InputError, match=r"0\.02 m along a periodic axis"):
         Yade(SMALL, MATERIAL).simulate(one_particle(box), Workspace(tmp_path))
-
-
-def test_blocks_do_not_end_on_the_edge_of_a_periodic_cell(tmp_path):
-    deck = write_deck(DrawDown(BEADS), tmp_path, "yade", MATERIAL, seed=3).read_text("utf-8")
-
-    period = float(re.search(r"setBox\(\*\(\(\S+ (\S+),", deck)[1])
-    ends = re.findall(r"^block\(.*?\(\S+, (\S+), \S+\), \(\S+, (\S+), \S+\)\)", deck, re.MULTILINE)
-    assert len(ends) == 6
-    for end in map(float, sum(ends, ())):
-        assert 0.1 < (end / period) % 1 < 0.9, "YADE's sorting of bounds may never end"
 
 
 @needs_yade

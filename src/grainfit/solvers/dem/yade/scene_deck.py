@@ -54,9 +54,8 @@ _FEWEST_PANELS, _DISC_CORNERS = 24, 24
 #: Cell over box, along axes that are not periodic.
 _CELL = 4.0
 #: Half the length of a block along a periodic axis, in periods: particles that circle around keep
-#: their unwrapped places. Not a whole number: ends that fall on the edge of the cell may keep YADE
-#: sorting for ever.
-_PERIODS = 1000.37
+#: their unwrapped places.
+_PERIODS = 1000.0
 #: Time steps between two looks for new contacts with walls.
 _ROLLING_EVERY = 5
 #: Distance that particles move between two searches for neighbours, over the smallest radius.
