@@ -94,7 +94,7 @@ def test_run_folders_keep_the_solvers_files_and_a_record(tmp_path: Path) -> None
     assert json.loads((folder / "run.json").read_text())["status"] == "finished"
 
 
-def test_a_lost_store_is_made_anew_from_the_run_folders(tmp_path: Path) -> None:
+def test_a_lost_store_is_made_again_from_the_run_folders(tmp_path: Path) -> None:
     solver = Counting()
     campaign, store = start(tmp_path, solver)
     campaign.start(proposal(3.0))

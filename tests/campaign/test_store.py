@@ -155,7 +155,7 @@ def test_a_damaged_cell_is_an_error_that_says_what_to_do(
         read[table]()
 
 
-def test_a_damaged_store_moved_away_is_made_anew_from_the_run_folders(tmp_path: Path) -> None:
+def test_a_damaged_store_moved_away_is_made_again_from_the_run_folders(tmp_path: Path) -> None:
     record = RunRecord("abc", "heap", "finished", RUN, {"angle": Response(22.0)})
     close_run_folder(open_run_folder(tmp_path, "abc"), run_folder(tmp_path, "abc"), record)
     (tmp_path / "runs.sqlite").write_text("this is not a database, " * 100)

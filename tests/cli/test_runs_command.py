@@ -515,7 +515,7 @@ def test_runs_of_two_tables_at_the_same_parameters_are_repeats(sand: Path) -> No
     values = sorted(r.responses["angle"].value for r in stored(Path("work")))
     assert values == [30.0, 31.0, 35.0]
     exported = f"friction,angle,seed\n0.4,41,\n0.4,40,{FIRST_SEED}\n"
-    assert imported(sand, exported, "anew").new == 2, "a given seed keeps its run"
+    assert imported(sand, exported, "again").new == 2, "a given seed keeps its run"
 
 
 def test_a_run_that_was_made_here_is_not_replaced_by_a_table(sand: Path) -> None:

@@ -63,7 +63,7 @@ def test_files_that_a_power_cut_left_incomplete_give_no_wrong_number(tmp_path: P
     assert_nothing_happened(tally, 8)
 
 
-def test_a_store_cut_short_is_made_anew_by_following_the_message(tmp_path: Path) -> None:
+def test_a_store_cut_short_is_made_again_by_following_the_message(tmp_path: Path) -> None:
     assert_nothing_happened(damage_stores(6, tmp_path), 6)
 
 

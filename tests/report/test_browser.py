@@ -355,7 +355,7 @@ def test_text_stands_out_from_what_is_behind_it(usual: Opened) -> None:
     assert page.evaluate(chromium.DRAW) == ""
     for scheme in ("dark", "light"):
         page.emulate_media(color_scheme=scheme)
-        # Figures are painted anew, one after another.
+        # Figures are painted again, one after another.
         comes_true(page, f"!({FAINT})({CONTRAST}).length")
         assert page.evaluate(FAINT, CONTRAST) == []
         assert violations(page) == []
