@@ -124,6 +124,26 @@ def test_simulate_keeps_its_runs_apart_from_the_calibration_unless_told() -> Non
 
 
 @pytest.mark.usefixtures("sand")
+def test_the_answer_of_a_calibration_is_simulated_in_another_file(tmp_path: Path) -> None:
+    calibrated = gf.load("sand.toml").calibrate(max_runs=12, workdir="of a 'jar'")
+    other = FILE.replace("max = 0.9", "max = 0.8").replace("value = 20", "value = 25")
+    (tmp_path / "other.toml").write_text(other)
+    runs = gf.repeat_runs("other.toml", repeat=2, answer_of="of a 'jar'")
+    assert runs.parameters == calibrated.parameters
+    runs = gf.repeat_runs("other.toml", settings=["friction=0.3"], answer_of="of a 'jar'")
+    assert runs.parameters == {"friction": 0.3}
+
+    (tmp_path / "strange.toml").write_text(FILE.replace("friction", "roughness"))
+    with pytest.raises(gf.InputError) as caught:
+        gf.repeat_runs("strange.toml", answer_of="of a 'jar'")
+    assert [fault.key for fault in caught.value.faults] == ["friction", "roughness"]
+
+    done = CliRunner().invoke(app, ["simulate", "other.toml", "--answer-of", "sand.toml"])
+    assert done.exit_code == 1
+    assert "Traceback" not in done.output
+
+
+@pytest.mark.usefixtures("sand")
 def test_failed_seeds_are_named_and_the_others_counted() -> None:
     done = CliRunner().invoke(
         app, ["simulate", "sand.toml", "--repeat", "6", "--set", "friction=0.9"]

@@ -257,14 +257,18 @@ class CalibrationSetup:
             **{key: value for key, value in given.items() if key in names},
         }
 
-    def values(self, settings: Iterable[str]) -> dict[str, float]:
+    def values(
+        self, settings: Iterable[str], others: Mapping[str, float] | None = None
+    ) -> dict[str, float]:
         """Return the values of all free parameters, and of fixed ones that are set.
 
         Parameters
         ----------
         settings : iterable of str
-            ``NAME=VALUE``; a value may have a unit. Free parameters that are not set take the
-            middle of their interval.
+            ``NAME=VALUE``; a value may have a unit.
+        others : mapping of str to float, optional
+            Values of parameters that are not set; by default free ones take the middle of their
+            interval.
 
         Raises
         ------
@@ -272,7 +276,7 @@ class CalibrationSetup:
             A setting has another form, names no parameter of the file, or is no possible value.
         """
         findings = Findings(self.file.path.parent)
-        values = self.problem.middle
+        values = self.problem.middle | dict(others or {})
         for setting in settings:
             name, _, text = setting.partition("=")
             place = Place(findings, tuple(name.strip().split(".")))

@@ -12,7 +12,7 @@ from grainfit.campaign.keep import Keep
 from grainfit.campaign.open_campaign import open_campaign
 from grainfit.campaign.work_folder import run_folder
 from grainfit.evaluation import Evaluation, Proposal, name_of_test
-from grainfit.formatting import duration
+from grainfit.formatting import counted, duration
 from grainfit.solvers.base import Solver
 
 
@@ -35,7 +35,7 @@ class ExpectedWork:
     def __str__(self) -> str:
         if not self.runs:
             return "All runs are known already"
-        words = f"{self.runs} runs to make, {self.known} known already"
+        words = f"{counted(self.runs, 'run')} to make, {self.known} known already"
         if self.seconds is None or self.seconds < 1:
             return words
         return f"{words}; about {duration(self.seconds)}"

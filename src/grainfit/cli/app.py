@@ -462,6 +462,14 @@ def simulate(
             help="A parameter's value, units allowed: particle.density=2300. Repeat as needed.",
         ),
     ] = None,
+    answer_of: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="DIR",
+            help="Work folder of a calibration: its answer is simulated. FILE may have another "
+            "test, another size or another solver.",
+        ),
+    ] = None,
     seed: Annotated[
         int,
         typer.Option(
@@ -513,11 +521,14 @@ def simulate(
     browser, without network. The run is the same, to the last digit of its responses; one that was
     simulated before without frames is simulated again, and stays as it is.
 
-    Free parameters that are not set take the middle of their interval.
+    Free parameters that are not set take the middle of their interval, or with --answer-of the
+    values of the answer of a calibration.
 
     [bold]Example:[/bold]  grainfit simulate beads.toml --repeat 20
 
     [bold]Example:[/bold]  grainfit simulate beads.toml --set particle.density=2300 --animate
+
+    [bold]Example:[/bold]  grainfit simulate full_size.toml --answer-of beads.grainfit
     """
     from grainfit.campaign.batch import run_folders
     from grainfit.campaign.work_folder import simulations_folder
@@ -540,9 +551,10 @@ def simulate(
             repeat=repeat,
             seed=seed,
             settings=settings or (),
+            answer_of=answer_of,
             workdir=workdir,
             workers=workers,
-            **(report if repeat > 1 else {}),
+            **report,
         )
     if repeat > 1:
         show.print_parts(_out, runs.summary())

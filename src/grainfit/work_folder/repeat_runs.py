@@ -14,6 +14,10 @@ from grainfit.checks import count_faults
 from grainfit.errors import Fault, InputError
 from grainfit.evaluation import Proposal, response_name
 from grainfit.strategies.seeds import LARGEST_SEED
+from grainfit.work_folder.saved_calibration import SavedCalibration, read_answer
+
+_OPEN = "Set it (--set NAME=VALUE), or give it a value in the file."
+_LOST = "Add it to the file: a simulation without it would be one of another material."
 
 
 def repeat_runs(
@@ -22,6 +26,7 @@ def repeat_runs(
     repeat: int = 10,
     seed: int = 1,
     settings: Sequence[str] = (),
+    answer_of: str | Path | None = None,
     workdir: str | Path | None = None,
     workers: int | None = None,
     on_start: Callable[[ExpectedWork], None] | None = None,
@@ -41,6 +46,9 @@ def repeat_runs(
         The first insertion seed; the others follow it.
     settings : sequence of str
         ``NAME=VALUE``; free parameters that are not set take the middle of their interval.
+    answer_of : path, optional
+        Work folder of a calibration, whose answer takes the place of the middle: simulate it in
+        another test, at another size, with another solver.
     workdir : path, optional
         Where runs are kept; by default the file's name with ``.simulated``, here. After Ctrl-C,
         another call continues.
@@ -59,11 +67,12 @@ def repeat_runs(
     Raises
     ------
     InputError
-        The file has faults, or a number is not a whole one from 1 on.
+        The file has faults, a number is not a whole one from 1 on, or the answer is missing or
+        leaves a free parameter open.
     SolverNotFoundError
         A program is not found.
     StoreError
-        The folder cannot be used.
+        A folder cannot be used.
 
     Examples
     --------
@@ -74,7 +83,8 @@ def repeat_runs(
     setup = source if isinstance(source, CalibrationSetup) else load_calibration(source)
     workers = setup.workers if workers is None else workers
     _require_counts(repeat=repeat, seed=seed, workers=workers)
-    values = setup.values(settings)
+    answer = None if answer_of is None else _answer(setup, Path(answer_of), settings)
+    values = setup.values(settings, answer)
     proposals = [Proposal(values, seed + number, "design") for number in range(repeat)]
     evaluations = simulate_batch(
         setup.solvers,
@@ -85,6 +95,28 @@ def repeat_runs(
         on_progress,
     )
     return scatter_over_seeds(evaluations, setup.problem.targets, _units(setup))
+
+
+def _answer(setup: CalibrationSetup, folder: Path, settings: Sequence[str]) -> dict[str, float]:
+    """Return the values of an answer, which are to be those of the parameters of a file."""
+    answer = read_answer(SavedCalibration.open(folder)).parameters
+    known = {*setup.problem.middle, *setup.file.fixed}
+    given = {setting.partition("=")[0].strip() for setting in settings}
+    faults = [
+        Fault(name, f"was calibrated in {str(folder)!r}, and is no parameter of the file.", _LOST)
+        for name in answer
+        if name not in known
+    ]
+    faults += [
+        Fault(
+            name, f"is free in the file, and has no value in the answer of {str(folder)!r}.", _OPEN
+        )
+        for name in setup.problem.middle
+        if name not in answer and name not in given
+    ]
+    if faults:
+        raise InputError(faults)
+    return dict(answer)
 
 
 def _units(setup: CalibrationSetup) -> dict[str, str]:
