@@ -23,6 +23,8 @@ _FRAME = b"ITEM: TIMESTEP"
 _GLUED = "v_glued"
 #: Column with the number of the clump; missing where particles are spheres.
 _CLUMP = "mol"
+#: Column with the mass of each sphere where the program's own is that of its whole clump.
+_SHARE = "v_share"
 
 
 #: No bulk solid is beyond these limits, m and kg; squares and volumes within them are finite.
@@ -266,6 +268,8 @@ def _parse_rows(rows: list[str], columns: list[str], first_line: int) -> NDArray
                 f"{len(columns)} columns."
             )
     named = [*_NEEDED, *(name for name in (_CLUMP, _GLUED, "id") if name in columns)]
+    if _SHARE in columns:
+        named[_NEEDED.index("mass")] = _SHARE
     wanted = [columns.index(name) for name in named]
     try:
         table = np.loadtxt(rows, usecols=wanted, ndmin=2, comments=None)

@@ -284,14 +284,14 @@ class ScriptDeck(SceneDeck):
         scene, until, name = self.scene, stage.until, stage.name
         if isinstance(until, Elapsed):
             yield command("run", f"{scene.steps(until.time)} post no")
-            yield from self._look()
+            yield from self.look()
             if stage.is_closed:
                 yield self._jump("${count} < ${expected}", "broken")
             yield self._jump(f"${{energy}} > {scene.energy_limit}", "unstable")
             return
         yield from self._before(stage)
         yield command("label", name)
-        yield from self._look()
+        yield from self.look()
         if stage.is_closed:
             yield self._jump("${count} < ${expected}", "broken")
         yield self._jump(f"${{energy}} > {scene.energy_limit}", "unstable")
@@ -320,7 +320,8 @@ class ScriptDeck(SceneDeck):
             yield command("variable", "near equal 0")
         yield command("run", f"{scene.steps(scene.check_interval)} post no")
 
-    def _look(self) -> Iterator[str]:
+    def look(self) -> Iterator[str]:
+        """Note energy, time and number of particles."""
         yield command("variable", "energy equal ${kinetic}")
         yield command("variable", "passed equal ${now}")
         yield command("variable", "count equal ${remaining}")
@@ -440,11 +441,15 @@ class ScriptDeck(SceneDeck):
         elif isinstance(quantity, Travel):
             yield command("variable", f"{name} equal v_{quantity.wall}_travel")
         elif isinstance(quantity, MassAbove):
-            yield command("region", f"{name} block INF INF INF INF {quantity.height} INF units box")
-            yield command("variable", f"{name} equal mass({self.loose},{name})")
-            self.undo.append(command("region", f"{name} delete"))
+            yield from self.record_mass_above(quantity.height, name)
         elif isinstance(quantity, KineticEnergy):
             yield command("variable", f"{name} equal {self.kinetic}")
+
+    def record_mass_above(self, height: float, name: str) -> Iterator[str]:
+        """Define a variable: the mass of the loose particles above a height."""
+        yield command("region", f"{name} block INF INF INF INF {height} INF units box")
+        yield command("variable", f"{name} equal mass({self.loose},{name})")
+        self.undo.append(command("region", f"{name} delete"))
 
     def is_new_sum(self, wall: str, sum_: str) -> bool:
         """Note a sum of forces on a wall; return whether no earlier stage has defined it."""

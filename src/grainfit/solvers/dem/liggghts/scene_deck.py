@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator, Mapping
+from pathlib import Path
 from typing import ClassVar
 
 from grainfit.contact_models.liggghts import liggghts_model, liggghts_properties
 from grainfit.errors import Fault, InputError
 from grainfit.scenes.run_output import snapshot_file
-from grainfit.scenes.scene import WALL, Load, Motion, Rotation, Stage, Wall
+from grainfit.scenes.scene import WALL, Load, Motion, Rotation, Scene, Stage, Wall
 from grainfit.scenes.shapes import Cylinder
 from grainfit.scenes.triangles import triangles_of, write_stl
+from grainfit.solvers.dem.liggghts.multispheres import INSERTION, SHARE, SURPLUS, Multispheres
 from grainfit.solvers.dem.script import PARTICLES, ScriptDeck
 from grainfit.solvers.dem.script_words import command, continued, heading
 
@@ -20,10 +22,6 @@ MISSING: Mapping[str, str] = {
     "velocity and load": (
         "LIGGGHTS moves a wall either at a velocity or under a load, not the same wall in turn; "
         "use a load in every stage, its largest speed is the velocity of the approach"
-    ),
-    "clumps": (
-        "LIGGGHTS places clumps by its own fixes only, at random, and its delete_atoms refuses "
-        'them; use solver = "lammps" or solver = "yade"'
     ),
 }
 
@@ -38,6 +36,10 @@ class LiggghtsSceneDeck(ScriptDeck):
         "By hand, in this folder:  liggghts -in in.liggghts",
         f"Reads {PARTICLES} and *.stl; writes stages.csv, snapshots/*.dump and series_*.csv.",
     )
+
+    def __init__(self, scene: Scene, folder: Path) -> None:
+        self.clumps = None if scene.clumps is None else Multispheres(scene)
+        super().__init__(scene, folder)
 
     @property
     def _surfaces(self) -> list[str]:
@@ -65,6 +67,80 @@ class LiggghtsSceneDeck(ScriptDeck):
         """Return a type for the particles and one for each surface."""
         return 1 + len(self._surfaces), [1] * len(self.size_indices)
 
+    # --- clumps --------------------------------------------------------------------------------
+
+    def write_particles(self) -> None:
+        """Write the particles of the beginning; of clumps, how they are inserted and struck off."""
+        if self.clumps is None:
+            super().write_particles()
+            return
+        types, _ = self.particle_types()
+        files = {PARTICLES: self.clumps.data(types), INSERTION: self.clumps.insertion()}
+        if any(stage.strike_off is not None for stage in self.scene.stages):
+            files[SURPLUS] = self.clumps.surplus()
+        for name, text in files.items():
+            (self.folder / name).write_text(text, encoding="ascii")
+
+    @property
+    def loose_spheres(self) -> int:
+        """Number of spheres of loose particles before the first glued one: clumps come later."""
+        return super().loose_spheres if self.clumps is None else 0
+
+    @property
+    def largest_radius(self) -> float:
+        """Radius of the largest sphere, m."""
+        if self.clumps is None:
+            return super().largest_radius
+        return max(self.clumps.spheres.radii_of_kinds)
+
+    @property
+    def kinetic(self) -> str:
+        """Expression of the kinetic energy of the loose particles; of clumps, of rotation, too."""
+        return super().kinetic if self.clumps is None else "c_translation+c_rotation"
+
+    @property
+    def shown_energy(self) -> str:
+        """Word for the kinetic energy in the log."""
+        return super().shown_energy if self.clumps is None else "v_kinetic"
+
+    @property
+    def count(self) -> str:
+        """Expression of the number of loose particles."""
+        return super().count if self.clumps is None else f"count({self.loose})/{self.clumps.each}"
+
+    @property
+    def snapshot_columns(self) -> str:
+        """Columns of a snapshot; of clumps, the number of the clump and the share of its mass."""
+        return super().snapshot_columns + ("" if self.clumps is None else f" mol {SHARE}")
+
+    def integration(self) -> Iterator[str]:
+        """Iterate over gravity and the integration of the loose particles."""
+        if self.clumps is None:
+            return super().integration()
+        return self.clumps.integration(self.loose)
+
+    def strike_off(self, height: float) -> Iterator[str]:
+        """Remove the loose particles whose centre is above a height."""
+        if self.clumps is None:
+            return super().strike_off(height)
+        return self.clumps.strike_off(height)
+
+    def look(self) -> Iterator[str]:
+        """Note energy, time and number of particles; parts of clumps are none."""
+        if self.clumps is not None:
+            yield from self.clumps.tidy()
+        yield from super().look()
+
+    def record_mass_above(self, height: float, name: str) -> Iterator[str]:
+        """Define a variable: the mass of the loose particles above a height."""
+        if self.clumps is None:
+            yield from super().record_mass_above(height, name)
+            return
+        yield from self.clumps.mass_above(height, self.loose, name)
+        self.undo += self.clumps.forget_mass_above(name)
+
+    # --- contacts ------------------------------------------------------------------------------
+
     def contacts(self) -> Iterator[str]:
         """Iterate over the properties of particles and surfaces."""
         surfaces = self._surfaces
@@ -81,6 +157,8 @@ class LiggghtsSceneDeck(ScriptDeck):
             yield continued(command("fix", first), [" ".join(map(str, row)) for row in matrix])
         yield command("pair_style", f"gran model {liggghts_model(self.law)}")
         yield command("pair_coeff", "* *")
+        if self.clumps is not None:
+            yield from self.clumps.define()
 
     # --- walls ---------------------------------------------------------------------------------
 
