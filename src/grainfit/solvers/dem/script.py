@@ -43,6 +43,8 @@ class ScriptDeck(SceneDeck):
 
     #: Arguments of ``set`` that take the angular velocity from particles.
     no_spin: ClassVar[str]
+    #: What a run leaves out that goes on with the stage.
+    without: str = "post no"
     #: Remarks in the first lines of a deck.
     introduction: ClassVar[tuple[str, ...]]
 
@@ -199,6 +201,11 @@ class ScriptDeck(SceneDeck):
         return f"{columns} {COLUMN}" if self.scene.glued else columns
 
     @property
+    def snapshot_filter(self) -> str:
+        """Further arguments of ``dump_modify`` that leave out what is no particle."""
+        return ""
+
+    @property
     def largest_radius(self) -> float:
         """Radius of the largest sphere, m."""
         return max(self.scene.sizes.diameters) / 2
@@ -284,14 +291,14 @@ class ScriptDeck(SceneDeck):
         scene, until, name = self.scene, stage.until, stage.name
         if isinstance(until, Elapsed):
             yield command("run", f"{scene.steps(until.time)} post no")
-            yield from self.look()
+            yield from self._look()
             if stage.is_closed:
                 yield self._jump("${count} < ${expected}", "broken")
             yield self._jump(f"${{energy}} > {scene.energy_limit}", "unstable")
             return
-        yield from self._before(stage)
+        yield from self.before(stage)
         yield command("label", name)
-        yield from self.look()
+        yield from self._look()
         if stage.is_closed:
             yield self._jump("${count} < ${expected}", "broken")
         yield self._jump(f"${{energy}} > {scene.energy_limit}", "unstable")
@@ -301,11 +308,11 @@ class ScriptDeck(SceneDeck):
         if isinstance(until, Loaded):
             late = "unloaded"
         yield self._jump(f"${{since}} >= {scene.steps(until.limit)}", late)
-        yield command("run", f"{scene.steps(scene.check_interval)} post no")
+        yield command("run", f"{scene.steps(scene.check_interval)} {self.without}")
         yield command("jump", f"SELF {name}")
         yield command("label", f"{name}_done")
 
-    def _before(self, stage: Stage) -> Iterator[str]:
+    def before(self, stage: Stage) -> Iterator[str]:
         """Iterate over the commands before the first look."""
         scene, until = self.scene, stage.until
         if isinstance(until, AtRest):
@@ -320,8 +327,7 @@ class ScriptDeck(SceneDeck):
             yield command("variable", "near equal 0")
         yield command("run", f"{scene.steps(scene.check_interval)} post no")
 
-    def look(self) -> Iterator[str]:
-        """Note energy, time and number of particles."""
+    def _look(self) -> Iterator[str]:
         yield command("variable", "energy equal ${kinetic}")
         yield command("variable", "passed equal ${now}")
         yield command("variable", "count equal ${remaining}")
@@ -424,7 +430,7 @@ class ScriptDeck(SceneDeck):
         """Write the particles into one file from now on, at an interval in s."""
         steps = self.scene.steps(every)
         yield command("dump", f"{name} all custom {steps} {file} {self.snapshot_columns}")
-        yield command("dump_modify", f"{name} sort id")
+        yield command("dump_modify", f"{name} sort id{self.snapshot_filter}")
 
     def _quantity(self, quantity: Recorded, name: str) -> Iterator[str]:
         """Define the variable of a recorded quantity."""

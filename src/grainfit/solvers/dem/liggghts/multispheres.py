@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -40,6 +41,9 @@ class Multispheres:
     scene : Scene
         A scene with clumps.
     """
+
+    #: Leaves out the spheres of clumps of which one has left the box.
+    FILTER: ClassVar[str] = " thresh f_delflag < 0.5"
 
     def __init__(self, scene: Scene) -> None:
         assert scene.clumps is not None, "a scene of spheres needs no bodies"
@@ -122,7 +126,8 @@ class Multispheres:
         """Return the weights with which the centres of the spheres add up to that of the clump."""
         # Spheres on a line or in a plane have the centre there, too: there always is a solution.
         sums = np.vstack((self.spheres.clump.positions.T, np.ones(self.each)))
-        return np.linalg.lstsq(sums, np.array([0.0, 0.0, 0.0, 1.0]))[0]
+        found: NDArray[np.float64] = np.linalg.lstsq(sums, np.array([0.0, 0.0, 0.0, 1.0]))[0]
+        return found
 
     # --- commands ------------------------------------------------------------------------------
 
@@ -155,13 +160,9 @@ class Multispheres:
         if self.glued:
             share = f"{share}*gmask({loose})+mass*gmask(glued)"
         yield command("variable", f"share atom {share}")
-
-    @staticmethod
-    def tidy() -> Iterator[str]:
-        """Iterate over the commands that remove what is left of clumps beyond the box."""
-        # The first finds spheres that have left and marks the others, which the second removes.
-        yield command("run", "0 post no")
-        yield command("run", "0 post no")
+        yield "# When a sphere leaves the box, the others of its clump are marked, and go soon."
+        yield command("variable", "whole atom f_delflag<0.5")
+        yield command("compute", f"whole {loose} reduce sum v_whole")
 
     @staticmethod
     def strike_off(height: float) -> Iterator[str]:

@@ -40,6 +40,9 @@ class LiggghtsSceneDeck(ScriptDeck):
     def __init__(self, scene: Scene, folder: Path) -> None:
         self.clumps = None if scene.clumps is None else Multispheres(scene)
         super().__init__(scene, folder)
+        if self.clumps is not None:
+            # In the first half step after a setup, no wall holds a body of fix multisphere.
+            self.without = "pre no post no"
 
     @property
     def _surfaces(self) -> list[str]:
@@ -100,18 +103,23 @@ class LiggghtsSceneDeck(ScriptDeck):
 
     @property
     def shown_energy(self) -> str:
-        """Word for the kinetic energy in the log."""
-        return super().shown_energy if self.clumps is None else "v_kinetic"
+        """Words for the kinetic energy in the log; variables of computes must be in it."""
+        return super().shown_energy if self.clumps is None else "v_kinetic v_remaining"
 
     @property
     def count(self) -> str:
         """Expression of the number of loose particles."""
-        return super().count if self.clumps is None else f"count({self.loose})/{self.clumps.each}"
+        return super().count if self.clumps is None else f"c_whole/{self.clumps.each}"
 
     @property
     def snapshot_columns(self) -> str:
         """Columns of a snapshot; of clumps, the number of the clump and the share of its mass."""
         return super().snapshot_columns + ("" if self.clumps is None else f" mol {SHARE}")
+
+    @property
+    def snapshot_filter(self) -> str:
+        """Further arguments of ``dump_modify`` that leave out what is no particle."""
+        return "" if self.clumps is None else self.clumps.FILTER
 
     def integration(self) -> Iterator[str]:
         """Iterate over gravity and the integration of the loose particles."""
@@ -119,17 +127,25 @@ class LiggghtsSceneDeck(ScriptDeck):
             return super().integration()
         return self.clumps.integration(self.loose)
 
+    def motion(self) -> Iterator[str]:
+        """Iterate over gravity, integration, and the variables that stages look at."""
+        yield from super().motion()
+        if self.clumps is not None:
+            # A stage that is closed counts its particles before its first run.
+            yield command("run", "0 post no")
+
     def strike_off(self, height: float) -> Iterator[str]:
         """Remove the loose particles whose centre is above a height."""
         if self.clumps is None:
             return super().strike_off(height)
         return self.clumps.strike_off(height)
 
-    def look(self) -> Iterator[str]:
-        """Note energy, time and number of particles; parts of clumps are none."""
-        if self.clumps is not None:
-            yield from self.clumps.tidy()
-        yield from super().look()
+    def before(self, stage: Stage) -> Iterator[str]:
+        """Iterate over the commands before the first look; of clumps, there is a run among them."""
+        lines = list(super().before(stage))
+        yield from lines
+        if self.clumps is not None and not any(line.startswith("run") for line in lines):
+            yield command("run", "0 post no")
 
     def record_mass_above(self, height: float, name: str) -> Iterator[str]:
         """Define a variable: the mass of the loose particles above a height."""
@@ -302,7 +318,7 @@ class LiggghtsSceneDeck(ScriptDeck):
         """Write the particles into a file."""
         dump = f"{name} all custom 1 {snapshot_file(name)} {self.snapshot_columns}"
         yield command("dump", dump)
-        yield command("dump_modify", f"{name} sort id")
+        yield command("dump_modify", f"{name} sort id{self.snapshot_filter}")
         yield command("run", "0 post no")
         yield command("undump", name)
 
