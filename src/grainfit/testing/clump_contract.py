@@ -28,7 +28,7 @@ from grainfit.materials.sizes import ParticleSizes
 from grainfit.measurement.particles import Particles
 from grainfit.scenes.conditions import Elapsed
 from grainfit.scenes.packing import Column
-from grainfit.scenes.records import Force, Frames, KineticEnergy, Series
+from grainfit.scenes.records import Force, Frames, KineticEnergy, MassAbove, Series
 from grainfit.scenes.scene import Box, Stage, time_step
 from grainfit.solvers.dem.program import DeckSolver
 from grainfit.testing.glued_contract import glued
@@ -260,6 +260,37 @@ class ClumpContract(SimulatedScenes):
         time = out.stages[1].time
         fallen = heights[1] - centres(second, PAIR)[0, 2]
         assert fallen == pytest.approx(1e-3 * time**2 / 2, abs=1e-7)
+
+    @pytest.mark.parametrize("sizes", [PAIR, PIN], ids=["pair", "pin"])
+    def test_the_mass_above_a_height_counts_clumps(self, run: Run, sizes: ParticleSizes) -> None:
+        above = Series({"above": MassAbove(0.05)}, 0.001)
+        stages = [Stage(name, Elapsed(0.003), series=above) for name in ("one", "two")]
+        start = clumps([(0, 0, 0.02), (0.02, 0, 0.08), (-0.03, 0, 0.09)])
+        out = run(scene_of(start, {}, stages, sizes=sizes, gravity=0.0))
+
+        for name in ("one", "two"):
+            assert out.series(name)["above"] == pytest.approx(2 * MASS, rel=1e-4)
+
+    def test_clumps_of_two_sizes_have_their_spheres_and_masses(self, run: Run) -> None:
+        sizes = ParticleSizes((2 * RADIUS, 3 * RADIUS), (0.5, 0.5), shape=PIN.shape)
+        start = replace(
+            clumps([(0, 0, 0.05), (0.03, 0, 0.05), (-0.04, 0, 0.05)], [0.2, 0.4, 0.0]),
+            size_indices=np.array([1, 0, 1]),
+        )
+        out = run(scene_of(start, {}, frames(0.01), sizes=sizes))
+
+        clump, found = sizes.clump, out.snapshot("frame1")
+        assert clump is not None
+        diameters = np.array([3, 2, 3]) * RADIUS
+        radii = np.outer(diameters, clump.radii).ravel()
+        assert sorted(found.radii) == pytest.approx(sorted(radii), rel=1e-4)
+        assert found.clumps is not None
+        masses = [found.masses[found.clumps == n].sum() for n in np.unique(found.clumps)]
+        expected = MASS * (diameters / (2 * RADIUS)) ** 3
+        assert sorted(masses) == pytest.approx(sorted(expected), rel=1e-4)
+        assert out.stages[0].kinetic_energy == pytest.approx(
+            expected.sum() * (GRAVITY * out.stages[0].time) ** 2 / 2, rel=1e-2
+        )
 
     def test_clumps_touch_across_a_periodic_side(self, run: Run) -> None:
         depth = 0.03
