@@ -232,6 +232,16 @@ class ClumpContract(SimulatedScenes):
         assert out.stages[0].particles == out.snapshot("frame1").count == 1
         assert len(out.snapshot("frame1")) == 2
 
+    def test_nothing_is_left_of_clumps_that_leave_a_periodic_box(self, run: Run) -> None:
+        box = Box((-0.1, 0.0, -0.03), (0.1, 0.03, 0.3), periodic="y")
+        start = clumps(
+            [(-0.02, 0.002, 0.03), (0.02, 0.028, 0.03), (0, 0.015, 0.25)], [_UPRIGHT] * 3
+        )
+        out = run(scene_of(start, {}, frames(0.16), sizes=PAIR, box=box))
+
+        assert out.stages[0].particles == out.snapshot("frame1").count == 1
+        assert len(out.snapshot("frame1")) == 2
+
     def test_a_clump_that_leaves_a_closed_stage_fails_the_run(self, run: Run) -> None:
         box = replace(BOX, low=(-0.1, -0.1, -0.03))
         start = clumps([(0, 0, 0.03), (0.05, 0, 0.15)])

@@ -31,6 +31,8 @@ _POINT = 1e-9
 _NO_TIME = 1e-15
 #: Points by which LIGGGHTS estimates shares of volume that nothing here uses.
 _TRIES = 100000
+#: Group of the spheres of clumps.
+_GROUP = "clumps"
 
 
 class Multispheres:
@@ -42,8 +44,8 @@ class Multispheres:
         A scene with clumps.
     """
 
-    #: Leaves out the spheres of clumps of which one has left the box.
-    FILTER: ClassVar[str] = " thresh f_delflag < 0.5"
+    #: Leaves out what is left of clumps of which a sphere has left the box.
+    FILTER: ClassVar[str] = " thresh v_whole > 0.5"
 
     def __init__(self, scene: Scene) -> None:
         assert scene.clumps is not None, "a scene of spheres needs no bodies"
@@ -51,41 +53,55 @@ class Multispheres:
         self.spheres: ClumpSpheres = scene.clumps
         self.each = len(self.spheres.clump)
         self.count = len(scene.particles.size_indices)
-        #: Glued spheres are read before clumps are inserted, and have the first numbers.
+        # Not read with the box: fix multisphere takes spheres that are there for its own.
         self.glued = sum(len(body.size_indices) for body in scene.glued.values())
 
     # --- files ---------------------------------------------------------------------------------
 
     def data(self, types: int) -> str:
-        """Return the data file: the box, and glued spheres."""
-        scene = self.scene
-        density = scene.material["particle.density"]
-        rows = (
-            f"1 {scene.sizes.diameters[index]!r} {density!r} {x:.12g} {y:.12g} {z:.12g}"
-            for body in scene.glued.values()
-            for index, (x, y, z) in zip(body.size_indices, body.positions.tolist(), strict=True)
-        )
-        atoms = [f"{number} {row}" for number, row in enumerate(rows, 1)]
-        ends = zip("xyz", scene.box.low, scene.box.high, strict=True)
+        """Return the data file: the box."""
+        ends = zip("xyz", self.scene.box.low, self.scene.box.high, strict=True)
         return "\n".join(
             (
-                "Glued particles: id type diameter density x y z\n",
-                f"{self.glued} atoms\n{types} atom types\n",
+                "Box of clumps\n",
+                f"0 atoms\n{types} atom types\n",
                 *(f"{low!r} {high!r} {axis}lo {axis}hi" for axis, low, high in ends),
-                *(["\nAtoms\n", *atoms] if atoms else []),
                 "",
             )
         )
 
+    def _create_glued(self) -> Iterator[str]:
+        """Iterate over the commands that create glued spheres, which have the first numbers."""
+        sizes, density = self.scene.sizes, self.scene.material["particle.density"]
+        number = 0
+        for body in self.scene.glued.values():
+            for index, place in zip(body.size_indices, self._inside(body.positions), strict=True):
+                number += 1
+                yield command("create_atoms", f"1 single {_numbers(place)} units box")
+                solid = f"diameter {sizes.diameters[index]!r} density {density!r}"
+                yield command("set", f"atom {number} {solid}")
+
+    def _inside(self, positions: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return positions within the periods: LIGGGHTS creates nothing beyond."""
+        box = self.scene.box
+        low, high = np.array(box.low), np.array(box.high)
+        periodic = np.array([axis in box.periodic for axis in "xyz"])
+        wrapped = low + (positions - low) % (high - low)
+        # Of a negative rounding error, the remainder is the period itself.
+        wrapped = np.where(wrapped >= high, low, wrapped)
+        found: NDArray[np.float64] = np.where(periodic, wrapped, positions)
+        return found
+
     def insertion(self) -> str:
-        """Return the file that inserts all clumps, each at its place."""
+        """Return the file that creates glued spheres, and all clumps, each at its place."""
         fixes = [line for number in range(self.count) for line in self._insert(number)]
         undone = (
             command(name, arguments)
             for number in range(1, self.count + 1)
             for name, arguments in (("unfix", f"put{number}"), ("region", f"at{number} delete"))
         )
-        return "\n".join([*fixes, command("run", "1 post no"), *undone, ""])
+        run = command("run", "1 post no")
+        return "\n".join([*self._create_glued(), *fixes, run, *undone, ""])
 
     def _insert(self, number: int) -> Iterator[str]:
         """Iterate over the commands for a clump, by its number from 0."""
@@ -99,12 +115,12 @@ class Multispheres:
             f"{word} constant {_numbers(None if values is None else values[number])}"
             for word, values in (("vel", column.velocities), ("omega", column.spins))
         )
-        first = f"put{name} all insert/pack seed {_SEEDS[2]} distributiontemplate size{index + 1}"
         yield continued(
-            command("fix", first),
+            command("fix", f"put{name} {_GROUP} insert/pack seed {_SEEDS[2]}"),
             [
-                f"insert_every once overlapcheck no verbose no {' '.join(motions)}",
-                f"orientation constant {_numbers([scalar, x, y, z])}",
+                f"distributiontemplate size{index + 1} insert_every once overlapcheck no",
+                f"verbose no {' '.join(motions)} orientation constant",
+                _numbers([scalar, x, y, z]),
                 f"region at{name} particles_in_region 1 ntry_mc 1001",
             ],
         )
@@ -134,11 +150,15 @@ class Multispheres:
     def define(self) -> Iterator[str]:
         """Iterate over the commands that insert the clumps."""
         yield heading("clumps: one template for each diameter")
+        yield command("group", f"{_GROUP} subtract all all")
         density = self.scene.material["particle.density"]
         for index in range(len(self.spheres.diameters)):
             yield from _template(card_clump(self.spheres, index, density), index + 1)
+        yield "# fix multisphere has the last word on clumps: this moves only what is left of one, after"
+        yield "# a sphere has left the box, and lets it follow."
+        yield command("fix", f"remains {_GROUP} nve/sphere")
         # Without the option, nothing can be removed by a strike-off.
-        yield command("fix", "bodies all multisphere allow_group_and_set yes")
+        yield command("fix", f"bodies {_GROUP} multisphere allow_group_and_set yes")
         yield f"# A time step of no duration; then the clumps of {INSERTION} are where they should."
         yield command("timestep", f"{_NO_TIME}")
         yield command("include", INSERTION)
@@ -154,15 +174,17 @@ class Multispheres:
         yield command("fix", gravity)
         yield command("compute", "translation all ke/multisphere")
         yield command("compute", "rotation all erotate/multisphere")
+        yield "# What is left of a clump has no number any more."
+        glued = "+gmask(glued)" if self.glued else ""
+        yield command("compute", f"clump {loose} property/atom mol")
+        yield command("variable", f"whole atom (c_clump>0){glued}")
+        yield command("compute", f"whole {loose} reduce sum v_whole")
         yield "# Each sphere has the mass of its clump, for the dashpots; this is its share of it."
         clump, density = self.spheres.clump, self.scene.material["particle.density"]
         share = f"{4 / 3 * math.pi * density * clump.overlap_factor!r}*r*r*r"
         if self.glued:
-            share = f"{share}*gmask({loose})+mass*gmask(glued)"
-        yield command("variable", f"share atom {share}")
-        yield "# When a sphere leaves the box, the others of its clump are marked, and go soon."
-        yield command("variable", "whole atom f_delflag<0.5")
-        yield command("compute", f"whole {loose} reduce sum v_whole")
+            share = f"({share}*gmask({loose})+mass*gmask(glued))"
+        yield command("variable", f"share atom {share}*v_whole")
 
     @staticmethod
     def strike_off(height: float) -> Iterator[str]:
@@ -190,15 +212,16 @@ def _template(clump: CardClump, number: int) -> Iterator[str]:
     density = clump.mass / (math.pi / 6 * clump.diameter**3)
     spheres = (f"{' '.join(map(repr, sphere))}" for sphere in clump.spheres)
     yield continued(
-        command("fix", f"clump{number} all particletemplate/multisphere {_SEEDS[0]} atom_type 1"),
+        command("fix", f"clump{number} {_GROUP} particletemplate/multisphere {_SEEDS[0]}"),
         [
-            f"density constant {density!r} nspheres {len(clump.spheres)} ntry {_TRIES} spheres",
+            f"atom_type 1 density constant {density!r}",
+            f"nspheres {len(clump.spheres)} ntry {_TRIES} spheres",
             *spheres,
             f"type {number} mass {clump.mass!r}",
             f"inertia_tensor {x!r} 0.0 0.0 {y!r} 0.0 {z!r} use_density",
         ],
     )
-    first = f"size{number} all particledistribution/discrete {_SEEDS[1]}"
+    first = f"size{number} {_GROUP} particledistribution/discrete {_SEEDS[1]}"
     yield command("fix", f"{first} 1 clump{number} 1.0")
 
 
