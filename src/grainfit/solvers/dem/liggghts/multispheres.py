@@ -154,8 +154,8 @@ class Multispheres:
         density = self.scene.material["particle.density"]
         for index in range(len(self.spheres.diameters)):
             yield from _template(card_clump(self.spheres, index, density), index + 1)
-        yield "# fix multisphere has the last word on clumps: this moves only what is left of one, after"
-        yield "# a sphere has left the box, and lets it follow."
+        yield "# fix multisphere has the last word on clumps: this moves only what is left"
+        yield "# of one, when a sphere of it has left the box, and lets it follow."
         yield command("fix", f"remains {_GROUP} nve/sphere")
         # Without the option, nothing can be removed by a strike-off.
         yield command("fix", f"bodies {_GROUP} multisphere allow_group_and_set yes")
