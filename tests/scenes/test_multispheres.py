@@ -14,7 +14,8 @@ from grainfit.measurement.particles import read_dump
 from grainfit.scenes.conditions import AtRest, Elapsed
 from grainfit.scenes.packing import Rectangle, random_column
 from grainfit.scenes.records import MassAbove, Series
-from grainfit.scenes.scene import Scene, Stage
+from grainfit.scenes.scene import Box, Scene, Stage
+from grainfit.solvers.dem.liggghts.multispheres import INSERTION
 from grainfit.solvers.dem.liggghts.scene_deck import LiggghtsSceneDeck
 from grainfit.testing.clump_contract import PAIR, PIN, clumps
 from grainfit.testing.glued_contract import glued
@@ -156,3 +157,30 @@ def test_the_share_of_a_sphere_is_its_mass(tmp_path: Path) -> None:
     assert found.masses.tolist() == [0.0003, 0.0007]
     assert found.count == 1
     assert math.isclose(found.masses.sum(), 0.001)
+
+
+def test_glued_particles_are_parts_of_no_clump(tmp_path: Path) -> None:
+    dump = tmp_path / "one.dump"
+    dump.write_text(
+        "ITEM: TIMESTEP\n0\nITEM: NUMBER OF ATOMS\n2\nITEM: BOX BOUNDS ff ff ff\n"
+        "-1 1\n-1 1\n-1 1\nITEM: ATOMS id type x y z radius mass v_glued mol v_share\n"
+        "2 1 0.1 0 0 0.004 0.001 0 1 0.0007\n1 1 0 0 0 0.003 0.001 1 -1 0.001\n"
+    )
+    found = read_dump(dump, glued=1)
+
+    assert found.clumps is not None
+    assert found.clumps.tolist() == [0]
+    assert found.volumes == pytest.approx(4 / 3 * math.pi * 0.003**3, rel=1e-3)
+
+
+def test_glued_spheres_are_created_within_the_periods(tmp_path: Path) -> None:
+    box = Box((-0.1, 0.0, -0.1), (0.1, 0.03, 0.2), periodic="y")
+    body = glued([(0.01, -0.01, 0.0), (0.02, 0.03, 0.0)])
+    scene = scene_of(
+        clumps([(0, 0.01, 0.1)]), {}, [settle()], sizes=PAIR, glued={"plate": body}, box=box
+    )
+    files = written(scene, tmp_path)
+
+    assert "0 atoms" in files["particles.data"]
+    single = [after("single", line, 3) for line in re.findall("create_atoms.*", files[INSERTION])]
+    assert np.array(single) == pytest.approx(np.array([(0.01, 0.02, 0.0), (0.02, 0.0, 0.0)]))

@@ -241,7 +241,8 @@ def _parse_frame(content: bytes, glued: int) -> Particles:
         raise NotMeasurableError("is truncated: its last line has no end.")
     table = _parse_rows(rows, columns, first_line + header + 1)
     table = table[table[:, -1] == glued]
-    clumps = table[:, 5].astype(np.int64) if _CLUMP in columns else None
+    # LIGGGHTS gives glued particles the number -1, the others 0.
+    clumps = np.maximum(table[:, 5], 0).astype(np.int64) if _CLUMP in columns else None
     return Particles(table[:, :3].copy(), table[:, 3].copy(), table[:, 4].copy(), clumps)
 
 
