@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -184,3 +185,15 @@ def test_glued_spheres_are_created_within_the_periods(tmp_path: Path) -> None:
     assert "0 atoms" in files["particles.data"]
     single = [after("single", line, 3) for line in re.findall("create_atoms.*", files[INSERTION])]
     assert np.array(single) == pytest.approx(np.array([(0.01, 0.02, 0.0), (0.02, 0.0, 0.0)]))
+
+
+def test_variables_of_looks_come_after_those_of_their_stage(tmp_path: Path) -> None:
+    stages = [settle(), settle(Series({"above": MassAbove(0.05)}, 0.001))]
+    stages[1] = replace(stages[1], name="again", snapshot=None)
+    scene = scene_of(clumps([(0, 0, 0.1)]), FLOOR, stages, sizes=PAIR)
+    deck = written(scene, tmp_path)["in.liggghts"]
+
+    again = deck[: deck.index("record_above equal")].rfind("--- again")
+    for name in ("energy", "passed", "count", "since"):
+        assert 0 < deck[:again].rfind(f"variable        {name} delete")
+        assert deck[:again].rfind(f"{name} equal") < deck[:again].rfind(f"{name} delete")

@@ -28,8 +28,17 @@ from grainfit.materials.sizes import ParticleSizes
 from grainfit.measurement.particles import Particles
 from grainfit.scenes.conditions import Elapsed
 from grainfit.scenes.packing import Column
-from grainfit.scenes.records import Force, Frames, KineticEnergy, MassAbove, Series
-from grainfit.scenes.scene import Box, Stage, time_step
+from grainfit.scenes.records import (
+    Force,
+    Frames,
+    KineticEnergy,
+    MassAbove,
+    RadialForce,
+    Recorded,
+    Series,
+)
+from grainfit.scenes.scene import Box, Stage, Wall, time_step
+from grainfit.scenes.shapes import Cylinder
 from grainfit.solvers.dem.program import DeckSolver
 from grainfit.testing.glued_contract import glued
 from grainfit.testing.scene_contract import (
@@ -301,6 +310,24 @@ class ClumpContract(SimulatedScenes):
         assert out.stages[0].kinetic_energy == pytest.approx(
             expected.sum() * (GRAVITY * out.stages[0].time) ** 2 / 2, rel=1e-2
         )
+
+    def test_sums_of_a_second_stage_go_on_from_look_to_look(self, run: Run) -> None:
+        clump = PAIR.clump
+        assert clump is not None
+        radius = 2 * RADIUS * clump.outer_radius
+        walls = {**FLOOR, "tube": Wall(Cylinder(1.2 * radius, BOX.low[2], BOX.high[2]))}
+        columns: dict[str, Recorded] = {"outwards": RadialForce("tube"), "above": MassAbove(0.0)}
+        stages = [Stage("one", Elapsed(0.001)), settle(Series(columns, 0.005))]
+        start = clumps([(0, 0, 0.03), (0, 0, 0.05)], [0.9, 0.0])
+        damped = {**DAMPED, "particle_wall.sliding_friction": 0.5}
+        out = run(scene_of(start, walls, stages, damped, sizes=PAIR))
+        out.require_complete(["one", "settle"], "tube")
+
+        series = out.series("settle")
+        assert len(series["time"]) > 5
+        assert series["above"] == pytest.approx(2 * MASS, rel=1e-4)
+        # The clumps lean against it at last.
+        assert series["outwards"][-1] > 0.1 * WEIGHT
 
     def test_clumps_touch_across_a_periodic_side(self, run: Run) -> None:
         depth = 0.03

@@ -25,6 +25,9 @@ MISSING: Mapping[str, str] = {
     ),
 }
 
+#: Variables that looks define again.
+_LOOKS = ("energy", "passed", "count", "since", "before", "near", "top", "below")
+
 
 class LiggghtsSceneDeck(ScriptDeck):
     """A scene as a deck for LIGGGHTS-PUBLIC; see `ScriptDeck`."""
@@ -126,6 +129,15 @@ class LiggghtsSceneDeck(ScriptDeck):
         if self.clumps is None:
             return super().integration()
         return self.clumps.integration(self.loose)
+
+    def stage(self, stage: Stage) -> Iterator[str]:
+        """Iterate over the commands of a stage."""
+        if self.clumps is not None:
+            # A new definition goes to the end of LIGGGHTS' list of variables. Without a setup, runs
+            # know variables by their places: those of looks must come after those of the stage.
+            yield ""
+            yield from (command("variable", f"{name} delete") for name in _LOOKS)
+        yield from super().stage(stage)
 
     def motion(self) -> Iterator[str]:
         """Iterate over gravity, integration, and the variables that stages look at."""
