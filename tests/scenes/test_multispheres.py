@@ -195,5 +195,5 @@ def test_variables_of_looks_come_after_those_of_their_stage(tmp_path: Path) -> N
 
     again = deck[: deck.index("record_above equal")].rfind("--- again")
     for name in ("energy", "passed", "count", "since"):
-        assert 0 < deck[:again].rfind(f"variable        {name} delete")
+        assert deck[:again].rfind(f"variable        {name} delete") > 0
         assert deck[:again].rfind(f"{name} equal") < deck[:again].rfind(f"{name} delete")
