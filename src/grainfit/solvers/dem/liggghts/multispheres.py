@@ -165,6 +165,7 @@ class Multispheres:
         yield command("reset_timestep", "0")
         expected = self.glued + self.count * self.each
         yield command("variable", "inserted equal atoms")
+        # LIGGGHTS ends well after quit; refusing its argument, it fails, as it is meant to.
         message = f"ERROR: only ${{inserted}} of {expected} spheres found a place"
         yield command("if", f"\"${{inserted}} != {expected}\" then 'print \"{message}\"' 'quit 1'")
 
