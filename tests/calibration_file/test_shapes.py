@@ -6,12 +6,17 @@ from pathlib import Path
 
 import pytest
 
+from grainfit.bulk_tests.heap import Heap
 from grainfit.bulk_tests.natural_units import natural_hash
 from grainfit.bulk_tests.registry import recreate_test
 from grainfit.calibration_file.build import CalibrationSetup, build_calibration
 from grainfit.calibration_file.load import load_calibration_file
 from grainfit.calibration_file.plan import describe_plan
 from grainfit.errors import InputError
+from grainfit.materials.particle_shape import ParticleShape
+from grainfit.materials.sizes import ParticleSizes
+from grainfit.solvers.dem.liggghts.program import Liggghts
+from grainfit.testing.materials import GLASS_BEADS as BEADS
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 GLASS_BEADS = (EXAMPLES / "glass_beads" / "calibration.toml").read_text(encoding="utf-8")
@@ -108,12 +113,23 @@ def test_shapes_are_different_runs_and_spheres_are_the_runs_that_they_were(tmp_p
     assert hashes["pair"] == hashes["slender"]
 
 
-def test_a_solver_without_clumps_refuses_them_with_the_reason(tmp_path: Path) -> None:
+def test_a_solver_without_clumps_refuses_them_with_the_reason(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(Liggghts, "missing", {"clumps": 'it has none; use solver = "lammps"'})
     plan = describe_plan(setup_with(tmp_path, f"shape = {OWN}", "liggghts"))
 
     (problem,) = plan.problems
     assert "cannot simulate this heap test" in problem
     assert 'use solver = "lammps"' in problem
+
+
+def test_clumps_take_liggghts_one_core() -> None:
+    sizes = ParticleSizes((0.01,), shape=ParticleShape("lens", aspect_ratio=1.5))
+    with pytest.raises(InputError, match="ranks: LIGGGHTS-PUBLIC moves clumps on one core"):
+        Liggghts(Heap(sizes), BEADS, ranks=2)
+
+    assert Liggghts(Heap(diameter="10 mm"), BEADS, ranks=2).ranks == 2
 
 
 def test_check_tells_the_number_of_spheres(tmp_path: Path) -> None:

@@ -24,7 +24,7 @@ class TestLammps(SceneContract, GluedContract, ImpactContract, ClumpContract):
 @pytest.mark.skipif(
     shutil.which("liggghts") is None, reason="LIGGGHTS is not installed: apt-get install liggghts"
 )
-class TestLiggghts(SceneContract, GluedContract, ImpactContract):
+class TestLiggghts(SceneContract, GluedContract, ImpactContract, ClumpContract):
     slide_kick = 0.004
 
     @pytest.fixture

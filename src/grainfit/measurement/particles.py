@@ -23,6 +23,8 @@ _FRAME = b"ITEM: TIMESTEP"
 _GLUED = "v_glued"
 #: Column with the number of the clump; missing where particles are spheres.
 _CLUMP = "mol"
+#: Column with the mass of each sphere where the program's own is that of its whole clump.
+_SHARE = "v_share"
 
 
 #: No bulk solid is beyond these limits, m and kg; squares and volumes within them are finite.
@@ -239,7 +241,8 @@ def _parse_frame(content: bytes, glued: int) -> Particles:
         raise NotMeasurableError("is truncated: its last line has no end.")
     table = _parse_rows(rows, columns, first_line + header + 1)
     table = table[table[:, -1] == glued]
-    clumps = table[:, 5].astype(np.int64) if _CLUMP in columns else None
+    # LIGGGHTS gives glued particles the number -1, the others 0.
+    clumps = np.maximum(table[:, 5], 0).astype(np.int64) if _CLUMP in columns else None
     return Particles(table[:, :3].copy(), table[:, 3].copy(), table[:, 4].copy(), clumps)
 
 
@@ -266,6 +269,8 @@ def _parse_rows(rows: list[str], columns: list[str], first_line: int) -> NDArray
                 f"{len(columns)} columns."
             )
     named = [*_NEEDED, *(name for name in (_CLUMP, _GLUED, "id") if name in columns)]
+    if _SHARE in columns:
+        named[_NEEDED.index("mass")] = _SHARE
     wanted = [columns.index(name) for name in named]
     try:
         table = np.loadtxt(rows, usecols=wanted, ndmin=2, comments=None)

@@ -41,7 +41,7 @@ _SHARE_OF_PERIOD = 0.25
 _TAKEN = {
     "walls": {
         *("gravity", "motion", "series", "walls", "above", "all", "loose", "glued", "surplus"),
-        "beyond",
+        *("beyond", "clumps", "bodies", "remains"),
         *("youngs_modulus", "poissons_ratio"),
     },
     "stages": {"end", "restless", "broken", "unstable", "unloaded"},

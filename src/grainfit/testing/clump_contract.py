@@ -28,8 +28,17 @@ from grainfit.materials.sizes import ParticleSizes
 from grainfit.measurement.particles import Particles
 from grainfit.scenes.conditions import Elapsed
 from grainfit.scenes.packing import Column
-from grainfit.scenes.records import Force, Frames, KineticEnergy, Series
-from grainfit.scenes.scene import Box, Stage, time_step
+from grainfit.scenes.records import (
+    Force,
+    Frames,
+    KineticEnergy,
+    MassAbove,
+    RadialForce,
+    Recorded,
+    Series,
+)
+from grainfit.scenes.scene import Box, Stage, Wall, time_step
+from grainfit.scenes.shapes import Cylinder
 from grainfit.solvers.dem.program import DeckSolver
 from grainfit.testing.glued_contract import glued
 from grainfit.testing.scene_contract import (
@@ -232,6 +241,16 @@ class ClumpContract(SimulatedScenes):
         assert out.stages[0].particles == out.snapshot("frame1").count == 1
         assert len(out.snapshot("frame1")) == 2
 
+    def test_nothing_is_left_of_clumps_that_leave_a_periodic_box(self, run: Run) -> None:
+        box = Box((-0.1, 0.0, -0.03), (0.1, 0.03, 0.3), periodic="y")
+        start = clumps(
+            [(-0.02, 0.002, 0.03), (0.02, 0.028, 0.03), (0, 0.015, 0.25)], [_UPRIGHT] * 3
+        )
+        out = run(scene_of(start, {}, frames(0.16), sizes=PAIR, box=box))
+
+        assert out.stages[0].particles == out.snapshot("frame1").count == 1
+        assert len(out.snapshot("frame1")) == 2
+
     def test_a_clump_that_leaves_a_closed_stage_fails_the_run(self, run: Run) -> None:
         box = replace(BOX, low=(-0.1, -0.1, -0.03))
         start = clumps([(0, 0, 0.03), (0.05, 0, 0.15)])
@@ -260,6 +279,55 @@ class ClumpContract(SimulatedScenes):
         time = out.stages[1].time
         fallen = heights[1] - centres(second, PAIR)[0, 2]
         assert fallen == pytest.approx(1e-3 * time**2 / 2, abs=1e-7)
+
+    @pytest.mark.parametrize("sizes", [PAIR, PIN], ids=["pair", "pin"])
+    def test_the_mass_above_a_height_counts_clumps(self, run: Run, sizes: ParticleSizes) -> None:
+        above = Series({"above": MassAbove(0.05)}, 0.001)
+        stages = [Stage(name, Elapsed(0.003), series=above) for name in ("one", "two")]
+        start = clumps([(0, 0, 0.02), (0.02, 0, 0.08), (-0.03, 0, 0.09)])
+        out = run(scene_of(start, {}, stages, sizes=sizes, gravity=0.0))
+
+        for name in ("one", "two"):
+            assert out.series(name)["above"] == pytest.approx(2 * MASS, rel=1e-4)
+
+    def test_clumps_of_two_sizes_have_their_spheres_and_masses(self, run: Run) -> None:
+        sizes = ParticleSizes((2 * RADIUS, 3 * RADIUS), (0.5, 0.5), shape=PIN.shape)
+        start = replace(
+            clumps([(0, 0, 0.05), (0.03, 0, 0.05), (-0.04, 0, 0.05)], [0.2, 0.4, 0.0]),
+            size_indices=np.array([1, 0, 1]),
+        )
+        out = run(scene_of(start, {}, frames(0.01), sizes=sizes))
+
+        clump, found = sizes.clump, out.snapshot("frame1")
+        assert clump is not None
+        diameters = np.array([3, 2, 3]) * RADIUS
+        radii = np.outer(diameters, clump.radii).ravel()
+        assert sorted(found.radii) == pytest.approx(sorted(radii), rel=1e-4)
+        assert found.clumps is not None
+        masses = [found.masses[found.clumps == n].sum() for n in np.unique(found.clumps)]
+        expected = MASS * (diameters / (2 * RADIUS)) ** 3
+        assert sorted(masses) == pytest.approx(sorted(expected), rel=1e-4)
+        assert out.stages[0].kinetic_energy == pytest.approx(
+            expected.sum() * (GRAVITY * out.stages[0].time) ** 2 / 2, rel=1e-2
+        )
+
+    def test_sums_of_a_second_stage_go_on_from_look_to_look(self, run: Run) -> None:
+        clump = PAIR.clump
+        assert clump is not None
+        radius = 2 * RADIUS * clump.outer_radius
+        walls = {**FLOOR, "tube": Wall(Cylinder(1.2 * radius, BOX.low[2], BOX.high[2]))}
+        columns: dict[str, Recorded] = {"outwards": RadialForce("tube"), "above": MassAbove(0.0)}
+        stages = [Stage("one", Elapsed(0.001)), settle(Series(columns, 0.005))]
+        start = clumps([(0, 0, 0.03), (0, 0, 0.05)], [0.9, 0.0])
+        damped = {**DAMPED, "particle_wall.sliding_friction": 0.5}
+        out = run(scene_of(start, walls, stages, damped, sizes=PAIR))
+        out.require_complete(["one", "settle"], "tube")
+
+        series = out.series("settle")
+        assert len(series["time"]) > 5
+        assert series["above"] == pytest.approx(2 * MASS, rel=1e-4)
+        # The clumps lean against it at last.
+        assert series["outwards"][-1] > 0.1 * WEIGHT
 
     def test_clumps_touch_across_a_periodic_side(self, run: Run) -> None:
         depth = 0.03

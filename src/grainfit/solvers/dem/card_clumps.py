@@ -59,13 +59,14 @@ def clump_lines(
         "of the spheres. Positions are from the centre of mass, along the principal axes.",
     ]
     for index in range(len(sizes.diameters)):
-        clump = _clump(spheres, index, density)
+        clump = card_clump(spheres, index, density)
         lines += ["", f"Clump with the volume of a sphere of {clump.diameter!r} m:"]
         lines += [f"    {line}".rstrip() for line in write(clump)]
     return ["#", *(f"# {line}".rstrip() for line in lines)]
 
 
-def _clump(spheres: ClumpSpheres, index: int, density: float) -> CardClump:
+def card_clump(spheres: ClumpSpheres, index: int, density: float) -> CardClump:
+    """Return the clump of a diameter, by its index."""
     diameter, clump = spheres.diameters[index], spheres.clump
     indices = np.array([index])
     radii = spheres.radii(indices)[0].tolist()

@@ -43,6 +43,8 @@ class ScriptDeck(SceneDeck):
 
     #: Arguments of ``set`` that take the angular velocity from particles.
     no_spin: ClassVar[str]
+    #: What a run leaves out that goes on with the stage.
+    without: str = "post no"
     #: Remarks in the first lines of a deck.
     introduction: ClassVar[tuple[str, ...]]
 
@@ -199,6 +201,11 @@ class ScriptDeck(SceneDeck):
         return f"{columns} {COLUMN}" if self.scene.glued else columns
 
     @property
+    def snapshot_filter(self) -> str:
+        """Further arguments of ``dump_modify`` that leave out what is no particle."""
+        return ""
+
+    @property
     def largest_radius(self) -> float:
         """Radius of the largest sphere, m."""
         return max(self.scene.sizes.diameters) / 2
@@ -289,7 +296,7 @@ class ScriptDeck(SceneDeck):
                 yield self._jump("${count} < ${expected}", "broken")
             yield self._jump(f"${{energy}} > {scene.energy_limit}", "unstable")
             return
-        yield from self._before(stage)
+        yield from self.before(stage)
         yield command("label", name)
         yield from self._look()
         if stage.is_closed:
@@ -301,11 +308,11 @@ class ScriptDeck(SceneDeck):
         if isinstance(until, Loaded):
             late = "unloaded"
         yield self._jump(f"${{since}} >= {scene.steps(until.limit)}", late)
-        yield command("run", f"{scene.steps(scene.check_interval)} post no")
+        yield command("run", f"{scene.steps(scene.check_interval)} {self.without}")
         yield command("jump", f"SELF {name}")
         yield command("label", f"{name}_done")
 
-    def _before(self, stage: Stage) -> Iterator[str]:
+    def before(self, stage: Stage) -> Iterator[str]:
         """Iterate over the commands before the first look."""
         scene, until = self.scene, stage.until
         if isinstance(until, AtRest):
@@ -423,7 +430,7 @@ class ScriptDeck(SceneDeck):
         """Write the particles into one file from now on, at an interval in s."""
         steps = self.scene.steps(every)
         yield command("dump", f"{name} all custom {steps} {file} {self.snapshot_columns}")
-        yield command("dump_modify", f"{name} sort id")
+        yield command("dump_modify", f"{name} sort id{self.snapshot_filter}")
 
     def _quantity(self, quantity: Recorded, name: str) -> Iterator[str]:
         """Define the variable of a recorded quantity."""
@@ -440,11 +447,15 @@ class ScriptDeck(SceneDeck):
         elif isinstance(quantity, Travel):
             yield command("variable", f"{name} equal v_{quantity.wall}_travel")
         elif isinstance(quantity, MassAbove):
-            yield command("region", f"{name} block INF INF INF INF {quantity.height} INF units box")
-            yield command("variable", f"{name} equal mass({self.loose},{name})")
-            self.undo.append(command("region", f"{name} delete"))
+            yield from self.record_mass_above(quantity.height, name)
         elif isinstance(quantity, KineticEnergy):
             yield command("variable", f"{name} equal {self.kinetic}")
+
+    def record_mass_above(self, height: float, name: str) -> Iterator[str]:
+        """Define a variable: the mass of the loose particles above a height."""
+        yield command("region", f"{name} block INF INF INF INF {height} INF units box")
+        yield command("variable", f"{name} equal mass({self.loose},{name})")
+        self.undo.append(command("region", f"{name} delete"))
 
     def is_new_sum(self, wall: str, sum_: str) -> bool:
         """Note a sum of forces on a wall; return whether no earlier stage has defined it."""

@@ -5,12 +5,13 @@ from __future__ import annotations
 import os
 import re
 import shutil
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import ClassVar
 
 from typing_extensions import override
 
+from grainfit.bulk_tests.base import BulkTest
 from grainfit.errors import Fault, InputError, SolverNotFoundError
 from grainfit.materials.walls import plain_name
 from grainfit.solvers.dem.deck import SceneDeck
@@ -32,6 +33,20 @@ class Liggghts(DeckSolver):
     _own_log: ClassVar[str] = "log.liggghts"
     deck: ClassVar[type[SceneDeck]] = LiggghtsSceneDeck
     missing: ClassVar[Mapping[str, str]] = MISSING
+
+    def __init__(
+        self,
+        test: BulkTest,
+        material: Mapping[str, float | str],
+        ranks: int = 1,
+        executable: str | None = None,
+        contact_models: Iterable[str] = (),
+        walls: Mapping[str, str] | None = None,
+    ) -> None:
+        if ranks > 1 and test.sizes.shape is not None:
+            message = f"LIGGGHTS-PUBLIC moves clumps on one core, not on {ranks}."
+            raise InputError(Fault("ranks", message, "Leave it out, or use LAMMPS."))
+        super().__init__(test, material, ranks, executable, contact_models, walls)
 
     @override
     def check(self) -> None:

@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator, Mapping
+from pathlib import Path
 from typing import ClassVar
 
 from grainfit.contact_models.liggghts import liggghts_model, liggghts_properties
 from grainfit.errors import Fault, InputError
 from grainfit.scenes.run_output import snapshot_file
-from grainfit.scenes.scene import WALL, Load, Motion, Rotation, Stage, Wall
+from grainfit.scenes.scene import WALL, Load, Motion, Rotation, Scene, Stage, Wall
 from grainfit.scenes.shapes import Cylinder
 from grainfit.scenes.triangles import triangles_of, write_stl
+from grainfit.solvers.dem.liggghts.multispheres import INSERTION, SHARE, SURPLUS, Multispheres
 from grainfit.solvers.dem.script import PARTICLES, ScriptDeck
 from grainfit.solvers.dem.script_words import command, continued, heading
 
@@ -21,11 +23,10 @@ MISSING: Mapping[str, str] = {
         "LIGGGHTS moves a wall either at a velocity or under a load, not the same wall in turn; "
         "use a load in every stage, its largest speed is the velocity of the approach"
     ),
-    "clumps": (
-        "LIGGGHTS places clumps by its own fixes only, at random, and its delete_atoms refuses "
-        'them; use solver = "lammps" or solver = "yade"'
-    ),
 }
+
+#: Variables that looks define again.
+_LOOKS = ("energy", "passed", "count", "since", "before", "near", "top", "below")
 
 
 class LiggghtsSceneDeck(ScriptDeck):
@@ -38,6 +39,13 @@ class LiggghtsSceneDeck(ScriptDeck):
         "By hand, in this folder:  liggghts -in in.liggghts",
         f"Reads {PARTICLES} and *.stl; writes stages.csv, snapshots/*.dump and series_*.csv.",
     )
+
+    def __init__(self, scene: Scene, folder: Path) -> None:
+        self.clumps = None if scene.clumps is None else Multispheres(scene)
+        super().__init__(scene, folder)
+        if self.clumps is not None:
+            # In the first half step after a setup, no wall holds a body of fix multisphere.
+            self.without = "pre no post no"
 
     @property
     def _surfaces(self) -> list[str]:
@@ -65,6 +73,102 @@ class LiggghtsSceneDeck(ScriptDeck):
         """Return a type for the particles and one for each surface."""
         return 1 + len(self._surfaces), [1] * len(self.size_indices)
 
+    # --- clumps --------------------------------------------------------------------------------
+
+    def write_particles(self) -> None:
+        """Write the particles of the beginning; of clumps, how they are inserted and struck off."""
+        if self.clumps is None:
+            super().write_particles()
+            return
+        types, _ = self.particle_types()
+        files = {PARTICLES: self.clumps.data(types), INSERTION: self.clumps.insertion()}
+        if any(stage.strike_off is not None for stage in self.scene.stages):
+            files[SURPLUS] = self.clumps.surplus()
+        for name, text in files.items():
+            (self.folder / name).write_text(text, encoding="ascii")
+
+    @property
+    def loose_spheres(self) -> int:
+        """Number of spheres of loose particles before the first glued one: clumps come later."""
+        return super().loose_spheres if self.clumps is None else 0
+
+    @property
+    def largest_radius(self) -> float:
+        """Radius of the largest sphere, m."""
+        if self.clumps is None:
+            return super().largest_radius
+        return max(self.clumps.spheres.radii_of_kinds)
+
+    @property
+    def kinetic(self) -> str:
+        """Expression of the kinetic energy of the loose particles; of clumps, of rotation, too."""
+        return super().kinetic if self.clumps is None else "c_translation+c_rotation"
+
+    @property
+    def shown_energy(self) -> str:
+        """Words for the kinetic energy in the log; variables of computes must be in it."""
+        return super().shown_energy if self.clumps is None else "v_kinetic v_remaining"
+
+    @property
+    def count(self) -> str:
+        """Expression of the number of loose particles."""
+        return super().count if self.clumps is None else f"c_whole/{self.clumps.each}"
+
+    @property
+    def snapshot_columns(self) -> str:
+        """Columns of a snapshot; of clumps, the number of the clump and the share of its mass."""
+        return super().snapshot_columns + ("" if self.clumps is None else f" mol {SHARE}")
+
+    @property
+    def snapshot_filter(self) -> str:
+        """Further arguments of ``dump_modify`` that leave out what is no particle."""
+        return "" if self.clumps is None else self.clumps.FILTER
+
+    def integration(self) -> Iterator[str]:
+        """Iterate over gravity and the integration of the loose particles."""
+        if self.clumps is None:
+            return super().integration()
+        return self.clumps.integration(self.loose)
+
+    def stage(self, stage: Stage) -> Iterator[str]:
+        """Iterate over the commands of a stage."""
+        if self.clumps is not None:
+            # A new definition goes to the end of LIGGGHTS' list of variables. Without a setup, runs
+            # know variables by their places: those of looks must come after those of the stage.
+            yield ""
+            yield from (command("variable", f"{name} delete") for name in _LOOKS)
+        yield from super().stage(stage)
+
+    def motion(self) -> Iterator[str]:
+        """Iterate over gravity, integration, and the variables that stages look at."""
+        yield from super().motion()
+        if self.clumps is not None:
+            # A stage that is closed counts its particles before its first run.
+            yield command("run", "0 post no")
+
+    def strike_off(self, height: float) -> Iterator[str]:
+        """Remove the loose particles whose centre is above a height."""
+        if self.clumps is None:
+            return super().strike_off(height)
+        return self.clumps.strike_off(height)
+
+    def before(self, stage: Stage) -> Iterator[str]:
+        """Iterate over the commands before the first look; of clumps, there is a run among them."""
+        lines = list(super().before(stage))
+        yield from lines
+        if self.clumps is not None and not any(line.startswith("run") for line in lines):
+            yield command("run", "0 post no")
+
+    def record_mass_above(self, height: float, name: str) -> Iterator[str]:
+        """Define a variable: the mass of the loose particles above a height."""
+        if self.clumps is None:
+            yield from super().record_mass_above(height, name)
+            return
+        yield from self.clumps.mass_above(height, self.loose, name)
+        self.undo += self.clumps.forget_mass_above(name)
+
+    # --- contacts ------------------------------------------------------------------------------
+
     def contacts(self) -> Iterator[str]:
         """Iterate over the properties of particles and surfaces."""
         surfaces = self._surfaces
@@ -81,6 +185,8 @@ class LiggghtsSceneDeck(ScriptDeck):
             yield continued(command("fix", first), [" ".join(map(str, row)) for row in matrix])
         yield command("pair_style", f"gran model {liggghts_model(self.law)}")
         yield command("pair_coeff", "* *")
+        if self.clumps is not None:
+            yield from self.clumps.define()
 
     # --- walls ---------------------------------------------------------------------------------
 
@@ -224,7 +330,7 @@ class LiggghtsSceneDeck(ScriptDeck):
         """Write the particles into a file."""
         dump = f"{name} all custom 1 {snapshot_file(name)} {self.snapshot_columns}"
         yield command("dump", dump)
-        yield command("dump_modify", f"{name} sort id")
+        yield command("dump_modify", f"{name} sort id{self.snapshot_filter}")
         yield command("run", "0 post no")
         yield command("undump", name)
 
