@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 from typing import Any
 
@@ -171,3 +172,34 @@ def test_coarse_grained_scene_has_the_surface_energy_of_its_particles():
 
     assert scene.material["particle_particle.surface_energy"] == pytest.approx(0.1)
     assert solver.run_parameters({})["particle_particle.surface_energy"] == 0.05
+
+
+def test_proposed_factor_changes_a_given_number_of_particles_with_it(tmp_path):
+    """A factor alone would leave as many particles, which do not fit into the cylinder."""
+    path = pellets(tmp_path, 1)
+    given = path.read_text().replace('type = "heap"', 'type = "heap"\nparticle_count = 60000')
+    path.write_text(given)
+
+    [note] = [note for note in gf.load(path).notes() if "coarse_graining" in note]
+
+    words = re.search(r"coarse_graining = (\S+) and particle_count = (\d+) in test heap", note)
+    assert words is not None
+    factor, count = float(words[1]), int(words[2])
+    assert count == pytest.approx(60000 / factor**3, rel=0.01)
+    coarser = given.replace("coarse_graining = 1", f"coarse_graining = {factor}")
+    path.write_text(coarser.replace("60000", str(count)))
+    assert gf.load(path).bulk_tests["heap"].number_of_particles == count
+
+
+def test_number_of_particles_far_above_the_strike_off_height_is_noted(tmp_path):
+    path = pellets(tmp_path, 2.5)
+    text = path.read_text().replace('type = "heap"', 'type = "heap"\nparticle_count = COUNT')
+    notes = {}
+    for count in (5000, 40000):
+        path.write_text(text.replace("COUNT", str(count)))
+        notes[count] = [note for note in gf.load(path).notes() if "strike_off_height" in note]
+
+    assert notes[5000] == []
+    [note] = notes[40000]
+    assert "particle_count = 40000" in note
+    assert "cut off" in note

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from grainfit.bulk_tests.base import BulkTest
-from grainfit.bulk_tests.run_cost import RunCost
+from grainfit.bulk_tests.coarse_graining import coarse_grained, factor_words
 from grainfit.errors import InputError
 from grainfit.formatting import duration
 from grainfit.problem import Problem
@@ -43,32 +43,30 @@ def _note(name: str, solver: Solver, middle: Mapping[str, float]) -> str:
         return ""
     if cost is None or cost.wall_seconds <= _LONG:
         return ""
-    shorter = _shorter(test, solver, middle)
     words = f"Test {name}: a run takes about {duration(cost.wall_seconds)}."
-    if shorter is None:
+    larger = _shorter(test, solver, middle)
+    if larger is None:
         return words
-    factor, faster = shorter
+    faster = larger.estimate_cost(solver.name, solver.run_parameters(middle))
     return (
-        f"{words} With particle.coarse_graining = {factor:g} it takes about "
+        f"{words} With {factor_words({name: larger})} it takes about "
         f"{duration(faster.wall_seconds)} ({faster.particles} particles). Larger particles in the "
         "same apparatus shift responses, and the calibrated values hold for simulations at that "
         "factor: compare two factors (docs/coarse_graining.md)."
     )
 
 
-def _shorter(
-    test: BulkTest, solver: Solver, middle: Mapping[str, float]
-) -> tuple[float, RunCost] | None:
-    """Return the smallest factor that makes runs short, or the largest that the test can have."""
-    shorter = None
+def _shorter(test: BulkTest, solver: Solver, middle: Mapping[str, float]) -> BulkTest | None:
+    """Return the test with the smallest factor that makes runs short, or the largest possible."""
+    larger = None
     material = solver.run_parameters(middle)
     for factor in _FACTORS:
         try:
-            larger = test.with_sizes(test.sizes.coarse_grained(factor))
-            cost = larger.estimate_cost(solver.name, material)
+            candidate = coarse_grained(test, factor)
+            seconds = candidate.estimate_cost(solver.name, material).wall_seconds
         except InputError:
             break
-        shorter = (larger.sizes.coarse_graining, cost)
-        if cost.wall_seconds <= _SHORT:
+        larger = candidate
+        if seconds <= _SHORT:
             break
-    return shorter
+    return larger

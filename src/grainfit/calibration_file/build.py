@@ -19,6 +19,7 @@ from grainfit.calibration.timeouts import default_timeouts
 from grainfit.calibration_file.contact_notes import contact_notes
 from grainfit.calibration_file.content import CalibrationFile, SearchOptions, TestSpecification
 from grainfit.calibration_file.load import load_calibration_file
+from grainfit.calibration_file.number_notes import number_notes
 from grainfit.calibration_file.same_simulation import same_simulation_notes
 from grainfit.calibration_file.size_notes import size_notes
 from grainfit.calibration_file.smooth_wall_notes import smooth_wall_notes
@@ -143,8 +144,8 @@ class CalibrationSetup:
         They say which free parameters the tests will leave open, with tests to add, by how much
         soft particles raise the responses, whether the contact law is the same for all solvers and
         safe at the time step, which tests simulate the same, where particles are too few for their
-        sizes, which bulk densities no solid fraction gives, and which walls are too smooth for a
-        bed to come to rest. ``grainfit check`` shows them.
+        sizes or more than a cylinder holds, which bulk densities no solid fraction gives, and which
+        walls are too smooth for a bed to come to rest. ``grainfit check`` shows them.
 
         Examples
         --------
@@ -164,6 +165,7 @@ class CalibrationSetup:
             *coarse_graining_notes(self.solvers, self.problem),
             *same_simulation_notes(self.file.tests),
             *size_notes(self.bulk_tests),
+            *number_notes(self.bulk_tests),
             *solid_fraction_notes(self.problem, self.bulk_tests, self.file.fixed),
             *smooth_wall_notes(self.problem, self.bulk_tests, self.file.fixed),
         )

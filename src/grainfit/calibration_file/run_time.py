@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 from grainfit.bulk_tests.base import BulkTest
+from grainfit.bulk_tests.coarse_graining import coarse_grained, factor_words
 from grainfit.bulk_tests.sensitivities import MODULUS
 from grainfit.calibration.verification import VERIFICATION_RUNS
 from grainfit.calibration_file.build import CalibrationSetup
@@ -230,19 +231,19 @@ def _softer(setup: CalibrationSetup) -> Iterator[tuple[str, Mapping[str, float]]
 
 def _coarser(setup: CalibrationSetup) -> Iterator[tuple[str, Mapping[str, float]]]:
     """Offer fewer, larger particles in the same apparatus."""
+    coarser: dict[str, BulkTest] = {}
     seconds: dict[str, float] = {}
     for name, solver, test in _known_tests(setup):
         try:
-            coarser = test.with_sizes(test.sizes.coarse_grained(_COARSER))
-            cost = coarser.estimate_cost(solver.name, _material(setup, solver))
+            coarser[name] = coarse_grained(test, _COARSER)
+            cost = coarser[name].estimate_cost(solver.name, _material(setup, solver))
         except InputError:
             continue
         seconds[name] = cost.wall_seconds
     if seconds:
-        factor = _COARSER * (setup.file.sizes.coarse_graining if setup.file.sizes else 1.0)
         words = (
-            f"particle.coarse_graining = {factor:g}, fewer and larger particles in the same "
-            "apparatus (docs/coarse_graining.md)"
+            f"{factor_words(coarser)}, fewer and larger particles in the same apparatus "
+            "(docs/coarse_graining.md)"
         )
         yield words, seconds
 

@@ -1,0 +1,56 @@
+"""Larger particles in the apparatus of a test, and how a calibration file asks for them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TypeVar
+
+from grainfit.bulk_tests.base import BulkTest
+
+_Test = TypeVar("_Test", bound=BulkTest)
+
+
+def coarse_grained(test: _Test, factor: float) -> _Test:
+    """Return a test with larger particles, fewer where their number is an option.
+
+    Parameters
+    ----------
+    test : BulkTest
+        Stays as it is.
+    factor : float
+        Times the present diameters.
+
+    Raises
+    ------
+    InputError
+        The test is impossible with them; names every option at fault.
+    """
+    sizes = test.sizes.coarse_grained(factor)
+    count = _given_number(test)
+    if count is None:
+        return test.with_sizes(sizes)
+    definition = {**test.definition(), **sizes.definition()}
+    return test.from_definition({**definition, "particle_count": max(1, round(count / factor**3))})
+
+
+def factor_words(tests: Mapping[str, BulkTest]) -> str:
+    """Return the entries of a calibration file that make its particles those of tests.
+
+    Parameters
+    ----------
+    tests : mapping of str to BulkTest
+        By name, all with the same particles.
+    """
+    [factor, *_] = {test.sizes.coarse_graining for test in tests.values()}
+    numbers = {name: _given_number(test) for name, test in tests.items()}
+    return " and ".join(
+        [
+            f"particle.coarse_graining = {factor:g}",
+            *(f"particle_count = {n} in test {name}" for name, n in numbers.items() if n),
+        ]
+    )
+
+
+def _given_number(test: BulkTest) -> int | None:
+    count: int | None = getattr(test, "particle_count", None)
+    return count
