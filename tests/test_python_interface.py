@@ -88,8 +88,8 @@ def test_tests_and_solvers_take_quantities() -> None:
 
 
 @pytest.mark.slow
-def test_a_heap_is_calibrated_from_python(tmp_path: Path) -> None:
-    heap = gf.tests.Heap(diameter="10 mm", strike_off_height="60 mm", bulk_density_top="50 mm")
+def test_a_packing_is_calibrated_from_python(tmp_path: Path) -> None:
+    packing = gf.tests.Packing(diameter="10 mm")
     material = {name: value for name, value in GLASS_BEADS.items() if name != "particle.density"}
     problem = gf.Problem(
         [gf.Parameter("particle.density", "2 g/cm^3", "2.6 g/cm^3")],
@@ -97,7 +97,7 @@ def test_a_heap_is_calibrated_from_python(tmp_path: Path) -> None:
     )
     result = gf.calibrate(
         problem,
-        gf.solvers.Lammps(heap, material),
+        gf.solvers.Lammps(packing, material),
         workdir=tmp_path / "beads",
         strategy=gf.Sequential(prefer="accuracy"),
         workers=2,

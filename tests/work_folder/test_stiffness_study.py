@@ -238,13 +238,7 @@ def test_the_answer_of_a_model_of_the_user_needs_its_file(sand: Path) -> None:
 
 @pytest.mark.slow
 def test_the_answer_of_a_calibration_is_simulated_with_stiffer_beads(tmp_path: Path) -> None:
-    heap = gf.tests.Heap(
-        diameter="10 mm",
-        cylinder_radius="30 mm",
-        strike_off_height="80 mm",
-        bulk_density_top="70 mm",
-        plate_radius="100 mm",
-    )
+    packing = gf.tests.Packing(diameter="10 mm", cylinder_radius="35 mm")
     material = {name: value for name, value in GLASS_BEADS.items() if name != "particle.density"}
     problem = gf.Problem(
         [gf.Parameter("particle.density", 2000, 2600, unit="kg/m^3")],
@@ -252,7 +246,7 @@ def test_the_answer_of_a_calibration_is_simulated_with_stiffer_beads(tmp_path: P
     )
     folder = tmp_path / "beads"
     result = gf.calibrate(
-        problem, gf.solvers.Lammps(heap, material), workdir=folder, max_runs=14, seed=1
+        problem, gf.solvers.Lammps(packing, material), workdir=folder, max_runs=14, seed=1
     )
     works: list[ExpectedWork] = []
     study = gf.stiffness_study(folder, factors=[1, 8], seeds=2, on_start=works.append)
