@@ -48,7 +48,7 @@ class MassAbove:
 
 @dataclass(frozen=True)
 class KineticEnergy:
-    """Kinetic energy of all loose particles, J."""
+    """Kinetic energy of the translation of all loose particles, J."""
 
 
 Recorded = Force | RadialForce | Travel | MassAbove | KineticEnergy

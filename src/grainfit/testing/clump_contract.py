@@ -137,19 +137,27 @@ class ClumpContract(SimulatedScenes):
             MASS * (GRAVITY * series["time"]) ** 2 / 2, rel=2e-3, abs=1e-12
         )
 
-    def test_a_clump_that_spins_keeps_its_axis_and_its_energy(self, run: Run) -> None:
+    def test_a_clump_that_spins_keeps_its_axis(self, run: Run) -> None:
         speed, time = 20.0, 0.05
-        recorded = Series({"energy": KineticEnergy()}, 0.01)
         start = clumps([(0, 0, 0.1)], spins=[(0, speed, 0)])
-        scene = scene_of(start, {}, frames(time, series=recorded), sizes=PAIR, gravity=0.0)
+        scene = scene_of(start, {}, frames(time), sizes=PAIR, gravity=0.0)
         out = run(scene)
 
         found, angle = out.snapshot("frame1"), speed * out.stages[0].time
         assert axes(found)[0] == pytest.approx([math.cos(angle), 0, -math.sin(angle)], abs=3e-3)
         assert centres(found, PAIR)[0] == pytest.approx([0, 0, 0.1], abs=2e-6)
         energy = moments(PAIR)[1] * speed**2 / 2
-        assert out.series("part1")["energy"] == pytest.approx(energy, rel=2e-3)
         assert energy <= scene.initial_energy <= 1.1 * energy
+
+    def test_kinetic_energy_is_that_of_translation(self, run: Run) -> None:
+        """A clump, too, may spin on a point of a floor for ever, and its bed is at rest."""
+        recorded = Series({"energy": KineticEnergy()}, 0.01)
+        start = clumps([(0, 0, 0.1)], velocities=[(0.02, 0, 0)], spins=[(0, 20.0, 5.0)])
+        out = run(scene_of(start, {}, frames(0.05, series=recorded), sizes=PAIR, gravity=0.0))
+
+        energy = MASS * 0.02**2 / 2
+        assert out.series("part1")["energy"] == pytest.approx(energy, rel=2e-3)
+        assert out.stages[0].kinetic_energy == pytest.approx(energy, rel=2e-3)
 
     def test_a_clump_that_tumbles_precesses_about_its_angular_momentum(self, run: Run) -> None:
         # A symmetric top: its axis goes round the angular momentum with the rate L / I.
@@ -164,9 +172,6 @@ class ClumpContract(SimulatedScenes):
             expected = Turn.from_rotvec(rate * stage.time).apply([1.0, 0.0, 0.0])
             found = axes(out.snapshot(f"frame{number}"))[0]
             assert found == pytest.approx(expected, abs=5e-3)
-        energies = [stage.kinetic_energy for stage in out.stages]
-        expected_energy = (along * spin**2 + across * tumble**2) / 2
-        assert energies == pytest.approx([expected_energy] * 4, rel=2e-3)
 
     @pytest.mark.parametrize("angle", [0.3, 1.0])
     def test_a_clump_that_hits_a_plane_beside_its_centre_rebounds_and_turns(

@@ -174,8 +174,8 @@ class RigidClumps:
         yield command("fix", f"{gravity} disable")
         first = f"motion {loose} rigid/small molecule"
         yield continued(command("fix", first), [f"infile {BODIES} gravity gravity"])
+        yield "# Of clumps, too, rotation does not count: one may spin on a point for ever."
         yield command("compute", f"translation {loose} ke/rigid motion")
-        yield command("compute", f"rotation {loose} erotate/rigid motion")
         yield "# A clump of which a part leaves the box is gone: LAMMPS stops at half a clump."
         yield command("region", f"beyond block {self._inside()} units box side out")
         every = f"{_LOOK_OUTSIDE} {self.number_of_spheres} beyond 1 molecule yes"

@@ -90,8 +90,8 @@ class LammpsSceneDeck(ScriptDeck):
 
     @property
     def kinetic(self) -> str:
-        """Expression of the kinetic energy of the loose particles; of clumps, of rotation, too."""
-        return super().kinetic if self.clumps is None else "c_translation+c_rotation"
+        """Expression of the kinetic energy of the translation of the loose particles."""
+        return super().kinetic if self.clumps is None else "c_translation"
 
     @property
     def shown_energy(self) -> str:

@@ -173,8 +173,8 @@ class Multispheres:
         """Iterate over gravity, the energies, and the masses of spheres."""
         gravity = f"gravity {loose} gravity {self.scene.gravity} vector 0.0 0.0 -1.0"
         yield command("fix", gravity)
+        yield "# Of clumps, too, rotation does not count: one may spin on a point for ever."
         yield command("compute", "translation all ke/multisphere")
-        yield command("compute", "rotation all erotate/multisphere")
         yield "# What is left of a clump has no number any more."
         glued = "+gmask(glued)" if self.glued else ""
         yield command("compute", f"clump {loose} property/atom mol")
