@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 import re
+import shutil
+import subprocess
 from dataclasses import replace
 from pathlib import Path
 
@@ -16,6 +18,7 @@ from grainfit.scenes.conditions import AtRest, Elapsed
 from grainfit.scenes.packing import Rectangle, random_column
 from grainfit.scenes.records import MassAbove, Series
 from grainfit.scenes.scene import Box, Scene, Stage
+from grainfit.solvers.dem.liggghts import multispheres
 from grainfit.solvers.dem.liggghts.multispheres import INSERTION
 from grainfit.solvers.dem.liggghts.scene_deck import LiggghtsSceneDeck
 from grainfit.testing.clump_contract import PAIR, PIN, clumps
@@ -70,6 +73,47 @@ def test_every_clump_is_inserted_where_the_scene_has_it(tmp_path: Path) -> None:
     error = turned * Rotation.from_quat(start.turns).inv()
     assert error.magnitude() == pytest.approx(np.zeros(7), abs=1e-9)
     assert len(re.findall("unfix", text)) == len(re.findall("delete", text)) == 7
+
+
+def test_few_fixes_are_there_at_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Or LIGGGHTS takes half an hour to insert 55,000 clumps."""
+    monkeypatch.setattr(multispheres, "_TOGETHER", 3)
+    scene = scene_of(random_column(PAIR, 7, Rectangle(0.06, 0.05), 3), {}, [settle()], sizes=PAIR)
+    text = joined(written(scene, tmp_path)[INSERTION])
+
+    words = [line.split()[:2] for line in text.splitlines()]
+    there: set[str] = set()
+    inserted: list[set[str]] = []
+    for word, name in words:
+        if word == "fix":
+            there.add(name)
+        elif word == "run":
+            inserted.append(set(there))
+        elif word == "unfix":
+            there.remove(name)
+    assert [len(names) for names in inserted] == [3, 3, 1]
+    assert len(set.union(*inserted)) == 7
+    assert there == set()
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(shutil.which("liggghts") is None, reason="LIGGGHTS is not installed")
+def test_clumps_that_come_in_groups_fly_as_those_that_come_at_once(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    places = [(0.03 * n - 0.06, 0.0, 0.1) for n in range(5)]
+    start = clumps(places, [0.4] * 5, [(0.1, -0.2, 0.3)] * 5, [(4, 5, 6)] * 5)
+    scene = scene_of(start, {}, [Stage("fly", Elapsed(0.02), snapshot="end")], sizes=PAIR)
+    found = []
+    for number in (2, 5):
+        monkeypatch.setattr(multispheres, "_TOGETHER", number)
+        folder = tmp_path / str(number)
+        written(scene, folder)
+        subprocess.run(["liggghts", "-in", "in.liggghts"], cwd=folder, check=True, text=True)
+        found.append(read_dump(folder / "snapshots" / "end.dump").positions)
+
+    assert len(found[0]) == 10
+    assert np.array_equal(*found)
 
 
 def test_velocities_and_spins_are_those_of_the_scene(tmp_path: Path) -> None:
