@@ -266,7 +266,7 @@ DIAMETER = 'diameter = "10 mm"'
                 value.strip('"'),
                 'such as "25 %"',
             )
-            for value in ('"0 %"', '"-5 %"', "3")
+            for value in ('"0 %"', '"-5 %"', "3", '"abc"', '"25 kg"')
         ),
         (ANGLE, ANGLE + '\n[strategy]\nname = "stages"', "strategy.name", "stages", '"staged"'),
         (ANGLE, ANGLE + "\n[strategy]\nrayleigh_weight = nan", "weight", "nan", "finite"),

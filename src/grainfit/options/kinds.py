@@ -221,8 +221,11 @@ class Quantity(Kind):
         try:
             return to_unit(value, self.unit)
         except UnitError as error:
-            place.fault(error.message, error.remedy)
+            self._unreadable(error, place)
             return None
+
+    def _unreadable(self, error: UnitError, place: Place) -> None:
+        place.fault(error.message, error.remedy)
 
     def _may_lack_unit(self, value: Any) -> bool:
         """Return whether a value may have been meant in another unit; of angles nobody does."""
@@ -264,6 +267,10 @@ class Quantity(Kind):
         return {"anyOf": [number, {"type": "string", "pattern": r"^\s*[+-]?[0-9.]"}]}
 
 
+#: How to write a share.
+_SHARE = 'Give a share above 0 and at most 100 %, such as "25 %".'
+
+
 @dataclass(frozen=True)
 class Share(Quantity):
     """A share, above zero and at most one: a percentage in quotes, or a plain number."""
@@ -281,8 +288,11 @@ class Share(Quantity):
     ) -> float | None:
         if 0 < number <= self.highest:
             return number
-        place.fault(f"is {shown}.", 'Give a share above 0 and at most 100 %, such as "25 %".')
+        place.fault(f"is {shown}.", _SHARE)
         return None
+
+    def _unreadable(self, error: UnitError, place: Place) -> None:
+        place.fault(error.message, _SHARE)
 
 
 @dataclass(frozen=True)
