@@ -121,8 +121,11 @@ def _expected_work(campaign: Campaign, proposals: Sequence[Proposal], workers: i
                 cost = campaign.solvers[name_of_test(run)].estimate_cost(proposal.parameters)
                 costs[identity] = None if cost is None else cost.wall_seconds
     seconds = [cost for cost in costs.values() if cost is not None]
-    is_estimated = len(seconds) == len(costs)
-    return ExpectedWork(len(costs), len(known), sum(seconds) / workers if is_estimated else None)
+    if len(seconds) < len(costs):
+        return ExpectedWork(len(costs), len(known), None)
+    # However many workers there are, the longest run takes its time.
+    longest = max(seconds, default=0.0)
+    return ExpectedWork(len(costs), len(known), max(longest, sum(seconds) / workers))
 
 
 def simulate_once(
