@@ -20,6 +20,8 @@ from grainfit.evaluation import Evaluation, Proposal
 from grainfit.work_folder.candidates import failure_remarks
 
 SLIDING, ROLLING = "particle_particle.sliding_friction", "particle_particle.rolling_friction"
+ENERGY = "particle_particle.surface_energy"
+SHAPED = 'diameter = "10 mm"\nshape = "two_spheres"\naspect_ratio = { min = 1.1, max = 2 }'
 FILE = """\
 name = "my sand"
 [particle]
@@ -118,6 +120,30 @@ def test_a_heap_and_a_draw_down_settle_both_frictions(plan: Path) -> None:
     assert alone.half_widths[SLIDING] > 0.6
     compared = {test.name for c in found.combinations for test in c.tests}
     assert compared >= {"heap", "draw_down", "compression", "discharge", "packing"}
+
+
+def test_a_parameter_whose_effect_is_not_recorded_counts_as_known(plan: Path) -> None:
+    cohesive = FILE.replace(
+        "[particle_wall]", 'surface_energy = { min = "0 J/m^2", max = "1 J/m^2" }\n[particle_wall]'
+    )
+    plan.write_text(cohesive)
+    found = gf.design(plan, wanted=0.3)
+    assert found.before.names == ("particle.density", SLIDING, ROLLING)
+    words = str(found)
+    assert f"The effect of {ENERGY} is not recorded: it counts as known." in words
+    assert "a shear test" in words
+    assert "that settles every other free parameter to ± 30 %." in words
+    assert f"settles {ENERGY}" not in words
+    assert "The recorded slopes are those of spheres without cohesion" in words
+
+
+def test_nothing_is_compared_where_no_effect_is_recorded(plan: Path) -> None:
+    fixed = re.sub(r'= \{ min = ("[^"]*"|\S+), max = .* \}', r"= \1", FILE)
+    plan.write_text(fixed.replace('diameter = "10 mm"', SHAPED))
+    found = gf.design(plan)
+    assert found.best is None
+    assert "No test could be compared." in str(found)
+    assert "photographs of particles" in str(found)
 
 
 def test_tests_that_the_material_does_not_allow_are_named(plan: Path) -> None:

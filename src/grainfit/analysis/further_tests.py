@@ -33,8 +33,10 @@ from grainfit.bulk_tests.sensitivities import (
     WALL_SLIDING,
 )
 from grainfit.formatting import in_a_row
+from grainfit.materials.particle_shape import ASPECT_RATIO
 from grainfit.materials.walls import plain_name
 
+_ENERGY_DENSITY = "particle_particle.cohesion_energy_density"
 _DROP_TEST = "fix it from a drop test (height to which a particle rebounds"
 
 _DRAW_DOWN = "a draw-down test ({draw_down}angle of repose, mass flow)"
@@ -75,11 +77,25 @@ TESTS: Mapping[str, str] = {
         "depends on it as a bulk property; without that test, fix it: stiff enough that overlaps "
         "do not add to the bulk density, see 'grainfit stiffness'"
     ),
+    ASPECT_RATIO: (
+        "photographs of particles (largest extent over width); or the bulk density ({packing}at a "
+        "known particle density) beside an angle of repose: the angle grows with the aspect "
+        "ratio, the bulk density is highest near 1.5"
+    ),
+    "particle_particle.surface_energy": (
+        "a shear test ({shear}angle of internal friction) at two normal stresses or more: their "
+        "yield locus has a cohesion"
+    ),
+    _ENERGY_DENSITY: (
+        "the angle of repose of a heap ({heap}at frictions that tests of the dry material "
+        "determine)"
+    ),
 }
 
 #: Laboratory measurements that give a parameter its value, so that it need not be free.
 DIRECT: Mapping[str, str] = {
     DENSITY: "a pycnometer",
+    ASPECT_RATIO: "photographs of particles",
     WALL_SLIDING: "an inclined plane",
 }
 
@@ -94,10 +110,10 @@ BETTER_FIXED: Mapping[str, str] = {
 }
 
 #: Types of test that are named.
-_TYPES = ("compression", "draw_down", "heap", "packing")
+_TYPES = ("compression", "draw_down", "heap", "packing", "shear")
 _FRICTIONS = frozenset({SLIDING, ROLLING})
 #: Parameters that nothing but bulk tests determines.
-_FROM_BULK_TESTS = _FRICTIONS | {MODULUS}
+_FROM_BULK_TESTS = _FRICTIONS | {MODULUS, _ENERGY_DENSITY}
 
 
 def to_settle(name: str) -> str:

@@ -69,6 +69,8 @@ class TestPlan:
         Sentences about tests that were not compared, or with other options than the usual ones.
     source : str
         Origin of the slopes, for readers.
+    taken_as_known : tuple of str
+        Free parameters that are not counted, because nothing is known of their effect.
     """
 
     # Keeps pytest from taking it for a class of tests.
@@ -79,6 +81,7 @@ class TestPlan:
     combinations: tuple[Combination, ...]
     remarks: tuple[str, ...] = ()
     source: str = ""
+    taken_as_known: tuple[str, ...] = ()
 
     @property
     def best(self) -> Combination | None:
@@ -138,19 +141,17 @@ class TestPlan:
         ]
 
     def _recommendation(self) -> str:
-        wanted = f"± {_share(self.wanted)}"
+        every = f"every {'other ' if self.taken_as_known else ''}free parameter"
+        wanted = f"{every} to ± {_share(self.wanted)}"
         if self.best is not None:
             tests = in_a_row([_with_accuracies(test) for test in self.best.tests])
-            return f"Measure {tests}: that settles every free parameter to {wanted}."
+            return f"Measure {tests}: that settles {wanted}."
         finer = [c for c in self.combinations if c.coarser > 0]
         if finer:
             first = max(finer, key=lambda c: c.coarser)
             tests = in_a_row([_with_accuracies(test, first.coarser) for test in first.tests])
-            return (
-                f"At these accuracies no combination settles every free parameter to {wanted}. "
-                f"{tests} would."
-            )
-        return f"No combination of these tests settles every free parameter to {wanted}."
+            return f"At these accuracies no combination settles {wanted}. {tests} would."
+        return f"No combination of these tests settles {wanted}."
 
 
 def plan_tests(
@@ -159,6 +160,7 @@ def plan_tests(
     wanted: float,
     remarks: Sequence[str],
     source: str,
+    taken_as_known: Sequence[str] = (),
 ) -> TestPlan:
     """Rank combinations of one to three tests by what they leave and what they cost.
 
@@ -174,6 +176,8 @@ def plan_tests(
         Sentences about tests that were not compared, or with other options than the usual ones.
     source : str
         Origin of the slopes, for readers.
+    taken_as_known : sequence of str
+        Free parameters that are not counted.
 
     Returns
     -------
@@ -185,7 +189,7 @@ def plan_tests(
     enough = [{t.name for t in c.tests} for c in found if c.coarser >= 1]
     found = [c for c in found if not any(tests < {t.name for t in c.tests} for tests in enough)]
     found.sort(key=lambda c: _order(c, wanted))
-    return TestPlan(wanted, before, tuple(found), tuple(remarks), source)
+    return TestPlan(wanted, before, tuple(found), tuple(remarks), source, tuple(taken_as_known))
 
 
 def _combination(tests: tuple[CandidateTest, ...], before: Knowledge, wanted: float) -> Combination:
