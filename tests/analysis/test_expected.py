@@ -116,8 +116,10 @@ def test_nothing_is_said_about_models_of_the_user_and_responses_that_were_not_st
     assert expected(SLIDING, RESTITUTION) == ExpectedNarrowing()
 
 
-def test_further_tests_recommend_neither_a_drum_nor_a_shear_test() -> None:
-    said = [further_tests.to_settle(name) for name in further_tests.TESTS]
+def test_further_tests_recommend_a_shear_test_for_cohesion_alone_and_no_drum() -> None:
+    cohesion = "particle_particle.surface_energy"
+    assert "a shear test" in further_tests.to_settle(cohesion)
+    said = [further_tests.to_settle(name) for name in further_tests.TESTS if name != cohesion]
     said += [
         further_tests.to_tell_apart((SLIDING.name, ROLLING.name)),
         further_tests.to_tell_apart((DENSITY.name, SLIDING.name, ROLLING.name)),

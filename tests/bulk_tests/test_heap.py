@@ -3,6 +3,7 @@
 import json
 import math
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -325,3 +326,13 @@ class TestCost:
         )
         assert stiff_cost.steps == pytest.approx(10 * soft_cost.steps, rel=0.01)
         assert stiff_cost.wall_seconds == pytest.approx(10 * soft_cost.wall_seconds, rel=0.01)
+
+    def test_each_of_very_many_particles_costs_more(self, glass_beads):
+        few, more, most = (
+            Heap(MONOSIZE, particle_count=count).estimate_cost("liggghts", glass_beads)
+            for count in (1500, 9000, 90_000)
+        )
+        each = [cost.wall_seconds / cost.steps / cost.particles for cost in (few, more, most)]
+        assert each[1] == pytest.approx(each[0])
+        assert each[2] == pytest.approx(9**0.15 * each[0])
+        assert re.search(r"about 1 h \d\d min a run", str(replace(most, wall_seconds=4000)))

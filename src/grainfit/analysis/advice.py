@@ -21,6 +21,7 @@ from grainfit.analysis.intervals import interval_of
 from grainfit.bulk_tests.registry import bulk_tests
 from grainfit.formatting import (
     counted,
+    duration,
     ends,
     in_a_row,
     number,
@@ -224,14 +225,14 @@ class Advice:
                 prospect.name,
                 *(_between(prospect.intervals[name]) for name in names),
                 *_most_telling(prospect.tests[0], self.today.knowledge),
-                f"{prospect.tests[0].seconds:.0f} s",
+                duration(prospect.tests[0].seconds),
             )
             for prospect in self.prospects
         ]
         header = ("test", *short_names(names), "most telling", "over its error", "a run")
         return TextTable(
             header,
-            (("today", *now, "", "", f"{self.today.seconds:.0f} s"), *rows),
+            (("today", *now, "", "", duration(self.today.seconds)), *rows),
             "95 % intervals that would be left. Most telling: the response that differs most among "
             "the parameter sets that fit, over its error. "
             f"{self.points} parameter sets, {counted(self.seeds, 'seed')} each.",

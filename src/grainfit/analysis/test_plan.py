@@ -11,7 +11,7 @@ from grainfit.analysis.advice import CandidateTest
 from grainfit.analysis.further_tests import without_the_bench
 from grainfit.analysis.information import Knowledge
 from grainfit.bulk_tests.registry import response_info
-from grainfit.formatting import in_a_row, number, short_names
+from grainfit.formatting import duration, in_a_row, number, short_names
 from grainfit.tables import TextTable, as_html, as_text
 
 #: Most tests of a combination.
@@ -115,7 +115,7 @@ class TestPlan:
                 c.name,
                 *(_percent(c.half_widths[name]) for name in names),
                 _factor(c.coarser),
-                f"{c.seconds:.0f} s",
+                duration(c.seconds),
             )
             for c in self.combinations[:_SHOWN]
         ]

@@ -44,8 +44,11 @@ TIME_STEP_FRACTION = 0.12
 #: A run that takes this much longer than estimated hangs, even on a slow and busy machine.
 _PATIENCE = 100.0
 _PATIENCE_SECONDS = 600.0
-#: Particles times time steps per second on one core of a current processor.
+#: Spheres times time steps per second on one core of a current processor, as long as they fit into
+#: its cache; with more of them, the speed falls by this power of their number.
 _SPEED = {"lammps": 2.2e6, "liggghts": 2.5e6, "yade": 0.4e6}
+_CACHED_SPHERES = 10_000
+_CACHE_EXPONENT = 0.15
 #: Two ranks are about 15 % faster than one: a bulk test is too small to share.
 _RANKS_EXPONENT = 0.2
 #: A material to build a scene with when only its concepts matter: they follow from the options.
@@ -449,6 +452,7 @@ class BulkTest(ABC):
         speed = _SPEED.get(solver, min(_SPEED.values())) * ranks**_RANKS_EXPONENT
         clump = self._sizes_of(material).clump
         spheres = 1 if clump is None else len(clump)
+        speed *= min(_CACHED_SPHERES / (particles * spheres), 1.0) ** _CACHE_EXPONENT
         seconds = steps * particles * spheres / speed
         fraction = self.conditions.time_step_fraction
         return RunCost(step, steps, seconds, particles, fraction, spheres)

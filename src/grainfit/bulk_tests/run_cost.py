@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from grainfit.formatting import duration
+
 
 @dataclass(frozen=True)
 class RunCost:
@@ -40,4 +42,4 @@ class RunCost:
         words += f"time step {self.time_step:.3g} s"
         if self.time_step_fraction is not None:
             words += f" ({self.time_step_fraction:.0%} of the Rayleigh time step)"
-        return f"{words}, about {self.steps:,} steps, about {self.wall_seconds:.0f} s a run"
+        return f"{words}, about {self.steps:,} steps, about {duration(self.wall_seconds)} a run"
