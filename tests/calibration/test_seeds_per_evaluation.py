@@ -142,10 +142,12 @@ def test_seeds_of_an_evaluation_begin_with_that_of_its_proposal() -> None:
 def test_the_runs_of_an_evaluation_use_all_workers_and_are_kept_one_by_one() -> None:
     at_once: list[int] = []
     running = threading.Semaphore(0)
+    order = seeds_of(4, 3)
 
     def slow(parameters: dict[str, float], seed: int) -> dict[str, float]:
         running.release()
-        time.sleep(0.1)
+        # The last seed ends first.
+        time.sleep(0.4 - 0.1 * order.index(seed))
         at_once.append(running._value)
         return {"angle": float(seed)}
 
@@ -211,7 +213,7 @@ def whole(tmp_path_factory: pytest.TempPathFactory) -> Whole:
     told: list[gf.Progress] = []
     calls.clear()
     result = gf.calibrate(
-        problem(), drum, repeats=3, max_runs=36, workdir=folder, on_progress=told.append
+        problem(), drum, repeats=3, max_runs=36, workdir=folder, workers=1, on_progress=told.append
     )
     return Whole(result, folder, list(calls), told)
 
@@ -246,7 +248,8 @@ def test_interrupted_between_the_seeds_of_an_evaluation_it_repeats_no_run(
         first = [run.stage for run in whole.result.history].index("verification")
         interrupted_at = 3 * first + 2
     interrupt_at.append(interrupted_at)
-    options = {"repeats": {"simulate": 3}, "max_runs": 36, "workdir": tmp_path}
+    # With more workers, runs that are under way at the interrupt are repeated, too.
+    options = {"repeats": {"simulate": 3}, "max_runs": 36, "workdir": tmp_path, "workers": 1}
     stopped = gf.calibrate(problem(), drum, **options)
     assert stopped.status == "interrupted"
     result = gf.calibrate(problem(), drum, **options)

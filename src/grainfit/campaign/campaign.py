@@ -91,11 +91,18 @@ class _Pending:
     """A proposal with runs that have not ended."""
 
     proposal: Proposal
+    #: Names of all runs, in the order of tests and seeds.
+    names: tuple[str, ...]
     #: Names of the runs that wait, by their identity.
     waiting: dict[str, list[str]] = field(default_factory=dict)
     records: dict[str, RunRecord] = field(default_factory=dict)
     reused: int = 0
     reused_seconds: float = 0.0
+
+    def evaluation(self, tests: int) -> Evaluation:
+        """Build the evaluation, which does not depend on the order in which the runs ended."""
+        records = {name: self.records[name] for name in self.names}
+        return evaluation_of(self.proposal, records, tests, self.reused, self.reused_seconds)
 
 
 class Campaign:
@@ -250,8 +257,8 @@ class Campaign:
             Called with the identities of its runs by name before any of them starts: a worker may
             outlive this process and finish a run that would otherwise be unknown.
         """
-        entry = _Pending(proposal)
         runs = self._runs_of(proposal)
+        entry = _Pending(proposal, tuple(runs))
         if note is not None:
             note({name: run.definition.identity for name, run in runs.items()})
         for name, run in runs.items():
@@ -331,12 +338,7 @@ class Campaign:
             has_ended = True
         complete = [entry for entry in self._pending if not entry.waiting]
         self._pending = [entry for entry in self._pending if entry.waiting]
-        return [
-            evaluation_of(
-                entry.proposal, entry.records, self.tests, entry.reused, entry.reused_seconds
-            )
-            for entry in complete
-        ]
+        return [entry.evaluation(self.tests) for entry in complete]
 
     def forget_failures(self, evaluations: Iterable[Evaluation]) -> None:
         """Let failed runs be repeated at the next start: the cause may be fixed by then."""
