@@ -1,4 +1,4 @@
-"""Notes on tests that simulate the same, and could be one test."""
+"""Tests that simulate the same: those that differ in their evaluation share each simulation."""
 
 from __future__ import annotations
 
@@ -6,8 +6,13 @@ from pathlib import Path
 
 import pytest
 
+import grainfit as gf
 from grainfit.calibration_file.load import load_calibration_file
 from grainfit.calibration_file.same_simulation import same_simulation_notes
+from grainfit.errors import InputError, RunFailedError
+from grainfit.evaluation import Response
+from grainfit.solvers.base import Workspace
+from grainfit.solvers.own_model.command import Command
 
 FILE = """\
 name = "sand"
@@ -19,38 +24,140 @@ type = "command"
 folder = "model"
 command = ["sh", "drum.sh", "{{{{ friction }}}}"]
 evaluate = "angle.py:measure"
-targets.angle = {{ value = 20 }}
+timeout = "60 s"
+targets.angle = {{ value = 20, tolerance = 0.5 }}
 [[test]]
 name = "flow"
 type = "command"
 folder = "{folder}"
 command = ["sh", "{script}", "{{{{ friction }}}}"]
-evaluate = "{evaluate}"
-targets.flow = {{ value = 2 }}
+evaluate = {evaluate}
+timeout = "90 s"
+{more}
+targets.{response} = {{ value = 2, tolerance = 0.05 }}
+"""
+GIVEN = {
+    "folder": "model",
+    "script": "drum.sh",
+    "evaluate": '"flow.py:measure"',
+    "more": "",
+    "response": "flow",
+}
+#: It counts how often it runs.
+DRUM = "echo once >> ../../simulations\necho $1 > friction\n"
+MEASURE = """
+def measure(folder):
+    friction = float((folder / "friction").read_text())
+    return {{"{name}": {value}, "{other}": {other_value}}}
 """
 
 
-def notes(place: Path, **changes: str) -> list[str]:
+def measure(name: str, value: str, other: str = "friction", other_value: str = "friction") -> str:
+    return MEASURE.format(name=name, value=value, other=other, other_value=other_value)
+
+
+def write(place: Path, flow: str = "4 * friction", **changes: str) -> Path:
     for name in ("model", "other"):
         (place / name).mkdir()
-        for file in ("drum.sh", "fast.sh", "angle.py", "flow.py"):
-            (place / name / file).write_text("def measure(folder):\n    return {}\n")
-    given = {"folder": "model", "script": "drum.sh", "evaluate": "flow.py:measure"}
-    (place / "sand.toml").write_text(FILE.format(**{**given, **changes}))
-    return list(same_simulation_notes(load_calibration_file(place / "sand.toml").tests))
+        for script in ("drum.sh", "fast.sh"):
+            (place / name / script).write_text(DRUM)
+        (place / name / "angle.py").write_text(measure("angle", "40 * friction"))
+        (place / name / "flow.py").write_text(measure("flow", flow))
+    (place / "sand.toml").write_text(FILE.format(**{**GIVEN, **changes}))
+    return place / "sand.toml"
 
 
-@pytest.mark.parametrize("evaluate", ["flow.py:measure", "angle.py:measure"])
-def test_tests_that_differ_at_most_in_their_evaluation_are_noted(
-    tmp_path: Path, evaluate: str
+def notes(place: Path, **changes: str) -> list[str]:
+    return list(same_simulation_notes(load_calibration_file(write(place, **changes)).tests))
+
+
+def test_tests_that_differ_in_their_evaluation_share_each_simulation(tmp_path: Path) -> None:
+    setup = gf.load(write(tmp_path))
+    result = setup.calibrate(tmp_path / "sand.grainfit", workers=1)
+    assert result.status == "calibrated"
+    assert set(result.responses) == {"angle", "flow"}
+    assert result.parameters["friction"] == pytest.approx(0.5, abs=0.02)
+    simulations = (tmp_path / "sand.grainfit" / "simulations").read_text().split()
+    assert len(simulations) == result.runs.total
+
+
+def test_joined_tests_are_named_by_check_and_have_the_larger_time_out(tmp_path: Path) -> None:
+    file = load_calibration_file(write(tmp_path))
+    [joined] = file.tests
+    assert (joined.name, joined.responses) == ("angle_and_flow", ("angle", "flow"))
+    assert joined.options["timeout"] == 90.0
+    [note] = same_simulation_notes(file.tests)
+    assert "Tests angle and flow differ in their evaluation only" in note
+
+
+def test_beside_another_test_joined_ones_have_one_name(tmp_path: Path) -> None:
+    file = write(tmp_path, evaluate='["flow.py:measure"]')
+    (tmp_path / "push.py").write_text("def push(parameters, seed):\n    return {'force': 1.0}\n")
+    other = '[[test]]\ntype = "python"\nfunction = "push.py:push"\ntargets.force = { value = 1 }\n'
+    file.write_text(file.read_text() + other)
+    setup = gf.load(file)
+    assert [target.name for target in setup.problem.targets] == [
+        "angle_and_flow.angle",
+        "angle_and_flow.flow",
+        "python.force",
+    ]
+
+
+def test_a_fault_after_joined_tests_names_the_table_of_the_file(tmp_path: Path) -> None:
+    file = write(tmp_path)
+    third = '[[test]]\ntype = "python"\nfunction = "push.py:push"\nparameters = ["fiction"]\n'
+    (tmp_path / "push.py").write_text("def push(parameters, seed):\n    return {'force': 1.0}\n")
+    file.write_text(file.read_text() + third + "targets.force = { value = 1 }\n")
+    with pytest.raises(InputError, match="test 3, parameters: name 'fiction'"):
+        gf.load(file)
+
+
+@pytest.mark.parametrize(
+    "change",
+    [{"folder": "other"}, {"script": "fast.sh"}, {"more": 'parameters = ["friction"]'}],
+)
+def test_tests_with_another_simulation_are_left_alone(
+    tmp_path: Path, change: dict[str, str]
 ) -> None:
-    [note] = notes(tmp_path, evaluate=evaluate)
+    assert notes(tmp_path, **change) == []
+
+
+@pytest.mark.parametrize("change", [{"response": "angle"}, {"more": "repeats = 2"}])
+def test_tests_that_cannot_be_joined_are_noted(tmp_path: Path, change: dict[str, str]) -> None:
+    [note] = notes(tmp_path, **change)
     assert "Tests angle and flow differ at most in their evaluation" in note
     assert "let the function in evaluate return all their responses" in note
 
 
-@pytest.mark.parametrize("change", [{"folder": "other"}, {"script": "fast.sh"}])
-def test_tests_with_another_folder_or_command_are_not_noted(
-    tmp_path: Path, change: dict[str, str]
-) -> None:
-    assert notes(tmp_path, **change) == []
+def test_a_list_of_functions_evaluates_a_run(tmp_path: Path) -> None:
+    write(tmp_path)
+    evaluate = ["angle.py:measure", "flow.py:measure"]
+    command = ["sh", "drum.sh", "{{ friction }}"]
+    names = ["angle", "flow"]
+    solver = Command(tmp_path / "model", command, evaluate=evaluate, response_names=names)
+    assert [line.split()[0].rpartition("/")[2] for line in solver.executes()[1:]] == evaluate
+    workspace = Workspace(tmp_path / "a" / "b" / "run")
+    workspace.folder.mkdir(parents=True)
+    found = solver.run({"friction": 0.5}, 1, workspace)
+    assert found == {n: Response(v) for n, v in (("angle", 20.0), ("flow", 2.0), ("friction", 0.5))}
+    one = Command(tmp_path / "model", command, evaluate=evaluate[0])
+    assert solver.model()["evaluate"] == [
+        one.model()["evaluate"],
+        Command(tmp_path / "model", command, evaluate=evaluate[1]).model()["evaluate"],
+    ]
+
+
+def test_functions_that_disagree_on_a_response_fail_the_run(tmp_path: Path) -> None:
+    write(tmp_path)
+    (tmp_path / "model" / "flow.py").write_text(measure("flow", "1.0", "angle", "7.0"))
+    evaluate = ["angle.py:measure", "flow.py:measure"]
+    solver = Command(tmp_path / "model", ["sh", "drum.sh", "{{ friction }}"], evaluate=evaluate)
+    workspace = Workspace(tmp_path / "a" / "b" / "run")
+    workspace.folder.mkdir(parents=True)
+    with pytest.raises(RunFailedError, match=r"both angle.py:measure and flow.py:measure return"):
+        solver.run({"friction": 0.5}, 1, workspace)
+
+
+def test_a_faulty_entry_of_a_list_of_functions_is_named(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r"missing\.py"):
+        gf.load(write(tmp_path, evaluate='["flow.py:measure", "missing.py:measure"]'))

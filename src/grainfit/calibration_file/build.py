@@ -367,11 +367,11 @@ def build_solvers(file: CalibrationFile) -> dict[str, Solver]:
     """
     solvers: dict[str, Solver] = {}
     faults: list[Fault] = []
-    for index, test in enumerate(file.tests):
+    for test in file.tests:
         try:
             solvers[test.name] = types_of_test()[test.type].make_solver(_entry(file, test))
         except InputError as error:
-            faults += _faults_of_test(index, error)
+            faults += _faults_of_test(test.number, error)
     if faults:
         raise InputError(faults, str(file.path))
     return solvers
@@ -425,11 +425,11 @@ def _entry(file: CalibrationFile, test: TestSpecification) -> FileEntry:
     )
 
 
-def _faults_of_test(index: int, error: InputError) -> list[Fault]:
+def _faults_of_test(number: int, error: InputError) -> list[Fault]:
     """Add the test to the faults of its solver, which knows only its own arguments."""
     if error.source:
-        return [Fault(f"test[{index}]", f"{error.source}: {fault}") for fault in error.faults]
-    return [replace(fault, key=f"test[{index}].{fault.key}") for fault in error.faults]
+        return [Fault(f"test[{number}]", f"{error.source}: {fault}") for fault in error.faults]
+    return [replace(fault, key=f"test[{number}].{fault.key}") for fault in error.faults]
 
 
 def _without_none(values: Mapping[str, Any]) -> dict[str, Any]:

@@ -58,6 +58,10 @@ class TestSpecification:
         Measured curves, named by response.
     repeats : int
         Runs with different seeds whose mean is one evaluation.
+    number : int
+        Position in the file, from 0; the first one of tests that are joined.
+    joined : tuple of str
+        Names of the tests of the file that are evaluations of this one simulation.
     """
 
     # Keeps pytest from taking it for a class of tests.
@@ -71,6 +75,8 @@ class TestSpecification:
     correlations: tuple[Correlation, ...] = ()
     curves: tuple[CurveTarget, ...] = ()
     repeats: int = 1
+    number: int = 0
+    joined: tuple[str, ...] = ()
 
     @property
     def responses(self) -> tuple[str, ...]:

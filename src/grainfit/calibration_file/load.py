@@ -17,6 +17,7 @@ from grainfit.calibration_file.layout import (
 )
 from grainfit.calibration_file.line_numbers import key_lines
 from grainfit.calibration_file.parameters import MeasuredAngle
+from grainfit.calibration_file.same_simulation import join_evaluations
 from grainfit.calibration_file.toml_faults import toml_fault
 from grainfit.errors import InputError
 from grainfit.files import LARGEST_CALIBRATION_FILE, TooLargeError, read_within
@@ -114,7 +115,7 @@ def _calibration_file(values: dict[str, Any], path: Path) -> CalibrationFile:
         sizes=simulated_sizes(values),
         fixed={n: v for n, v in everything.items() if not isinstance(v, Parameter)},
         parameters=tuple(v for v in everything.values() if isinstance(v, Parameter)),
-        tests=values["test"],
+        tests=join_evaluations(values["test"]),
         strategy=values.get("strategy", SearchOptions()),
         cluster=values.get("cluster"),
         contact_models=chosen_models(values),

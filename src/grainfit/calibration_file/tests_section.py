@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
 
@@ -150,7 +150,8 @@ class Tests(Kind):
         if not value:
             place.fault("is empty.", "Give at least one [[test]].")
         _note_equal_names(value, place)
-        return tuple(self._read_one(entry, place.at(i)) for i, entry in enumerate(value))
+        tests = [self._read_one(entry, place.at(i)) for i, entry in enumerate(value)]
+        return tuple(test and replace(test, number=i) for i, test in enumerate(tests))
 
     def _read_one(self, value: Any, place: Place) -> TestSpecification | None:
         if not isinstance(value, dict):

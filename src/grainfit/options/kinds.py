@@ -316,3 +316,21 @@ class ListOf(Kind):
     def schema(self) -> Schema:
         """Return the JSON Schema of the list."""
         return {"type": "array", "items": self.kind.schema(), "minItems": self.shortest}
+
+
+@dataclass(frozen=True)
+class OneOrMore(Kind):
+    """A value, or a list of values of its kind."""
+
+    kind: Kind
+
+    def read(self, value: Any, place: Place) -> tuple[Any, ...] | None:
+        """Read one or all entries; None when one of them is faulty."""
+        if isinstance(value, list):
+            return ListOf(self.kind).read(value, place)
+        found = self.kind.read(value, place)
+        return None if found is None else (found,)
+
+    def schema(self) -> Schema:
+        """Return the JSON Schema of a value or a list."""
+        return {"anyOf": [self.kind.schema(), ListOf(self.kind).schema()]}

@@ -5,27 +5,30 @@ from __future__ import annotations
 import os
 import shlex
 import shutil
-import sys
 import sysconfig
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from fnmatch import fnmatchcase
 from functools import cached_property
-from json import JSONDecodeError, loads
 from pathlib import Path
 from typing import Any
 
 from typing_extensions import override
 
-from grainfit.errors import Fault, GrainfitError, InputError, RunFailedError, SolverNotFoundError
+from grainfit.errors import Fault, InputError, RunFailedError, SolverNotFoundError
 from grainfit.evaluation import Measured
-from grainfit.exchange import finite_parameters, read_responses
-from grainfit.files import LARGEST_RESPONSES, is_file, log_tail, read_within
+from grainfit.exchange import finite_parameters
+from grainfit.files import is_file, log_tail
 from grainfit.formatting import variable_name
 from grainfit.materials.walls import wall_of
 from grainfit.options.python_file import PythonFile
 from grainfit.solvers.base import Solver, Workspace
-from grainfit.solvers.own_model import measure_folder
+from grainfit.solvers.own_model.evaluation import (
+    EVALUATION_LOG_NAME,
+    RESPONSES_NAME,
+    measure_with,
+    require,
+    responses_in,
+)
 from grainfit.solvers.own_model.model_folder import ModelFolder
 from grainfit.solvers.own_model.model_input import (
     INCLUDE_NAME,
@@ -37,10 +40,7 @@ from grainfit.solvers.own_model.model_input import (
 from grainfit.solvers.process.line_buffering import line_buffering
 from grainfit.solvers.process.process import LOG_NAME, recorded_faults, run_process
 
-RESPONSES_NAME = "responses.json"
-EVALUATION_LOG_NAME = "evaluation.log"
 _TEMPLATE_SUFFIX = ".j2"
-_NAMED_FILES = 8
 
 
 class Command(Solver):
@@ -71,10 +71,11 @@ class Command(Solver):
     responses : str
         JSON file that the command writes: ``{"name": value}`` or
         ``{"name": {"value": ..., "standard_error": ...}}``.
-    evaluate : str, optional
+    evaluate : str or sequence of str, optional
         ``"evaluate.py:measure"``, used instead of ``responses``: a file, in the folder unless the
         path is absolute, and a function in it, ``measure(folder: Path) -> dict`` of response
-        name to a number, a pair of value and standard error, or a `Response`.
+        name to a number, a pair of value and standard error, or a `Response`. The responses of
+        several functions are joined.
     response_names : sequence of str, optional
         Responses that every run must give.
     name : str
@@ -95,7 +96,7 @@ class Command(Solver):
         parameters: Mapping[str, float] | None = None,
         templates: Sequence[str] = (f"*{_TEMPLATE_SUFFIX}",),
         responses: str = RESPONSES_NAME,
-        evaluate: str | None = None,
+        evaluate: str | Sequence[str] | None = None,
         response_names: Sequence[str] | None = None,
         name: str = "command",
     ) -> None:
@@ -125,10 +126,10 @@ class Command(Solver):
         self._fixed = finite_parameters(parameters or {})
         self._templates = tuple(templates)
         self._responses = responses
-        self._evaluate = evaluate
+        self._references = (evaluate,) if isinstance(evaluate, str) else tuple(evaluate or ())
         self._response_names = None if response_names is None else tuple(response_names)
         self._model = ModelFolder(Path(folder).absolute(), self._is_written_anew)
-        self._evaluation()
+        self._functions()
 
     @property
     @override
@@ -154,8 +155,8 @@ class Command(Solver):
         for name in self._template_files():
             filler.check(name)
         self._require_matches()
-        if (evaluation := self._evaluation()) is not None:
-            evaluation.check()
+        for function in self._functions():
+            function.check()
         self._require_program()
 
     @override
@@ -164,9 +165,9 @@ class Command(Solver):
         where = f"in a copy of {self._model.path.resolve()}"
         program = _on_path(self._command[0]) or self._command[0]
         lines = [f"{shlex.join([program, *self._command[1:]])}   ({where})"]
-        if (evaluation := self._evaluation()) is not None:
-            path = evaluation.path.resolve()
-            lines.append(f"{path}:{evaluation.function}   ({where}, in a Python process)")
+        for function in self._functions():
+            path = function.path.resolve()
+            lines.append(f"{path}:{function.function}   ({where}, in a Python process)")
         return tuple(lines)
 
     def run_parameters(self, parameters: Mapping[str, float]) -> dict[str, float]:
@@ -197,7 +198,7 @@ class Command(Solver):
             "solver": self.name,
             "command": list(self._command),
             "templates": list(self._templates),
-            "responses": self._responses if self._evaluate is None else None,
+            "responses": None if self._references else self._responses,
             **self._contents,
         }
 
@@ -221,16 +222,18 @@ class Command(Solver):
         with recorded_faults(workspace):
             command = self._prepare(values, int(seed), workspace)
             seconds = run_process(command, workspace, line_buffering())
-            evaluation = self._evaluation()
-            if evaluation is not None:
-                self._measure(evaluation, workspace, seconds)
-            return self._read_responses(workspace.folder, evaluation)
+            if not self._references:
+                return self._read_responses(workspace.folder)
+            return measure_with(
+                self._functions(), self._model.path, workspace, seconds, self._response_names
+            )
 
     def _values(self, parameters: Mapping[str, float]) -> dict[str, float]:
         return {**self._fixed, **finite_parameters(parameters)}
 
-    def _evaluation(self) -> PythonFile | None:
-        return PythonFile(self._evaluate, self._model.path) if self._evaluate else None
+    def _functions(self) -> list[PythonFile]:
+        """Return the functions that evaluate a run; none where the command writes responses."""
+        return [PythonFile(reference, self._model.path) for reference in self._references]
 
     def _filler(self) -> Templates:
         return Templates(self._model)
@@ -247,14 +250,10 @@ class Command(Solver):
         """Return True for files (from a run of the model by hand) that each run overwrites."""
         if name in (JSON_NAME, INCLUDE_NAME, LOG_NAME, EVALUATION_LOG_NAME):
             return True
-        if name == self._responses_name:
+        if name == (RESPONSES_NAME if self._references else self._responses):
             return True
         template = name + _TEMPLATE_SUFFIX
         return self._is_template(template) and is_file(self._model.path / template)
-
-    @property
-    def _responses_name(self) -> str:
-        return self._responses if self._evaluate is None else RESPONSES_NAME
 
     @cached_property
     def _contents(self) -> dict[str, Any]:
@@ -262,11 +261,10 @@ class Command(Solver):
         return self._contents_now()
 
     def _contents_now(self) -> dict[str, Any]:
-        evaluation = self._evaluation()
-        return {
-            "files": self._model.hashes(),
-            "evaluate": None if evaluation is None else evaluation.identity(),
-        }
+        identities = [function.identity() for function in self._functions()]
+        # A single function is not in a list, as in the runs of earlier versions.
+        evaluate = identities if len(identities) > 1 else next(iter(identities), None)
+        return {"files": self._model.hashes(), "evaluate": evaluate}
 
     @cached_property
     def _text(self) -> bytes:
@@ -351,64 +349,16 @@ class Command(Solver):
         write_parameters(folder, values, seed)
         return [_on_path(self._command[0]) or str(folder / self._command[0]), *arguments]
 
-    def _measure(self, evaluation: PythonFile, workspace: Workspace, seconds: float) -> None:
-        """Evaluate the folder in a separate process, within the time that the command left."""
-        file = evaluation.path
-        if file.is_relative_to(self._model.path):
-            file = workspace.folder / file.relative_to(self._model.path)
-        program = [sys.executable, "-P", measure_folder.__file__]
-        # A file from the simulation must not be taken for the result of the evaluation.
-        (workspace.folder / RESPONSES_NAME).unlink(missing_ok=True)
-        left = None
-        if workspace.timeout is not None:
-            left = max(0.0, workspace.timeout - seconds)
-        try:
-            run_process(
-                [*program, str(file), evaluation.function, RESPONSES_NAME],
-                replace(workspace, timeout=left),
-                log_name=EVALUATION_LOG_NAME,
-            )
-        except RunFailedError as error:
-            if error.kind in ("cancelled", "machine"):
-                raise
-            if error.kind == "timeout":
-                reason = (
-                    f"simulation and evaluation took longer than the time-out of "
-                    f"{workspace.timeout:g} s"
-                )
-                raise RunFailedError(reason, error.log_tail, "timeout") from error
-            what = error.log_tail.rstrip().rpartition("\n")[2] or error.reason
-            raise RunFailedError(
-                f"{file.name}:{evaluation.function} failed: {what}", error.log_tail, "evaluation"
-            ) from error
-
-    def _read_responses(
-        self, folder: Path, evaluation: PythonFile | None
-    ) -> Mapping[str, Measured]:
-        name = self._responses_name
-        origin = name if evaluation is None else f"{evaluation.path.name}:{evaluation.function}"
-        tail = log_tail(folder / LOG_NAME)
-        try:
-            text = read_within(folder / name, LARGEST_RESPONSES).decode("utf-8")
-            return read_responses(loads(text), self._response_names, origin)
-        except FileNotFoundError:
-            reason = f"the command ended without writing {name}; it left {self._left(folder)}"
-        except OSError as error:
-            reason = f"{name} cannot be read: {error.strerror}"
-        except JSONDecodeError as error:
-            reason = f"{name} is not valid JSON (cut short?): {error}"
-        except (ValueError, RecursionError) as error:
-            reason = f"{name} is not valid JSON: {error}"
-        except GrainfitError as error:
-            reason = str(error)
-        raise RunFailedError(reason, tail, "evaluation")
-
-    def _left(self, folder: Path) -> str:
+    def _read_responses(self, folder: Path) -> Mapping[str, Measured]:
         known = {name.removesuffix(_TEMPLATE_SUFFIX) for name in self._model.files()}
-        known |= {JSON_NAME, INCLUDE_NAME}
-        left = sorted(path.name for path in folder.iterdir() if path.name not in known)
-        more = ", ..." if len(left) > _NAMED_FILES else ""
-        return ", ".join(left[:_NAMED_FILES]) + more
+        found = responses_in(
+            folder / self._responses,
+            self._responses,
+            self._response_names,
+            known | {JSON_NAME, INCLUDE_NAME},
+        )
+        require(found, self._response_names, self._responses, log_tail(folder / LOG_NAME))
+        return found
 
 
 def _on_path(program: str) -> str | None:

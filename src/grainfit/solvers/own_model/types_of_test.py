@@ -7,7 +7,7 @@ from typing import Any
 
 from grainfit.errors import Fault, InputError
 from grainfit.options.functions import Function, find_function
-from grainfit.options.kinds import Flag, ListOf, Text
+from grainfit.options.kinds import Flag, ListOf, OneOrMore, Text
 from grainfit.options.paths import Located
 from grainfit.options.places import Place, show
 from grainfit.options.tables import Key, Values
@@ -28,7 +28,9 @@ def _check_command(values: Values, place: Place) -> None:
         )
     folder, evaluate = values.get("folder"), values.get("evaluate")
     if folder and evaluate:
-        values["evaluate"] = _find_function_inside(evaluate, folder, place.at("evaluate"))
+        at = place.at("evaluate")
+        found = tuple(_find_function_inside(function, folder, at) for function in evaluate)
+        values["evaluate"] = None if None in found else found
 
 
 def _find_function_inside(reference: str, folder: Path, place: Place) -> str | None:
@@ -132,9 +134,10 @@ COMMAND = TypeOfTest(
         ),
         Key(
             "evaluate",
-            Text(),
+            OneOrMore(Text()),
             "Instead of responses: a function in a file of the folder that gets the folder of the "
-            "run and returns the responses by name.",
+            "run and returns the responses by name; or a list of functions, whose responses are "
+            "joined.",
             example='"evaluate.py:measure"',
         ),
         TIMEOUT_KEY,
