@@ -18,6 +18,7 @@ import time
 from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import dataclass
+from fcntl import LOCK_EX, flock
 from pathlib import Path
 from typing import Any, NamedTuple
 from zlib import crc32
@@ -79,6 +80,11 @@ class Study:
     measured: Mapping[str, Measured]
     laboratory: Mapping[str, float | str]
 
+    def at_scale_of(self, read: Mapping[str, float]) -> Study:
+        """Return the study of a material with some readings; here it is the same for all."""
+        del read
+        return self
+
     def solvers(self, fixed: Mapping[str, float]) -> dict[str, Solver]:
         """Return one solver for each test."""
         return {name: Lammps(test, fixed) for name, test in self.tests.items()}
@@ -111,25 +117,29 @@ class Job(NamedTuple):
     wanted: str | None
 
 
-def calibrate(study: Study, job: Job, folder: Path) -> Record:
-    """Measure a random material, calibrate it, and return what is to be compared."""
+def calibrate(study: Study, job: Job, folder: Path, shared: Path | None = None) -> Record:
+    """Measure a random material, calibrate it, and return what is to be compared.
+
+    With a shared store, the calibration begins with the runs that others made for their materials.
+    """
     start = time.perf_counter()
     record: Record = {"tests": job.tests, "material": job.material}
     if job.wanted:
         record["wanted"] = job.wanted
     try:
-        record |= _calibrate(study, job, folder)
+        record |= _calibrate(study, job, folder, shared)
     except GrainfitError as error:
         record |= {"status": "error", "why": str(error)}
     return record | {"seconds": round(time.perf_counter() - start, 1)}
 
 
-def _calibrate(study: Study, job: Job, folder: Path) -> Record:
+def _calibrate(study: Study, job: Job, folder: Path, shared: Path | None) -> Record:
     truth, known, read = study.draw(job.material)
+    study = study.at_scale_of(read)
     real = study.solvers({**study.fixed, **truth, **known})
     targets = [
         _target(study, key, values, job.material)
-        for key, values in _measure(real, folder / "laboratory").items()
+        for key, values in _measure(real, folder.parent / f"laboratory {job.material}").items()
         if key.rpartition(".")[2] in study.laboratory
     ]
     parameters = [Parameter(name, *interval) for name, interval in study.intervals(read).items()]
@@ -139,6 +149,7 @@ def _calibrate(study: Study, job: Job, folder: Path) -> Record:
         strategy=grainfit.Sequential(wanted_half_width=job.wanted),
         seed=job.material,
         workdir=folder / "calibration",
+        store=None if shared is None else f"sqlite:///{shared.absolute()}",
         keep="results",
     )
     return {
@@ -148,17 +159,25 @@ def _calibrate(study: Study, job: Job, folder: Path) -> Record:
         "answer": dict(result.parameters),
         "intervals": {n: [i.low, i.high, i.determination] for n, i in result.intervals.items()},
         "runs": result.runs.total,
+        "made": result.runs.total - result.runs.reused,
+        "warm": result.warm_start_runs,
         "notices": list(result.notices),
     }
 
 
 def _measure(solvers: Mapping[str, Solver], folder: Path) -> dict[str, list[float]]:
-    """Return the values of every response for seeds that no calibration uses."""
+    """Return the values of every response for seeds that no calibration uses.
+
+    Studies of one material share what they measure alike.
+    """
     found: dict[str, list[float]] = {}
-    for seed in range(900_001, 900_001 + MEASURED_SEEDS):
-        evaluation, _ = simulate_once(solvers, {}, seed, folder, keep="results")
-        for key, response in scalars(evaluation.responses).items():
-            found.setdefault(key, []).append(response.value)
+    folder.mkdir(exist_ok=True)
+    with (folder / "measuring").open("w") as turn:
+        flock(turn, LOCK_EX)
+        for seed in range(900_001, 900_001 + MEASURED_SEEDS):
+            evaluation, _ = simulate_once(solvers, {}, seed, folder, keep="results")
+            for key, response in scalars(evaluation.responses).items():
+                found.setdefault(key, []).append(response.value)
     return found
 
 
@@ -180,7 +199,14 @@ def absolute_uncertainty(accuracy: float | str, value: float) -> float:
 # All of them --------------------------------------------------------------------------------
 
 
-def measure(studies: Mapping[str, Study], jobs: Sequence[Job], processes: int, kept: Path) -> None:
+def measure(
+    studies: Mapping[str, Study],
+    jobs: Sequence[Job],
+    processes: int,
+    kept: Path,
+    *,
+    share: bool = False,
+) -> None:
     """Make the calibrations that are not kept yet; keep each as it ends."""
     known = {_job_of(record) for record in read(kept)}
     missing = [job for job in jobs if job not in known]
@@ -191,8 +217,11 @@ def measure(studies: Mapping[str, Study], jobs: Sequence[Job], processes: int, k
         }
         for folder in folders.values():
             folder.mkdir(parents=True, exist_ok=True)
+        shared = {
+            job: kept.with_suffix("") / f"{job.tests}.sqlite" if share else None for job in missing
+        }
         pending = {
-            pool.submit(calibrate, studies[job.tests], job, folder): job
+            pool.submit(calibrate, studies[job.tests], job, folder, shared[job]): job
             for job, folder in folders.items()
         }
         try:
@@ -271,13 +300,18 @@ def command(studies: Mapping[str, Study], materials: int, about: str) -> argpars
     return parser
 
 
-def run(studies: Mapping[str, Study], parser: argparse.ArgumentParser) -> None:
-    """Make the calibrations that the command line asks for, and print the table."""
+def run(
+    studies: Mapping[str, Study], parser: argparse.ArgumentParser, *, share: bool = False
+) -> None:
+    """Make the calibrations that the command line asks for, and print the table.
+
+    With ``share``, the calibrations of a study share their runs.
+    """
     given = parser.parse_args()
     if given.kept is None:
         parser.error("--kept FILE is needed for calibrations")
     numbers = range(1, given.materials + 1)
     jobs = [Job(name, number, given.wanted) for number in numbers for name in given.tests]
     if not given.table:
-        measure(studies, jobs, given.processes, given.kept)
+        measure(studies, jobs, given.processes, given.kept, share=share)
     print("\n".join(table(studies, read(given.kept))))
