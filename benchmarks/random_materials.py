@@ -15,6 +15,7 @@ import shutil
 import statistics
 import sys
 import time
+from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import dataclass
@@ -30,7 +31,7 @@ import numpy as np
 import grainfit
 from grainfit.bulk_tests.base import BulkTest
 from grainfit.campaign.batch import simulate_once
-from grainfit.errors import GrainfitError
+from grainfit.errors import GrainfitError, RunFailedError
 from grainfit.evaluation import scalars
 from grainfit.formatting import percent, short_names
 from grainfit.problem import Parameter, Problem, Target
@@ -171,6 +172,7 @@ def _measure(solvers: Mapping[str, Solver], folder: Path) -> dict[str, list[floa
     Studies of one material share what they measure alike.
     """
     found: dict[str, list[float]] = {}
+    failures: Counter[str] = Counter()
     folder.mkdir(exist_ok=True)
     with (folder / "measuring").open("w") as turn:
         flock(turn, LOCK_EX)
@@ -178,6 +180,10 @@ def _measure(solvers: Mapping[str, Solver], folder: Path) -> dict[str, list[floa
             evaluation, _ = simulate_once(solvers, {}, seed, folder, keep="results")
             for key, response in scalars(evaluation.responses).items():
                 found.setdefault(key, []).append(response.value)
+            failures.update(f"{test}: {why}" for test, why in evaluation.failures.items())
+    if failures.total() > MEASURED_SEEDS / 2:
+        reason, _ = failures.most_common(1)[0]
+        raise RunFailedError(f"{failures.total()} of the measurements failed; {reason}")
     return found
 
 
