@@ -3,6 +3,11 @@
 A measurement is the mean of eight seeds at the true parameters, with the error of a laboratory.
 Finished calibrations are kept in a file of JSON lines, runs of unfinished ones in the folder beside
 it, so that a command can be stopped and started again.
+
+The materials of a study have about the same stiffness E/(rho g d), and loads and surface energies
+in proportion to their density. Their runs are therefore the same in natural units, and each
+calibration begins with those that earlier ones made with the same tests, in a store beside the
+others. Measurements are not shared.
 """
 
 from __future__ import annotations
@@ -18,7 +23,7 @@ import time
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from fcntl import LOCK_EX, flock
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -30,6 +35,7 @@ import numpy as np
 
 import grainfit
 from grainfit.bulk_tests.base import BulkTest
+from grainfit.bulk_tests.natural_units import Scale, without_rounding_error
 from grainfit.campaign.batch import simulate_once
 from grainfit.errors import GrainfitError, RunFailedError
 from grainfit.evaluation import scalars
@@ -39,6 +45,9 @@ from grainfit.solvers.base import Solver
 from grainfit.solvers.dem.lammps.program import Lammps
 
 MEASURED_SEEDS = 8
+DENSITY, MODULUS = "particle.density", "particle.youngs_modulus"
+#: Of the particles of every study, m, and the gravity of their tests, m/s^2.
+DIAMETER, GRAVITY = 0.010, 9.81
 Record = dict[str, Any]
 
 
@@ -47,6 +56,14 @@ class Unknown(NamedTuple):
 
     true: tuple[float, float]
     interval: tuple[float, float]
+    unit: str = ""
+    """SI unit; the numbers are in natural units."""
+
+    def at(self, scale: Scale) -> Unknown:
+        """Return the parameter in SI units."""
+        factor = scale.of(self.unit)
+        true, interval = ((factor * low, factor * high) for low, high in (self.true, self.interval))
+        return Unknown(true, interval)
 
 
 class Measured(NamedTuple):
@@ -67,24 +84,40 @@ class Study:
         By name.
     fixed : mapping of str to float
         Material parameters that are known exactly.
+    stiffness : float
+        Young's modulus over rho g d, with the density as it was read.
     unknown : mapping of str to Unknown
-        Those to be found; their intervals are compared with the truth.
+        Those to be found, in natural units; their intervals are compared with the truth.
     measured : mapping of str to Measured
-        Those known from elsewhere.
+        Those known from elsewhere, the density of the particles among them.
     laboratory : mapping of str to float or str
         Standard uncertainty of each response that is measured: a share of the value, or absolute.
+    stresses : mapping of str to (str, float)
+        Option of a test that is a stress, and its value over rho g d.
     """
 
     tests: Mapping[str, BulkTest]
     fixed: Mapping[str, float]
+    stiffness: float
     unknown: Mapping[str, Unknown]
     measured: Mapping[str, Measured]
     laboratory: Mapping[str, float | str]
+    stresses: Mapping[str, tuple[str, float]] = field(default_factory=dict)
 
     def at_scale_of(self, read: Mapping[str, float]) -> Study:
-        """Return the study of a material with some readings; here it is the same for all."""
-        del read
-        return self
+        """Return the study in SI units for a material with some readings."""
+        scale = Scale(DIAMETER, read[DENSITY], GRAVITY)
+        # Rounded as numbers that pass through natural units are.
+        pressure = without_rounding_error(scale.of("Pa"))
+        tests = dict(self.tests)
+        for name, (option, stress) in self.stresses.items():
+            tests[name] = replace(tests[name], **{option: stress * pressure})
+        return replace(
+            self,
+            tests=tests,
+            fixed={**self.fixed, MODULUS: self.stiffness * pressure},
+            unknown={key: it.at(scale) for key, it in self.unknown.items()},
+        )
 
     def solvers(self, fixed: Mapping[str, float]) -> dict[str, Solver]:
         """Return one solver for each test."""
@@ -118,25 +151,23 @@ class Job(NamedTuple):
     wanted: str | None
 
 
-def calibrate(study: Study, job: Job, folder: Path, shared: Path | None = None) -> Record:
-    """Measure a random material, calibrate it, and return what is to be compared.
-
-    With a shared store, the calibration begins with the runs that others made for their materials.
-    """
+def calibrate(study: Study, job: Job, folder: Path) -> Record:
+    """Measure a random material, calibrate it, and return what is to be compared."""
     start = time.perf_counter()
     record: Record = {"tests": job.tests, "material": job.material}
     if job.wanted:
         record["wanted"] = job.wanted
     try:
-        record |= _calibrate(study, job, folder, shared)
+        record |= _calibrate(study, job, folder)
     except GrainfitError as error:
         record |= {"status": "error", "why": str(error)}
     return record | {"seconds": round(time.perf_counter() - start, 1)}
 
 
-def _calibrate(study: Study, job: Job, folder: Path, shared: Path | None) -> Record:
-    truth, known, read = study.draw(job.material)
+def _calibrate(study: Study, job: Job, folder: Path) -> Record:
+    _, _, read = study.draw(job.material)
     study = study.at_scale_of(read)
+    truth, known, _ = study.draw(job.material)
     real = study.solvers({**study.fixed, **truth, **known})
     targets = [
         _target(study, key, values, job.material)
@@ -150,7 +181,7 @@ def _calibrate(study: Study, job: Job, folder: Path, shared: Path | None) -> Rec
         strategy=grainfit.Sequential(wanted_half_width=job.wanted),
         seed=job.material,
         workdir=folder / "calibration",
-        store=None if shared is None else f"sqlite:///{shared.absolute()}",
+        store=f"sqlite:///{folder.parent.absolute()}/{job.tests}.sqlite",
         keep="results",
     )
     return {
@@ -205,14 +236,7 @@ def absolute_uncertainty(accuracy: float | str, value: float) -> float:
 # All of them --------------------------------------------------------------------------------
 
 
-def measure(
-    studies: Mapping[str, Study],
-    jobs: Sequence[Job],
-    processes: int,
-    kept: Path,
-    *,
-    share: bool = False,
-) -> None:
+def measure(studies: Mapping[str, Study], jobs: Sequence[Job], processes: int, kept: Path) -> None:
     """Make the calibrations that are not kept yet; keep each as it ends."""
     known = {_job_of(record) for record in read(kept)}
     missing = [job for job in jobs if job not in known]
@@ -223,11 +247,8 @@ def measure(
         }
         for folder in folders.values():
             folder.mkdir(parents=True, exist_ok=True)
-        shared = {
-            job: kept.with_suffix("") / f"{job.tests}.sqlite" if share else None for job in missing
-        }
         pending = {
-            pool.submit(calibrate, studies[job.tests], job, folder, shared[job]): job
+            pool.submit(calibrate, studies[job.tests], job, folder): job
             for job, folder in folders.items()
         }
         try:
@@ -306,18 +327,13 @@ def command(studies: Mapping[str, Study], materials: int, about: str) -> argpars
     return parser
 
 
-def run(
-    studies: Mapping[str, Study], parser: argparse.ArgumentParser, *, share: bool = False
-) -> None:
-    """Make the calibrations that the command line asks for, and print the table.
-
-    With ``share``, the calibrations of a study share their runs.
-    """
+def run(studies: Mapping[str, Study], parser: argparse.ArgumentParser) -> None:
+    """Make the calibrations that the command line asks for, and print the table."""
     given = parser.parse_args()
     if given.kept is None:
         parser.error("--kept FILE is needed for calibrations")
     numbers = range(1, given.materials + 1)
     jobs = [Job(name, number, given.wanted) for number in numbers for name in given.tests]
     if not given.table:
-        measure(studies, jobs, given.processes, given.kept, share=share)
+        measure(studies, jobs, given.processes, given.kept)
     print("\n".join(table(studies, read(given.kept))))

@@ -5,7 +5,8 @@ laboratory), calibrated, and compared with the truth: cohesive spheres (jkr) on 
 two stresses and discharge, and clumps of two spheres with a free aspect ratio on heap and
 discharge. The particle density is known to 0.5 %: it is free within two standard uncertainties.
 Finished calibrations are kept in the file ``--kept``, runs of unfinished ones in the folder beside
-it, so that the command can be stopped and started again.
+it, so that the command can be stopped and started again. Calibrations of one kind share their runs,
+see `random_materials`.
 
     python benchmarks/recovery.py --kept recovery.jsonl [--materials 10]
         [--tests cohesive clumps] [--wanted 25%] [--processes 2] [--table]
@@ -19,11 +20,10 @@ from grainfit.bulk_tests.registry import bulk_tests
 from grainfit.materials.particle_shape import ASPECT_RATIO, ParticleShape
 from grainfit.materials.sizes import ParticleSizes
 from grainfit.testing.materials import ROUGH_SPHERES
-from random_materials import Measured, Study, Unknown, command, run
+from random_materials import DENSITY, DIAMETER, Measured, Study, Unknown, command, run
 
 SLIDING, ROLLING = "particle_particle.sliding_friction", "particle_particle.rolling_friction"
-DENSITY, SURFACE_ENERGY = "particle.density", "particle_particle.surface_energy"
-DIAMETER = 0.010
+SURFACE_ENERGY = "particle_particle.surface_energy"
 FRICTION = Unknown(true=(0.2, 0.7), interval=(0.1, 0.9))
 LABORATORY: Mapping[str, float | str] = {
     "bulk_density": "0.5 %",
@@ -41,20 +41,24 @@ def cohesive() -> Study:
     return Study(
         tests={
             "heap": kinds["heap"](diameter=DIAMETER),
-            # Young's modulus is 1000 times the larger stress.
-            "shear_250": kinds["shear"](diameter=DIAMETER, normal_stress=250.0),
-            "shear_1000": kinds["shear"](diameter=DIAMETER, normal_stress=1000.0),
+            "shear_low": kinds["shear"](diameter=DIAMETER),
+            "shear_high": kinds["shear"](diameter=DIAMETER),
             "discharge": kinds["discharge"](diameter=DIAMETER),
         },
         fixed={
             **{name: value for name, value in ROUGH_SPHERES.items() if name not in free},
-            "particle.youngs_modulus": 1e6,
             "particle_wall.surface_energy": 0.0,
+        },
+        # Young's modulus is 1000 times the larger stress.
+        stiffness=4500.0,
+        stresses={
+            "shear_low": ("normal_stress", 1.125),
+            "shear_high": ("normal_stress", 4.5),
         },
         unknown={
             SLIDING: FRICTION,
             ROLLING: Unknown(true=(0.05, 0.4), interval=(0.02, 0.6)),
-            SURFACE_ENERGY: Unknown(true=(0.1, 1.5), interval=(0.0, 2.0)),
+            SURFACE_ENERGY: Unknown(true=(0.05, 0.7), interval=(0.0, 0.9), unit="J/m^2"),
         },
         measured=MEASURED,
         laboratory=LABORATORY,
@@ -72,6 +76,7 @@ def clumps() -> Study:
             **{name: value for name, value in ROUGH_SPHERES.items() if name not in free},
             ROLLING: 0.0,
         },
+        stiffness=1750.0,
         unknown={
             SLIDING: FRICTION,
             ASPECT_RATIO: Unknown(true=(1.1, 1.9), interval=(1.0, 2.0)),

@@ -6,10 +6,7 @@ standard uncertainties. The 95 % intervals of both frictions are compared with t
 calibrations are kept in the file ``--kept``, runs of unfinished ones in the folder beside it, so
 that the command can be stopped and started again. With ``--wanted``, the search goes on until the
 half-widths are as wanted, if it can; these calibrations are kept apart from those without it.
-
-All materials have about the same stiffness E/(rho g d). Their runs are therefore the same in
-natural units, whatever their density, and each calibration begins with the runs that earlier ones
-made with the same tests, in a store beside the others. Measurements are not shared.
+Calibrations with the same tests share their runs, see `random_materials`.
 
     python benchmarks/two_frictions.py --kept two_frictions.jsonl [--materials 20]
         [--tests heap+draw_down ...] [--wanted 25%] [--processes 2] [--table] [--bound]
@@ -24,7 +21,6 @@ from __future__ import annotations
 import math
 import statistics
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -33,6 +29,8 @@ from grainfit.bulk_tests.registry import bulk_tests
 from grainfit.formatting import percent
 from grainfit.testing.materials import ROUGH_SPHERES
 from random_materials import (
+    DENSITY,
+    DIAMETER,
     MEASURED_SEEDS,
     Measured,
     Study,
@@ -43,10 +41,6 @@ from random_materials import (
 )
 
 SLIDING, ROLLING = "particle_particle.sliding_friction", "particle_particle.rolling_friction"
-DENSITY, MODULUS = "particle.density", "particle.youngs_modulus"
-DIAMETER, GRAVITY = 0.010, 9.81
-#: Young's modulus over the stress of a compression.
-STIFF_ENOUGH = 1000.0
 #: The true values lie well inside the intervals.
 UNKNOWN = {
     SLIDING: Unknown(true=(0.1, 0.8), interval=(0.05, 1.0)),
@@ -71,41 +65,26 @@ TYPICAL: Mapping[str, float] = {
 }
 
 
-@dataclass(frozen=True)
-class OneScale(Study):
-    """Materials whose stiffness E/(rho g d) is the same, with rho as it was read."""
-
-    stiffness: float = 1750.0
-
-    def at_scale_of(self, read: Mapping[str, float]) -> OneScale:
-        """Return the study with the Young's modulus, and the stress, of a material."""
-        modulus = float(f"{self.stiffness * read[DENSITY] * GRAVITY * DIAMETER:.12g}")
-        tests = {
-            name: replace(test, stress=modulus / STIFF_ENOUGH) if name == "compression" else test
-            for name, test in self.tests.items()
-        }
-        return replace(self, tests=tests, fixed={**self.fixed, MODULUS: modulus})
-
-
-def study(*tests: str, stiffness: float = 1750.0) -> OneScale:
+def study(*tests: str, stiffness: float = 1750.0, **stresses: tuple[str, float]) -> Study:
     """Return the materials with some tests; by default as stiff as the paper's."""
     free = (SLIDING, ROLLING, DENSITY)
-    return OneScale(
+    return Study(
         tests={name: bulk_tests()[name](diameter=DIAMETER) for name in tests},
         # On walls as smooth as the paper's, draw-downs do not come to rest.
         fixed={name: value for name, value in ROUGH_SPHERES.items() if name not in free},
+        stiffness=stiffness,
         unknown=UNKNOWN,
         measured={DENSITY: Measured(true=(1500.0, 3000.0), uncertainty=0.005)},
         laboratory=LABORATORY,
-        stiffness=stiffness,
+        stresses=stresses,
     )
 
 
-#: The stress of a compression is that of ten diameters of solid, twice the weight of the bed.
+#: The stress of a compression is twice the weight of the bed, and Young's modulus 1000 times it.
 STUDIES = {
     "heap": study("heap"),
     "heap+draw_down": study("heap", "draw_down"),
-    "heap+compression": study("heap", "compression", stiffness=10 * STIFF_ENOUGH),
+    "heap+compression": study("heap", "compression", stiffness=1e4, compression=("stress", 10.0)),
 }
 
 
@@ -159,7 +138,7 @@ def main() -> None:
     if given.bound:
         print("\n".join(bound(given.materials)))
     else:
-        run(STUDIES, parser, share=True)
+        run(STUDIES, parser)
 
 
 if __name__ == "__main__":
