@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any, Literal
 
 from grainfit.errors import StoreError
+from grainfit.evaluation import Response
 from grainfit.files import LARGEST_RESULT, read_within, write_atomically
 from grainfit.formatting import (
     counted,
@@ -195,6 +196,61 @@ class ParameterInterval:
 
 
 @dataclass(frozen=True)
+class YieldLocus:
+    """A line through shear stress over normal stress.
+
+    Parameters
+    ----------
+    normal_stresses : tuple of float
+        Pa.
+    shear_stresses : tuple of Response
+        Shear stresses at these, Pa.
+    cohesion : Response
+        Shear stress without normal stress, by the line, Pa.
+    internal_friction_angle : Response
+        Slope of the line, degrees.
+    """
+
+    normal_stresses: tuple[float, ...]
+    shear_stresses: tuple[Response, ...]
+    cohesion: Response
+    internal_friction_angle: Response
+
+    def __str__(self) -> str:
+        cohesion, angle = (
+            plain_interval(found.value, found.standard_error)
+            for found in (self.cohesion, self.internal_friction_angle)
+        )
+        return f"cohesion {cohesion} Pa, {angle}°"
+
+
+@dataclass(frozen=True)
+class YieldLocusResult:
+    """Yield locus of several shear tests on one material.
+
+    Parameters
+    ----------
+    tests : tuple of str
+        Names of the tests.
+    measured : YieldLocus
+        By the targets.
+    expected : YieldLocus, optional
+        By the responses expected at the answer; None without an answer.
+    """
+
+    tests: tuple[str, ...]
+    measured: YieldLocus
+    expected: YieldLocus | None = None
+
+    def __str__(self) -> str:
+        expected = f"; expected at the answer {self.expected}" if self.expected else ""
+        return (
+            f"Yield locus ({', '.join(self.tests)}): measured {self.measured}{expected} "
+            "(± standard error)."
+        )
+
+
+@dataclass(frozen=True)
 class RunCounts:
     """Numbers of DEM runs of a calibration.
 
@@ -280,6 +336,8 @@ class Result:
         parameter set agrees with the measurements, or in a file of an older version.
     curves : mapping of str to CurveResult
         By name of the measured curve.
+    yield_loci : sequence of YieldLocusResult
+        One for each material that was sheared at two or more normal stresses.
     """
 
     status: Status
@@ -304,6 +362,7 @@ class Result:
     history: tuple[RunSummary, ...] = ()
     intervals: Mapping[str, ParameterInterval] = field(default_factory=dict)
     curves: Mapping[str, CurveResult] = field(default_factory=dict)
+    yield_loci: tuple[YieldLocusResult, ...] = ()
 
     @property
     def headline(self) -> str:
@@ -383,6 +442,7 @@ class Result:
         parts: list[str | TextTable] = [self.headline, *self.notices]
         if self.parameters:
             parts += self.tables()
+            parts += map(str, self.yield_loci)
         if check := self.fresh_seeds():
             parts.append(check)
         if self.probability_all_met is not None:

@@ -16,7 +16,7 @@ from scipy.spatial import cKDTree
 import grainfit as gf
 from grainfit.analysis.stiffness_notes import stiffness_notes
 from grainfit.bulk_tests.natural_units import natural_run
-from grainfit.bulk_tests.shear import Shear, fit_yield_locus
+from grainfit.bulk_tests.shear import Shear
 from grainfit.bulk_tests.shear.flow import Frame, block_mean, velocity_profile
 from grainfit.bulk_tests.shear.plates import PlateLayout, plate_layout
 from grainfit.errors import InputError, RunFailedError
@@ -225,34 +225,6 @@ def test_the_standard_error_of_block_means_knows_their_correlation(correlation):
 
 def test_equal_blocks_have_no_error():
     assert block_mean([2.0, 2.0, 2.0]).standard_error == 0.0
-
-
-def test_the_yield_locus_of_a_cohesive_material_has_its_cohesion_and_angle():
-    cohesion, angle = 40.0, 26.0
-    stresses = [250.0, 500.0, 1000.0, 2000.0]
-    slopes = [cohesion / s + math.tan(math.radians(angle)) for s in stresses]
-    angles = [Response(math.degrees(math.atan(slope)), 0.4) for slope in slopes]
-    locus = fit_yield_locus(stresses, angles)
-    assert locus.cohesion.value == pytest.approx(cohesion)
-    assert locus.internal_friction_angle.value == pytest.approx(angle)
-
-    # Stated errors are those of a fit to angles that scatter.
-    random = np.random.default_rng(3)
-    found = []
-    for _ in range(400):
-        noisy = [replace(a, value=a.value + random.normal(0, 0.4)) for a in angles]
-        fit = fit_yield_locus(stresses, noisy)
-        found.append((fit.cohesion.value, fit.internal_friction_angle.value))
-    stated = [locus.cohesion.standard_error, locus.internal_friction_angle.standard_error]
-    assert np.std(found, axis=0) == pytest.approx(stated, rel=0.15)
-
-
-@pytest.mark.parametrize(
-    ("stresses", "error"), [([500.0], 0.3), ([500.0, 500.0], 0.3), ([500.0, 900.0], 0.0)]
-)
-def test_a_yield_locus_needs_two_stresses_and_standard_errors(stresses, error):
-    with pytest.raises(ValueError, match="needs"):
-        fit_yield_locus(stresses, [Response(25.0, error)] * len(stresses))
 
 
 # --- validity: a real run, and what was changed in it -------------------------------------------

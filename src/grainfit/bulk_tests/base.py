@@ -129,6 +129,22 @@ class Conditions:
 
 
 @dataclass(frozen=True)
+class LocusPoint:
+    """Point of a yield locus that a bulk test gives.
+
+    Parameters
+    ----------
+    normal_stress : float
+        Pa.
+    angle : str
+        Response whose tangent is the shear stress over the normal stress.
+    """
+
+    normal_stress: float
+    angle: str
+
+
+@dataclass(frozen=True)
 class BulkTest(ABC):
     """A laboratory test of a bulk solid, ready to be simulated.
 
@@ -273,6 +289,11 @@ class BulkTest(ABC):
     def conditions(self) -> Conditions:
         """Conditions under which the test uses the material."""
         return Conditions(self.sizes, float(self.gravity), float(self.time_step_fraction))
+
+    @property
+    def locus_point(self) -> LocusPoint | None:
+        """Point of a yield locus that it gives; None for most tests."""
+        return None
 
     def time_step(self, material: Mapping[str, float]) -> float:
         """Return the time step of a run with this material, s."""

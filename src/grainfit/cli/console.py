@@ -82,6 +82,8 @@ def print_result(console: Console, result: Result, folder: Path) -> None:
             if shown.caption:
                 # As the caption of a table it would be centred and cut to its width.
                 console.print(_text(shown.caption, "dim"))
+        for locus in result.yield_loci:
+            console.print(_text(str(locus)))
         if check := result.fresh_seeds():
             console.print(_text(check))
         if result.probability_all_met is not None:

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from grainfit.plots.posterior_figures import posterior
     from grainfit.plots.predicted_figures import predicted
     from grainfit.plots.sensitivity_figures import sensitivity
+    from grainfit.plots.yield_locus_figures import yield_locus
 
 __all__ = [
     "convergence",
@@ -29,6 +30,7 @@ __all__ = [
     "posterior",
     "predicted",
     "sensitivity",
+    "yield_locus",
 ]
 
 

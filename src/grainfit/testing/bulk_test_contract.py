@@ -144,6 +144,10 @@ class BulkTestContract:
             with pytest.raises(InputError, match="does not define"):
                 recreate_test(RunDefinition({"test": damaged}, {}, 1))
 
+    def test_its_point_of_a_yield_locus_is_one_of_its_responses(self, bulk_test: BulkTest) -> None:
+        point = bulk_test.locus_point
+        assert point is None or (point.normal_stress > 0 and point.angle in bulk_test.responses)
+
     def test_every_wall_of_the_scene_belongs_to_one_part(self, bulk_test: BulkTest) -> None:
         pieces = [piece for walls in (bulk_test.parts or {}).values() for piece in walls]
 

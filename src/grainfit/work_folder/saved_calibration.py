@@ -17,11 +17,23 @@ from grainfit.campaign.work_folder import RESULT_NAME, read_record, run_folder
 from grainfit.contact_models.registry import material_parameter
 from grainfit.curve_target import CurveTarget
 from grainfit.errors import Fault, GrainfitError, InputError, StoreError
-from grainfit.evaluation import ERROR_SUFFIX, Evaluation, names_of_tests, response_name
+from grainfit.evaluation import (
+    ERROR_SUFFIX,
+    Evaluation,
+    name_of_test,
+    names_of_tests,
+    response_name,
+)
 from grainfit.formatting import counted
 from grainfit.materials.time_step import RayleighTimeStep
 from grainfit.problem import Parameter, Problem, ScopeOfTest, Target
-from grainfit.result import ParameterInterval, Result, Status, damaged_result
+from grainfit.result import (
+    ParameterInterval,
+    Result,
+    Status,
+    YieldLocusResult,
+    damaged_result,
+)
 from grainfit.strategies.distinct_runs import distinct_runs
 from grainfit.tables import TextTable, as_html, as_text
 from grainfit.work_folder.open_folder import OpenFolder, open_folder
@@ -184,6 +196,20 @@ class SavedCalibration:
         if self.result is not None and self.result.intervals:
             return self.result.intervals
         return self.analyse().intervals
+
+    @cached_property
+    def yield_loci(self) -> tuple[YieldLocusResult, ...]:
+        """Yield loci of the shear tests, as far as these have runs."""
+        # Imported here: SciPy takes a second, and exports do without it.
+        from grainfit.calibration.yield_loci import yield_loci
+
+        definitions = {
+            name_of_test(name): self.records[run].definition
+            for evaluation in self.evaluations
+            for name, run in evaluation.runs.items()
+            if run in self.records
+        }
+        return yield_loci(self.problem, definitions, self.result.responses if self.result else {})
 
     def analyse(self) -> Analysis:
         """Return the analysis of the runs: posterior, sensitivity, and more.

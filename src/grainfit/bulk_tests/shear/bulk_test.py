@@ -9,7 +9,13 @@ from typing import ClassVar
 
 import numpy as np
 
-from grainfit.bulk_tests.base import GRAVITY, LOWEST_GRAVITY, BulkTest, ResponseInfo
+from grainfit.bulk_tests.base import (
+    GRAVITY,
+    LOWEST_GRAVITY,
+    BulkTest,
+    LocusPoint,
+    ResponseInfo,
+)
 from grainfit.bulk_tests.sensitivities import DENSITY, MODULUS, ROLLING, SLIDING, Sensitivities
 from grainfit.bulk_tests.shared.options import LENGTH
 from grainfit.bulk_tests.shared.validity import require_separate
@@ -47,6 +53,7 @@ from grainfit.scenes.records import Series
 from grainfit.scenes.run_output import RunOutput, snapshot_file
 from grainfit.scenes.scene import STANDARD_GRAVITY, Box, Scene, Stage
 
+_ANGLE = "internal_friction_angle"
 #: Last snapshot of a run, and its picture.
 _LAST, _PICTURE = "sheared", "shear.png"
 #: No stage ends at rest; a solver asks for a speed all the same, over sqrt(stress / density).
@@ -67,7 +74,7 @@ class Shear(BulkTest):
     diameter d of the particles; no default is smaller than the largest particles allow.
 
     Young's modulus of the particles must be at least 700 times the normal stress. Several stresses
-    are several tests; `fit_yield_locus` fits cohesion and angle to them.
+    are several tests; report and result have the yield locus through them.
 
     Parameters
     ----------
@@ -94,12 +101,10 @@ class Shear(BulkTest):
     #: Both plates are glued particles.
     parts: ClassVar[Mapping[str, tuple[str, ...]]] = {}
     overlap_law: ClassVar[OverlapLaw] = IN_SHEAR
-    shown: ClassVar[Shown | None] = Shown(
-        "bed", "internal_friction_angle", snapshot_file(_LAST), _PICTURE
-    )
+    shown: ClassVar[Shown | None] = Shown("bed", _ANGLE, snapshot_file(_LAST), _PICTURE)
     worse_ends: ClassVar[Mapping[str, int]] = {MODULUS: 0}
     responses: ClassVar[Mapping[str, ResponseInfo]] = {
-        "internal_friction_angle": ResponseInfo(
+        _ANGLE: ResponseInfo(
             "deg",
             "φ_i",
             "angle of internal friction: arc tangent of shear stress over normal stress in steady "
@@ -178,6 +183,11 @@ class Shear(BulkTest):
     def stiffness_number(self, material: Mapping[str, float]) -> float:
         """Return Young's modulus of the particles over the normal stress."""
         return material[MODULUS] / self.setup.normal_stress
+
+    @property
+    def locus_point(self) -> LocusPoint:
+        """Point of a yield locus that it gives."""
+        return LocusPoint(self.setup.normal_stress, _ANGLE)
 
     @property
     def footprint(self) -> Footprint:
@@ -299,7 +309,7 @@ class Shear(BulkTest):
         transient = Record.of_stage(run, "transient", self.setup)
         picture = run.folder / _PICTURE
         draw_shear(picture, view, [transient, *records], 1, found)
-        return {"internal_friction_angle": found, "shear_density": density}
+        return {_ANGLE: found, "shear_density": density}
 
     def _read(self, run: RunOutput) -> tuple[list[Frame], list[Record], Profile]:
         """Read snapshots and records of the blocks."""

@@ -18,11 +18,13 @@ from grainfit.report.sections.surfaces.section import surfaces
 from grainfit.report.sections.tradeoff.section import tradeoff
 from grainfit.report.sections.undetermined.section import undetermined
 from grainfit.report.sections.verification.section import verification
+from grainfit.report.sections.yield_locus.section import yield_locus
 
 #: Each returns its section, or None when it has no content.
 SECTIONS: Sequence[Callable[[ReportContext], Section | None]] = (
     answer,
     curves,
+    yield_locus,
     particles,
     convergence,
     surfaces,

@@ -4,30 +4,19 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from grainfit.evaluation import Response
+from grainfit.result import YieldLocus
 
 
-@dataclass(frozen=True)
-class YieldLocus:
-    """A line through shear stress over normal stress.
-
-    Parameters
-    ----------
-    cohesion : Response
-        Shear stress without normal stress, Pa.
-    internal_friction_angle : Response
-        Slope of the line, degrees.
-    """
-
-    cohesion: Response
-    internal_friction_angle: Response
-
-
-def fit_yield_locus(normal_stresses: Sequence[float], angles: Sequence[Response]) -> YieldLocus:
+def fit_yield_locus(
+    normal_stresses: Sequence[float],
+    angles: Sequence[Response],
+    correlations: ArrayLike | None = None,
+) -> YieldLocus:
     """Fit shear stress = cohesion + tan(angle) normal stress to several shear tests.
 
     Parameters
@@ -37,6 +26,8 @@ def fit_yield_locus(normal_stresses: Sequence[float], angles: Sequence[Response]
     angles : sequence of Response
         ``internal_friction_angle`` of each test, degrees; its tangent is the shear stress over the
         normal stress.
+    correlations : array_like, shape (tests, tests), optional
+        Correlations of the errors of the angles; by default there are none.
 
     Raises
     ------
@@ -58,12 +49,18 @@ def fit_yield_locus(normal_stresses: Sequence[float], angles: Sequence[Response]
     if not ((stress > 0).all() and (errors > 0).all()):
         raise ValueError("needs normal stresses and standard errors above zero")
     slopes = np.tan(np.radians(degrees))
-    weights = 1 / (stress * (1 + slopes**2) * errors)
-    design = np.column_stack((np.ones_like(stress), stress)) * weights[:, None]
-    covariance = np.linalg.inv(design.T @ design)
-    cohesion, slope = covariance @ design.T @ (stress * slopes * weights)
-    spread = np.sqrt(np.diag(covariance))
+    shear, spread = stress * slopes, stress * (1 + slopes**2) * errors
+    between = np.eye(len(stress)) if correlations is None else np.asarray(correlations)
+    # Multiplied by it, errors are of size one and not correlated.
+    whiten = np.linalg.inv(np.linalg.cholesky(between)) / spread
+    design = whiten @ np.column_stack((np.ones_like(stress), stress))
+    inverse = np.linalg.pinv(design)
+    cohesion, slope = inverse @ whiten @ shear
+    of_cohesion, of_slope = np.linalg.norm(inverse, axis=1)
+    angle_error = math.degrees(float(of_slope) / (1 + slope**2))
     return YieldLocus(
-        Response(float(cohesion), float(spread[0])),
-        Response(math.degrees(math.atan(slope)), math.degrees(float(spread[1]) / (1 + slope**2))),
+        tuple(stress.tolist()),
+        tuple(map(Response, shear.tolist(), spread.tolist())),
+        Response(float(cohesion), float(of_cohesion)),
+        Response(math.degrees(math.atan(slope)), angle_error),
     )

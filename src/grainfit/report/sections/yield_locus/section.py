@@ -1,0 +1,38 @@
+"""Yield locus: cohesion and angle of internal friction, measured and at the answer."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+from grainfit.evaluation import Response
+from grainfit.formatting import plain, rounded
+from grainfit.plots.yield_locus_figures import yield_locus_figures
+from grainfit.report.rendering import render
+from grainfit.report.section import ReportContext, Section
+from grainfit.result import YieldLocusResult
+
+_KEY, _TITLE = "yield_locus", "Yield locus"
+
+
+def yield_locus(context: ReportContext) -> Section | None:
+    """Each yield locus with its lines; None unless a material was sheared at two stresses."""
+    loci = context.reading.yield_loci
+    if not loci:
+        return None
+    drawn = yield_locus_figures(context.reading)
+    figures = {f"{_KEY}-{index}": figure for index, figure in enumerate(drawn)}
+    tables = [(plain(", ".join(locus.tests)), list(_rows(locus))) for locus in loci]
+    html = render(f"{_KEY}/page", tables=tables, figures=list(figures))
+    return Section(_KEY, _TITLE, html, figures)
+
+
+def _rows(locus: YieldLocusResult) -> Iterator[tuple[str, Sequence[str]]]:
+    """Yield the heading of each line, with its cohesion and its angle."""
+    for words, line in (("Measured", locus.measured), ("Expected", locus.expected)):
+        if line is not None:
+            yield words, [_cell(line.cohesion), _cell(line.internal_friction_angle)]
+
+
+def _cell(found: Response) -> str:
+    error = found.standard_error
+    return f"{rounded(found.value, error)} ± {rounded(error, error)}"
