@@ -56,6 +56,8 @@ LABORATORY: Mapping[str, float | str] = {
     "unloading_modulus": "3 %",
     "lateral_stress_ratio": 0.01,
 }
+#: A rough floor: from one like the walls, some of each pile with little sliding friction slides off.
+FLOORS = {"draw_down": {"floor_sliding_friction": 0.5, "floor_rolling_friction": 0.5}}
 #: Values to which absolute uncertainties are compared in the bound, in the same units.
 TYPICAL: Mapping[str, float] = {
     "angle_of_repose": 25.0,
@@ -69,7 +71,9 @@ def study(*tests: str, stiffness: float = 1750.0, **stresses: tuple[str, float])
     """Return the materials with some tests; by default as stiff as the paper's."""
     free = (SLIDING, ROLLING, DENSITY)
     return Study(
-        tests={name: bulk_tests()[name](diameter=DIAMETER) for name in tests},
+        tests={
+            name: bulk_tests()[name](diameter=DIAMETER, **FLOORS.get(name, {})) for name in tests
+        },
         # On walls as smooth as the paper's, draw-downs do not come to rest.
         fixed={name: value for name, value in ROUGH_SPHERES.items() if name not in free},
         stiffness=stiffness,
