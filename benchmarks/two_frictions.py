@@ -56,7 +56,7 @@ LABORATORY: Mapping[str, float | str] = {
     "unloading_modulus": "3 %",
     "lateral_stress_ratio": 0.01,
 }
-#: A rough floor: from one like the walls, some of each pile with little sliding friction slides off.
+#: From a floor like the walls, some of each pile with little sliding friction slides off.
 FLOORS = {"draw_down": {"floor_sliding_friction": 0.5, "floor_rolling_friction": 0.5}}
 #: Values to which absolute uncertainties are compared in the bound, in the same units.
 TYPICAL: Mapping[str, float] = {
