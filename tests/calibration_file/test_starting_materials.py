@@ -131,7 +131,11 @@ def test_an_unknown_program_is_refused() -> None:
         starter_file(["heap"], None, "edem")
 
 
-def test_no_file_is_begun_for_a_test_that_the_program_cannot_simulate() -> None:
+def test_no_file_is_begun_for_a_test_that_the_program_cannot_simulate(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    # Every program has every test with its defaults: one that has not yet all of them.
+    monkeypatch.setattr(DEM_PROGRAMS["yade"], "missing", {"rotation": "it has no turning walls"})
     with pytest.raises(InputError, match=r"yade cannot simulate this drum test\..*turning walls"):
         starter_file(["heap", "drum"], None, "yade")
 

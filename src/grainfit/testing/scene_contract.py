@@ -210,6 +210,10 @@ class SceneContract(SimulatedScenes):
         """Return the height of the centre of a particle at rest on a wall at height 0, m."""
         return RADIUS - resting_overlap(values, curve=self.wall_radius)
 
+    def tube_floor(self, radius: float) -> tuple[float, float]:
+        """Return how far below its axis the floor of a lying tube is, and its radius there, m."""
+        return radius, radius
+
     # --- what a program does not have ----------------------------------------------------------
 
     @pytest.mark.parametrize(
@@ -464,7 +468,9 @@ class SceneContract(SimulatedScenes):
         assert series["sideways"] == pytest.approx(WEIGHT * cosine * sine, rel=0.02)
 
     @pytest.mark.parametrize(
-        "shape", [Cylinder(0.03, 0.0, 0.05), Cone(0.02, 0.04, 0.0, 0.05)], ids=["tube", "funnel"]
+        "shape",
+        [Cylinder(0.03, 0.0, 0.05), Cylinder(0.03, -0.1, 0.1, "x"), Cone(0.02, 0.04, 0.0, 0.05)],
+        ids=["tube", "lying tube", "funnel"],
     )
     def test_a_radial_force_that_cannot_be_had_is_refused_before_the_run(
         self, solver: DeckSolver, tmp_path: Path, shape: Shape
@@ -676,13 +682,31 @@ class SceneContract(SimulatedScenes):
         expected[number] = (1 + restitution) * speed
         assert found == pytest.approx(expected, abs=0.02 * speed)
 
+    @pytest.mark.parametrize("axis", ["x", "y"])
+    def test_a_particle_rests_in_a_tube_that_lies(self, run: Run, axis: str) -> None:
+        radius, number = 0.05, "xyz".index(axis)
+        low, high, place = [-0.1] * 3, [0.1] * 3, [0.0] * 3
+        low[number], high[number], place[number] = 0.0, 0.03, 0.01
+        box = Box((low[0], low[1], low[2]), (high[0], high[1], high[2]), periodic=axis)
+        below, curve = self.tube_floor(radius)
+        place[2] = RADIUS - below
+        walls = {"drum": Wall(Cylinder(radius, 0.0, 0.03, axis))}
+        hold = Stage("hold", Elapsed(0.1), snapshot="held")
+        out = run(scene_of(spheres([place]), walls, [settle(), hold], DAMPED, box=box))
+
+        # LIGGGHTS takes the tube for a plane there, LAMMPS for one of twice the radius.
+        overlap = resting_overlap(DAMPED, curve=1 / (1 - RADIUS / curve))
+        place[2] -= overlap
+        assert out.snapshot("held").positions[0] == pytest.approx(place, abs=0.04 * overlap)
+
     @pytest.mark.parametrize("speed", [-10.0, 10.0])
     def test_a_turning_drum_drags_a_particle_up(self, run: Run, speed: float) -> None:
         # It slides all the time, so friction is constant: a pendulum that swings about its angle.
         radius, depth, friction, time = 0.05, 0.03, 0.2, 0.03
         box = Box((0.0, -0.1, -0.1), (depth, 0.1, 0.1), periodic="x")
-        overlap = resting_overlap(DAMPED, curve=1 / (1 - RADIUS / radius))
-        particle = spheres([(0.01, 0.0, RADIUS - radius - overlap)])
+        below, curve = self.tube_floor(radius)
+        overlap = resting_overlap(DAMPED, curve=1 / (1 - RADIUS / curve))
+        particle = spheres([(0.01, 0.0, RADIUS - below - overlap)])
         turn = Stage(
             "turn",
             Elapsed(time),
@@ -695,12 +719,34 @@ class SceneContract(SimulatedScenes):
 
         series = out.series("turn")
         moved = out.snapshot("dragged").positions[0] - particle.positions[0]
-        length, time = radius - RADIUS, out.stages[0].time
-        way = friction * length * (1 - math.cos(math.sqrt(GRAVITY / length) * time))
+        length, time = curve - RADIUS, out.stages[0].time
+        swing = GRAVITY * time**2 / 2
+        if math.isfinite(length):
+            swing = length * (1 - math.cos(math.sqrt(GRAVITY / length) * time))
+        way = friction * swing
         # By the right-hand rule, the lowest point of the drum goes towards positive y.
         expected = [0.0, math.copysign(way, speed), way**2 / (2 * length)]
         assert moved == pytest.approx(expected, abs=0.01 * way + self.slide_kick * time)
         assert series["angle"] == pytest.approx(speed * series["time"], abs=1e-9)
+
+    @pytest.mark.parametrize(
+        "shape",
+        [Plane("z", 0.0), Block((-0.06, -0.06, -0.02), (0.06, 0.06, 0.0)), Disc(0.06, 0.0)],
+        ids=lambda shape: type(shape).__name__.lower(),
+    )
+    def test_a_floor_that_turns_drags_a_particle_along(self, run: Run, shape: Shape) -> None:
+        # It slides all the time, away from the axis: friction is constant, along y.
+        friction, time, centre = 0.2, 0.03, (0.01, 0.01, 0.0)
+        values = material(0.3, friction)
+        turn = {"table": Rotation("z", 20.0, centre)}
+        stage = Stage("turn", Elapsed(time), motions=turn, snapshot="dragged")
+        particle = spheres([(0.04, 0.01, self.rests_at(values))])
+        out = run(scene_of(particle, {"table": Wall(shape)}, [stage], values))
+
+        moved = out.snapshot("dragged").positions[0] - particle.positions[0]
+        way = friction * GRAVITY * out.stages[0].time ** 2 / 2
+        expected = [0.0, way, 0.0]
+        assert moved == pytest.approx(expected, abs=0.01 * way + self.slide_kick * time)
 
     def test_a_wall_turns_and_stays_as_it_was_left(self, run: Run) -> None:
         # A particle that falls on the turned block rebounds from the slope.

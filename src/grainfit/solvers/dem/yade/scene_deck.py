@@ -18,7 +18,7 @@ from grainfit.scenes.conditions import AtRest, Clear, Elapsed, Loaded
 from grainfit.scenes.film import FILM
 from grainfit.scenes.records import Force, MassAbove, RadialForce, Recorded, Travel
 from grainfit.scenes.run_output import STAGES_HEADER
-from grainfit.scenes.scene import Motion, Rotation, Stage, Velocity, Wall, load_on
+from grainfit.scenes.scene import Load, Motion, Rotation, Stage, Velocity, Wall, load_on
 from grainfit.scenes.shapes import Block, Cone, Cylinder, Disc, Plane, Vector
 from grainfit.scenes.spheres import ClumpSpheres
 from grainfit.solvers.dem.card_parts import fill
@@ -31,18 +31,10 @@ _EDGES = (
     "YADE gives a particle near an edge between two triangles of one plane two contacts, one of "
     'them tilted; use {instead}solver = "liggghts"'
 )
-_SCRIPTED = (
-    "scenes with {what} are not translated into YADE's scripts; "
-    'use solver = "lammps" or solver = "liggghts"'
-)
 #: Concepts that YADE does not have, with the reason and what to use instead.
 MISSING: Mapping[str, str] = {
     "annulus": _EDGES.format(instead="a slot, a cone, or "),
     "mesh": _EDGES.format(instead=""),
-    "glued": _SCRIPTED.format(what="glued particles"),
-    "rotation": _SCRIPTED.format(what="turning walls"),
-    "lying cylinder": _SCRIPTED.format(what="tubes that lie"),
-    "frames": _SCRIPTED.format(what="frames of a stage"),
 }
 #: How much more the centre of mass of a clump counts than the masses of its spheres.
 _WEIGHT_OF_CENTRE = 1e6
@@ -71,6 +63,8 @@ class YadeSceneDeck(SceneDeck):
 
     def write_particles(self) -> None:
         """Write places, radii and velocities of the particles."""
+        if self.scene.glued:
+            self._write_glued()
         if self.scene.clumps is not None:
             self._write_clumps(self.scene.clumps)
             return
@@ -81,6 +75,15 @@ class YadeSceneDeck(SceneDeck):
             velocities = np.zeros_like(particles.positions)
         table = np.column_stack((particles.positions, radii, velocities))
         np.savetxt(self.folder / "particles.txt", table, "%.12g", header="x y z radius vx vy vz")
+
+    def _write_glued(self) -> None:
+        """Write places and radii of the glued particles, and the number of their set, from 0."""
+        bodies, radii = self.scene.glued.values(), np.array(self.scene.sizes.diameters) / 2
+        positions = np.vstack([body.positions for body in bodies])
+        sizes = np.concatenate([body.size_indices for body in bodies])
+        sets = np.repeat(np.arange(len(bodies)), [len(body.size_indices) for body in bodies])
+        table = np.column_stack((positions, radii[sizes], sets))
+        np.savetxt(self.folder / "glued.txt", table, "%.12g", header="x y z radius set")
 
     def _write_clumps(self, spheres: ClumpSpheres) -> None:
         """Write the spheres of clumps, and mass, inertia, velocity and spin of each clump."""
@@ -109,6 +112,7 @@ class YadeSceneDeck(SceneDeck):
                 "title": scene.title,
                 "clumps": None if scene.clumps is None else _shares(scene.clumps.clump),
                 "file_name": self.file_name,
+                "glued": list(scene.glued),
                 "time_step": scene.time_step,
                 "gravity": scene.gravity,
                 "low": tuple(scene.box.low),
@@ -228,15 +232,20 @@ class YadeSceneDeck(SceneDeck):
 
     def _put(self, name: str, wall: Wall) -> Iterator[str]:
         shape = wall.shape
-        if isinstance(shape, Plane) and not self.scene.box.periodic:
+        if isinstance(shape, Plane) and not (self.scene.box.periodic or self._turns(name)):
             axis = "xyz".index(shape.axis)
             yield f"plane({name!r}, {wall.surface!r}, {axis}, {shape.at!r}, {shape.upwards})"
         elif isinstance(shape, Plane):
-            yield self._block(name, wall, *self._behind(shape))
+            yield self._block(name, wall, *self._behind(shape, 1.0 if self._turns(name) else 0.0))
         elif isinstance(shape, Block):
             yield self._block(name, wall, shape.low, shape.high)
         elif isinstance(shape, Cylinder):
-            yield self._tube(name, wall, Cone(shape.radius, shape.radius, shape.bottom, shape.top))
+            bottom, top = shape.bottom, shape.top
+            if self._repeats(shape.axis):
+                top = _PERIODS * self._lengths()["xyz".index(shape.axis)]
+                bottom = -top
+            cone = Cone(shape.radius, shape.radius, bottom, top)
+            yield self._tube(name, wall, cone, shape.axis)
         elif isinstance(shape, Cone):
             yield self._tube(name, wall, shape)
         else:
@@ -248,17 +257,27 @@ class YadeSceneDeck(SceneDeck):
     def _thickness(self) -> float:
         return _THICKNESS * self.scene.sizes.sauter_diameter
 
-    def _tube(self, name: str, wall: Wall, shape: Cone) -> str:
+    def _turns(self, name: str) -> bool:
+        return any(isinstance(motion, Rotation) for motion in self.scene.motions_of(name))
+
+    def _tube(self, name: str, wall: Wall, shape: Cone, axis: str = "z") -> str:
         width = _PANEL * self.scene.sizes.sauter_diameter
         widest = max(shape.lower_radius, shape.upper_radius)
         panels = max(_FEWEST_PANELS, math.ceil(2 * math.pi * widest / width))
         ends = f"{shape.lower_radius!r}, {shape.upper_radius!r}, {shape.bottom!r}, {shape.top!r}"
-        return f"tube({name!r}, {wall.surface!r}, {ends}, {panels}, {self._thickness})"
+        number = "xyz".index(axis)
+        return f"tube({name!r}, {wall.surface!r}, {number}, {ends}, {panels}, {self._thickness})"
 
-    def _behind(self, plane: Plane) -> tuple[Vector, Vector]:
-        """Return the corners of a block with a plane as its face: YADE's periodic cells need it."""
+    def _behind(self, plane: Plane, margin: float) -> tuple[Vector, Vector]:
+        """Return the corners of a block with a plane as its face.
+
+        YADE's periodic cells need it, and planes that turn. It is as large as the box, with a
+        margin in its lengths.
+        """
         axis, box = "xyz".index(plane.axis), self.scene.box
-        low, high = list(box.low), list(box.high)
+        beyond = [margin * length for length in self._lengths()]
+        low = [value - more for value, more in zip(box.low, beyond, strict=True)]
+        high = [value + more for value, more in zip(box.high, beyond, strict=True)]
         depth = self._lengths()[axis]
         start = plane.at - depth if plane.upwards else plane.at
         low[axis], high[axis] = start, start + depth
@@ -279,37 +298,64 @@ class YadeSceneDeck(SceneDeck):
         """Iterate over the lines of a stage."""
         yield heading(f"{stage.name}: {stage.remark}" if stage.remark else stage.name)
         yield ""
-        changes = stage.take_away or stage.put or stage.strike_off is not None
-        if changes:
+        if stage.take_away or stage.put or stage.strike_off is not None:
             yield "velocities = velocities_now()"
-        if stage.strike_off is not None:
-            yield f"strike_off({stage.strike_off!r})"
-        yield from (f"take_away({name!r})" for name in stage.take_away)
-        for item in stage.put.items():
-            yield from self._put(*item)
-        if changes:
+            yield from self._changes(stage)
             yield "go_on_with(velocities)"
         yield f"stage = Stage({stage.name!r}, is_closed={stage.is_closed})"
         for wall in stage.motions:
             for motion in stage.motions_of(wall):
                 yield self._motion(wall, motion)
+        yield from self._records(stage)
+        yield self._until(stage)
+        if stage.snapshot:
+            yield f"snapshot({stage.snapshot!r})"
+
+    def _changes(self, stage: Stage) -> Iterator[str]:
+        """Iterate over what is taken away and put at the beginning of a stage."""
+        if stage.strike_off is not None:
+            yield f"strike_off({stage.strike_off!r})"
+        yield from (f"take_away({name!r})" for name in stage.take_away)
+        for item in stage.put.items():
+            yield from self._put(*item)
+
+    def _records(self, stage: Stage) -> Iterator[str]:
+        """Iterate over the lines that have frames and series of a stage written."""
+        if stage.frames is not None:
+            every = self.scene.steps(stage.frames.every)
+            yield f"stage.film({stage.frames.name!r}, {every})"
         if stage.series is not None:
             yield f"stage.record({self.scene.steps(stage.series.every)}, {{"
             for name, quantity in stage.series.columns.items():
                 yield f"    {name!r}: {self._quantity(quantity)},"
             yield "})"
-        yield self._until(stage)
-        if stage.snapshot:
-            yield f"snapshot({stage.snapshot!r})"
 
-    @staticmethod
-    def _motion(wall: str, motion: Motion) -> str:
-        assert not isinstance(motion, Rotation)
-        axis = "xyz".index(motion.along)
+    def _movable(self, name: str) -> str:
+        """Return the object of a wall or a glued set."""
+        return f"{'glued' if name in self.scene.glued else 'walls'}[{name!r}]"
+
+    def _motion(self, name: str, motion: Motion) -> str:
+        movable, axis = self._movable(name), "xyz".index(motion.along)
         if isinstance(motion, Velocity):
-            return f"walls[{wall!r}].move({axis}, {motion.speed!r})"
-        limits = f"largest_speed={motion.largest_speed!r}, gain={motion.gain!r}"
-        return f"stage.load({wall!r}, {axis}, {motion.force!r}, {limits})"
+            return f"{movable}.move({axis}, {motion.speed!r})"
+        if isinstance(motion, Load):
+            limits = f"largest_speed={motion.largest_speed!r}, gain={motion.gain!r}"
+            return f"stage.load({movable}, {axis}, {motion.force!r}, {limits})"
+        if self._is_about_itself(name, motion):
+            return f"{movable}.turn_in_place({axis}, {motion.speed!r})"
+        return f"stage.turn({movable}, {axis}, {motion.speed!r}, {motion.through})"
+
+    def _is_about_itself(self, name: str, rotation: Rotation) -> bool:
+        """Return whether it is the rotation of a tube about its axis."""
+        wall = self.scene.all_walls().get(name)
+        if wall is None or not isinstance(wall.shape, Cylinder):
+            return False
+        others = (
+            place
+            for axis, place in zip("xyz", rotation.through, strict=True)
+            if axis != rotation.along
+        )
+        return wall.shape.axis == rotation.along and not any(others)
 
     def _quantity(self, quantity: Recorded) -> str:
         """Return a function that returns a recorded quantity."""
@@ -317,20 +363,26 @@ class YadeSceneDeck(SceneDeck):
             return f"lambda: mass_above({quantity.height!r})"
         if isinstance(quantity, Force):
             axis = "xyz".index(quantity.along)
-            return f"lambda: walls[{quantity.wall!r}].force({axis})"
+            return f"lambda: {self._movable(quantity.wall)}.force({axis})"
         if isinstance(quantity, Travel):
+            movable = self._movable(quantity.wall)
+            if self._turns(quantity.wall):
+                return f"{movable}.angle"
             motions = list(self.scene.motions_of(quantity.wall))
-            axis = "xyz".index(motions[0].along) if motions else 2
-            return f"lambda: walls[{quantity.wall!r}].travel({axis})"
+            along = quantity.along or (motions[0].along if motions else "z")
+            return f"lambda: {movable}.travel({'xyz'.index(along)})"
         if isinstance(quantity, RadialForce):
             self._require_tube(quantity.wall)
             return f"walls[{quantity.wall!r}].radial_force"
         return "kinetic_energy"
 
     def _require_tube(self, wall: str) -> None:
-        if not isinstance(self.scene.all_walls()[wall].shape, Cylinder):
-            message = "is no tube: YADE has the force of a wall away from the z axis of tubes only."
-            raise InputError(Fault(wall, message, "Use a Cylinder."))
+        shape = self.scene.all_walls()[wall].shape
+        if not (isinstance(shape, Cylinder) and shape.axis == "z"):
+            message = (
+                "is no upright tube: YADE knows of no other wall the force away from the z axis."
+            )
+            raise InputError(Fault(wall, message, "Use a Cylinder about the z axis."))
 
     def _until(self, stage: Stage) -> str:
         """Return the line that runs a stage to its end."""
@@ -355,7 +407,7 @@ class YadeSceneDeck(SceneDeck):
         assert load is not None
         axis = "xyz".index(load.along)
         wanted = f"{axis}, {load.force!r}, within={until.within!r}, limit={limit}"
-        return f"stage.until_loaded({until.wall!r}, {wanted})"
+        return f"stage.until_loaded({self._movable(until.wall)}, {wanted})"
 
 
 def _shares(clump: Clump) -> dict[str, list[float]]:
