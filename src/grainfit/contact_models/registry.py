@@ -303,9 +303,26 @@ def no_effect(name: str, chosen: Iterable[str]) -> Fault:
 
 
 def _not_in(solver: str, model: ContactModel, material: Mapping[str, float]) -> Fault:
-    having = " or ".join(model.solvers)
     return Fault(
         ", ".join(model.set_parameters(material)) or model.name,
         f"belongs to the contact model {model.name}, which {solver} does not have.",
-        f"Use {having}, or leave it out." if having else "Leave it out.",
+        _instead(solver, model),
     )
+
+
+def _instead(solver: str, model: ContactModel) -> str:
+    """Return a remedy for a model that a solver does not have."""
+    alike = [
+        f'{other.kind} = "{other.name}"'
+        for other in CONTACT_MODELS
+        if other.kind == model.kind and other.shares_parameters(model) and solver in other.solvers
+    ]
+    # True of calibrated values too: those of one model are not those of another.
+    other_way = (
+        f"calibrate with a model that {solver} has: [contact_models] {' or '.join(alike)}"
+        if alike
+        else "leave it out"
+    )
+    having = " or ".join(model.solvers)
+    way = f"use {having}, or {other_way}." if having else f"{other_way}."
+    return f"{way[0].upper()}{way[1:]}"
