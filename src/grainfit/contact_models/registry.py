@@ -296,6 +296,16 @@ def idle_faults(material: Mapping[str, float], chosen: Iterable[str]) -> list[Fa
     ]
 
 
+def idle_models(material: Mapping[str, float], chosen: Iterable[str]) -> list[ContactModel]:
+    """Return the chosen models that do nothing, because their parameters are at their defaults."""
+    chosen = tuple(chosen)
+    return [
+        model
+        for model in CONTACT_MODELS
+        if model.name in chosen and model.is_optional and not model.set_parameters(material)
+    ]
+
+
 def no_effect(name: str, chosen: Iterable[str]) -> Fault:
     """Return the fault of a parameter that the chosen contact models do not have."""
     models = " and ".join(chosen)
