@@ -88,6 +88,22 @@ def test_a_solver_without_the_model_is_refused(tmp_path: Path, text: str, words:
         setup_of(tmp_path, text)
 
 
+def test_a_chosen_model_without_cohesion_is_said_to_do_nothing(tmp_path: Path) -> None:
+    dry = GLASS_BEADS.replace("[wall]", '[contact_models]\ncohesion = "dmt"\n\n[wall]')
+    dry = dry.replace('"lammps"', '"liggghts"')
+    for text in (dry, sticky("0", chosen="dmt")):
+        lines = "\n".join(describe_plan(setup_of(tmp_path, text)).lines)
+        assert (
+            "The contact model dmt was chosen and does nothing: it takes "
+            "particle_particle.surface_energy or particle_wall.surface_energy above 0."
+        ) in lines
+        assert "instead of the usual one" not in lines
+    for text in (sticky(chosen="dmt"), sticky('{ min = 0, max = "0.5 J/m^2" }', chosen="dmt")):
+        lines = "\n".join(describe_plan(setup_of(tmp_path, text)).lines)
+        assert "Contact model instead of the usual one: dmt." in lines
+        assert "does nothing" not in lines
+
+
 def test_the_bond_number_is_that_of_the_intervals(tmp_path: Path) -> None:
     text = sticky('{ min = 0, max = "0.5 J/m^2" }', "0.1")
     lines = [line for line in describe_plan(setup_of(tmp_path, text)).lines if "Bond" in line]

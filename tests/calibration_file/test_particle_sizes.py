@@ -131,6 +131,37 @@ def test_the_unit_of_openings_is_in_the_header_or_the_file(
         assert gf.sieve_curve(path.parent / "sieve.csv").openings == pytest.approx((0.001, 0.004))
 
 
+@pytest.mark.parametrize(
+    ("header", "line"),
+    [
+        ("foo [mm],bar", "{opening},{passing}"),
+        ("opening [mm],mass [g],passing [%]", "{opening},7,{passing}"),
+        ("cumulative passing [%],opening [mm]", "{passing},{opening}"),
+        (
+            "sieve,sieve opening (mm),retained (g),retained (%),finer (%)",
+            "1,{opening},7,7,{passing}",
+        ),
+        ("opening [mm],retained [%],Q3", "{opening},7,{passing}"),
+        ("d [mm],standard error,mass [%]", "{opening},7,{passing}"),
+        ("opening [mm],passing [%],passing again [%]", "{opening},{passing},7"),
+        ("opening [mm],passing [-]", "{opening},{passing}"),
+    ],
+)
+def test_columns_of_a_sieve_curve_are_those_that_their_headings_say(
+    tmp_path: Path, header: str, line: str
+) -> None:
+    path = tmp_path / "sieve.csv"
+    lines = [
+        line.format(opening=opening, passing=passing) for opening, passing in ((1, 0), (4, 100))
+    ]
+    path.write_text("\n".join([header, *lines]), encoding="utf-8")
+
+    found = gf.sieve_curve(path)
+
+    assert found.openings == pytest.approx((0.001, 0.004))
+    assert found.passing_shares == (0, 1)
+
+
 def test_the_order_of_sieves_does_not_matter(written: Callable[..., Path]) -> None:
     first, *lines = SIEVES.splitlines()
     path = written('diameter = { sieve_curve = "sieve.csv" }')
@@ -215,6 +246,26 @@ def test_faults_of_distributions_are_named_with_their_line(
         ("opening [mm],passing\n1,3\n4,100\n", "", "3 % of the mass pass the finest sieve, 1 mm"),
         ("opening [mm],passing\n1,a\n4,100\n", "", "line 2, column 2 is 'a'"),
         ("opening [mm]\n1\n4\n", "", "has one column"),
+        (
+            "opening [mm],retained [%]\n1,0\n4,100\n",
+            "",
+            "has the columns 'opening [mm]', 'retained [%]', and none of them is the cumulative "
+            'passing. Give one column the heading "passing [%]": 100 % minus all that this sieve '
+            "and the coarser ones retain.",
+        ),
+        ("opening [mm],mass [g]\n1,0\n4,100\n", "", "and none of them is the cumulative passing"),
+        ("opening [mm],passing [g]\n1,0\n4,100\n", "", 'the heading "passing [%]"'),
+        ("opening [mm],a,b\n1,0,0\n4,100,0\n", "", "none of them is the cumulative passing"),
+        (
+            "opening [mm],first passing [%],second passing [%]\n1,0,0\n4,100,100\n",
+            "",
+            "more than one of them may be the cumulative passing",
+        ),
+        (
+            "from [mm],to [mm],passing [%]\n1,2,0\n4,5,100\n",
+            "",
+            'more than one of them may be the opening. Give one column the heading "opening [mm]"',
+        ),
         ("opening [mm],passing\n1,0\n", "", "has 1 points"),
     ],
 )

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import re
 import shutil
+from dataclasses import replace
+from math import radians, tan
 from pathlib import Path
 
 import pytest
@@ -15,10 +17,19 @@ from grainfit.calibration_file.plan import describe_plan
 from grainfit.calibration_file.starter import starter_file
 from grainfit.contact_models.registry import MATERIAL_PARAMETERS
 from grainfit.errors import InputError
-from grainfit.materials.starting_materials import read_starting_material, starting_material_names
+from grainfit.materials.starting_materials import (
+    StartingMaterial,
+    read_starting_material,
+    starting_material_names,
+)
+from grainfit.solvers.base import Workspace
 from grainfit.solvers.registry import DEM_PROGRAMS
+from grainfit.testing.materials import GLASS_BEADS
+from grainfit.units import to_unit
 
 PAGE = Path(__file__).parents[2] / "docs" / "starting_materials.md"
+ENERGY = "particle_particle.surface_energy"
+DENSITY = "particle_particle.cohesion_energy_density"
 MATERIALS = (
     "corn",
     "dry_sand",
@@ -80,12 +91,8 @@ def test_example_targets_are_those_of_the_material(tmp_path: Path, material: str
     targets = {target.name: target for target in gf.load(path).problem.targets}
 
     assert found.example_targets.keys() <= targets.keys()
-    low, high = next(
-        (p.minimum, p.maximum) for p in gf.load(path).problem.parameters if "density" in p.name
-    )
-    # A bed has between a half and two thirds of the density of its particles.
-    density = targets["bulk_density"].value
-    assert 0.5 * low < density < 0.67 * high
+    density = to_unit(found.example_targets["bulk_density"], "kg/m^3")
+    assert targets["bulk_density"].value == density
     assert f"{targets['angle_of_repose'].value:g} deg" == found.example_targets["angle_of_repose"]
 
 
@@ -104,6 +111,102 @@ def test_examples_are_for_particles_of_the_material(
             expected = float(number) * ratio ** powers[unit]
             [written] = re.findall(rf'^# {key.name} = "(\S+) {unit}"', text, re.MULTILINE)
             assert float(written) == pytest.approx(expected, rel=0.005)
+
+
+def example_targets(folder: Path, material: StartingMaterial, test: str) -> dict[str, float]:
+    path = folder / "new.toml"
+    path.write_text(starter_file([test], material), encoding="utf-8")
+    return {target.name: target.value for target in gf.load(path).problem.targets}
+
+
+def test_the_heap_of_example_targets_is_the_one_of_their_angle(tmp_path: Path) -> None:
+    material = {
+        **GLASS_BEADS,
+        "particle_particle.sliding_friction": 0.5,
+        "particle_particle.rolling_friction": 0.3,
+    }
+    heap = gf.solvers.Lammps(gf.tests.Heap(diameter="3 mm"), material)
+    (tmp_path / "run").mkdir()
+    run = heap.run({}, 1, Workspace(tmp_path / "run"))
+    found = {name: run[name].value for name in ("angle_of_repose", "base_radius", "heap_height")}
+    pellets = read_starting_material("plastic_pellets")
+    alike = replace(
+        pellets,
+        example_targets={
+            **pellets.example_targets,
+            "angle_of_repose": f"{found['angle_of_repose']} deg",
+        },
+    )
+
+    written = example_targets(tmp_path, alike, "heap")
+
+    assert found["angle_of_repose"] > 24
+    assert written["base_radius"] == pytest.approx(found["base_radius"], rel=0.05)
+    assert written["heap_height"] == pytest.approx(found["heap_height"], rel=0.08)
+
+
+@pytest.mark.parametrize("material", MATERIALS)
+def test_example_targets_agree_with_each_other(tmp_path: Path, material: str) -> None:
+    found = read_starting_material(material)
+    ratio = to_unit(found.example_targets["bulk_density"], "kg/m^3") / 1350
+    size = to_unit(found.sections["particle"]["diameter"].value, "mm") / 10
+
+    heap = example_targets(tmp_path, found, "heap")
+    slope = tan(radians(heap["angle_of_repose"]))
+    # A straight flank of this angle, between the foot and the round top.
+    assert 0.75 < heap["heap_height"] / heap["base_radius"] / slope < 1.05
+    # What rough spheres do.
+    assert heap["angle_of_repose"] <= 35
+    density = found.sections["particle"]["density"].value
+    solid = heap["bulk_density"] / 0.54
+    assert to_unit(density["min"], "kg/m^3") < solid < to_unit(density["max"], "kg/m^3")
+    discharge = example_targets(tmp_path, found, "discharge")
+    assert discharge["mass_flow"] == pytest.approx(1.16 * size**2.5 * ratio, rel=0.01)
+    shear = example_targets(tmp_path, found, "shear")
+    assert shear["shear_density"] == pytest.approx(1230 * ratio, rel=0.01)
+
+
+@pytest.mark.parametrize("material", MATERIALS)
+@pytest.mark.parametrize("solver", ["lammps", "liggghts"])
+def test_lines_that_are_comments_become_valid(tmp_path: Path, material: str, solver: str) -> None:
+    if shutil.which(solver) is None and solver == "liggghts":
+        pytest.skip("liggghts is not installed: apt-get install liggghts")
+    found = read_starting_material(material)
+    text = starter_file(["heap"], found, solver)
+    names = [f"{section}.{key}" for section, values in found.suggested.items() for key in values]
+    for name in names:
+        section, key = name.split(".")
+        text = re.sub(rf"(\[{section}\]\n[^\[]*?)# ({key} = )", r"\1\2", text)
+    path = tmp_path / "new.toml"
+    path.write_text(text, encoding="utf-8")
+
+    setup = gf.load(path)
+
+    assert describe_plan(setup).problems == ()
+    file = setup.file
+    written = {*file.fixed, *(p.name for p in file.parameters)}
+    lacking = {"lammps": DENSITY, "liggghts": ENERGY}[solver]
+    expected = {name for name in names if name in MATERIAL_PARAMETERS} - {lacking}
+    assert expected <= written
+    assert lacking not in text
+    assert file.sizes is not None
+    assert (file.sizes.shape is not None) == ("particle.shape" in names)
+    assert file.sizes.coarse_graining == (2 if "particle.coarse_graining" in names else 1)
+
+
+@pytest.mark.parametrize(
+    ("material", "words"),
+    [
+        ("wheat", "# shape = "),
+        ("corn", "# shape = "),
+        ("plastic_pellets", "# shape = "),
+        ("iron_ore_fines", "# surface_energy = "),
+        ("microcrystalline_cellulose", "# surface_energy = "),
+        ("dry_sand", "# coarse_graining = "),
+    ],
+)
+def test_what_matters_most_is_there_as_a_comment(material: str, words: str) -> None:
+    assert words in starter_file(["heap"], read_starting_material(material))
 
 
 def test_heap_of_pellets_is_expected_on_its_plate(tmp_path: Path) -> None:

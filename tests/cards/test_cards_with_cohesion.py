@@ -112,7 +112,7 @@ def test_yade(card: MaterialCard, tmp_path: Path) -> None:
     ("of", "models", "to", "words"),
     [
         (STICKY, (), "liggghts", "jkr, which liggghts does not have. Use lammps"),
-        (STICKY, (), "yade", "jkr, which yade does not have. Use lammps"),
+        (STICKY, (), "yade", "Use lammps, or calibrate with a model that yade has"),
         (DAMP, (), "lammps", "sjkr, which lammps does not have. Use liggghts"),
         ({**STICKY, **DAMP}, (), "lammps", "sjkr and jkr cannot act together"),
     ],

@@ -178,3 +178,14 @@ def test_solvers_without_a_model_refuse_it(material, chosen, having):
         faults = contact_law_faults(material, solver, chosen)
         assert (not faults) == (solver in having)
         assert all(f"which {solver} does not have" in str(fault) for fault in faults)
+
+
+def test_a_solver_with_another_model_of_the_parameter_names_that_model():
+    [fault] = contact_law_faults(STICKY, "yade")
+    assert str(fault).endswith(
+        "jkr, which yade does not have. Use lammps, or calibrate with a model that yade has: "
+        '[contact_models] cohesion = "dmt".'
+    )
+    assert contact_law_faults(STICKY, "yade", ["dmt"]) == []
+    [fault] = contact_law_faults(STICKY, "liggghts")
+    assert str(fault).endswith("jkr, which liggghts does not have. Use lammps, or leave it out.")

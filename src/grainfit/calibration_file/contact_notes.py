@@ -6,9 +6,30 @@ from collections.abc import Iterator, Mapping
 
 from grainfit.bulk_tests.base import BulkTest
 from grainfit.calibration_file.content import CalibrationFile
-from grainfit.contact_models.registry import COHESION, contact_law
+from grainfit.contact_models.registry import COHESION, contact_law, idle_models
 from grainfit.errors import InputError
 from grainfit.formatting import in_a_row
+
+
+def chosen_model_lines(file: CalibrationFile) -> Iterator[str]:
+    """Yield the chosen contact models: those that act, and those that do nothing.
+
+    Parameters
+    ----------
+    file : CalibrationFile
+        The calibration file.
+    """
+    largest = {p.name: p.maximum for p in file.parameters}
+    idle = {
+        model.name: model for model in idle_models({**file.fixed, **largest}, file.contact_models)
+    }
+    if acting := [name for name in file.contact_models if name not in idle]:
+        yield f"Contact model instead of the usual one: {', '.join(acting)}."
+    for name, model in idle.items():
+        yield (
+            f"The contact model {name} was chosen and does nothing: it takes "
+            f"{' or '.join(parameter.name for parameter in model.parameters)} above 0."
+        )
 
 
 def contact_notes(file: CalibrationFile, bulk_tests: Mapping[str, BulkTest]) -> Iterator[str]:

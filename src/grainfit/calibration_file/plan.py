@@ -9,6 +9,7 @@ from itertools import chain
 from grainfit.calibration.readiness import Obstacle, obstacles
 from grainfit.calibration_file.build import CalibrationSetup
 from grainfit.calibration_file.cohesion_lines import cohesion_lines
+from grainfit.calibration_file.contact_notes import chosen_model_lines
 from grainfit.calibration_file.run_time import (
     ExpectedRuns,
     RunTime,
@@ -92,10 +93,7 @@ def describe_plan(setup: CalibrationSetup, *, call_scenes: bool = True) -> Plan:
     refused = {obstacle.test for obstacle in found}
     found += [obstacle for obstacle in without_cost if obstacle.test not in refused]
     problems += chain(*(_words(setup, obstacle) for obstacle in found))
-    if setup.file.contact_models:
-        lines.append(
-            f"Contact model instead of the usual one: {', '.join(setup.file.contact_models)}."
-        )
+    lines += chosen_model_lines(setup.file)
     lines += setup.file.notes
     lines += size_lines(setup.file.sizes, setup.bulk_tests, _middle(setup))
     lines += cohesion_lines(setup.file, setup.bulk_tests)

@@ -8,21 +8,21 @@ from collections.abc import Iterator, Sequence
 
 from grainfit.bulk_tests.base import BulkTest
 from grainfit.bulk_tests.registry import bulk_tests
+from grainfit.calibration_file.examples import (
+    DIAMETER_OF_EXAMPLES,
+    example_target,
+    scaled_example,
+)
+from grainfit.contact_models.registry import CONTACT_MODELS
 from grainfit.errors import Fault, InputError
 from grainfit.materials.starting_materials import StartingMaterial
 from grainfit.options.tables import Key
 from grainfit.solvers.registry import DEM_PROGRAMS
-from grainfit.units import to_unit
 
 #: Column at which remarks begin.
 _REMARK = 40
 _WIDTH = 100
 _DEFAULT_TEST, _DEFAULT_SOLVER = "heap", "lammps"
-#: Diameter of the particles that the examples of options and targets are for, mm.
-_DIAMETER_OF_EXAMPLES = 10.0
-#: Powers of the diameter that quantities of a unit follow, with Froude's number kept.
-_POWERS = {"mm": 1.0, "s": 0.5, "m/s": 0.5, "rad/s": -0.5, "kg/s": 2.5}
-_QUANTITY = re.compile(rf'"([\d.]+) ({"|".join(_POWERS)})"')
 
 _HEAD = """\
 # Calibration file of grainfit. It is valid as it is: change it, then
@@ -125,13 +125,13 @@ def starter_file(
         faults.append(Fault("solver", words, f"Use one of {', '.join(DEM_PROGRAMS)}."))
     if not faults:
         tests = [
-            known[name](diameter=f"{_DIAMETER_OF_EXAMPLES} mm") for name in dict.fromkeys(names)
+            known[name](diameter=f"{DIAMETER_OF_EXAMPLES} mm") for name in dict.fromkeys(names)
         ]
         program = DEM_PROGRAMS[solver]
         faults = [f for test in tests for f in program.concept_faults(test.type, test.concepts())]
     if faults:
         raise InputError(faults)
-    first = _GLASS_BEADS if material is None else "\n".join(_sections(material)) + "\n\n"
+    first = _GLASS_BEADS if material is None else "\n".join(_sections(material, solver)) + "\n\n"
     blocks = [_TESTS if material is None else f"{_TESTS}{_EXAMPLES}"]
     for number, name in enumerate(names, 1):
         own = f"{name}_{number}" if names.count(name) > 1 else ""
@@ -148,7 +148,7 @@ def _for_solver(sections: str, solver: str) -> str:
     return sections
 
 
-def _sections(material: StartingMaterial) -> Iterator[str]:
+def _sections(material: StartingMaterial, solver: str) -> Iterator[str]:
     """Iterate over the lines of a material, each value below its source."""
     yield from _comment(
         f"STARTING VALUES for {material.title}. Your material differs: nothing here is calibrated, "
@@ -163,6 +163,16 @@ def _sections(material: StartingMaterial) -> Iterator[str]:
         for key, entry in values.items():
             yield from _comment(entry.source)
             yield _with_remark(f"{key} = {entry.toml}", "free" if entry.is_free else "")
+        for key, entry in material.suggested.get(section, {}).items():
+            if _acts_unchosen(f"{section}.{key}", solver):
+                yield from _comment(entry.source)
+                yield f"# {key} = {entry.toml}"
+
+
+def _acts_unchosen(name: str, solver: str) -> bool:
+    """Return whether a program has the usual contact model of a parameter, if there is one."""
+    models = [m for m in CONTACT_MODELS if name in {parameter.name for parameter in m.parameters}]
+    return not models or solver in models[0].solvers
 
 
 def _comment(text: str) -> list[str]:
@@ -193,35 +203,18 @@ def _test(
     for key in test.option_keys():
         yield from _option(key, material, is_set=key.name in test.starter_options)
     for response, info in test.responses.items():
-        target = _scaled(info.example, material)
-        value = material.example_targets.get(response) if material else None
-        if value is not None:
-            target = re.sub(r'value = "[^"]*"', f'value = "{value}"', target)
-        yield f"targets.{response} = {target}"
+        yield f"targets.{response} = {example_target(response, info.example, material)}"
 
 
 def _option(key: Key, material: StartingMaterial | None, *, is_set: bool) -> Iterator[str]:
     """Iterate over the lines of an option, commented out or set; with default and description."""
-    line = f"{'' if is_set else '# '}{key.name} = {_scaled(key.example, material)}"
+    line = f"{'' if is_set else '# '}{key.name} = {scaled_example(key.example, material)}"
     remark = f"{key.default}. {key.description}" if key.default else key.description
     whole = _with_remark(line, remark)
     if len(whole) <= _WIDTH:
         yield whole
         return
     yield _with_remark(line, key.default)
-
-
-def _scaled(example: str, material: StartingMaterial | None) -> str:
-    """Return an example for the particle size of a material."""
-    if material is None:
-        return example
-    diameter = to_unit(material.sections["particle"]["diameter"].value, "mm")
-
-    def of_size(found: re.Match[str]) -> str:
-        value = float(found[1]) * (diameter / _DIAMETER_OF_EXAMPLES) ** _POWERS[found[2]]
-        return f'"{float(f"{value:.3g}"):g} {found[2]}"'
-
-    return _QUANTITY.sub(of_size, example)
 
 
 def _with_remark(line: str, remark: str) -> str:

@@ -296,6 +296,16 @@ def idle_faults(material: Mapping[str, float], chosen: Iterable[str]) -> list[Fa
     ]
 
 
+def idle_models(material: Mapping[str, float], chosen: Iterable[str]) -> list[ContactModel]:
+    """Return the chosen models that do nothing, because their parameters are at their defaults."""
+    chosen = tuple(chosen)
+    return [
+        model
+        for model in CONTACT_MODELS
+        if model.name in chosen and model.is_optional and not model.set_parameters(material)
+    ]
+
+
 def no_effect(name: str, chosen: Iterable[str]) -> Fault:
     """Return the fault of a parameter that the chosen contact models do not have."""
     models = " and ".join(chosen)
@@ -303,9 +313,26 @@ def no_effect(name: str, chosen: Iterable[str]) -> Fault:
 
 
 def _not_in(solver: str, model: ContactModel, material: Mapping[str, float]) -> Fault:
-    having = " or ".join(model.solvers)
     return Fault(
         ", ".join(model.set_parameters(material)) or model.name,
         f"belongs to the contact model {model.name}, which {solver} does not have.",
-        f"Use {having}, or leave it out." if having else "Leave it out.",
+        _instead(solver, model),
     )
+
+
+def _instead(solver: str, model: ContactModel) -> str:
+    """Return a remedy for a model that a solver does not have."""
+    alike = [
+        f'{other.kind} = "{other.name}"'
+        for other in CONTACT_MODELS
+        if other.kind == model.kind and other.shares_parameters(model) and solver in other.solvers
+    ]
+    # True of calibrated values too: those of one model are not those of another.
+    other_way = (
+        f"calibrate with a model that {solver} has: [contact_models] {' or '.join(alike)}"
+        if alike
+        else "leave it out"
+    )
+    having = " or ".join(model.solvers)
+    way = f"use {having}, or {other_way}." if having else f"{other_way}."
+    return f"{way[0].upper()}{way[1:]}"

@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from grainfit.errors import InputError
+from grainfit.materials.sieve_columns import sieve_columns
 from grainfit.materials.size_distributions import SieveCurve, point_faults
 from grainfit.options.csv_points import Column, read_points
 from grainfit.options.places import Findings, Place
@@ -22,7 +23,7 @@ def sieve_curve(path: str | Path, opening_unit: str | None = None) -> SieveCurve
     ----------
     path : path
         CSV file: a header, and one line for each sieve with its opening and the share of the mass
-        that passes it, in percent.
+        that passes it, in percent; in this order, unless the headings say which column is which.
     opening_unit : str, optional
         Unit of the openings, unless the header states it, as in ``opening [mm]``.
 
@@ -62,7 +63,7 @@ def read_sieve_curve(path: Path, openings: Column, place: Place) -> SieveCurve |
     place : Place
         Of the file in the calibration file.
     """
-    points = read_points(path, openings, _PASSING, place, most=_MOST_SIEVES)
+    points = read_points(path, openings, _PASSING, place, most=_MOST_SIEVES, locate=sieve_columns)
     if points is None:
         return None
     faults = [*point_faults(points.coordinates, points.values)]

@@ -2,6 +2,7 @@
 
 Each is a TOML file of the folder ``starting``: a table for each parameter with its ``value``, as a
 calibration file takes it, and its ``source``. None of them is calibrated for anybody's material.
+Tables below ``suggested`` are parameters that the file has as comments.
 """
 
 from __future__ import annotations
@@ -15,7 +16,7 @@ from typing import Any
 from grainfit.errors import Fault, InputError
 
 _FOLDER = Path(__file__).with_name("starting")
-_HEAD = ("title", "about", "example_targets")
+_HEAD = ("title", "about", "example_targets", "suggested")
 
 
 @dataclass(frozen=True)
@@ -44,6 +45,9 @@ class StartingValue:
         return _toml(self.value)
 
 
+Sections = Mapping[str, Mapping[str, StartingValue]]
+
+
 @dataclass(frozen=True)
 class StartingMaterial:
     """A material to start from.
@@ -58,12 +62,15 @@ class StartingMaterial:
         Typical responses, to be replaced by measurements.
     sections : mapping of str to mapping of str to StartingValue
         Parameters by section and key of the calibration file.
+    suggested : mapping of str to mapping of str to StartingValue
+        Likewise, parameters for particles that are no dry spheres: comments in the file.
     """
 
     title: str
     about: tuple[str, ...]
     example_targets: Mapping[str, str]
-    sections: Mapping[str, Mapping[str, StartingValue]]
+    sections: Sections
+    suggested: Sections
 
 
 def starting_material_names() -> tuple[str, ...]:
@@ -95,12 +102,20 @@ def read_starting_material(name: str) -> StartingMaterial:
         words = f"{name!r} is no starting material."
         raise InputError(Fault("material", words, f"Use one of {', '.join(known)}."))
     data = tomllib.loads((_FOLDER / f"{stem}.toml").read_text(encoding="utf-8"))
-    sections = {
+    return StartingMaterial(
+        title=data["title"],
+        about=tuple(data["about"]),
+        example_targets=data["example_targets"],
+        sections=_values({name: entries for name, entries in data.items() if name not in _HEAD}),
+        suggested=_values(data.get("suggested", {})),
+    )
+
+
+def _values(sections: Mapping[str, Any]) -> Sections:
+    return {
         section: {key: StartingValue(**entry) for key, entry in entries.items()}
-        for section, entries in data.items()
-        if section not in _HEAD
+        for section, entries in sections.items()
     }
-    return StartingMaterial(data["title"], tuple(data["about"]), data["example_targets"], sections)
 
 
 def _toml(value: Any) -> str:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from pathlib import Path
@@ -25,6 +25,7 @@ _MATRIX = "a row of numbers for each point of the curve, without a header"
 
 Cells = list[str]
 Lines = Sequence[tuple[int, Cells]]
+Locate = Callable[[Sequence[str]], tuple[int, int]]
 
 
 @dataclass(frozen=True)
@@ -85,7 +86,21 @@ class Points:
     order: tuple[int, ...]
 
 
-def read_points(path: Path, x: Column, y: Column, place: Place, *, most: int) -> Points | None:
+def stated_unit(heading: str) -> str:
+    """Return the unit behind the name of a column; empty if there is none.
+
+    Examples
+    --------
+    >>> stated_unit("opening [mm]")
+    'mm'
+    """
+    stated = _UNIT_IN_NAME.search(heading)
+    return "" if stated is None else stated[1]
+
+
+def read_points(
+    path: Path, x: Column, y: Column, place: Place, *, most: int, locate: Locate | None = None
+) -> Points | None:
     """Read the points of a curve; None after noting every fault at a place.
 
     Parameters
@@ -98,13 +113,16 @@ def read_points(path: Path, x: Column, y: Column, place: Place, *, most: int) ->
         Of the file in the calibration file.
     most : int
         Largest number of points.
+    locate : callable, optional
+        Returns the positions of both columns by the headings, or raises `InputError`; by default
+        those of the columns count.
     """
     lines = _read(path, _POINTS, place)
     if lines is None:
         return None
     notes = _Notes(path, place)
     header, rows = lines[0][1], lines[1:]
-    columns = _find_columns(header, (x, y), notes)
+    columns = _find_columns(header, (x, y), locate, notes)
     if columns is None:
         return None
     if not 2 <= len(rows) <= most:
@@ -201,7 +219,7 @@ def _read(path: Path, content: str, place: Place) -> Lines | None:
 
 
 def _find_columns(
-    header: Cells, columns: Sequence[Column], notes: _Notes
+    header: Cells, columns: Sequence[Column], locate: Locate | None, notes: _Notes
 ) -> list[tuple[int, Column]] | None:
     """Return the columns with their positions."""
     if all(math.isfinite(_parse(name)) for name in header):
@@ -211,7 +229,11 @@ def _find_columns(
         remedy = "Separate columns by commas." if any(s in header[0] for s in ";\t") else ""
         notes.note("", f"has one column, {show(header[0])}.", remedy or f"Give {_POINTS}.")
         return None
-    found = [_position(header, column, notes) for column in columns]
+    found = (
+        _located(header, locate, notes)
+        if locate is not None
+        else [_position(header, column, notes) for column in columns]
+    )
     if None in found:
         return None
     if len(set(found)) < len(found):
@@ -230,8 +252,7 @@ def _with_unit(column: Column, name: str, notes: _Notes) -> Column:
     """Return the column with the unit that its name in the header states, if it shall."""
     if column.written is not None:
         return column
-    stated = _UNIT_IN_NAME.search(name)
-    written = "" if stated is None else stated[1]
+    written = stated_unit(name)
     try:
         to_unit(f"1 {written}", column.unit)
     except UnitError:
@@ -239,6 +260,15 @@ def _with_unit(column: Column, name: str, notes: _Notes) -> Column:
         remedy = f'State the unit behind the name: "{column.key} [{column.unit}]".'
         notes.note(f"column {show(name)}", message, remedy)
     return replace(column, written=written)
+
+
+def _located(header: Cells, locate: Locate, notes: _Notes) -> list[int | None]:
+    try:
+        return [*locate(header)]
+    except InputError as error:
+        for fault in error.faults:
+            notes.note("", fault.message, fault.remedy)
+        return [None]
 
 
 def _position(header: Cells, column: Column, notes: _Notes) -> int | None:
