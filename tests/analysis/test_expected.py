@@ -13,6 +13,8 @@ import grainfit as gf
 from grainfit.analysis import further_tests
 from grainfit.analysis.expected import ExpectedNarrowing
 from grainfit.bulk_tests.registry import BUILT_IN
+from grainfit.materials.particle_shape import ParticleShape
+from grainfit.materials.sizes import ParticleSizes
 from grainfit.testing.materials import GLASS_BEADS
 
 DENSITY = gf.Parameter("particle.density", 1400, 2800, unit="kg/m^3")
@@ -23,16 +25,22 @@ WALL = gf.Parameter("particle_wall.sliding_friction", 0.1, 0.8)
 MODULUS = gf.Parameter("particle.youngs_modulus", 1e5, 1e7, "log")
 BULK_DENSITY = gf.Target("bulk_density", 1300.0, uncertainty="1 %")
 ANGLE = gf.Target("angle_of_repose", 25.0, uncertainty="1 deg")
+ENERGY = gf.Parameter("particle_particle.surface_energy", 0, 0.3, unit="J/m^2")
+RATIO = gf.Parameter("particle.aspect_ratio", 1, 2)
+HEAP = gf.tests.Heap(diameter="10 mm")
+CLUMPS = gf.tests.Heap(ParticleSizes((0.01,), shape=ParticleShape("two_spheres", aspect_ratio=1.5)))
 
 
 def expected(
     *parameters: gf.Parameter,
     targets: tuple[gf.Target, ...] = (BULK_DENSITY, ANGLE),
     correlations: Sequence[tuple[str, str, float]] = (),
+    test: gf.tests.Heap = HEAP,
+    **given: float,
 ) -> ExpectedNarrowing:
     free = {parameter.name for parameter in parameters}
     material = {name: value for name, value in GLASS_BEADS.items() if name not in free}
-    solver = gf.solvers.Lammps(gf.tests.Heap(diameter="10 mm"), material)
+    solver = gf.solvers.Lammps(test, {**material, **given})
     return gf.expected_narrowing(
         gf.Problem(parameters, targets, correlations=correlations), {"heap": solver}
     )
@@ -99,6 +107,42 @@ def test_rolling_friction_counts_less_where_it_is_larger_than_sliding_friction()
     high = replace(ROLLING, minimum=0.2, maximum=2.0)
     widths = [expected(p, targets=(ANGLE,)).narrowing[p.name] for p in (low, high)]
     assert widths[1] > 2 * widths[0]
+
+
+@pytest.mark.parametrize(
+    ("parameter", "test", "remedy"),
+    [(ENERGY, HEAP, "a shear test"), (RATIO, CLUMPS, "photographs of particles")],
+)
+def test_a_parameter_whose_effect_is_not_recorded_does_not_count_as_known(
+    parameter: gf.Parameter, test: gf.tests.Heap, remedy: str
+) -> None:
+    limits, unrecorded, frictions = expected(DENSITY, SLIDING, ROLLING, parameter, test=test).notes
+
+    assert "recorded slopes, which are those of dry spheres" in limits
+    assert (
+        f"not recorded how the tests respond to {parameter.name}, so nothing is known" in unrecorded
+    )
+    assert "Even if it was known, " in unrecorded
+    assert f"% of the interval of {SLIDING.name}" in unrecorded
+    assert f"To determine {parameter.name}: {remedy}" in unrecorded
+    assert "while particle.density is free: at least 8" in frictions
+    # Nothing more is said of what would stay open where only its effect is not known.
+    _, alone = expected(parameter, test=test).notes
+    assert "Even if" not in alone
+
+
+def test_several_parameters_whose_effects_are_not_recorded_are_said_together() -> None:
+    _, note = expected(ROLLING, ENERGY, RATIO, test=CLUMPS).notes
+    assert f"respond to {ENERGY.name} and {RATIO.name}, so nothing" in note
+    assert "Even if they were known, " in note
+
+
+def test_slopes_of_clumps_and_cohesive_materials_are_said_not_to_be_recorded() -> None:
+    [clumps] = expected(SLIDING, ROLLING, test=CLUMPS).notes
+    [cohesive] = expected(SLIDING, ROLLING, **{ENERGY.name: 0.1}).notes
+    assert clumps == cohesive
+    assert "those of clumps and of cohesive materials are not recorded" in clumps
+    assert expected(SLIDING, ROLLING, **{ENERGY.name: 0.0}).notes == ()
 
 
 def test_nothing_is_said_about_models_of_the_user_and_responses_that_were_not_studied(

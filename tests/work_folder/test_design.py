@@ -137,6 +137,16 @@ def test_a_parameter_whose_effect_is_not_recorded_counts_as_known(plan: Path) ->
     assert "The recorded slopes are those of spheres without cohesion" in words
 
 
+def test_a_cohesion_energy_density_can_be_determined_by_a_heap(plan: Path) -> None:
+    cohesive = FILE.replace(
+        "[particle_wall]", "cohesion_energy_density = { min = 0, max = 2000 }\n[particle_wall]"
+    )
+    plan.write_text(cohesive.replace('"lammps"', '"liggghts"'))
+    words = " ".join(str(gf.design(plan, wanted=0.3)).split())
+    name = "particle_particle.cohesion_energy_density"
+    assert f"To determine {name}: the angle of repose of a heap" in words
+
+
 def test_nothing_is_compared_where_no_effect_is_recorded(plan: Path) -> None:
     fixed = re.sub(r'= \{ min = ("[^"]*"|\S+), max = .* \}', r"= \1", FILE)
     plan.write_text(fixed.replace('diameter = "10 mm"', SHAPED))

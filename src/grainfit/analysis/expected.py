@@ -7,7 +7,7 @@ give the expected widths of what remains.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -20,6 +20,7 @@ from grainfit.analysis.further_tests import (
     better_fixed,
     how_to_determine,
     how_to_tell_apart,
+    to_settle,
 )
 from grainfit.analysis.information import (
     Knowledge,
@@ -27,9 +28,9 @@ from grainfit.analysis.information import (
     even_deviation,
     recorded_measurable,
 )
-from grainfit.analysis.wall_sensitivities import on_walls, without_sensitivities
+from grainfit.analysis.limits_of_trials import are_dry_spheres, unrecorded_effects
+from grainfit.analysis.wall_sensitivities import on_walls
 from grainfit.bulk_tests.accuracy import Accuracy
-from grainfit.bulk_tests.sensitivities import VARIED
 from grainfit.evaluation import response_name
 from grainfit.formatting import in_a_row
 from grainfit.materials.walls import plain_name
@@ -42,6 +43,11 @@ Array = NDArray[np.float64]
 #: Share of an interval above which a parameter counts as open: the sensitivities are those of two
 #: materials, so only wide intervals are worth a note.
 _OPEN = 0.75
+_DRY_SPHERES = (
+    "What the tests leave open is estimated with recorded slopes, which are those of dry spheres: "
+    "those of clumps and of cohesive materials are not recorded. 'grainfit design --simulate' "
+    "finds them."
+)
 #: A parameter is tied to another one if its interval is narrower by this factor once that is known.
 _TIED = 0.75
 
@@ -55,9 +61,11 @@ class ExpectedNarrowing:
     narrowing : dict of str to float
         Width of the interval that each free parameter will keep, over that of its interval now:
         0 when it will be known exactly, 1 when the tests give no information. Only parameters whose
-        effect has been measured; empty if that of a response has not.
+        effect has been measured; empty if that of a response has not. Least widths while a
+        parameter is free whose effect has not.
     notes : tuple of str
-        Sentences about parameters that will stay open, with tests to add.
+        Sentences about the limits of the estimate, and about parameters that will stay open, with
+        tests to add.
     """
 
     narrowing: dict[str, float] = field(default_factory=dict)
@@ -95,14 +103,20 @@ def expected_narrowing(problem: Problem, solvers: Mapping[str, Solver]) -> Expec
     seen = _observations(problem, solvers, material)
     if not seen:
         return ExpectedNarrowing()
-    unknown = {name for solver in solvers.values() for name in without_sensitivities(solver)}
-    free = [p for p in problem.parameters if plain_name(p.name) in VARIED and p.name not in unknown]
+    unrecorded = list(unrecorded_effects(solvers, [p.name for p in problem.parameters]))
+    without_effect = [p.name for p in problem.parameters if plain_name(p.name) in BETTER_FIXED]
+    free = [p for p in problem.parameters if p.name not in (*unrecorded, *without_effect)]
     spreads = {p.name: even_deviation(p) for p in free}
     estimate = _Estimate(Knowledge.of_intervals(free), spreads, seen, _covariances(problem))
     tests = in_a_row(dict.fromkeys(s.bulk_test.type for s in solvers.values() if s.bulk_test))
-    without_effect = [p.name for p in problem.parameters if plain_name(p.name) in BETTER_FIXED]
-    notes = (*_notes(estimate, tests), *map(better_fixed, without_effect))
-    return ExpectedNarrowing(estimate.narrowing(), notes)
+    widths = estimate.narrowing()
+    notes = (
+        *(() if are_dry_spheres(solvers, material) else (_DRY_SPHERES,)),
+        *([_note_on_unrecorded(unrecorded, widths)] if unrecorded else ()),
+        *_notes(estimate, tests, about="at least" if unrecorded else "about"),
+        *map(better_fixed, without_effect),
+    )
+    return ExpectedNarrowing(widths, notes)
 
 
 def middle_material(problem: Problem, solvers: Mapping[str, Solver]) -> dict[str, float]:
@@ -158,12 +172,26 @@ class _Estimate:
         return self.narrowing([other for other in self.before.names if other != name])[name]
 
 
-def _notes(estimate: _Estimate, tests: str) -> Iterator[str]:
+def _note_on_unrecorded(unrecorded: Sequence[str], widths: Mapping[str, float]) -> str:
+    """Return sentences on parameters whose effect is not recorded."""
+    them, they_were = ("it", "it was") if len(unrecorded) == 1 else ("them", "they were")
+    kept = f" Even if {they_were} known, {_kept(widths, widths)} would stay open." if widths else ""
+    return (
+        f"It is not recorded how the tests respond to {in_a_row(unrecorded)}, so nothing is known "
+        f"of what they tell about {them}.{kept} {' '.join(map(to_settle, unrecorded))}"
+    )
+
+
+def _kept(names: Iterable[str], widths: Mapping[str, float]) -> str:
+    return in_a_row([f"{100 * widths[name]:.0f} % of the interval of {name}" for name in names])
+
+
+def _notes(estimate: _Estimate, tests: str, about: str) -> Iterator[str]:
     widths = estimate.narrowing()
     is_open = [name for name, width in widths.items() if width > _OPEN]
     unseen = [name for name in is_open if estimate.narrowing_alone(name) > _OPEN]
     for group in _groups(estimate, [name for name in is_open if name not in unseen]):
-        yield _note_on_group(group, widths, tests)
+        yield _note_on_group(group, widths, tests, about)
     for name in unseen:
         yield f"{name} will not be determined by {tests}. To determine it: {how_to_determine(name)}"
 
@@ -185,25 +213,21 @@ def _tied(estimate: _Estimate, name: str) -> list[str]:
     return [o for o in others if estimate.narrowing([o])[name] < _TIED * width]
 
 
-def _note_on_group(group: tuple[str, ...], widths: Mapping[str, float], tests: str) -> str:
+def _note_on_group(
+    group: tuple[str, ...], widths: Mapping[str, float], tests: str, about: str
+) -> str:
     """Return sentences on those that stay open, and on those that need not be free."""
     easy = [name for name in group if plain_name(name) in DIRECT and widths[name] <= _OPEN]
     hard = [name for name in group if name not in easy]
     while_free = f" while {in_a_row(easy)} {'is' if len(easy) == 1 else 'are'} free" if easy else ""
-    kept = in_a_row(
-        [
-            f"{100 * widths[name]:.0f} % of the interval of {name}"
-            for name in hard
-            if widths[name] > _OPEN
-        ]
-    )
+    kept = _kept([name for name in hard if widths[name] > _OPEN], widths)
     if len(hard) == 1:
         return (
-            f"{hard[0]} will hardly be determined by {tests}{while_free}: about "
+            f"{hard[0]} will hardly be determined by {tests}{while_free}: {about} "
             f"{100 * widths[hard[0]]:.0f} % of its interval stays open. To determine it: "
             f"{how_to_determine(hard[0])}"
         )
     return (
-        f"{in_a_row(hard)} can hardly be told apart by {tests} alone{while_free}: about {kept} "
+        f"{in_a_row(hard)} can hardly be told apart by {tests} alone{while_free}: {about} {kept} "
         f"stays open. To tell them apart: {how_to_tell_apart(group)}"
     )

@@ -113,7 +113,7 @@ BETTER_FIXED: Mapping[str, str] = {
 _TYPES = ("compression", "draw_down", "heap", "packing", "shear")
 _FRICTIONS = frozenset({SLIDING, ROLLING})
 #: Parameters that nothing but bulk tests determines.
-_FROM_BULK_TESTS = _FRICTIONS | {MODULUS, _ENERGY_DENSITY}
+_FROM_BULK_TESTS = _FRICTIONS | {MODULUS}
 
 
 def to_settle(name: str) -> str:

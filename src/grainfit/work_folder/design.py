@@ -11,21 +11,19 @@ from scipy.stats import qmc
 
 from grainfit.analysis.advice import CandidateTest
 from grainfit.analysis.bench import Bench, material_of, other_tests
-from grainfit.analysis.further_tests import BETTER_FIXED, without_the_bench
+from grainfit.analysis.further_tests import without_the_bench
 from grainfit.analysis.information import Knowledge, recorded_measurable
+from grainfit.analysis.limits_of_trials import are_dry_spheres, unrecorded_effects
 from grainfit.analysis.slopes import Cloud, corners
 from grainfit.analysis.test_plan import TestPlan, plan_tests
-from grainfit.analysis.wall_sensitivities import on_walls, without_sensitivities
-from grainfit.bulk_tests.sensitivities import VARIED
+from grainfit.analysis.wall_sensitivities import on_walls
 from grainfit.calibration_file.accuracies import read_accuracies
 from grainfit.calibration_file.planned import PlannedFile, load_planned_file
 from grainfit.campaign.batch import ExpectedWork
 from grainfit.campaign.work_folder import default_workdir
 from grainfit.checks import as_number
-from grainfit.contact_models.registry import COHESION
 from grainfit.errors import Fault, InputError
 from grainfit.formatting import counted
-from grainfit.materials.walls import plain_name
 from grainfit.problem import Parameter
 from grainfit.work_folder.candidates import AccuracyOf, Simulation, seconds_of
 
@@ -33,6 +31,10 @@ from grainfit.work_folder.candidates import AccuracyOf, Simulation, seconds_of
 _SIDE = 0.35
 #: Members of an even spread over the intervals.
 _SPREAD = 1024
+_FAR_FROM_THE_TRIALS = (
+    "The recorded slopes are those of spheres without cohesion; --simulate finds those of this "
+    "material."
+)
 _RECORDED = "Slopes are recorded ones, see docs/choosing_tests.md."
 
 
@@ -101,12 +103,13 @@ def design(
     accuracy = partial(planned.accuracy, given)
     if not simulate:
         found, missing = _recorded(planned, bench, middle, accuracy)
-        without = _unrecorded(bench, middle)
+        without = unrecorded_effects(bench.solvers, middle)
         nowhere = [name for name, tests in without.items() if tests == list(bench.solvers)]
         before = Knowledge.of_intervals(parameters).without(nowhere)
+        is_recorded = are_dry_spheres(bench.solvers, material_of(bench.solvers, middle))
         remarks = [
             *bench.without(missing).remarks(),
-            *_far_from_the_trials(bench, material_of(bench.solvers, middle)),
+            *(() if is_recorded else (_FAR_FROM_THE_TRIALS,)),
             *_remarks_on_unrecorded(without, nowhere),
         ]
         recorded = found if before.names else []
@@ -166,17 +169,6 @@ def _recorded(
     return found, missing
 
 
-def _unrecorded(bench: Bench, free: Collection[str]) -> dict[str, list[str]]:
-    """Return the tests on which the effect of a free parameter is not recorded, by parameter."""
-    known = {*VARIED, *BETTER_FIXED}
-    without = {test: without_sensitivities(solver) for test, solver in bench.solvers.items()}
-    found = {
-        name: [t for t, own in without.items() if name in own or plain_name(name) not in known]
-        for name in free
-    }
-    return {name: tests for name, tests in found.items() if tests}
-
-
 def _remarks_on_unrecorded(
     without: Mapping[str, Sequence[str]], nowhere: Collection[str]
 ) -> Iterator[str]:
@@ -190,17 +182,6 @@ def _remarks_on_unrecorded(
             continue
         for test in tests:
             yield f"The effect of {name} on {test} is not recorded; --simulate finds it."
-
-
-def _far_from_the_trials(bench: Bench, material: Mapping[str, float]) -> Iterator[str]:
-    """Yield a sentence if particles are other than cohesionless spheres."""
-    tests = [solver.bulk_test for solver in bench.solvers.values() if solver.bulk_test]
-    are_clumps = any(test.sizes.shape is not None for test in tests)
-    if are_clumps or any(value for name, value in material.items() if plain_name(name) in COHESION):
-        yield (
-            "The recorded slopes are those of spheres without cohesion; --simulate finds those of "
-            "this material."
-        )
 
 
 def _points(parameters: Sequence[Parameter]) -> list[dict[str, float]]:
