@@ -3,19 +3,31 @@
 from __future__ import annotations
 
 import json
+import math
+import re
+import shutil
 import subprocess
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from grainfit.bulk_tests.heap import Heap
+from grainfit.bulk_tests.packing import Packing
 from grainfit.cards import MaterialCard, render
 from grainfit.materials.particle_shape import ParticleShape
 from grainfit.materials.sizes import ParticleSizes
 from grainfit.solvers.dem.lammps.program import Lammps
+from grainfit.testing.decks import write_deck
 
 SIZES = ParticleSizes((0.010,), shape=ParticleShape("grain", aspect_ratio=1.8))
+
+#: Upright: YADE sorts the axes by their moments, and the masses of the spheres have another centre.
+PIN = ParticleSizes(
+    (0.010,), shape=ParticleShape(spheres=((0.0, 0.0, 0.0, 1.0), (0.0, 0.0, 1.1, 0.5)))
+)
 
 
 @pytest.fixture
@@ -89,9 +101,87 @@ def test_every_card_has_the_spheres(clumps: MaterialCard) -> None:
         assert "clumps of spheres: grain, aspect ratio 1.8" in text
         assert all(line.startswith("#") for line in text.splitlines() if "multisphere" in line)
     assert "particletemplate/multisphere" in render(clumps, "liggghts")
-    assert "appendClumped" in render(clumps, "yade")
+    assert "put_clump" in render(clumps, "yade")
 
 
 def test_cards_of_spheres_say_nothing_of_clumps(card: MaterialCard) -> None:
     assert json.loads(render(card, "json"))["particle_shape"] is None
     assert all("clump" not in render(card, to) for to in ("lammps", "liggghts", "yade"))
+
+
+#: A pin at a place and with an orientation, and one that falls on its end.
+YADE = """
+import json, os, sys
+from yade import *
+
+sys.path.insert(0, os.getcwd())
+from material import RECOMMENDED_TIME_STEP, contact_law, contact_physics, put_clump, wall
+
+O.bodies.append(utils.wall(0, axis=2, material=wall))
+clump, members = put_clump((0.1, 0.2, 0.3), Quaternion(Vector3(1, 2, 3).normalized(), 0.7))
+state = O.bodies[clump].state
+turn = state.ori.toRotationMatrix()
+found = {
+    "labels": [O.bodies[n].material.label for n in members],
+    "spheres": [[*O.bodies[n].state.pos, O.bodies[n].shape.radius] for n in members],
+    "place": list(state.pos),
+    "mass": state.mass,
+    "inertia": [list(row) for row in turn * state.inertia.asDiagonal() * turn.transpose()],
+    "masses_of_members": [O.bodies[n].state.mass for n in members],
+}
+clump, _ = put_clump((0, 0, 0.006))
+O.bodies[clump].state.vel = (0, 0, -0.3)
+O.engines = [
+    ForceResetter(),
+    InsertionSortCollider([Bo1_Sphere_Aabb(), Bo1_Wall_Aabb()]),
+    InteractionLoop(
+        [Ig2_Sphere_Sphere_ScGeom(), Ig2_Wall_Sphere_ScGeom()], [contact_physics], [contact_law]
+    ),
+    NewtonIntegrator(gravity=(0, 0, 0), damping=0),
+]
+O.dt = RECOMMENDED_TIME_STEP / 20
+O.run(20000, wait=True)
+found["rebound"] = O.bodies[clump].state.vel[2] / 0.3
+with open("found.json", "w") as file:
+    json.dump(found, file)
+"""
+
+
+@pytest.mark.skipif(
+    shutil.which("yade") is None, reason="YADE is not installed: apt-get install yade"
+)
+def test_yade_puts_the_clump_of_a_card(card: MaterialCard, tmp_path: Path) -> None:
+    text = render(replace(card, sizes=PIN), "yade")
+    (tmp_path / "material.py").write_text(text, encoding="utf-8")
+    (tmp_path / "test.py").write_text(YADE)
+    command = ["yade", "-n", "-x", "test.py"]
+    done = subprocess.run(
+        command, cwd=tmp_path, capture_output=True, text=True, timeout=120, check=False
+    )
+    assert (tmp_path / "found.json").is_file(), done.stdout + done.stderr
+    found = json.loads((tmp_path / "found.json").read_text())
+
+    clump, diameter = PIN.clump, PIN.diameters[0]
+    assert clump is not None
+    mass = card.values["particle.density"] * math.pi / 6 * diameter**3
+    axis = np.array([1, 2, 3]) / math.sqrt(14)
+    turn = Rotation.from_rotvec(0.7 * axis).as_matrix()
+    assert found["labels"] == ["particle", "particle"]
+    assert found["place"] == pytest.approx([0.1, 0.2, 0.3], abs=1e-7)
+    places = [0.1, 0.2, 0.3] + diameter * clump.positions @ turn.T
+    expected = np.column_stack((places, diameter * clump.radii))
+    assert np.array(found["spheres"]) == pytest.approx(expected, abs=1e-7)
+    assert found["mass"] == pytest.approx(mass)
+    inertia = mass * diameter**2 * turn @ np.diag(clump.moments) @ turn.T
+    assert np.array(found["inertia"]) == pytest.approx(inertia, abs=1e-5 * inertia.max())
+    # An impact on the end: the dashpot knows the mass of the whole clump.
+    assert found["masses_of_members"] == [pytest.approx(mass)] * 2
+    assert found["rebound"] == pytest.approx(card.values["particle_wall.restitution"], rel=0.02)
+
+
+def test_yade_has_the_rolling_stiffness_of_its_deck(clumps: MaterialCard, tmp_path: Path) -> None:
+    undamped = {n: 0.0 if "damping" in n else v for n, v in clumps.values.items()}
+    deck = write_deck(Packing(SIZES), tmp_path, "yade", undamped, seed=1).read_text()
+
+    [stiffness] = re.findall(r"krot=(\S+),", deck)
+    assert f"krot={stiffness}," in render(clumps, "yade")

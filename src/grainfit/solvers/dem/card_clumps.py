@@ -1,4 +1,4 @@
-"""Clumps in material cards: the template of each solver, as comments to copy."""
+"""Clumps in material cards: the templates of LAMMPS and LIGGGHTS, as comments to copy."""
 
 from __future__ import annotations
 
@@ -37,6 +37,25 @@ class CardClump:
     inertia: tuple[float, float, float]
 
 
+def card_clumps(sizes: ParticleSizes | None, density: float) -> list[CardClump]:
+    """Return the clump of each diameter, for a density of the solid in kg/m^3; none of spheres."""
+    spheres = None if sizes is None else clump_spheres(sizes)
+    if spheres is None:
+        return []
+    return [card_clump(spheres, index, density) for index in range(len(spheres.diameters))]
+
+
+def clump_words(sizes: ParticleSizes | None) -> list[str]:
+    """Return the comments that say which clumps the particles are; none for spheres."""
+    if sizes is None or sizes.clump is None:
+        return []
+    return [
+        "#",
+        f"# Particles are clumps of spheres: {sizes.shape}. Mass and inertia are those of the",
+        "# union of the spheres. Positions are from the centre of mass, along the principal axes.",
+    ]
+
+
 def clump_lines(
     sizes: ParticleSizes | None, density: float, write: Callable[[CardClump], Iterator[str]]
 ) -> list[str]:
@@ -51,18 +70,11 @@ def clump_lines(
     write : callable
         Yields the template of a clump for a solver.
     """
-    spheres = None if sizes is None else clump_spheres(sizes)
-    if sizes is None or spheres is None:
-        return []
-    lines = [
-        f"Particles are clumps of spheres: {sizes.shape}. Mass and inertia are those of the union",
-        "of the spheres. Positions are from the centre of mass, along the principal axes.",
-    ]
-    for index in range(len(sizes.diameters)):
-        clump = card_clump(spheres, index, density)
+    lines = []
+    for clump in card_clumps(sizes, density):
         lines += ["", f"Clump with the volume of a sphere of {clump.diameter!r} m:"]
         lines += [f"    {line}".rstrip() for line in write(clump)]
-    return ["#", *(f"# {line}".rstrip() for line in lines)]
+    return [*clump_words(sizes), *(f"# {line}".rstrip() for line in lines)]
 
 
 def card_clump(spheres: ClumpSpheres, index: int, density: float) -> CardClump:
@@ -109,14 +121,3 @@ def liggghts_template(clump: CardClump) -> Iterator[str]:
     yield f"    density constant {density!r} nspheres {len(clump.spheres)} ntry 1000000 spheres &"
     yield from (f"    {' '.join(map(repr, sphere))} &" for sphere in clump.spheres)
     yield f"    type 1 mass {clump.mass!r} inertia_tensor {x!r} 0.0 0.0 {y!r} 0.0 {z!r} use_density"
-
-
-def yade_clump(clump: CardClump) -> Iterator[str]:
-    """Yield a clump for YADE, of bodies that have this material."""
-    rows = (f"(({x!r}, {y!r}, {z!r}), {radius!r})," for x, y, z, radius in clump.spheres)
-    yield "spheres = ["
-    yield from (f"    {row}" for row in rows)
-    yield "]"
-    yield "clump, members = O.bodies.appendClumped([utils.sphere(c, r) for c, r in spheres])"
-    yield f"O.bodies[clump].state.mass = {clump.mass!r}"
-    yield f"O.bodies[clump].state.inertia = ({', '.join(map(repr, clump.inertia))})"
