@@ -104,8 +104,8 @@ def test_yade(card: MaterialCard, tmp_path: Path) -> None:
     for contact in (found["particles"], found["wall"]):
         assert contact["acts"]
         assert contact["adhesion"] == pytest.approx(pull_off_force(BETWEEN, RADIUS / 2))
-    assert f"surface energy of {BETWEEN / 2} and {2 * BETWEEN / 3} J/m^2" in text
-    assert f"not of {ON_WALL}" in text
+    assert f"surface energy of {BETWEEN / 2:g} and {2 * BETWEEN / 3:g} J/m^2; that of" in text
+    assert f"#       {ON_WALL} on the wall.\n" in text
 
 
 @pytest.mark.parametrize(

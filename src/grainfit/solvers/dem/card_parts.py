@@ -23,7 +23,7 @@ from grainfit.materials.card import CardParameter, MaterialCard
 from grainfit.materials.card_text import comment
 from grainfit.materials.parameters import BODY_PARAMETERS, MaterialParameter
 from grainfit.materials.sizes import ParticleSizes
-from grainfit.materials.walls import PLAIN, plain_name, walls_among
+from grainfit.materials.walls import PLAIN, plain_name, wall_of, walls_among
 
 _DECKS = {"lammps": "LAMMPS", "liggghts": "LIGGGHTS", "yade": "YADE"}
 #: Parameters of particles and walls that influence contacts.
@@ -77,8 +77,11 @@ def require_material(card: MaterialCard, solver: str) -> tuple[dict[str, float],
     if faults:
         raise InputError(faults)
     law = contact_law(values, card.contact_models)
+    # Without a plain wall, nothing is made of its defaults.
+    walls = walls_of_card(card)
+    values = {n: v for n, v in values.items() if wall_of(n) is None or wall_of(n) in walls}
     needs = _BODIES | law.needs(solver)
-    needed = [n for n in parameters_of_walls(walls_of_card(card)) if plain_name(n) in needs]
+    needed = [n for n in parameters_of_walls(walls) if plain_name(n) in needs]
     _require_nothing_missing([name for name in needed if name not in values], solver)
     faults = [
         Fault(name, f"is {values[name]:g}, which no card for {solver} can hold.", _limits(known))
