@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import json
 import math
 import re
@@ -35,58 +36,92 @@ def clumps(card: MaterialCard) -> MaterialCard:
     return replace(card, sizes=SIZES)
 
 
-def block(text: str, first: str, last: str) -> str:
-    """Return the comments of a card between two lines, as they are to be copied."""
-    lines = [line.removeprefix("#").removeprefix("     ") for line in text.splitlines()]
-    begin = next(n for n, line in enumerate(lines) if first in line)
-    end = next(n for n, line in enumerate(lines) if n > begin and last in line)
-    return "\n".join(lines[begin + 1 : end])
+def molecules(text: str) -> dict[str, str]:
+    """Return the molecule files in the comments of a card for LAMMPS, by name."""
+    lines = [line.removeprefix("#     ").removeprefix("#") for line in text.splitlines()]
+    ends = [n for n, line in enumerate(lines) if re.match(r" (Clump \d+, with|--- values)", line)]
+    return {lines[n + 1]: "\n".join(lines[n + 1 : end]) for n, end in itertools.pairwise(ends)}
 
 
-def test_lammps_reads_the_molecule_of_a_card(clumps: MaterialCard, tmp_path: Path) -> None:
-    text = render(clumps, "lammps")
-    (tmp_path / "clump.mol").write_text("clump\n\n" + block(text, "reinit no", "--- values"))
-    (tmp_path / "card").write_text(text)
-    deck = (
-        "units si\natom_style sphere\natom_modify map array\nboundary f f f\nnewton off\n"
-        "comm_modify vel yes cutoff 0.1\n"
-        "fix property all property/atom mol ghost yes\n"
-        "region box block -0.1 0.1 -0.1 0.1 -0.1 0.1 units box\ncreate_box 4 box\n"
-        "include card\npair_style granular\n"
-        "neigh_modify exclude molecule/intra all\n"
-        + "".join(
-            f"pair_coeff {i} {j} ${{particle_particle_contact_{i}_{j}}}\n"
-            for i in range(1, 5)
-            for j in range(i, 5)
-        )
-        + "molecule clump clump.mol\n"
-        "region here block -0.02 0.02 -0.02 0.02 -0.02 0.02 units box\n"
-        "fix motion all rigid/small molecule mol clump reinit no\n"
-        "fix insert all deposit 1 0 1 12345 region here mol clump rigid motion units box\n"
-        "compute body all rigid/local motion mass inertiax inertiay inertiaz\n"
-        "compute all_bodies all reduce sum c_body[1] c_body[2] c_body[3] c_body[4] "
-        "inputs local\n"
-        "thermo_style custom step c_all_bodies[*]\nthermo_modify norm no format float %.12g\n"
-        "timestep 1e-6\nrun 2 post no\nrun 0\n"
-    )
-    (tmp_path / "in.card").write_text(deck)
+def followed(text: str, folder: Path, count: int) -> list[str]:
+    """Follow a card for LAMMPS to the letter: write its files, return the lines of its head.
+
+    What a card cannot know is added: the box, a region to pour from, and a number of particles.
+    """
+    files = {"this_file": text, **molecules(text)}
+    for name, content in files.items():
+        (folder / name).write_text(content)
+    head = text[text.index("# For LAMMPS") :].splitlines()[1:]
+    lines = [line.removeprefix("#     ") for line in head]
+    deck = list(itertools.takewhile(lambda line: not line.startswith("#"), lines))
+    place = next(n for n, line in enumerate(deck) if line.startswith("create_box"))
+    regions = ["boundary p p f", "region box block -0.04 0.04 -0.04 0.04 0.0 0.2"]
+    deck[place:place] = [*regions, "region hopper block -0.04 0.04 -0.04 0.04 0.05 0.19"]
+    deck = [line.replace("pour 1000", f"pour {count}") for line in deck]
+    return [line for line in deck if not line.startswith("run")]
+
+
+def run_lammps(lines: list[str], folder: Path) -> list[list[float]]:
+    """Return the numbers in the lines that begin with FOUND."""
+    (folder / "in.card").write_text("\n".join(lines) + "\n")
     program = Lammps(Heap(diameter="10 mm"), {})._program()
-    done = subprocess.run(
-        [program, "-in", "in.card", "-nocite"], cwd=tmp_path, capture_output=True, text=True
+    command = [program, "-in", "in.card", "-nocite"]
+    done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stdout[-800:]
+    found = [line.split() for line in done.stdout.splitlines() if line.startswith("FOUND ")]
+    return [list(map(float, numbers)) for _, *numbers in found]
+
+
+BODIES = """compute body all rigid/local motion mass inertiax inertiay inertiaz
+compute sums all reduce sum c_body[1] c_body[2] c_body[3] c_body[4] inputs local
+compute turning all erotate/rigid motion
+compute moving all ke/rigid motion
+compute low all reduce min z
+compute contacts all contact/atom
+compute touching all reduce sum c_contacts
+thermo 1
+thermo_style custom step c_sums[*] c_turning c_moving c_low c_touching"""
+FOUND = (
+    'print "FOUND $(c_sums[1]:%.12g) $(c_sums[2]:%.12g) $(c_sums[3]:%.12g) $(c_sums[4]:%.12g)'
+    ' $(c_turning) $(c_moving) $(c_low) $(c_touching)"'
+)
+
+
+def test_lammps_pours_clumps_where_its_card_is_followed_to_the_letter(
+    clumps: MaterialCard, tmp_path: Path
+) -> None:
+    # Six types of spheres in two diameters.
+    shape = ParticleShape("grain", aspect_ratio=1.4)
+    sizes = ParticleSizes((0.008, 0.010), (0.4, 0.6), shape=shape)
+    text = render(replace(clumps, sizes=sizes), "lammps")
+    [every] = re.findall(r"^#     run +100000 (every .*)$", text, re.MULTILINE)
+    lines = followed(text, tmp_path, 30)
+
+    count, steps = "variable count equal count(all)/7", f"run 12000 {every}"
+    counted = 'print "FOUND ${count} $(c_low)"'
+    low = "compute low all reduce min z\nthermo_style custom step atoms c_low"
+    [[number, lowest]] = run_lammps([*lines, count, low, steps, "run 0", counted], tmp_path)
+    assert number == 30
+    assert 0 < lowest < 0.004
+
+
+def test_lammps_moves_the_clump_of_a_card_as_a_whole(card: MaterialCard, tmp_path: Path) -> None:
+    lines = followed(render(replace(card, sizes=PIN), "lammps"), tmp_path, 1)
+    [[mass, *moments, turning, moving, lowest, touching]] = run_lammps(
+        [*lines, BODIES, "run 100", "run 0", FOUND], tmp_path
     )
 
-    assert done.returncode == 0, done.stdout[-800:]
-    lines = done.stdout.splitlines()
-    heads = [n for n, line in enumerate(lines) if line.split()[:1] == ["Step"]]
-    _, mass, *moments = map(float, lines[heads[-1] + 1].split())
-    clump = SIZES.clump
+    clump = PIN.clump
     assert clump is not None
-    density = clumps.values["particle.density"]
-    expected = density * 3.141592653589793 / 6 * 0.01**3
+    expected = card.values["particle.density"] * math.pi / 6 * 0.01**3
     assert mass == pytest.approx(expected, rel=1e-9)
-    assert sorted(moments) == pytest.approx(
-        sorted(expected * 0.01**2 * moment for moment in clump.moments), rel=1e-6
-    )
+    inertia = sorted(expected * 0.01**2 * moment for moment in clump.moments)
+    assert sorted(moments) == pytest.approx(inertia, rel=1e-6)
+    # Gravity on its spheres would turn it, and they would push each other.
+    assert lowest > 0.01
+    assert moving > 0
+    assert turning < 1e-12 * moving
+    assert touching == 0
 
 
 def test_every_card_has_the_spheres(clumps: MaterialCard) -> None:

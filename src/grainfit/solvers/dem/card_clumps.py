@@ -18,6 +18,8 @@ class CardClump:
 
     Parameters
     ----------
+    number : int
+        From 1, in the order of the diameters.
     diameter : float
         Of a sphere of equal volume, m.
     spheres : tuple of tuple of float
@@ -30,6 +32,7 @@ class CardClump:
         Principal moments, kg m^2.
     """
 
+    number: int
     diameter: float
     spheres: tuple[tuple[float, ...], ...]
     types: tuple[int, ...]
@@ -72,7 +75,7 @@ def clump_lines(
     """
     lines = []
     for clump in card_clumps(sizes, density):
-        lines += ["", f"Clump with the volume of a sphere of {clump.diameter!r} m:"]
+        lines += ["", f"Clump {clump.number}, with the volume of a sphere of {clump.diameter!r} m:"]
         lines += [f"    {line}".rstrip() for line in write(clump)]
     return [*clump_words(sizes), *(f"# {line}".rstrip() for line in lines)]
 
@@ -86,6 +89,7 @@ def card_clump(spheres: ClumpSpheres, index: int, density: float) -> CardClump:
     mass = density * math.pi / 6 * diameter**3
     x, y, z = (mass * diameter**2 * moment for moment in clump.moments)
     return CardClump(
+        index + 1,
         diameter,
         tuple((*place, radius) for place, radius in zip(places, radii, strict=True)),
         tuple((spheres.kinds(indices)[0] + 1).tolist()),
@@ -95,9 +99,8 @@ def card_clump(spheres: ClumpSpheres, index: int, density: float) -> CardClump:
 
 
 def lammps_molecule(clump: CardClump) -> Iterator[str]:
-    """Yield a molecule file for LAMMPS, for ``fix rigid/small`` with ``mol``."""
-    yield "(molecule file: insert it by fix deposit or fix pour with the keywords mol and rigid;"
-    yield "its inertia needs fix rigid/small with the keywords mol and reinit no)"
+    """Yield a molecule file for LAMMPS, whose first line it skips."""
+    yield f"clump{clump.number}.mol"
     yield f"{len(clump.spheres)} atoms"
     yield f"{clump.mass!r} mass"
     yield "0.0 0.0 0.0 com"
