@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import textwrap
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
@@ -62,8 +63,38 @@ def _words(card: MaterialCard, solver: str) -> str:
     return f"{calibrated[0].upper()}{calibrated[1:]}, which agrees without a rolling dashpot."
 
 
+def simulated_card(card: MaterialCard) -> MaterialCard:
+    """Return a card with the values of the simulated particles, which may be larger than the real.
+
+    Descriptions of values that differ say so.
+    """
+    factor = 1.0 if card.sizes is None else card.sizes.coarse_graining
+    ratios = simulated_material(dict.fromkeys(card.values, 1.0), factor)
+    return replace(card, parameters=tuple(_simulated(p, ratios[p.name]) for p in card.parameters))
+
+
+def _simulated(parameter: CardParameter, ratio: float) -> CardParameter:
+    if ratio == 1:
+        return parameter
+    meaning = parameter.description or parameter.name
+    interval = parameter.interval
+    return replace(
+        parameter,
+        value=ratio * parameter.value,
+        interval=None if interval is None else (ratio * interval[0], ratio * interval[1]),
+        description=f"{meaning}, {ratio:g} times that of the real particles",
+    )
+
+
 def require_material(card: MaterialCard, solver: str) -> tuple[dict[str, float], ContactLaw]:
     """Return the values of all parameters of a card, and their contact law.
+
+    Parameters
+    ----------
+    card : MaterialCard
+        With the values of the simulated particles.
+    solver : str
+        Name of the solver.
 
     Raises
     ------
@@ -71,8 +102,7 @@ def require_material(card: MaterialCard, solver: str) -> tuple[dict[str, float],
         A parameter that the solver needs is missing or has an impossible value, or the solver does
         not have a contact model that the card needs.
     """
-    factor = 1.0 if card.sizes is None else card.sizes.coarse_graining
-    values = simulated_material(with_defaults(card.values), factor)
+    values = with_defaults(card.values)
     faults = contact_law_faults(values, solver, card.contact_models)
     if faults:
         raise InputError(faults)

@@ -18,6 +18,7 @@ from grainfit.solvers.dem.card_parts import (
     origin,
     require_material,
     require_sizes,
+    simulated_card,
     variables,
     walls_of_card,
 )
@@ -59,6 +60,7 @@ def render_lammps(card: MaterialCard) -> str:
     InputError
         A parameter that LAMMPS needs is missing or impossible, or the particles' size is not known.
     """
+    card = simulated_card(card)
     material, law = require_material(card, "lammps")
     sizes = require_sizes(card, "lammps")
     kinds = SphereTypes.of(sizes)

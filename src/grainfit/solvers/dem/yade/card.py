@@ -16,6 +16,7 @@ from grainfit.solvers.dem.card_parts import (
     origin,
     require_material,
     require_sizes,
+    simulated_card,
     walls_of_card,
 )
 from grainfit.solvers.dem.sphere_types import SphereTypes
@@ -46,6 +47,7 @@ def render_yade(card: MaterialCard) -> str:
     InputError
         A parameter that YADE needs is missing or impossible, or the particles' size is not known.
     """
+    card = simulated_card(card)
     material, law = require_material(card, "yade")
     sizes = require_sizes(card, "yade")
     contact = SphereTypes.mean_of(sizes).between(material, 1, 1, card.gravity)
