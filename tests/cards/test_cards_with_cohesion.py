@@ -22,6 +22,7 @@ from grainfit.contact_models.jkr.model import force_at
 from grainfit.contact_models.sjkr.model import sphere_area
 from grainfit.contact_models.sjkr2.model import area_over_overlap
 from grainfit.errors import InputError
+from grainfit.materials.card import Program
 from grainfit.materials.sizes import ParticleSizes
 from grainfit.solvers.dem.lammps.program import Lammps
 from grainfit.solvers.dem.liggghts.program import Liggghts
@@ -126,6 +127,19 @@ def test_no_card_for_a_program_without_the_model(
 ) -> None:
     with pytest.raises(InputError, match=words):
         render(with_cohesion(card, of, *models), to)
+
+
+@pytest.mark.parametrize(("calibrated", "to"), [("lammps", "yade"), ("yade", "lammps")])
+def test_a_cohesive_card_for_another_program_says_how_its_friction_differs(
+    card: MaterialCard, calibrated: str, to: str
+) -> None:
+    sticky = replace(with_cohesion(card, STICKY, "dmt"), programs=(Program(calibrated, ""),))
+    text = " ".join(line.removeprefix("# ") for line in render(sticky, to).splitlines())
+
+    assert "CHECK: the values were calibrated with" in text
+    assert "Rolling friction is not quite the same in YADE" in text
+    assert "LAMMPS plus twice the pull-off force: cohesive beds do not agree." in text
+    assert "beds do not agree" not in render(sticky, calibrated)
 
 
 FACTOR = 2.5
