@@ -14,6 +14,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
+from test_solvers_read_cards import start
 
 from grainfit.bulk_tests.heap import Heap
 from grainfit.bulk_tests.packing import Packing
@@ -21,6 +22,7 @@ from grainfit.cards import MaterialCard, render
 from grainfit.materials.particle_shape import ParticleShape
 from grainfit.materials.sizes import ParticleSizes
 from grainfit.solvers.dem.lammps.program import Lammps
+from grainfit.solvers.dem.liggghts.program import Liggghts
 from grainfit.testing.decks import write_deck
 
 SIZES = ParticleSizes((0.010,), shape=ParticleShape("grain", aspect_ratio=1.8))
@@ -122,6 +124,47 @@ def test_lammps_moves_the_clump_of_a_card_as_a_whole(card: MaterialCard, tmp_pat
     assert moving > 0
     assert turning < 1e-12 * moving
     assert touching == 0
+
+
+LIGGGHTS = """units si
+atom_style granular
+atom_modify map array
+newton off
+communicate single vel yes
+boundary f f f
+region box block -0.1 0.1 -0.1 0.1 0.0 0.2 units box
+create_box 2 box
+neighbor 0.002 bin
+include card.inc
+pair_style gran model ${{contact_model}}
+pair_coeff * *
+region hopper block -0.08 0.08 -0.08 0.08 0.05 0.18 units box
+{templates}
+fix both all particledistribution/discrete 15485867 2 clump1 0.5 clump2 0.5
+fix insertion all insert/pack seed 32452843 distributiontemplate both insert_every once &
+    overlapcheck yes orientation random all_in yes particles_in_region 10 region hopper
+fix motion all multisphere
+timestep ${{recommended_time_step}}
+run 1
+variable number equal atoms
+print "FOUND ${{number}}"
+"""
+
+
+@pytest.mark.skipif(
+    shutil.which("liggghts") is None, reason="LIGGGHTS is not installed: apt-get install liggghts"
+)
+def test_liggghts_inserts_the_clumps_of_each_diameter(clumps: MaterialCard, tmp_path: Path) -> None:
+    sizes = ParticleSizes((0.008, 0.010), (0.4, 0.6), shape=SIZES.shape)
+    text = render(replace(clumps, sizes=sizes), "liggghts")
+    (tmp_path / "card.inc").write_text(text)
+    indented = [line[6:] for line in text.splitlines() if line.startswith("#     ")]
+    first = next(n for n, line in enumerate(indented) if line.startswith("fix clump1"))
+    templates = "\n".join(indented[first:])
+    (tmp_path / "in.test").write_text(LIGGGHTS.format(templates=templates))
+    start(Liggghts, tmp_path)
+
+    assert "FOUND 70" in (tmp_path / "solver.log").read_text(errors="replace").splitlines()
 
 
 def test_every_card_has_the_spheres(clumps: MaterialCard) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
@@ -120,7 +121,16 @@ def liggghts_template(clump: CardClump) -> Iterator[str]:
     """Yield a particle template for LIGGGHTS, for ``fix multisphere``."""
     x, y, z = clump.inertia
     density = clump.mass / (math.pi / 6 * clump.diameter**3)
-    yield "fix clump all particletemplate/multisphere 15485863 atom_type 1 &"
+    template = f"particletemplate/multisphere {_prime(clump.number)}"
+    yield f"fix clump{clump.number} all {template} atom_type 1 &"
     yield f"    density constant {density!r} nspheres {len(clump.spheres)} ntry 1000000 spheres &"
     yield from (f"    {' '.join(map(repr, sphere))} &" for sphere in clump.spheres)
-    yield f"    type 1 mass {clump.mass!r} inertia_tensor {x!r} 0.0 0.0 {y!r} 0.0 {z!r} use_density"
+    yield f"    type {clump.number} mass {clump.mass!r} &"
+    yield f"    inertia_tensor {x!r} 0.0 0.0 {y!r} 0.0 {z!r} use_density"
+
+
+def _prime(number: int) -> int:
+    """Return a prime above 10000: LIGGGHTS wants another seed for every template."""
+    odd = itertools.count(10001, 2)
+    primes = (n for n in odd if all(n % divisor for divisor in range(3, math.isqrt(n) + 1, 2)))
+    return next(itertools.islice(primes, number - 1, None))
