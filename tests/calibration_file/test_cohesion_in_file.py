@@ -154,6 +154,17 @@ def test_cohesion_and_low_restitution_shorten_the_time_step_that_is_the_default(
     assert setup_of(tmp_path, text).bulk_tests["heap"].conditions.time_step_fraction == fraction
 
 
+@pytest.mark.parametrize("energy", ['"0.1 J/m^2"', '{ min = 0, max = "0.1 J/m^2" }'])
+def test_a_cohesive_material_on_two_solvers_is_noted(tmp_path: Path, energy: str) -> None:
+    text = sticky(energy, chosen="dmt").replace("rolling_damping = 0.25", "rolling_damping = 0")
+    packing = 'type = "packing"\nsolver = "yade"\ntargets.bulk_density = { value = 1400 }'
+    text = text.replace("[[test]]", f"[[test]]\n{packing}\n\n[[test]]")
+    [note] = [note for note in setup_of(tmp_path, text).notes() if "The tests run with" in note]
+
+    assert "Rolling friction is not quite the same in YADE" in note
+    assert "LAMMPS plus twice the pull-off force: cohesive beds do not agree" in note
+
+
 def test_two_models_that_are_both_free_are_refused(tmp_path: Path) -> None:
     both = sticky('{ min = 0, max = "0.5 J/m^2" }').replace(
         BETWEEN, f'{BETWEEN}cohesion_energy_density = {{ min = 0, max = "1 kJ/m^3" }}\n'

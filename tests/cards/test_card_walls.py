@@ -179,6 +179,22 @@ def test_yade_has_a_material_for_each_wall(two_walls: MaterialCard, tmp_path: Pa
     assert [float(young) for _, _, young in found] == [1e6, 4e6]
 
 
+def test_yade_says_for_each_wall_what_it_replaces(two_walls: MaterialCard) -> None:
+    shares = {"steel": 0.05, "acrylic": 0.08}
+    changes = {f"particle_wall.{w}.rolling_friction": v for w, v in shares.items()}
+    changes |= {f"particle_wall.{w}.surface_energy": 10 * v for w, v in shares.items()}
+    values = {**two_walls.values, **changes, "particle_particle.surface_energy": 0.6}
+    sticky = replace(two_walls, parameters=tuple(_parameters(values)), contact_models=("dmt",))
+    text = render(sticky, "yade")
+
+    assert (
+        "is that of a surface energy of 0.3 and 0.4 J/m^2; that of the material is\n"
+        "#       0.5 on wall steel,\n"
+        "#       0.8 on wall acrylic.\n"
+    ) in text
+    assert "#       0.05 on wall steel,\n#       0.08 on wall acrylic.\n" in text
+
+
 def test_tables_and_data_have_every_wall(two_walls: MaterialCard) -> None:
     name = "particle_wall.acrylic.sliding_friction"
     rows = {row["name"]: row for row in csv.DictReader(io.StringIO(render(two_walls, "csv")))}

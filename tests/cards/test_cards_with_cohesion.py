@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import csv
+import io
 import json
+import re
 import shutil
 import subprocess
 from collections.abc import Mapping
@@ -19,6 +22,8 @@ from grainfit.contact_models.jkr.model import force_at
 from grainfit.contact_models.sjkr.model import sphere_area
 from grainfit.contact_models.sjkr2.model import area_over_overlap
 from grainfit.errors import InputError
+from grainfit.materials.card import Program
+from grainfit.materials.sizes import ParticleSizes
 from grainfit.solvers.dem.lammps.program import Lammps
 from grainfit.solvers.dem.liggghts.program import Liggghts
 
@@ -104,8 +109,8 @@ def test_yade(card: MaterialCard, tmp_path: Path) -> None:
     for contact in (found["particles"], found["wall"]):
         assert contact["acts"]
         assert contact["adhesion"] == pytest.approx(pull_off_force(BETWEEN, RADIUS / 2))
-    assert f"surface energy of {BETWEEN / 2} and {2 * BETWEEN / 3} J/m^2" in text
-    assert f"not of {ON_WALL}" in text
+    assert f"surface energy of {BETWEEN / 2:g} and {2 * BETWEEN / 3:g} J/m^2; that of" in text
+    assert f"#       {ON_WALL} on the wall.\n" in text
 
 
 @pytest.mark.parametrize(
@@ -122,3 +127,68 @@ def test_no_card_for_a_program_without_the_model(
 ) -> None:
     with pytest.raises(InputError, match=words):
         render(with_cohesion(card, of, *models), to)
+
+
+@pytest.mark.parametrize(("calibrated", "to"), [("lammps", "yade"), ("yade", "lammps")])
+def test_a_cohesive_card_for_another_program_says_how_its_friction_differs(
+    card: MaterialCard, calibrated: str, to: str
+) -> None:
+    sticky = replace(with_cohesion(card, STICKY, "dmt"), programs=(Program(calibrated, ""),))
+    text = " ".join(line.removeprefix("# ") for line in render(sticky, to).splitlines())
+
+    assert "CHECK: the values were calibrated with" in text
+    assert "Rolling friction is not quite the same in YADE" in text
+    assert "LAMMPS plus twice the pull-off force: cohesive beds do not agree." in text
+    assert "beds do not agree" not in render(sticky, calibrated)
+
+
+FACTOR = 2.5
+ENERGY = "particle_particle.surface_energy"
+
+
+@pytest.fixture
+def coarse(card: MaterialCard) -> MaterialCard:
+    """Real particles of 4 mm with cohesion, simulated with 10 mm."""
+    sticky = with_cohesion(card, STICKY, "dmt")
+    parameters = [
+        replace(p, interval=(0.2, 0.4), determination="determined") if p.name == ENERGY else p
+        for p in sticky.parameters
+    ]
+    sizes = ParticleSizes((0.004,)).coarse_grained(FACTOR)
+    return replace(sticky, parameters=tuple(parameters), sizes=sizes)
+
+
+@pytest.mark.parametrize(
+    ("to", "value", "in_contact"),
+    [
+        ("lammps", r"particle_particle_surface_energy +string (\S+) (.*)", r"dmt(?: (\S+)){4}"),
+        ("yade", r"'particle_particle.surface_energy': (\S+), (.*)", r"gamma=(\S+),"),
+    ],
+)
+def test_all_values_of_a_solver_are_those_of_the_simulated_particles(
+    coarse: MaterialCard, to: str, value: str, in_contact: str
+) -> None:
+    text = render(coarse, to)
+    [(found, comment)] = re.findall(value, text)
+
+    assert float(found) == FACTOR * BETWEEN
+    assert float(re.findall(in_contact, text)[0]) == FACTOR * BETWEEN
+    assert "2.5 times that of the real particles" in comment
+    assert "95 % interval 0.5 to 1" in comment
+    assert "2.5 times as large as the real ones (4 mm)" in text
+
+
+def test_tables_and_data_have_real_and_simulated_values(coarse: MaterialCard) -> None:
+    data = json.loads(render(coarse, "json"))
+    [energy] = [one for one in data["parameters"] if one["name"] == ENERGY]
+    [row] = [
+        row for row in csv.DictReader(io.StringIO(render(coarse, "csv"))) if row["name"] == ENERGY
+    ]
+
+    for values in (energy, row):
+        assert float(values["value"]) == BETWEEN
+        assert float(values["simulated_value"]) == FACTOR * BETWEEN
+    assert energy["interval_95"] == [0.2, 0.4]
+    assert float(row["coarse_graining"]) == data["particle_sizes"]["coarse_graining"] == FACTOR
+    assert data["particle_sizes"]["real_diameters"] == [0.004]
+    assert data["particle_sizes"]["diameters"] == [0.01]

@@ -6,9 +6,11 @@ from collections.abc import Iterator, Mapping
 
 from grainfit.bulk_tests.base import BulkTest
 from grainfit.calibration_file.content import CalibrationFile
+from grainfit.contact_models.base import ContactLaw
 from grainfit.contact_models.registry import COHESION, contact_law, idle_models
 from grainfit.errors import InputError
 from grainfit.formatting import in_a_row
+from grainfit.materials.walls import plain_name
 
 
 def chosen_model_lines(file: CalibrationFile) -> Iterator[str]:
@@ -43,14 +45,14 @@ def contact_notes(file: CalibrationFile, bulk_tests: Mapping[str, BulkTest]) -> 
         Its simulated tests by name.
     """
     solvers = {t.name: t.options["solver"] for t in file.tests if t.name in bulk_tests}
+    cohesive = {p.name: p.maximum for p in file.parameters if plain_name(p.name) in COHESION}
+    material = {**file.fixed, **cohesive}
     try:
-        law = contact_law(file.fixed, file.contact_models)
+        law = contact_law(material, file.contact_models)
     except InputError:
         return
-    yield from _crossing(sorted(set(solvers.values())), law.solver_difference(file.fixed))
+    yield from _crossing(sorted(set(solvers.values())), material, law)
     lowest = {p.name: p.minimum for p in file.parameters if p.name.endswith(".restitution")}
-    cohesive = {p.name: p.maximum for p in file.parameters if p.name in COHESION}
-    law = contact_law({**file.fixed, **cohesive}, file.contact_models)
     safe = law.time_step_fraction({**file.fixed, **lowest})
     for name, test in bulk_tests.items():
         fraction = test.conditions.time_step_fraction
@@ -62,14 +64,8 @@ def contact_notes(file: CalibrationFile, bulk_tests: Mapping[str, BulkTest]) -> 
             )
 
 
-def _crossing(solvers: list[str], difference: str) -> Iterator[str]:
-    if len(solvers) < 2:
-        return
-    words = f"The tests run with {in_a_row(solvers)}"
-    if "yade" in solvers:
+def _crossing(solvers: list[str], material: Mapping[str, float], law: ContactLaw) -> Iterator[str]:
+    if len(solvers) > 1 and (difference := law.solver_difference(material, solvers)):
         yield (
-            f"{words}: rolling friction is not quite the same in yade, which has no rolling "
-            "dashpot. Use one solver for all tests."
+            f"The tests run with {in_a_row(solvers)}. {difference} Use one solver for all tests."
         )
-    elif difference:
-        yield f"{words}. {difference} Use one solver for all tests."

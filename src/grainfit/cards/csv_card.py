@@ -8,6 +8,7 @@ from collections.abc import Iterator
 
 from grainfit.formatting import plain, spreadsheet_text
 from grainfit.materials.card import MaterialCard
+from grainfit.solvers.dem.card_parts import simulated_card
 
 COLUMNS = (
     "kind",
@@ -24,6 +25,8 @@ COLUMNS = (
     "met",
     "verdict",
     "determination",
+    "simulated_value",
+    "coarse_graining",
 )
 Cell = str | float | bool | None
 
@@ -38,6 +41,8 @@ def render_csv(card: MaterialCard) -> str:
 
 
 def _lines(card: MaterialCard) -> Iterator[dict[str, Cell]]:
+    simulated = simulated_card(card).values
+    factor = None if card.sizes is None else card.sizes.coarse_graining
     for parameter in card.parameters:
         low, high = parameter.interval or (None, None)
         yield {
@@ -51,6 +56,8 @@ def _lines(card: MaterialCard) -> Iterator[dict[str, Cell]]:
             "origin": parameter.origin,
             "verdict": card.verdict,
             "determination": parameter.determination,
+            "simulated_value": simulated[parameter.name],
+            "coarse_graining": factor,
         }
     for response in card.responses:
         yield {
@@ -66,6 +73,7 @@ def _lines(card: MaterialCard) -> Iterator[dict[str, Cell]]:
             "deviation_percent": response.deviation_percent,
             "met": response.verdict == "met",
             "verdict": card.verdict,
+            "coarse_graining": factor,
         }
 
 

@@ -6,6 +6,8 @@ import json
 from typing import Any
 
 from grainfit.materials.card import CardParameter, CardResponse, MaterialCard
+from grainfit.materials.sizes import ParticleSizes
+from grainfit.solvers.dem.card_parts import simulated_card
 
 #: Raised when a key gets another meaning or is removed; keys may be added.
 FORMAT_VERSION = 2
@@ -13,7 +15,7 @@ FORMAT_VERSION = 2
 
 def render_json(card: MaterialCard) -> str:
     """Return the card as a JSON object."""
-    sizes = card.sizes
+    simulated = simulated_card(card).values
     data = {
         "format": "grainfit material card",
         "format_version": FORMAT_VERSION,
@@ -21,7 +23,7 @@ def render_json(card: MaterialCard) -> str:
         "calibrated": card.calibrated,
         "status": card.status,
         "verdict": card.verdict,
-        "parameters": [_parameter(parameter) for parameter in card.parameters],
+        "parameters": [_parameter(p, simulated[p.name]) for p in card.parameters],
         "responses": [_response(response) for response in card.responses],
         "time_step": {
             "rayleigh": card.rayleigh_time_step,
@@ -29,7 +31,7 @@ def render_json(card: MaterialCard) -> str:
             "fraction": card.time_step_fraction,
         },
         "contact_models": card.contact_models,
-        "particle_sizes": None if sizes is None else sizes.definition(),
+        "particle_sizes": _sizes(card.sizes),
         "particle_shape": _shape(card),
         "gravity": card.gravity,
         "provenance": {
@@ -48,6 +50,16 @@ def render_json(card: MaterialCard) -> str:
     return text.encode("utf-8", "backslashreplace").decode()
 
 
+def _sizes(sizes: ParticleSizes | None) -> dict[str, Any] | None:
+    if sizes is None:
+        return None
+    return {
+        **sizes.definition(),
+        "coarse_graining": sizes.coarse_graining,
+        "real_diameters": sizes.real.diameters,
+    }
+
+
 def _shape(card: MaterialCard) -> dict[str, Any] | None:
     """Return the clump at the volume of a sphere of diameter 1; None for spheres."""
     clump = None if card.sizes is None else card.sizes.clump
@@ -60,13 +72,14 @@ def _shape(card: MaterialCard) -> dict[str, Any] | None:
     }
 
 
-def _parameter(parameter: CardParameter) -> dict[str, Any]:
+def _parameter(parameter: CardParameter, simulated: float) -> dict[str, Any]:
     return {
         "name": parameter.name,
         "symbol": parameter.symbol,
         "unit": parameter.unit,
         "description": parameter.description,
         "value": parameter.value,
+        "simulated_value": simulated,
         "interval_95": parameter.interval,
         "determination": parameter.determination,
         "origin": parameter.origin,

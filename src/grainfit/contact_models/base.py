@@ -19,7 +19,7 @@ A new contact model is a folder of `grainfit.contact_models` and a line of
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
 from typing import ClassVar, Literal
 
@@ -89,7 +89,9 @@ class ContactModel:
         Names of parameters of rolling dashpots, which limit the time step, and which solvers
         implement in different ways.
     solver_difference : str
-        Sentences on how far solvers differ while one of the dashpots acts.
+        Sentences on how far LAMMPS and LIGGGHTS differ while one of the dashpots acts.
+    yade_difference : str
+        Sentence on how YADE differs from the other solvers.
     safe_time_step : callable, optional
         Largest safe share of the Rayleigh time step for a material, apart from rolling dashpots.
     attraction : callable, optional
@@ -102,6 +104,7 @@ class ContactModel:
     words: tuple[SolverWords, ...]
     dashpots: tuple[str, ...] = ()
     solver_difference: str = ""
+    yade_difference: str = ""
     safe_time_step: Callable[[Mapping[str, float]], float] | None = None
     attraction: Callable[[Contact], Attraction] | None = None
 
@@ -181,10 +184,21 @@ class ContactLaw:
             shares.append(SAFE_WITH_ROLLING_DASHPOT)
         return min(shares)
 
-    def solver_difference(self, material: Mapping[str, float]) -> str:
-        """Return sentences on how far LAMMPS and LIGGGHTS differ; empty if they agree."""
-        damped = [model for model in self.models if model.is_damped(material)]
-        return " ".join(model.solver_difference for model in damped)
+    def solver_difference(self, material: Mapping[str, float], solvers: Collection[str]) -> str:
+        """Return sentences on how far some solvers differ; empty if they agree.
+
+        Parameters
+        ----------
+        material : mapping of str to float
+            Values by dotted name.
+        solvers : collection of str
+            Names of two solvers or more.
+        """
+        if "yade" in solvers:
+            found = [model.yade_difference for model in self.models]
+        else:
+            found = [m.solver_difference for m in self.models if m.is_damped(material)]
+        return " ".join(filter(None, found))
 
     def needs(self, solver: str) -> set[str]:
         """Return the names of the parameters that a solver computes these contacts with."""

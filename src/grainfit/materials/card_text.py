@@ -109,11 +109,11 @@ def _verdict(found: CardResponse) -> str:
 
 
 def _coarse_graining(card: MaterialCard) -> Iterator[str]:
-    factor = 1.0 if card.sizes is None else card.sizes.coarse_graining
-    if factor != 1:
+    sizes = card.sizes
+    if sizes is not None and sizes.coarse_graining != 1:
         yield (
-            f"Coarse graining: particles are {factor:g} times as large as the real ones, and the "
-            "values are for particles of that size."
+            f"Coarse graining: particles are {sizes.coarse_graining:g} times as large as the real "
+            f"ones ({sizes.real.words}). All values are those of the simulated particles."
         )
 
 

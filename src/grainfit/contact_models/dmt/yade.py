@@ -6,13 +6,13 @@ from collections.abc import Sequence
 
 from grainfit.contact_models.contact import Contact
 from grainfit.contact_models.dmt.model import pull_off_force
-from grainfit.contact_models.yade import YadeArgument, YadeWords
+from grainfit.contact_models.yade import YadeArgument, YadeWords, values_on_walls
 
 _NOTES = """\
 COHESION: gamma is the surface energy (the work of adhesion is twice as much), one for all contacts:
 that of two particles.
     - On a Wall, YADE takes half the radius as R*, on a Facet two thirds: the pull-off force there
-      is that of a surface energy of {on_wall} and {on_facet} J/m^2{instead}.
+      is that of a surface energy of {on_wall:.6g} and {on_facet:.6g} J/m^2{on_walls}.
     - Friction is limited by the normal force plus the pull-off force, in LAMMPS plus twice that.
     - YADE limits damping to the pull-off force where bodies part: with hardly any cohesion, bodies
       with a restitution of 0.79 part with 0.80, those with 0.3 with 0.42."""
@@ -37,9 +37,8 @@ class DmtYade(YadeWords):
     def notes(self, contact: Contact) -> str:
         """Return the differences of YADE's adhesion, in lines of text."""
         energy = contact.value("surface_energy")
-        wanted = contact.material.get("particle_wall.surface_energy", 0.0)
         return _NOTES.format(
             on_wall=energy / 2,
             on_facet=2 * energy / 3,
-            instead="" if energy == wanted == 0 else f",\n      not of {wanted}",
+            on_walls=values_on_walls(contact, "surface_energy"),
         )

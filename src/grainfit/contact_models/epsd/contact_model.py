@@ -44,4 +44,7 @@ EPSD = ContactModel(
         "friction 0.2) larger, bulk densities up to 1.1 % and mass flows 6 % smaller; without "
         "rolling damping, and with the rolling model epsd2, they agree."
     ),
+    yade_difference=(
+        "Rolling friction is not quite the same in YADE, which has no rolling dashpot."
+    ),
 )

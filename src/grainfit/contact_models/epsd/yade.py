@@ -7,7 +7,7 @@ from typing import ClassVar
 
 from grainfit.contact_models.contact import TYPICAL_LOAD, Contact
 from grainfit.contact_models.epsd.model import rolling_spring_of
-from grainfit.contact_models.yade import YadeArgument, YadeWords
+from grainfit.contact_models.yade import YadeArgument, YadeWords, values_on_walls
 
 _NOTES = """\
 ROLLING FRICTION DOES NOT: repeat the bulk test in YADE before you rely on the values.
@@ -17,8 +17,7 @@ ROLLING FRICTION DOES NOT: repeat the bulk test in YADE before you rely on the v
       half their radius.
     - krot is EPSD's 2.25 k_n (mu_r R*)^2, which grows with the load; krot does not, and is taken for a
       diameter of {diameter} m at a normal force of {load:g} particle weights.
-    - On a Wall, eta acts as a rolling friction of {eta}{instead};
-      on a Facet as 1.5 times that.
+    - On a Wall, eta acts as a rolling friction of {on_wall:.6g}, on a Facet of {on_facet:.6g}{on_walls}.
     - YADE has no rolling dashpot: rolling damping is left out."""  # noqa: E501 (lines of a card)
 
 
@@ -65,12 +64,12 @@ class EpsdYade(YadeWords):
 
     def notes(self, contact: Contact) -> str:
         """Return the differences of YADE's rolling friction, in lines of text."""
-        on_wall = contact.material.get("particle_wall.rolling_friction")
         return self.remarks.format(
             diameter=2 * contact.radius,
             load=TYPICAL_LOAD,
-            eta=_eta(contact),
-            instead="" if on_wall is None else f", not of {on_wall!r}",
+            on_wall=_eta(contact),
+            on_facet=1.5 * _eta(contact),
+            on_walls=values_on_walls(contact, "rolling_friction"),
         )
 
 

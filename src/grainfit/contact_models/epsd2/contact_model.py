@@ -13,4 +13,5 @@ EPSD2 = ContactModel(
     kind="rolling",
     parameters=ROLLING_FRICTION,
     words=(Epsd2Lammps(), EPSD2_LIGGGHTS, Epsd2Yade()),
+    yade_difference="Rolling friction is not quite the same in YADE.",
 )

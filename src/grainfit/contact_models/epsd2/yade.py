@@ -16,8 +16,7 @@ ROLLING FRICTION DOES NOT: repeat the bulk test in YADE before you rely on the v
       is half their radius.
     - krot is EPSD2's k_t R*^2, which grows with the load; krot does not, and is taken for a diameter
       of {diameter} m at a normal force of {load:g} particle weights.
-    - On a Wall, eta acts as a rolling friction of {eta}{instead};
-      on a Facet as 1.5 times that."""  # noqa: E501 (lines of a card)
+    - On a Wall, eta acts as a rolling friction of {on_wall:.6g}, on a Facet of {on_facet:.6g}{on_walls}."""  # noqa: E501 (lines of a card)
 
 
 class Epsd2Yade(EpsdYade):

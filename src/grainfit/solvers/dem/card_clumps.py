@@ -1,7 +1,8 @@
-"""Clumps in material cards: the template of each solver, as comments to copy."""
+"""Clumps in material cards: the templates of LAMMPS and LIGGGHTS, as comments to copy."""
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
@@ -18,6 +19,8 @@ class CardClump:
 
     Parameters
     ----------
+    number : int
+        From 1, in the order of the diameters.
     diameter : float
         Of a sphere of equal volume, m.
     spheres : tuple of tuple of float
@@ -30,11 +33,31 @@ class CardClump:
         Principal moments, kg m^2.
     """
 
+    number: int
     diameter: float
     spheres: tuple[tuple[float, ...], ...]
     types: tuple[int, ...]
     mass: float
     inertia: tuple[float, float, float]
+
+
+def card_clumps(sizes: ParticleSizes | None, density: float) -> list[CardClump]:
+    """Return the clump of each diameter, for a density of the solid in kg/m^3; none of spheres."""
+    spheres = None if sizes is None else clump_spheres(sizes)
+    if spheres is None:
+        return []
+    return [card_clump(spheres, index, density) for index in range(len(spheres.diameters))]
+
+
+def clump_words(sizes: ParticleSizes | None) -> list[str]:
+    """Return the comments that say which clumps the particles are; none for spheres."""
+    if sizes is None or sizes.clump is None:
+        return []
+    return [
+        "#",
+        f"# Particles are clumps of spheres: {sizes.shape}. Mass and inertia are those of the",
+        "# union of the spheres. Positions are from the centre of mass, along the principal axes.",
+    ]
 
 
 def clump_lines(
@@ -51,18 +74,11 @@ def clump_lines(
     write : callable
         Yields the template of a clump for a solver.
     """
-    spheres = None if sizes is None else clump_spheres(sizes)
-    if sizes is None or spheres is None:
-        return []
-    lines = [
-        f"Particles are clumps of spheres: {sizes.shape}. Mass and inertia are those of the union",
-        "of the spheres. Positions are from the centre of mass, along the principal axes.",
-    ]
-    for index in range(len(sizes.diameters)):
-        clump = card_clump(spheres, index, density)
-        lines += ["", f"Clump with the volume of a sphere of {clump.diameter!r} m:"]
+    lines = []
+    for clump in card_clumps(sizes, density):
+        lines += ["", f"Clump {clump.number}, with the volume of a sphere of {clump.diameter!r} m:"]
         lines += [f"    {line}".rstrip() for line in write(clump)]
-    return ["#", *(f"# {line}".rstrip() for line in lines)]
+    return [*clump_words(sizes), *(f"# {line}".rstrip() for line in lines)]
 
 
 def card_clump(spheres: ClumpSpheres, index: int, density: float) -> CardClump:
@@ -74,6 +90,7 @@ def card_clump(spheres: ClumpSpheres, index: int, density: float) -> CardClump:
     mass = density * math.pi / 6 * diameter**3
     x, y, z = (mass * diameter**2 * moment for moment in clump.moments)
     return CardClump(
+        index + 1,
         diameter,
         tuple((*place, radius) for place, radius in zip(places, radii, strict=True)),
         tuple((spheres.kinds(indices)[0] + 1).tolist()),
@@ -83,9 +100,8 @@ def card_clump(spheres: ClumpSpheres, index: int, density: float) -> CardClump:
 
 
 def lammps_molecule(clump: CardClump) -> Iterator[str]:
-    """Yield a molecule file for LAMMPS, for ``fix rigid/small`` with ``mol``."""
-    yield "(molecule file: insert it by fix deposit or fix pour with the keywords mol and rigid;"
-    yield "its inertia needs fix rigid/small with the keywords mol and reinit no)"
+    """Yield a molecule file for LAMMPS, whose first line it skips."""
+    yield f"clump{clump.number}.mol"
     yield f"{len(clump.spheres)} atoms"
     yield f"{clump.mass!r} mass"
     yield "0.0 0.0 0.0 com"
@@ -105,18 +121,16 @@ def liggghts_template(clump: CardClump) -> Iterator[str]:
     """Yield a particle template for LIGGGHTS, for ``fix multisphere``."""
     x, y, z = clump.inertia
     density = clump.mass / (math.pi / 6 * clump.diameter**3)
-    yield "fix clump all particletemplate/multisphere 15485863 atom_type 1 &"
+    template = f"particletemplate/multisphere {_prime(clump.number)}"
+    yield f"fix clump{clump.number} all {template} atom_type 1 &"
     yield f"    density constant {density!r} nspheres {len(clump.spheres)} ntry 1000000 spheres &"
     yield from (f"    {' '.join(map(repr, sphere))} &" for sphere in clump.spheres)
-    yield f"    type 1 mass {clump.mass!r} inertia_tensor {x!r} 0.0 0.0 {y!r} 0.0 {z!r} use_density"
+    yield f"    type {clump.number} mass {clump.mass!r} &"
+    yield f"    inertia_tensor {x!r} 0.0 0.0 {y!r} 0.0 {z!r} use_density"
 
 
-def yade_clump(clump: CardClump) -> Iterator[str]:
-    """Yield a clump for YADE, of bodies that have this material."""
-    rows = (f"(({x!r}, {y!r}, {z!r}), {radius!r})," for x, y, z, radius in clump.spheres)
-    yield "spheres = ["
-    yield from (f"    {row}" for row in rows)
-    yield "]"
-    yield "clump, members = O.bodies.appendClumped([utils.sphere(c, r) for c, r in spheres])"
-    yield f"O.bodies[clump].state.mass = {clump.mass!r}"
-    yield f"O.bodies[clump].state.inertia = ({', '.join(map(repr, clump.inertia))})"
+def _prime(number: int) -> int:
+    """Return a prime above 10000: LIGGGHTS wants another seed for every template."""
+    odd = itertools.count(10001, 2)
+    primes = (n for n in odd if all(n % divisor for divisor in range(3, math.isqrt(n) + 1, 2)))
+    return next(itertools.islice(primes, number - 1, None))

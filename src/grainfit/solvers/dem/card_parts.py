@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import textwrap
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
@@ -23,17 +24,13 @@ from grainfit.materials.card import CardParameter, MaterialCard
 from grainfit.materials.card_text import comment
 from grainfit.materials.parameters import BODY_PARAMETERS, MaterialParameter
 from grainfit.materials.sizes import ParticleSizes
-from grainfit.materials.walls import PLAIN, plain_name, walls_among
+from grainfit.materials.walls import PLAIN, plain_name, wall_of, walls_among
 
 _DECKS = {"lammps": "LAMMPS", "liggghts": "LIGGGHTS", "yade": "YADE"}
 #: Parameters of particles and walls that influence contacts.
 _BODIES = {parameter.name for parameter in BODY_PARAMETERS} - {"wall.density"}
 _LONGEST_VARIABLE = 60
 _WIDTH = 96
-
-
-#: Solvers that implement rolling friction in the same way, but for its dashpot.
-_RELATED = {"lammps", "liggghts"}
 
 
 def origin(card: MaterialCard, solver: str) -> str:
@@ -51,19 +48,44 @@ def _words(card: MaterialCard, solver: str) -> str:
             "This card has the contact model of grainfit's own tests. Check that they are the same."
         )
     calibrated = f"the values were calibrated with {' and '.join(_DECKS[n] for n in sorted(found))}"
-    if not found | {solver} <= _RELATED:
-        return (
-            f"CHECK: {calibrated}. Rolling friction is not quite the same in {_DECKS[solver]}: "
-            "repeat the bulk test before you rely on them."
-        )
     law = contact_law(card.values, card.contact_models)
-    if difference := law.solver_difference(card.values):
+    if difference := law.solver_difference(card.values, found | {solver}):
         return f"CHECK: {calibrated}. {difference} Repeat the bulk test before you rely on them."
     return f"{calibrated[0].upper()}{calibrated[1:]}, which agrees without a rolling dashpot."
 
 
+def simulated_card(card: MaterialCard) -> MaterialCard:
+    """Return a card with the values of the simulated particles, which may be larger than the real.
+
+    Descriptions of values that differ say so.
+    """
+    factor = 1.0 if card.sizes is None else card.sizes.coarse_graining
+    ratios = simulated_material(dict.fromkeys(card.values, 1.0), factor)
+    return replace(card, parameters=tuple(_simulated(p, ratios[p.name]) for p in card.parameters))
+
+
+def _simulated(parameter: CardParameter, ratio: float) -> CardParameter:
+    if ratio == 1:
+        return parameter
+    meaning = parameter.description or parameter.name
+    interval = parameter.interval
+    return replace(
+        parameter,
+        value=ratio * parameter.value,
+        interval=None if interval is None else (ratio * interval[0], ratio * interval[1]),
+        description=f"{meaning}, {ratio:g} times that of the real particles",
+    )
+
+
 def require_material(card: MaterialCard, solver: str) -> tuple[dict[str, float], ContactLaw]:
     """Return the values of all parameters of a card, and their contact law.
+
+    Parameters
+    ----------
+    card : MaterialCard
+        With the values of the simulated particles.
+    solver : str
+        Name of the solver.
 
     Raises
     ------
@@ -71,14 +93,16 @@ def require_material(card: MaterialCard, solver: str) -> tuple[dict[str, float],
         A parameter that the solver needs is missing or has an impossible value, or the solver does
         not have a contact model that the card needs.
     """
-    factor = 1.0 if card.sizes is None else card.sizes.coarse_graining
-    values = simulated_material(with_defaults(card.values), factor)
+    values = with_defaults(card.values)
     faults = contact_law_faults(values, solver, card.contact_models)
     if faults:
         raise InputError(faults)
     law = contact_law(values, card.contact_models)
+    # Without a plain wall, nothing is made of its defaults.
+    walls = walls_of_card(card)
+    values = {n: v for n, v in values.items() if wall_of(n) is None or wall_of(n) in walls}
     needs = _BODIES | law.needs(solver)
-    needed = [n for n in parameters_of_walls(walls_of_card(card)) if plain_name(n) in needs]
+    needed = [n for n in parameters_of_walls(walls) if plain_name(n) in needs]
     _require_nothing_missing([name for name in needed if name not in values], solver)
     faults = [
         Fault(name, f"is {values[name]:g}, which no card for {solver} can hold.", _limits(known))

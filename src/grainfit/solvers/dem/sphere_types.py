@@ -38,6 +38,14 @@ class SphereTypes:
             return cls((*radii, *whole), (*diameters, *sizes.diameters))
         return cls(tuple(radii), tuple(diameters))
 
+    @classmethod
+    def mean_of(cls, sizes: ParticleSizes) -> SphereTypes:
+        """Return one type that stands for all: of a mean clump, its largest sphere."""
+        diameter, clump = sizes.sauter_diameter, sizes.clump
+        if clump is None:
+            return cls((diameter / 2,))
+        return cls((diameter * float(clump.radii.max()),), (diameter,))
+
     def between(
         self,
         material: Mapping[str, float],

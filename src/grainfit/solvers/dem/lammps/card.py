@@ -9,6 +9,7 @@ from grainfit.contact_models.base import ContactLaw
 from grainfit.contact_models.lammps import lammps_clauses, lammps_words
 from grainfit.materials.card import MaterialCard
 from grainfit.materials.card_text import about, header
+from grainfit.materials.sizes import ParticleSizes
 from grainfit.materials.walls import material_on
 from grainfit.solvers.dem.card_clumps import clump_lines, lammps_molecule
 from grainfit.solvers.dem.card_parts import (
@@ -17,6 +18,7 @@ from grainfit.solvers.dem.card_parts import (
     origin,
     require_material,
     require_sizes,
+    simulated_card,
     variables,
     walls_of_card,
 )
@@ -58,6 +60,7 @@ def render_lammps(card: MaterialCard) -> str:
     InputError
         A parameter that LAMMPS needs is missing or impossible, or the particles' size is not known.
     """
+    card = simulated_card(card)
     material, law = require_material(card, "lammps")
     sizes = require_sizes(card, "lammps")
     kinds = SphereTypes.of(sizes)
@@ -67,6 +70,7 @@ def render_lammps(card: MaterialCard) -> str:
         for wall in walls_of_card(card)
         for contact in _on_wall(law, material_on(material, wall), kinds, card.gravity, wall)
     ]
+    several = len(kinds.radii) > 1
     taken = (*_TAKEN, *(found.name for found in (*between, *walls)))
     return fill(
         "lammps",
@@ -75,6 +79,10 @@ def render_lammps(card: MaterialCard) -> str:
             "origin": origin(card, "lammps"),
             "card": card,
             "kinds": kinds,
+            "groups": [f"size{n + 1} type {n + 1}" for n in range(len(kinds.radii)) if several],
+            "sizes": sizes,
+            "molfrac": _mole_fractions(sizes),
+            "reach": max(sizes.outer_diameters) + 0.3 * sizes.sauter_diameter,
             "clump": clump_lines(sizes, material["particle.density"], lammps_molecule),
             "variables": list(variables(card.parameters, taken)),
             "about": about,
@@ -83,6 +91,13 @@ def render_lammps(card: MaterialCard) -> str:
             "wall_contacts": walls,
         },
     )
+
+
+def _mole_fractions(sizes: ParticleSizes) -> str:
+    """Return the option of ``fix pour`` for several diameters."""
+    if len(sizes.diameters) == 1:
+        return ""
+    return f" molfrac {' '.join(map(repr, sizes.number_fractions))}"
 
 
 def _between_particles(

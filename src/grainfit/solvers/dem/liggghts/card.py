@@ -11,6 +11,7 @@ from grainfit.solvers.dem.card_parts import (
     fill,
     origin,
     require_material,
+    simulated_card,
     variables,
     walls_of_card,
 )
@@ -29,6 +30,7 @@ def render_liggghts(card: MaterialCard) -> str:
     InputError
         A parameter that LIGGGHTS needs is missing or impossible.
     """
+    card = simulated_card(card)
     values, law = require_material(card, "liggghts")
     named = list(variables(card.parameters, _TAKEN))
     # Parameters at their default are not in the card.

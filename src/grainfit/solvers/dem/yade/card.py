@@ -5,20 +5,22 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import NamedTuple
 
-from grainfit.contact_models.contact import Contact
 from grainfit.contact_models.yade import yade_law, yade_physics, yade_words
 from grainfit.materials.card import MaterialCard
 from grainfit.materials.card_text import about, header
 from grainfit.materials.walls import on_wall
-from grainfit.solvers.dem.card_clumps import clump_lines, yade_clump
+from grainfit.solvers.dem.card_clumps import card_clumps, clump_words
 from grainfit.solvers.dem.card_parts import (
     comments,
     fill,
     origin,
     require_material,
     require_sizes,
+    simulated_card,
     walls_of_card,
 )
+from grainfit.solvers.dem.sphere_types import SphereTypes
+from grainfit.solvers.dem.yade.clump_shares import clump_shares
 
 
 class _Wall(NamedTuple):
@@ -45,9 +47,10 @@ def render_yade(card: MaterialCard) -> str:
     InputError
         A parameter that YADE needs is missing or impossible, or the particles' size is not known.
     """
+    card = simulated_card(card)
     material, law = require_material(card, "yade")
-    radius = require_sizes(card, "yade").sauter_diameter / 2
-    contact = Contact.between(material, radius, radius, card.gravity)
+    sizes = require_sizes(card, "yade")
+    contact = SphereTypes.mean_of(sizes).between(material, 1, 1, card.gravity)
     words = yade_words(law)
     return fill(
         "yade",
@@ -55,7 +58,9 @@ def render_yade(card: MaterialCard) -> str:
             "header": header(card),
             "origin": origin(card, "yade"),
             "card": card,
-            "clump": clump_lines(card.sizes, material["particle.density"], yade_clump),
+            "clump_words": clump_words(sizes),
+            "clumps": card_clumps(sizes, material["particle.density"]),
+            "weights": None if sizes.clump is None else clump_shares(sizes.clump).weights,
             "about": about,
             "quoted": repr,
             "notes": comments(found.notes(contact) for found in words),

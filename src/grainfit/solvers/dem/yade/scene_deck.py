@@ -7,13 +7,11 @@ from collections.abc import Iterator, Mapping
 from typing import ClassVar
 
 import numpy as np
-from scipy.optimize import nnls
 
 from grainfit.contact_models.contact import Contact
 from grainfit.contact_models.hertz_mindlin.yade import wall_modulus
 from grainfit.contact_models.yade import YadeArgument, yade_law, yade_on_wall, yade_physics
 from grainfit.errors import Fault, InputError
-from grainfit.materials.clumps import Clump
 from grainfit.scenes.conditions import AtRest, Clear, Elapsed, Loaded
 from grainfit.scenes.film import FILM
 from grainfit.scenes.records import Force, MassAbove, RadialForce, Recorded, Travel
@@ -26,6 +24,7 @@ from grainfit.solvers.dem.deck import SceneDeck
 from grainfit.solvers.dem.rigid_bodies import rigid_bodies
 from grainfit.solvers.dem.script_words import heading
 from grainfit.solvers.dem.sphere_types import SphereTypes
+from grainfit.solvers.dem.yade.clump_shares import clump_shares
 
 _EDGES = (
     "YADE gives a particle near an edge between two triangles of one plane two contacts, one of "
@@ -36,8 +35,6 @@ MISSING: Mapping[str, str] = {
     "annulus": _EDGES.format(instead="a slot, a cone, or "),
     "mesh": _EDGES.format(instead=""),
 }
-#: How much more the centre of mass of a clump counts than the masses of its spheres.
-_WEIGHT_OF_CENTRE = 1e6
 #: R* of a particle on a wall in YADE over its radius.
 _RADIUS_SHARE = 1 / 2
 #: Thickness of the panels of tubes, and of discs, in Sauter diameters; width of panels.
@@ -110,7 +107,7 @@ class YadeSceneDeck(SceneDeck):
             "yade",
             {
                 "title": scene.title,
-                "clumps": None if scene.clumps is None else _shares(scene.clumps.clump),
+                "clumps": None if scene.clumps is None else clump_shares(scene.clumps.clump),
                 "file_name": self.file_name,
                 "glued": list(scene.glued),
                 "time_step": scene.time_step,
@@ -150,12 +147,8 @@ class YadeSceneDeck(SceneDeck):
 
     @property
     def _sphere(self) -> SphereTypes:
-        """The sphere for which YADE computes rolling stiffness: the largest one of a clump."""
-        sizes = self.scene.sizes
-        diameter, clump = sizes.sauter_diameter, self.scene.clumps
-        if clump is None:
-            return SphereTypes((diameter / 2,))
-        return SphereTypes((diameter * float(clump.clump.radii.max()),), (diameter,))
+        """The sphere for which YADE computes rolling stiffness."""
+        return SphereTypes.mean_of(self.scene.sizes)
 
     def _rolling(self) -> Iterator[tuple[str, list[YadeArgument]]]:
         """Iterate over surfaces and what contacts with them get that no functor gives them."""
@@ -408,16 +401,3 @@ class YadeSceneDeck(SceneDeck):
         axis = "xyz".index(load.along)
         wanted = f"{axis}, {load.force!r}, within={until.within!r}, limit={limit}"
         return f"stage.until_loaded({self._movable(until.wall)}, {wanted})"
-
-
-def _shares(clump: Clump) -> dict[str, list[float]]:
-    """Return shares of a clump's mass by sphere: by volume, and so that the centre is right.
-
-    YADE takes the centre of mass from the masses of the spheres.
-    """
-    shares = clump.radii**3 / (clump.radii**3).sum()
-    # As near to the volumes as the centre allows.
-    centre = _WEIGHT_OF_CENTRE * np.vstack((clump.positions.T, np.ones(len(clump))))
-    wanted = np.concatenate((np.array([0.0, 0.0, 0.0, _WEIGHT_OF_CENTRE]), shares))
-    weights, _ = nnls(np.vstack((centre, np.eye(len(clump)))), wanted)
-    return {"shares": shares.tolist(), "weights": weights.tolist()}
