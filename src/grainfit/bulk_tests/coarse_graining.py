@@ -6,11 +6,12 @@ from collections.abc import Mapping
 from typing import TypeVar
 
 from grainfit.bulk_tests.base import BulkTest
+from grainfit.errors import InputError
 
 _Test = TypeVar("_Test", bound=BulkTest)
 
 
-def coarse_grained(test: _Test, factor: float) -> _Test:
+def coarse_grained(test: _Test, factor: float, material: Mapping[str, float]) -> _Test:
     """Return a test with larger particles, fewer where their number is an option.
 
     Parameters
@@ -19,6 +20,8 @@ def coarse_grained(test: _Test, factor: float) -> _Test:
         Stays as it is.
     factor : float
         Times the present diameters.
+    material : mapping of str to float
+        Material parameters by dotted name.
 
     Raises
     ------
@@ -28,9 +31,14 @@ def coarse_grained(test: _Test, factor: float) -> _Test:
     sizes = test.sizes.coarse_grained(factor)
     count = _given_number(test)
     if count is None:
-        return test.with_sizes(sizes)
-    definition = {**test.definition(), **sizes.definition()}
-    return test.from_definition({**definition, "particle_count": max(1, round(count / factor**3))})
+        coarser = test.with_sizes(sizes)
+    else:
+        definition = {**test.definition(), **sizes.definition()}
+        fewer = max(1, round(count / factor**3))
+        coarser = test.from_definition({**definition, "particle_count": fewer})
+    if faults := [*coarser.material_faults(material)]:
+        raise InputError(faults)
+    return coarser
 
 
 def factor_words(tests: Mapping[str, BulkTest]) -> str:

@@ -235,10 +235,12 @@ def _coarser(setup: CalibrationSetup) -> Iterator[tuple[str, Mapping[str, float]
     seconds: dict[str, float] = {}
     for name, solver, test in _known_tests(setup):
         try:
-            coarser[name] = coarse_grained(test, _COARSER)
-            cost = coarser[name].estimate_cost(solver.name, _material(setup, solver))
+            material = _material(setup, solver)
+            coarser[name] = coarse_grained(test, _COARSER, material)
+            cost = coarser[name].estimate_cost(solver.name, material)
         except InputError:
-            continue
+            # All tests have the same particles.
+            return
         seconds[name] = cost.wall_seconds
     if seconds:
         words = (
