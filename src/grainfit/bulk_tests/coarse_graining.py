@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TypeVar
+from dataclasses import replace
+from typing import Any, TypeVar
 
 from grainfit.bulk_tests.base import BulkTest
 from grainfit.errors import InputError
+from grainfit.materials.sizes import ParticleSizes
 
 _Test = TypeVar("_Test", bound=BulkTest)
 
@@ -39,6 +41,29 @@ def coarse_grained(test: _Test, factor: float, material: Mapping[str, float]) ->
     if faults := [*coarser.material_faults(material)]:
         raise InputError(faults)
     return coarser
+
+
+def sized_for(kind: type[_Test], sizes: ParticleSizes, **options: Any) -> _Test:
+    """Return a test of which there is no apparatus yet: its defaults suit the simulated particles.
+
+    Parameters
+    ----------
+    kind : type
+        Class of the test.
+    sizes : ParticleSizes
+        Its particles.
+    **options : object
+        Options that are given.
+
+    Raises
+    ------
+    InputError
+        The test is impossible with them; names every option at fault.
+    """
+    if sizes.coarse_graining == 1:
+        return kind(sizes, **options)
+    usual = kind(replace(sizes, coarse_graining=1.0), **options)
+    return kind(sizes, **usual.resolved_options())
 
 
 def factor_words(tests: Mapping[str, BulkTest]) -> str:

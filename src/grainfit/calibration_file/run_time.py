@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 from grainfit.bulk_tests.base import BulkTest
-from grainfit.bulk_tests.coarse_graining import coarse_grained, factor_words
+from grainfit.bulk_tests.coarse_graining import coarse_grained, factor_words, sized_for
 from grainfit.bulk_tests.sensitivities import MODULUS
 from grainfit.calibration.verification import VERIFICATION_RUNS
 from grainfit.calibration_file.build import CalibrationSetup
@@ -186,7 +186,7 @@ def _usual_size(setup: CalibrationSetup) -> Iterator[tuple[str, Mapping[str, flo
     """Offer the usual dimensions of tests that are given larger ones."""
     for name, solver, test in _known_tests(setup):
         try:
-            usual = type(test)(test.sizes)
+            usual = sized_for(type(test), test.sizes)
             seconds = usual.estimate_cost(solver.name, _material(setup, solver)).wall_seconds
         except (InputError, TypeError):
             continue
