@@ -344,6 +344,16 @@ def test_two_scenes_are_loaded_without_executing_anything(beads: Path, tmp_path:
     assert not executed.exists()
 
 
+def test_enlarged_particles_are_noted_with_what_keeps_the_apparatus(beads: Path) -> None:
+    real = ParticleSizes((0.01,))
+    functions = {"scene": f"{beads}:scene", "measure": f"{beads}:measure"}
+
+    [note] = OwnScene(real.coarse_grained(2), **functions).notes({})
+
+    assert "beads.py keeps the size of the apparatus if it takes lengths from sizes.real" in note
+    assert not [*OwnScene(real, **functions).notes({})]
+
+
 def test_a_concept_that_the_solver_lacks_is_refused_with_what_to_use(
     beads: Path, tmp_path: Path
 ) -> None:

@@ -244,6 +244,15 @@ class OwnScene(BulkTest):
             for function in self.functions.values()
         )
 
+    def notes(self, material: Mapping[str, float]) -> Iterator[str]:  # noqa: ARG002
+        """Iterate over a note on coarse graining, which enlarges what follows ``sizes``."""
+        if self.sizes.coarse_graining > 1 and "scene" in self.functions:
+            yield (
+                f"sizes are {self.sizes.coarse_graining:g} times the real ones "
+                f"(particle.coarse_graining). {self.functions['scene'].path.name} keeps the size "
+                "of the apparatus if it takes lengths from sizes.real or from options."
+            )
+
     # --- the experiment ------------------------------------------------------------------------
 
     def scene(self, material: Mapping[str, float], seed: int) -> Scene:
