@@ -438,6 +438,11 @@ def test_particles_of_a_scene_are_clumps_of_the_aspect_ratio_of_the_material(
         ),
         ("2 * d * i", "0.5 * d * i", "3 pairs overlap"),
         ("Box((-d,", "Box((-0.1 * d,", "1 of 3 begin outside"),
+        (
+            "Box((-d, -d, -d), (6 * d, d, 4 * d))",
+            'Box((d, -d, -d), (9 * d, d, 4 * d), periodic="x")',
+            "1 of 3 begin outside",
+        ),
     ],
 )
 def test_clumps_that_cannot_begin_are_refused(beads: Path, old: str, new: str, words: str) -> None:

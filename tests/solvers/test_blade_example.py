@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import shutil
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +13,7 @@ import pytest
 from grainfit.bulk_tests.own_scene import OwnScene
 from grainfit.calibration_file.build import load_calibration
 from grainfit.calibration_file.plan import describe_plan
+from grainfit.materials.particle_shape import ParticleShape
 from grainfit.materials.sizes import ParticleSizes
 from grainfit.solvers.base import Workspace
 from grainfit.solvers.registry import DEM_PROGRAMS
@@ -32,13 +34,19 @@ def blade(sizes: ParticleSizes) -> OwnScene:
     )
 
 
-def push(solver: str, folder: Path, friction: float, factor: float = 1.0) -> float:
+def push(
+    solver: str,
+    folder: Path,
+    friction: float,
+    factor: float = 1.0,
+    shape: ParticleShape | None = None,
+) -> float:
     """Return the force on the blade, N/m."""
     if solver != "lammps" and shutil.which(solver) is None:
         pytest.skip(f"{solver} is not installed")
     file = load_calibration(BLADE / "calibration.toml").file
     assert file.sizes is not None
-    test = blade(file.sizes.coarse_grained(factor))
+    test = blade(replace(file.sizes.coarse_grained(factor), shape=shape))
     material = {**file.fixed, **SOFT, "particle_particle.sliding_friction": 0.5}
     folder.mkdir()
     program = DEM_PROGRAMS[solver](test, material)
@@ -55,6 +63,21 @@ def test_the_blade_feels_the_friction_of_the_pile_on_the_floor(solver: str, tmp_
 
     # The pile slides up the blade, which carries a part of its weight.
     assert 0.75 * 0.3 * weight < force < 1.05 * 0.3 * weight
+
+
+@pytest.mark.parametrize("solver", ["lammps", "liggghts"])
+def test_clumps_of_a_periodic_scene_reach_through_its_sides(solver: str, tmp_path: Path) -> None:
+    """Their centres are within the box, and spheres of some are not."""
+    pairs = ParticleShape("two_spheres", aspect_ratio=1.5)
+    scene = blade(ParticleSizes((0.01,), shape=pairs)).scene(GLASS_BEADS, 1)
+    assert scene.clumps is not None
+    spheres = scene.particles.outlines(scene.clumps)[0]
+    depth = scene.box.high[1]
+    assert ((spheres[:, 1] < 0) | (spheres[:, 1] > depth)).sum() > 5
+
+    weight = 310 * 2500 * math.pi / 6 * 0.01**3 * 9.81 / 0.05
+    force = push(solver, tmp_path / "run", 0.3, shape=pairs)
+    assert 0.6 * 0.3 * weight < force < 1.1 * 0.3 * weight
 
 
 def test_enlarged_particles_are_pushed_by_the_same_blade(tmp_path: Path) -> None:
