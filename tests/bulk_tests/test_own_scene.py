@@ -167,7 +167,11 @@ def test_a_process_elsewhere_has_the_contents_that_were_hashed(beads: Path) -> N
         ("    d = sizes.sauter", "    1 / 0\n    d = sizes.sauter", "line 7: ZeroDivisionError"),
         ("import numpy as np", "import nump as np", "line 2: ModuleNotFoundError"),
         ("    d = sizes.sauter", "    exit(3)\n    d = sizes.sauter", "line 7: SystemExit: 3"),
-        ("seed, gravity", "seed, colour, gravity", "takes colour; it can take material, sizes"),
+        (
+            "def measure",
+            "scene = (lambda build: lambda colour: build)(scene)\n\ndef measure",
+            "takes colour; it can take material, sizes",
+        ),
         ("    return Scene(", "    return dict(", "gave dict, not a Scene"),
         ('Plane("z", 0.0)', 'Plane("w", 0.0)', "wall floor: has the axis 'w'"),
         ('"settle", ', '"set tle", ', "'set tle' is not one word"),
@@ -392,6 +396,52 @@ def test_a_faulty_file_is_refused_without_executing_anything(
 
     assert words in str(caught.value)
     assert "executed" not in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        (
+            "def measure(run, sizes)",
+            "def measure(run, foo)",
+            "measure: .* takes foo. It can take run",
+        ),
+        ("def measure(run, sizes)", "def measure(run, *, foo, bar=1)", "measure: .* takes foo. "),
+        (
+            "def measure(run, sizes)",
+            "def measure(run, /, sizes)",
+            "measure: .* takes run by position only. ",
+        ),
+        ("(material, sizes, seed,", "(material, size, seed,", "scene: .* takes size. .*, sizes, "),
+        ("heights = ", "heights = = ", "measure: is 'beads.py:measure': line 24 is not valid"),
+    ],
+)
+def test_a_function_that_cannot_be_called_is_refused_before_any_run(
+    beads: Path, tmp_path: Path, old: str, new: str, words: str
+) -> None:
+    assert old in CODE
+    beads.write_text(CODE.replace(old, new) + "\nraise SystemExit('executed')\n")
+    path = tmp_path / "beads.toml"
+    path.write_text(FILE.replace("SOLVER", "lammps"))
+
+    with pytest.raises(InputError, match=f"line [0-9]+, test 1, {words}"):
+        load_calibration(path)
+
+
+@pytest.mark.parametrize(
+    "measure",
+    [
+        "def measure(run, foo=1, **others): pass",
+        "def measure(foo): pass\ndef measure(run, *more, sizes): pass",
+        "def measure(foo): pass\nmeasure = print",
+        "from functools import cache\n@cache\ndef measure(foo): pass",
+        "def measure(foo): pass\nfrom mine import *",
+    ],
+)
+def test_a_function_that_may_be_callable_is_not_refused(beads: Path, measure: str) -> None:
+    beads.write_text(CODE.partition("def measure")[0] + measure)
+
+    assert make(beads).functions.keys() == {"scene", "measure"}
 
 
 @pytest.mark.slow

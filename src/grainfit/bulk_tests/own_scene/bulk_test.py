@@ -48,10 +48,13 @@ END = "end"
 FUNCTIONS = "functions"
 _PICTURE = "particles.png"
 _SAME = 1e-6
+#: Arguments that the two functions can take.
+_OF_SCENE = ("material", "sizes", "seed", "gravity", "time_step", "options")
+_OF_MEASURE = ("run", "sizes", "gravity", "options")
 _KEYS = (
     Key(
         "scene",
-        Function(),
+        Function(_OF_SCENE),
         "Function that returns the experiment as a Scene. It gets those of material, sizes, seed, "
         "gravity, time_step and options that it names.",
         required=True,
@@ -59,7 +62,7 @@ _KEYS = (
     ),
     Key(
         "measure",
-        Function(),
+        Function(_OF_MEASURE),
         "Function that returns the responses by name: numbers, pairs of value and standard error, "
         "or Response. It gets those of run, sizes, gravity and options that it names.",
         required=True,
