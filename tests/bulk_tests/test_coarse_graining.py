@@ -293,9 +293,15 @@ def test_no_factor_is_proposed_at_which_another_test_of_the_file_is_refused(tmp_
 @pytest.mark.parametrize(
     ("test", "words"),
     [
-        (Discharge(SMALL, slot_width="7 mm"), "a slot of 7 mm is 3.5 of the largest particles"),
+        (
+            Discharge(SMALL, slot_width="7 mm"),
+            "a slot of 7 mm is 3.5 times as wide as the largest particles (2 mm)",
+        ),
         (Discharge(SMALL), ""),
-        (Discharge(SLENDER, slot_width="9 mm"), "9 mm is 2.33 of the largest particles"),
+        (
+            Discharge(SLENDER, slot_width="9 mm"),
+            "9 mm is 2.33 times as wide as the largest particles (3.86 mm)",
+        ),
         (Discharge(SMALL, **{**ROUND_BOX, "orifice_diameter": "7 mm"}), "an orifice of 7 mm"),
         (DrawDown(SMALL, slot_width="7 mm"), "a slot of 7 mm"),
     ],

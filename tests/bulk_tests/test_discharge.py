@@ -113,7 +113,7 @@ def test_simulate_says_that_a_material_arched(
 
     two = CliRunner().invoke(app, ["simulate", "narrow.toml", *rough, "--repeat", "2"])
     assert "discharge arched: no flow (seed 1 and 2)." in two.output
-    assert "a slot of 15 mm is 1.5 of the largest" in "".join(gf.load("narrow.toml").notes())
+    assert "a slot of 15 mm is 1.5 times as wide" in "".join(gf.load("narrow.toml").notes())
 
 
 @pytest.mark.slow

@@ -181,7 +181,7 @@ def test_a_candidate_that_would_arch_is_left_out_before_any_run(plan: Path) -> N
     slender = COARSE.replace("coarse", 'shape = "cylinder"\naspect_ratio = 3\ncoarse')
     plan.write_text(slender)
     found = " ".join(str(gf.design(plan)).split())
-    assert "Not compared: discharge. slot_width: a slot of 0.125 m is 2.59 of" in found
+    assert "Not compared: discharge. slot_width: a slot of 0.125 m is 2.59 times as wide" in found
     assert "packing and shear: their apparatus" in found
 
 

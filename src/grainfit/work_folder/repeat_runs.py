@@ -133,17 +133,11 @@ def _units(setup: CalibrationSetup) -> dict[str, str]:
 def _remarks(setup: CalibrationSetup, evaluations: Sequence[Evaluation]) -> Iterator[str]:
     """Yield what tests say of their responses, each with its seeds."""
     for name, test in setup.bulk_tests.items():
+        names = {key: response_name(name, key, len(setup.solvers)) for key in test.responses}
         seeds: dict[str, list[str]] = {}
         for evaluation in evaluations:
-            responses = {
-                response: found
-                for response in test.responses
-                if (
-                    found := evaluation.responses.get(
-                        response_name(name, response, len(setup.solvers))
-                    )
-                )
-            }
+            known = evaluation.responses
+            responses = {key: known[full] for key, full in names.items() if full in known}
             if words := test.remark_on(responses):
                 seeds.setdefault(words, []).append(str(evaluation.proposal.seed))
         for words, those in seeds.items():

@@ -59,8 +59,9 @@ class Orifice:
         use = f"Use particle.coarse_graining = {factor:g} at most"
         yield Fault(
             self.option,
-            f"{self.words} of {self.width:g} m is {number(self._diameters(sizes), 3)} of the "
-            f"largest simulated particles wide ({largest:.4g} m): they arch below {ARCHES:g}.",
+            f"{self.words} of {self.width:g} m is {number(self._diameters(sizes), 3)} times as "
+            f"wide as the largest simulated particles ({largest:.4g} m): they arch below "
+            f"{ARCHES:g}.",
             f"{use if factor > 1 else 'Leave particle.coarse_graining out'}, or {least}.",
         )
 
@@ -69,7 +70,7 @@ class Orifice:
         if sizes.coarse_graining == 1 and self._is_narrow(sizes):
             yield (
                 f"{self.words} of {millimetres(self.width)} is "
-                f"{number(self._diameters(sizes), 3)} of the largest particles wide "
+                f"{number(self._diameters(sizes), 3)} times as wide as the largest particles "
                 f"({millimetres(max(sizes.outer_diameters))}). Below {ARCHES:g} they may arch, "
                 "and nothing flows."
             )
