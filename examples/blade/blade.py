@@ -27,7 +27,7 @@ from grainfit.scenes import (
     random_column,
 )
 
-# Lengths in diameters of the particles.
+# Lengths in diameters of the real particles: coarse graining enlarges those of the simulation.
 WIDTH, DEPTH, FILL, PUSH = 8.0, 5.0, 7.0, 12.0
 SOLID_FRACTION = 0.58
 
@@ -35,8 +35,10 @@ SOLID_FRACTION = 0.58
 def scene(material, sizes, seed, gravity, time_step, options):
     """Return the experiment, from the parameters of the run."""
     d, time = sizes.sauter_diameter, natural_time(sizes, gravity)
-    width, depth = WIDTH * d, DEPTH * d
-    count = round(SOLID_FRACTION * WIDTH * DEPTH * FILL / (np.pi / 6))
+    unit = sizes.real.sauter_diameter
+    width, depth = WIDTH * unit, DEPTH * unit
+    volume = SOLID_FRACTION * WIDTH * DEPTH * FILL * (unit / d) ** 3
+    count = round(volume / (np.pi / 6))
     particles = random_column(sizes, count, Rectangle(width, depth), seed)
     back, gate, top = -width / 2, width / 2, particles.height + d
     speed = options["blade_speed"]
@@ -45,11 +47,11 @@ def scene(material, sizes, seed, gravity, time_step, options):
         material=material,
         sizes=sizes,
         particles=particles,
-        box=Box((back - 3 * d, 0.0, -2 * d), (gate + 45 * d, depth, top + d), periodic="y"),
+        box=Box((back - 3 * d, 0.0, -2 * d), (gate + 45 * unit, depth, top + d), periodic="y"),
         walls={
             "floor": Wall(Plane("z", 0.0)),
-            "blade": Wall(Block((back - d, 0.0, 0.1 * d), (back, depth, top))),
-            "gate": Wall(Block((gate, 0.0, 0.1 * d), (gate + d, depth, top))),
+            "blade": Wall(Block((back - d, 0.0, 0.1 * unit), (back, depth, top))),
+            "gate": Wall(Block((gate, 0.0, 0.1 * unit), (gate + d, depth, top))),
         },
         stages=(
             Stage("fill", AtRest(limit=80 * time, at_least=12 * time), is_closed=True),
@@ -61,7 +63,7 @@ def scene(material, sizes, seed, gravity, time_step, options):
             ),
             Stage(
                 "push",
-                Elapsed(PUSH * d / speed),
+                Elapsed(PUSH * unit / speed),
                 motions={"blade": Velocity("x", speed)},
                 series=Series(
                     {"force": Force("blade", "x"), "travel": Travel("blade")}, every=0.2 * time
@@ -78,11 +80,11 @@ def scene(material, sizes, seed, gravity, time_step, options):
 
 def measure(run: RunOutput, sizes):
     """Return the force of the second half of the push, and the slope of the pile before it."""
-    d = sizes.sauter_diameter
+    d, unit = sizes.sauter_diameter, sizes.real.sauter_diameter
     push = run.series("push")
-    later = push["travel"] > PUSH / 2 * d
+    later = push["travel"] > PUSH / 2 * unit
     # The bed pushes the blade back, along -x. Ten parts of the push are nearly independent.
-    parts = np.array_split(-push["force"][later] / (DEPTH * d), 10)
+    parts = np.array_split(-push["force"][later] / (DEPTH * unit), 10)
     means = np.array([part.mean() for part in parts])
     pile = run.snapshot("pile")
     return {

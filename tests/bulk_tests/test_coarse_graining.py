@@ -10,15 +10,19 @@ import pytest
 
 import grainfit as gf
 from grainfit.bulk_tests.base import BulkTest
+from grainfit.bulk_tests.discharge import Discharge
+from grainfit.bulk_tests.draw_down import DrawDown
 from grainfit.bulk_tests.heap import Heap
 from grainfit.bulk_tests.packing import Packing
 from grainfit.bulk_tests.registry import BUILT_IN
 from grainfit.contact_models.registry import simulated_material
 from grainfit.errors import InputError
+from grainfit.materials.particle_shape import ParticleShape
 from grainfit.materials.sizes import ParticleSizes
 from grainfit.options.kinds import Quantity
 from grainfit.solvers.base import Workspace
 from grainfit.solvers.dem.lammps.program import Lammps
+from grainfit.solvers.dem.liggghts.program import Liggghts
 from grainfit.testing.materials import GLASS_BEADS
 
 REAL = ParticleSizes((0.004, 0.005), (0.25, 0.75))
@@ -203,3 +207,109 @@ def test_number_of_particles_far_above_the_strike_off_height_is_noted(tmp_path):
     [note] = notes[40000]
     assert "particle_count = 40000" in note
     assert "cut off" in note
+
+
+SMALL = ParticleSizes((0.002,))
+SLENDER = ParticleSizes((0.002,), shape=ParticleShape("cylinder", aspect_ratio=3.0))
+BOX = {"width": "160 mm", "fill_height": "160 mm"}
+SLOT_BOX = {**BOX, "depth": "80 mm", "slot_width": "20 mm"}
+ROUND_BOX = {**BOX, "orifice": "round", "orifice_diameter": "20 mm"}
+
+
+def cohesionless(test: BulkTest) -> Lammps | Liggghts:
+    return (Liggghts if getattr(test, "orifice", "") == "round" else Lammps)(test, GLASS_BEADS)
+
+
+@pytest.mark.parametrize(
+    ("kind", "options", "sizes", "largest"),
+    [
+        (Discharge, SLOT_BOX, SMALL, 2.5),
+        (Discharge, ROUND_BOX, SMALL, 2.5),
+        (DrawDown, SLOT_BOX, SMALL, 2.5),
+        (Discharge, SLOT_BOX, ParticleSizes((0.002, 0.0025), (0.8, 0.2)), 2.0),
+        (Discharge, SLOT_BOX, SLENDER, 1.29),
+    ],
+)
+def test_orifice_of_less_than_four_simulated_particles_is_refused_with_the_largest_factor(
+    kind: type[BulkTest], options: dict[str, Any], sizes: ParticleSizes, largest: float
+) -> None:
+    with pytest.raises(InputError, match=f"coarse_graining = {largest:g} at most"):
+        cohesionless(kind(sizes.coarse_grained(largest + 0.01), **options))
+
+    cohesionless(kind(sizes.coarse_grained(largest), **options))
+
+
+def test_orifice_that_is_narrow_for_the_real_particles_is_refused_with_enlarged_ones_only() -> None:
+    narrow = {**SLOT_BOX, "slot_width": "6 mm"}
+    cohesionless(Discharge(SMALL, **narrow))
+
+    with pytest.raises(InputError, match=r"Leave particle\.coarse_graining out, or a slot"):
+        cohesionless(Discharge(SMALL.coarse_grained(1.1), **narrow))
+
+
+def test_orifice_is_wide_enough_for_the_most_slender_particles_of_an_interval() -> None:
+    unknown = ParticleSizes((0.002,), shape=ParticleShape("cylinder")).coarse_grained(2)
+    solver = cohesionless(Discharge(unknown, **SLOT_BOX))
+
+    assert solver.interval_faults({"particle.aspect_ratio": (1.0, 1.2)}) == []
+    [fault] = solver.interval_faults({"particle.aspect_ratio": (1.0, 3.0)})
+    assert (fault.key, "= 1.29 at most" in fault.remedy) == ("slot_width", True)
+
+
+def beside_a_discharge(folder: Path) -> Path:
+    """Return the file of the pellets with a slot of 30 mm for the same material."""
+    path = pellets(folder, 1)
+    path.write_text(
+        path.read_text()
+        + """
+[[test]]
+type = "discharge"
+solver = "lammps"
+width = "160 mm"
+depth = "50 mm"
+fill_height = "100 mm"
+slot_width = "30 mm"
+targets.mass_flow = { value = 1 }
+"""
+    )
+    return path
+
+
+def test_no_factor_is_proposed_at_which_another_test_of_the_file_is_refused(tmp_path):
+    """Particles have one factor in all tests: 30 mm are four of them at 2.5."""
+    path = beside_a_discharge(tmp_path)
+    path.write_text(path.read_text().replace('"150 mm"', '"450 mm"'))
+
+    notes = "\n".join(gf.load(path).notes())
+
+    proposed = {float(factor) for factor in re.findall(r"coarse_graining = ([\d.]+)", notes)}
+    assert max(proposed) == 2.5
+    wider = path.read_text().replace('slot_width = "30 mm"', 'slot_width = "60 mm"')
+    path.write_text(wider)
+    notes = "\n".join(gf.load(path).notes())
+    assert "coarse_graining = 4" in notes
+
+
+@pytest.mark.parametrize(
+    ("test", "words"),
+    [
+        (
+            Discharge(SMALL, slot_width="7 mm"),
+            "a slot of 7 mm is 3.5 times as wide as the largest particles (2 mm)",
+        ),
+        (Discharge(SMALL), ""),
+        (
+            Discharge(SLENDER, slot_width="9 mm"),
+            "9 mm is 2.33 times as wide as the largest particles (3.86 mm)",
+        ),
+        (Discharge(SMALL, **{**ROUND_BOX, "orifice_diameter": "7 mm"}), "an orifice of 7 mm"),
+        (DrawDown(SMALL, slot_width="7 mm"), "a slot of 7 mm"),
+    ],
+)
+def test_orifice_of_a_laboratory_that_is_narrow_for_the_real_particles_is_noted(
+    test: BulkTest, words: str
+) -> None:
+    found = [*test.notes({})]
+
+    assert len(found) == bool(words)
+    assert words in "".join(found)

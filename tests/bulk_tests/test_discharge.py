@@ -6,10 +6,12 @@ import shutil
 from pathlib import Path
 
 import pytest
+from typer.testing import CliRunner
 
 import grainfit as gf
 from grainfit.bulk_tests.discharge import Discharge
 from grainfit.calibration_file.plan import describe_plan
+from grainfit.cli.app import app
 from grainfit.errors import InputError
 from grainfit.scenes.run_output import RunOutput
 from grainfit.solvers.base import Workspace
@@ -90,6 +92,28 @@ def test_material_that_arches_has_no_flow_as_a_result(tmp_path: Path) -> None:
     assert (tmp_path / "discharge.png").stat().st_size > 5_000
     drawn = test.view(RunOutput(tmp_path)).measured_drawing(1.0)
     assert "arches over the slot" in drawn.words
+
+
+@pytest.mark.slow
+def test_simulate_says_that_a_material_arched(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    text = EXAMPLE.read_text(encoding="utf-8").partition("[[test]]")[0]
+    box = {"slot_width": "15 mm", "depth": "4 cm", "width": "8 cm", "fill_height": "8 cm"}
+    lines = [f'{name} = "{value}"' for name, value in box.items()]
+    lines = ["[[test]]", 'type = "discharge"', 'solver = "lammps"', *lines]
+    lines += ["targets.mass_flow = { value = 0.5 }"]
+    Path("narrow.toml").write_text(text + "\n".join(lines), encoding="utf-8")
+    rough = ("--set", "particle_particle.sliding_friction=0.8")
+
+    one = CliRunner().invoke(app, ["simulate", "narrow.toml", *rough])
+    assert one.exit_code == 0, one.output
+    assert "discharge arched: no flow (seed 1)." in one.output
+
+    two = CliRunner().invoke(app, ["simulate", "narrow.toml", *rough, "--repeat", "2"])
+    assert "discharge arched: no flow (seed 1 and 2)." in two.output
+    assert "a slot of 15 mm is 1.5 times as wide" in "".join(gf.load("narrow.toml").notes())
 
 
 @pytest.mark.slow

@@ -64,3 +64,34 @@ def test_what_cannot_be_is_named(given: dict[str, object], said: str) -> None:
 def test_an_option_that_does_not_exist_is_a_type_error() -> None:
     with pytest.raises(TypeError, match="lift_sped"):
         Heap(diameter="10 mm", lift_sped=0.05)  # type: ignore[call-arg]
+
+
+WIDE = ParticleSizes((0.003, 0.012), (0.9, 0.1))
+
+
+def test_the_default_cylinder_has_room_for_the_largest_particles() -> None:
+    heap = Heap(WIDE).setup
+    # As of particles of 4 mm, of which the cylinder is twelve wide.
+    usual = Heap(diameter="4 mm").setup
+    assert heap.cylinder_radius == pytest.approx(0.024)
+    for length in ("plate_radius", "strike_off_height", "bulk_density_top", "lift_height"):
+        assert getattr(heap, length) == pytest.approx(getattr(usual, length))
+
+    largest = 0.0081201497
+    for smallest in np.linspace(0.1, 0.3, 50):
+        sizes = ParticleSizes((smallest * largest, largest), (0.95, 0.05))
+        assert 2 * Heap(sizes).setup.cylinder_radius >= 4 * largest
+
+
+def test_defaults_beside_a_cylinder_that_is_given_follow_the_sauter_diameter() -> None:
+    d = WIDE.sauter_diameter
+    assert 6 * d < 0.024
+    heap = Heap(WIDE, cylinder_radius=0.024).setup
+    assert (heap.plate_radius, heap.strike_off_height) == pytest.approx((16 * d, 10.5 * d))
+    nearly_equal = Heap(
+        diameter=[
+            {"value": "12 mm", "mass_fraction": 0.5},
+            {"value": "8 mm", "mass_fraction": 0.5},
+        ]
+    )
+    assert nearly_equal.setup.cylinder_radius == 6 * nearly_equal.sizes.sauter_diameter

@@ -167,7 +167,11 @@ def test_a_process_elsewhere_has_the_contents_that_were_hashed(beads: Path) -> N
         ("    d = sizes.sauter", "    1 / 0\n    d = sizes.sauter", "line 7: ZeroDivisionError"),
         ("import numpy as np", "import nump as np", "line 2: ModuleNotFoundError"),
         ("    d = sizes.sauter", "    exit(3)\n    d = sizes.sauter", "line 7: SystemExit: 3"),
-        ("seed, gravity", "seed, colour, gravity", "takes colour; it can take material, sizes"),
+        (
+            "def measure",
+            "scene = (lambda build: lambda colour: build)(scene)\n\ndef measure",
+            "takes colour; it can take material, sizes",
+        ),
         ("    return Scene(", "    return dict(", "gave dict, not a Scene"),
         ('Plane("z", 0.0)', 'Plane("w", 0.0)', "wall floor: has the axis 'w'"),
         ('"settle", ', '"set tle", ', "'set tle' is not one word"),
@@ -344,6 +348,16 @@ def test_two_scenes_are_loaded_without_executing_anything(beads: Path, tmp_path:
     assert not executed.exists()
 
 
+def test_enlarged_particles_are_noted_with_what_keeps_the_apparatus(beads: Path) -> None:
+    real = ParticleSizes((0.01,))
+    functions = {"scene": f"{beads}:scene", "measure": f"{beads}:measure"}
+
+    [note] = OwnScene(real.coarse_grained(2), **functions).notes({})
+
+    assert "beads.py keeps the size of the apparatus if it takes lengths from sizes.real" in note
+    assert not [*OwnScene(real, **functions).notes({})]
+
+
 def test_a_concept_that_the_solver_lacks_is_refused_with_what_to_use(
     beads: Path, tmp_path: Path
 ) -> None:
@@ -382,6 +396,52 @@ def test_a_faulty_file_is_refused_without_executing_anything(
 
     assert words in str(caught.value)
     assert "executed" not in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        (
+            "def measure(run, sizes)",
+            "def measure(run, foo)",
+            "measure: .* takes foo. It can take run",
+        ),
+        ("def measure(run, sizes)", "def measure(run, *, foo, bar=1)", "measure: .* takes foo. "),
+        (
+            "def measure(run, sizes)",
+            "def measure(run, /, sizes)",
+            "measure: .* takes run by position only. ",
+        ),
+        ("(material, sizes, seed,", "(material, size, seed,", "scene: .* takes size. .*, sizes, "),
+        ("heights = ", "heights = = ", "measure: is 'beads.py:measure': line 24 is not valid"),
+    ],
+)
+def test_a_function_that_cannot_be_called_is_refused_before_any_run(
+    beads: Path, tmp_path: Path, old: str, new: str, words: str
+) -> None:
+    assert old in CODE
+    beads.write_text(CODE.replace(old, new) + "\nraise SystemExit('executed')\n")
+    path = tmp_path / "beads.toml"
+    path.write_text(FILE.replace("SOLVER", "lammps"))
+
+    with pytest.raises(InputError, match=f"line [0-9]+, test 1, {words}"):
+        load_calibration(path)
+
+
+@pytest.mark.parametrize(
+    "measure",
+    [
+        "def measure(run, foo=1, **others): pass",
+        "def measure(foo): pass\ndef measure(run, *more, sizes): pass",
+        "def measure(foo): pass\nmeasure = print",
+        "from functools import cache\n@cache\ndef measure(foo): pass",
+        "def measure(foo): pass\nfrom mine import *",
+    ],
+)
+def test_a_function_that_may_be_callable_is_not_refused(beads: Path, measure: str) -> None:
+    beads.write_text(CODE.partition("def measure")[0] + measure)
+
+    assert make(beads).functions.keys() == {"scene", "measure"}
 
 
 @pytest.mark.slow
@@ -428,6 +488,11 @@ def test_particles_of_a_scene_are_clumps_of_the_aspect_ratio_of_the_material(
         ),
         ("2 * d * i", "0.5 * d * i", "3 pairs overlap"),
         ("Box((-d,", "Box((-0.1 * d,", "1 of 3 begin outside"),
+        (
+            "Box((-d, -d, -d), (6 * d, d, 4 * d))",
+            'Box((d, -d, -d), (9 * d, d, 4 * d), periodic="x")',
+            "1 of 3 begin outside",
+        ),
     ],
 )
 def test_clumps_that_cannot_begin_are_refused(beads: Path, old: str, new: str, words: str) -> None:

@@ -126,6 +126,7 @@ def test_a_file_that_changes_is_read_again(table: Path, tmp_path: Path) -> None:
     assert len(read_stl(table).triangles) == 40
 
 
+@pytest.mark.parametrize("periodic", ["", "y"])
 @pytest.mark.parametrize(
     ("scale", "shift", "words"),
     [
@@ -136,15 +137,26 @@ def test_a_file_that_changes_is_read_again(table: Path, tmp_path: Path) -> None:
     ],
 )
 def test_another_unit_and_another_place_are_seen(
-    table: Path, scale: float, shift: float, words: str
+    table: Path, scale: float, shift: float, words: str, periodic: str
 ) -> None:
     write_stl(table, read_stl(table).triangles + shift)
+    box = replace(BOX, periodic=periodic)
 
-    (fault,) = mesh_faults("wall hopper", Mesh(table, scale), BOX)
+    (fault,) = mesh_faults("wall hopper", Mesh(table, scale), box)
 
     assert words in fault.message
     assert fault.key == "wall hopper"
-    assert list(mesh_faults("wall hopper", Mesh(table, 0.001), BOX)) == [] or shift
+    assert list(mesh_faults("wall hopper", Mesh(table, 0.001), box)) == [] or shift
+
+
+def test_a_mesh_that_needs_too_many_triangles_is_named(tmp_path: Path) -> None:
+    floor = tmp_path / "floor.stl"
+    write_stl(floor, np.array([[[0, 0, 0], [1900, 0, 0], [1900, 0.08, 0]]]))
+    box = Box((0.0, 0.0, -1.0), (2000.0, 0.08, 1.0), periodic="y")
+
+    (fault,) = mesh_faults("wall floor", Mesh(floor), box)
+
+    assert fault.message.startswith("floor.stl needs too many triangles")
 
 
 def test_triangles_in_a_periodic_box_are_short_and_cover_the_same_area(table: Path) -> None:

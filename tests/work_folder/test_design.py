@@ -11,6 +11,7 @@ import pytest
 from typer.testing import CliRunner
 
 import grainfit as gf
+from grainfit.analysis.bench import material_of, other_tests
 from grainfit.analysis.information import Knowledge
 from grainfit.analysis.test_plan import plan_tests
 from grainfit.bulk_tests.accuracy import Accuracy
@@ -160,6 +161,48 @@ def test_tests_that_the_material_does_not_allow_are_named(plan: Path) -> None:
     plan.write_text(MEASURED.replace("10 MPa", "0.36 MPa"))
     found = gf.design(plan, wanted=0.3)
     assert "Not compared: compression." in str(found)
+
+
+COARSE = FILE.replace('"10 mm"', '"10 mm"\ncoarse_graining = 2.5').replace("10 MPa", "30 MPa")
+
+
+def test_tests_that_are_not_those_of_the_file_are_sized_for_enlarged_particles(plan: Path) -> None:
+    plan.write_text(COARSE)
+    found = " ".join(str(gf.design(plan)).split())
+    assert "Not compared" not in found
+    assert "draw_down, drum, packing and shear: their apparatus is sized for the" in found
+    assert "simulated particles, 2.5 times as large as the real ones" in found
+
+    setup = load_planned_file(plan)
+    material = material_of(setup.solvers, {p.name: p.minimum for p in setup.file.parameters})
+    bench = other_tests(setup.file.parameters, setup.solvers, material)
+    discharge = bench.solvers["discharge"].bulk_test
+    large = gf.tests.Discharge(diameter="25 mm").definition()
+    assert discharge is not None
+    assert discharge.definition() == {**large, "coarse_graining": 2.5}
+    assert bench.solvers.keys() >= {"compression", "discharge", "draw_down", "packing", "shear"}
+
+    plan.write_text(FILE)
+    assert "sized for" not in str(gf.design(plan))
+
+
+def test_a_candidate_that_would_arch_is_left_out_before_any_run(plan: Path) -> None:
+    """Slots have five diameters of equal volume; a slender pellet is twice as long."""
+    slender = COARSE.replace("coarse", 'shape = "cylinder"\naspect_ratio = 3\ncoarse')
+    plan.write_text(slender)
+    found = " ".join(str(gf.design(plan)).split())
+    assert "Not compared: discharge. slot_width: a slot of 0.125 m is 2.59 times as wide" in found
+    assert "packing and shear: their apparatus" in found
+
+
+@pytest.mark.slow
+def test_slopes_of_enlarged_particles_are_simulated(plan: Path) -> None:
+    text = COARSE.replace("rolling_friction = { min = 0.05, max = 0.6 }", "rolling_friction = 0.2")
+    text = text.replace("30 MPa", "3 MPa")
+    plan.write_text(text.replace('{ min = "1400 kg/m^3", max = "2800 kg/m^3" }', "2500"))
+    found = gf.design(plan, tests=["discharge"], simulate=True, seeds=1, workers=2)
+    assert [row.name for row in found.combinations] == ["discharge"]
+    assert "failed" not in str(found)
 
 
 def test_the_command_prints_combinations_and_a_recommendation(plan: Path) -> None:

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
 from grainfit.bulk_tests.base import BulkTest
+from grainfit.bulk_tests.coarse_graining import sized_for
 from grainfit.bulk_tests.registry import bulk_tests
 from grainfit.errors import Fault, InputError
+from grainfit.formatting import in_a_row
 from grainfit.materials.walls import PLAIN, on_wall, walls_among, with_plain_wall
 from grainfit.options.kinds import suggest
 from grainfit.problem import Parameter
@@ -29,11 +31,14 @@ class Bench:
         Reasons by type of the test.
     options : mapping of str to mapping of str to object
         Options that replace defaults which do not suit the material, by type of the test.
+    enlarged : frozenset of str
+        Tests without an apparatus, which are sized for particles of coarse graining.
     """
 
     solvers: Mapping[str, Solver]
     refused: Mapping[str, str]
     options: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
+    enlarged: frozenset[str] = frozenset()
 
     def without(self, failed: Mapping[str, str]) -> Bench:
         """Return it without tests that gave no responses, by the reasons."""
@@ -47,7 +52,20 @@ class Bench:
             for test, options in self.options.items()
             for key, value in options.items()
         ]
-        return [*chosen, *(f"Not compared: {test}. {why}" for test, why in self.refused.items())]
+        return [
+            *chosen,
+            *self._sized(),
+            *(f"Not compared: {test}. {why}" for test, why in self.refused.items()),
+        ]
+
+    def _sized(self) -> Iterator[str]:
+        """Yield a sentence on the apparatus of tests that are not those of the user."""
+        tests = {name: self.solvers[name].bulk_test for name in self.enlarged & self.solvers.keys()}
+        for factor in {test.sizes.coarse_graining for test in tests.values() if test is not None}:
+            yield (
+                f"{in_a_row(sorted(tests))}: their apparatus is sized for the simulated particles, "
+                f"{factor:g} times as large as the real ones (particle.coarse_graining)."
+            )
 
 
 def material_of(solvers: Mapping[str, Solver], values: Mapping[str, float]) -> dict[str, float]:
@@ -66,6 +84,8 @@ def other_tests(
     wanted: Collection[str] = (),
 ) -> Bench:
     """Return the tests that a calibration does not have, with their usual options.
+
+    Those of enlarged particles have an apparatus that suits these: nobody has built one.
 
     Parameters
     ----------
@@ -111,7 +131,9 @@ def other_tests(
             found[name] = _solver(kind, chosen[name], like, like.bulk_test, fixed, material, free)
         except InputError as error:
             refused[name] = " ".join(str(fault) for fault in error.faults)
-    return Bench(found, refused, {name: chosen[name] for name in found if chosen[name]})
+    options = {name: chosen[name] for name in found if chosen[name]}
+    is_enlarged = like.bulk_test.sizes.coarse_graining > 1
+    return Bench(found, refused, options, frozenset(found) if is_enlarged else frozenset())
 
 
 def _walls_like(kind: type[BulkTest], material: Mapping[str, float]) -> dict[str, str]:
@@ -139,7 +161,8 @@ def _solver(
     free: Collection[str],
 ) -> Solver:
     conditions = like.conditions
-    test = kind(
+    test = sized_for(
+        kind,
         conditions.sizes,
         gravity=conditions.gravity,
         time_step_fraction=conditions.time_step_fraction,

@@ -8,6 +8,7 @@ from grainfit.bulk_tests.base import BulkTest
 from grainfit.bulk_tests.coarse_graining import coarse_grained, factor_words
 from grainfit.errors import InputError
 from grainfit.formatting import duration
+from grainfit.materials.particle_shape import ASPECT_RATIO
 from grainfit.problem import Problem
 from grainfit.solvers.base import Solver
 
@@ -26,12 +27,12 @@ def coarse_graining_notes(solvers: Mapping[str, Solver], problem: Problem) -> tu
     problem : Problem
         Free parameters: costs are those in the middle of their intervals.
     """
-    middle = problem.middle
-    found = (_note(name, solver, middle) for name, solver in solvers.items())
+    found = (_note(name, solvers, problem) for name in solvers)
     return tuple(note for note in found if note)
 
 
-def _note(name: str, solver: Solver, middle: Mapping[str, float]) -> str:
+def _note(name: str, solvers: Mapping[str, Solver], problem: Problem) -> str:
+    solver, middle = solvers[name], problem.middle
     test = solver.bulk_test
     if test is None or test.executes():
         # A scene of the user's own has a geometry that only its code knows.
@@ -44,29 +45,50 @@ def _note(name: str, solver: Solver, middle: Mapping[str, float]) -> str:
     if cost is None or cost.wall_seconds <= _LONG:
         return ""
     words = f"Test {name}: a run takes about {duration(cost.wall_seconds)}."
-    larger = _shorter(test, solver, middle)
+    larger = _shorter(name, solvers, problem)
     if larger is None:
         return words
-    faster = larger.estimate_cost(solver.name, solver.run_parameters(middle))
+    faster = larger[name].estimate_cost(solver.name, solver.run_parameters(middle))
     return (
-        f"{words} With {factor_words({name: larger})} it takes about "
+        f"{words} With {factor_words(larger)} it takes about "
         f"{duration(faster.wall_seconds)} ({faster.particles} particles). Larger particles in the "
         "same apparatus shift responses, and the calibrated values hold for simulations at that "
         "factor: compare two factors (docs/coarse_graining.md)."
     )
 
 
-def _shorter(test: BulkTest, solver: Solver, middle: Mapping[str, float]) -> BulkTest | None:
-    """Return the test with the smallest factor that makes runs short, or the largest possible."""
+def _shorter(
+    name: str, solvers: Mapping[str, Solver], problem: Problem
+) -> Mapping[str, BulkTest] | None:
+    """Return all tests with the smallest factor that makes runs short, or the largest possible."""
     larger = None
-    material = solver.run_parameters(middle)
+    solver = solvers[name]
+    material = solver.run_parameters(problem.middle)
     for factor in _FACTORS:
         try:
-            candidate = coarse_grained(test, factor)
-            seconds = candidate.estimate_cost(solver.name, material).wall_seconds
+            candidates = _enlarged(solvers, problem, factor)
         except InputError:
             break
-        larger = candidate
-        if seconds <= _SHORT:
+        larger = candidates
+        if candidates[name].estimate_cost(solver.name, material).wall_seconds <= _SHORT:
             break
     return larger
+
+
+def _enlarged(
+    solvers: Mapping[str, Solver], problem: Problem, factor: float
+) -> dict[str, BulkTest]:
+    """Return all tests with larger particles, which are those of the whole file.
+
+    Raises
+    ------
+    InputError
+        One of them is impossible with the most slender ones.
+    """
+    slender = {p.name: p.maximum for p in problem.parameters if p.name == ASPECT_RATIO}
+    values = problem.middle | slender
+    return {
+        name: coarse_grained(solver.bulk_test, factor, solver.run_parameters(values))
+        for name, solver in solvers.items()
+        if solver.bulk_test is not None and not solver.bulk_test.executes()
+    }

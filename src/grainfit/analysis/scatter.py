@@ -110,11 +110,14 @@ class RepeatedRuns:
         Values of the free parameters.
     evaluations : tuple of Evaluation
         By rising seed.
+    remarks : tuple of str
+        What responses mean that are easily taken for others.
     """
 
     responses: tuple[ResponseScatter, ...]
     parameters: Mapping[str, float]
     evaluations: tuple[Evaluation, ...]
+    remarks: tuple[str, ...] = ()
 
     def __getitem__(self, name: str) -> ResponseScatter:
         return next(found for found in self.responses if found.name == name)
@@ -132,7 +135,7 @@ class RepeatedRuns:
         """Return the table and the sentences that `print` and a notebook show."""
         table = (self._table(),) if self.responses else ()
         failed = (f"Seed {seed}: {test} failed: {reason}" for seed, test, reason in self.failures)
-        return (*table, *self._advice(), *self._about_curves(), *failed)
+        return (*table, *self.remarks, *self._advice(), *self._about_curves(), *failed)
 
     def __str__(self) -> str:
         return as_text(self.summary())

@@ -327,6 +327,20 @@ class BulkTest(ABC):
         """
         return ()
 
+    def notes(self, material: Mapping[str, float]) -> Iterable[str]:  # noqa: ARG002
+        """Return what is to be known of the test before any run; nothing by default.
+
+        Parameters
+        ----------
+        material : mapping of str to float
+            Material parameters by dotted name: those that are known.
+        """
+        return ()
+
+    def remark_on(self, responses: Mapping[str, Measured]) -> str:  # noqa: ARG002
+        """Say what responses mean that are easily taken for others; nothing by default."""
+        return ""
+
     @classmethod
     def options_for(cls, material: Mapping[str, float]) -> dict[str, Amount]:  # noqa: ARG003
         """Return options that a laboratory would choose where the defaults fail; none by default.

@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TypeVar
+from dataclasses import replace
+from typing import Any, TypeVar
 
 from grainfit.bulk_tests.base import BulkTest
+from grainfit.errors import InputError
+from grainfit.materials.sizes import ParticleSizes
 
 _Test = TypeVar("_Test", bound=BulkTest)
 
 
-def coarse_grained(test: _Test, factor: float) -> _Test:
+def coarse_grained(test: _Test, factor: float, material: Mapping[str, float]) -> _Test:
     """Return a test with larger particles, fewer where their number is an option.
 
     Parameters
@@ -19,6 +22,8 @@ def coarse_grained(test: _Test, factor: float) -> _Test:
         Stays as it is.
     factor : float
         Times the present diameters.
+    material : mapping of str to float
+        Material parameters by dotted name.
 
     Raises
     ------
@@ -28,9 +33,37 @@ def coarse_grained(test: _Test, factor: float) -> _Test:
     sizes = test.sizes.coarse_grained(factor)
     count = _given_number(test)
     if count is None:
-        return test.with_sizes(sizes)
-    definition = {**test.definition(), **sizes.definition()}
-    return test.from_definition({**definition, "particle_count": max(1, round(count / factor**3))})
+        coarser = test.with_sizes(sizes)
+    else:
+        definition = {**test.definition(), **sizes.definition()}
+        fewer = max(1, round(count / factor**3))
+        coarser = test.from_definition({**definition, "particle_count": fewer})
+    if faults := [*coarser.material_faults(material)]:
+        raise InputError(faults)
+    return coarser
+
+
+def sized_for(kind: type[_Test], sizes: ParticleSizes, **options: Any) -> _Test:
+    """Return a test of which there is no apparatus yet: its defaults suit the simulated particles.
+
+    Parameters
+    ----------
+    kind : type
+        Class of the test.
+    sizes : ParticleSizes
+        Its particles.
+    **options : object
+        Options that are given.
+
+    Raises
+    ------
+    InputError
+        The test is impossible with them; names every option at fault.
+    """
+    if sizes.coarse_graining == 1:
+        return kind(sizes, **options)
+    usual = kind(replace(sizes, coarse_graining=1.0), **options)
+    return kind(sizes, **usual.resolved_options())
 
 
 def factor_words(tests: Mapping[str, BulkTest]) -> str:

@@ -16,6 +16,7 @@ from grainfit.calibration.progress import Progress
 from grainfit.calibration.provenance import Provenance
 from grainfit.calibration.scopes import restricted, with_scopes
 from grainfit.calibration.timeouts import default_timeouts
+from grainfit.calibration_file.bulk_test_notes import bulk_test_notes
 from grainfit.calibration_file.contact_notes import contact_notes
 from grainfit.calibration_file.content import CalibrationFile, SearchOptions, TestSpecification
 from grainfit.calibration_file.load import load_calibration_file
@@ -144,8 +145,9 @@ class CalibrationSetup:
         They say which free parameters the tests will leave open, with tests to add, by how much
         soft particles raise the responses, whether the contact law is the same for all solvers and
         safe at the time step, which tests simulate the same, where particles are too few for their
-        sizes or more than a cylinder holds, which bulk densities no solid fraction gives, and which
-        walls are too smooth for a bed to come to rest. ``grainfit check`` shows them.
+        sizes or more than a cylinder holds, which bulk densities no solid fraction gives, which
+        orifices may be blocked, and which walls are too smooth for a bed to come to rest.
+        ``grainfit check`` shows them.
 
         Examples
         --------
@@ -167,6 +169,7 @@ class CalibrationSetup:
             *size_notes(self.bulk_tests),
             *number_notes(self.bulk_tests),
             *solid_fraction_notes(self.problem, self.bulk_tests, self.file.fixed),
+            *bulk_test_notes(self.problem, self.bulk_tests, self.file.fixed),
             *smooth_wall_notes(self.problem, self.bulk_tests, self.file.fixed),
         )
 

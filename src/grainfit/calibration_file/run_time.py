@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 from grainfit.bulk_tests.base import BulkTest
-from grainfit.bulk_tests.coarse_graining import coarse_grained, factor_words
+from grainfit.bulk_tests.coarse_graining import coarse_grained, factor_words, sized_for
 from grainfit.bulk_tests.sensitivities import MODULUS
 from grainfit.calibration.verification import VERIFICATION_RUNS
 from grainfit.calibration_file.build import CalibrationSetup
@@ -186,7 +186,7 @@ def _usual_size(setup: CalibrationSetup) -> Iterator[tuple[str, Mapping[str, flo
     """Offer the usual dimensions of tests that are given larger ones."""
     for name, solver, test in _known_tests(setup):
         try:
-            usual = type(test)(test.sizes)
+            usual = sized_for(type(test), test.sizes)
             seconds = usual.estimate_cost(solver.name, _material(setup, solver)).wall_seconds
         except (InputError, TypeError):
             continue
@@ -235,10 +235,12 @@ def _coarser(setup: CalibrationSetup) -> Iterator[tuple[str, Mapping[str, float]
     seconds: dict[str, float] = {}
     for name, solver, test in _known_tests(setup):
         try:
-            coarser[name] = coarse_grained(test, _COARSER)
-            cost = coarser[name].estimate_cost(solver.name, _material(setup, solver))
+            material = _material(setup, solver)
+            coarser[name] = coarse_grained(test, _COARSER, material)
+            cost = coarser[name].estimate_cost(solver.name, material)
         except InputError:
-            continue
+            # All tests have the same particles.
+            return
         seconds[name] = cost.wall_seconds
     if seconds:
         words = (

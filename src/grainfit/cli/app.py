@@ -561,7 +561,7 @@ def simulate(
     else:
         [evaluation] = runs.evaluations
         folder = workdir or simulations_folder(file)
-        show.print_run(_out, evaluation, run_folders(setup.solvers, evaluation, folder))
+        show.print_run(_out, runs, run_folders(setup.solvers, evaluation, folder))
         if animated:
             _animate(setup, evaluation, folder, frames)
     if runs.failures:

@@ -17,10 +17,10 @@ from grainfit.evaluation import Curve, Measured, curves, scalars
 from grainfit.formatting import duration, plain, probability
 
 if TYPE_CHECKING:
+    from grainfit.analysis.scatter import RepeatedRuns
     from grainfit.animation.animation import Animation
     from grainfit.calibration_file.plan import Plan
     from grainfit.curve_target import CurveTarget
-    from grainfit.evaluation import Evaluation
     from grainfit.materials.starting_materials import StartingMaterial
     from grainfit.preview.previewed_test import PreviewedTest
     from grainfit.result import Result
@@ -206,11 +206,14 @@ def print_starting_intervals(console: Console, material: StartingMaterial) -> No
                 console.print(_text(f"{section}.{key} is free, {ends}. {entry.source}"))
 
 
-def print_run(console: Console, evaluation: Evaluation, folders: Mapping[str, Path]) -> None:
+def print_run(console: Console, runs: RepeatedRuns, folders: Mapping[str, Path]) -> None:
     """Print the responses of a single run."""
+    [evaluation] = runs.evaluations
     found: dict[str, Measured] = {**evaluation.responses, **evaluation.curves}
     if found:
         console.print(_measured_table(found, "standard error of this run"))
+    for remark in runs.remarks:
+        console.print(_text(remark, "yellow"))
     for test, reason in evaluation.failures.items():
         console.print(_text(f"{test} failed: {reason}", "red"))
     words = "known already" if evaluation.reused else f"{duration(evaluation.seconds)}"

@@ -16,12 +16,31 @@ from grainfit.options.python_file import PythonFile
 
 @dataclass(frozen=True)
 class Function(Kind):
-    """A Python function, ``"file.py:function"``, which is searched for but not executed."""
+    """A Python function, ``"file.py:function"``, which is searched for but not executed.
+
+    Parameters
+    ----------
+    arguments : tuple of str
+        Names of all arguments that it can take; empty if that does not matter.
+    """
+
+    arguments: tuple[str, ...] = ()
 
     def read(self, value: Any, place: Place) -> str | None:
         """Read a reference to a function, and make the path of its file absolute."""
         text = Text().read(value, place)
-        return None if text is None else find_function(text, place.findings.folder, place)
+        if text is None:
+            return None
+        found = find_function(text, place.findings.folder, place)
+        return found if found is None or self._takes_known(found, text, place) else None
+
+    def _takes_known(self, found: str, text: str, place: Place) -> bool:
+        """Note arguments of a function that it cannot be given; return whether there are none."""
+        unknown = PythonFile(found).unknown_arguments(self.arguments) if self.arguments else []
+        if unknown:
+            words = f"is {show(text)}, which takes {', '.join(unknown)}."
+            place.fault(words, f"It can take {', '.join(self.arguments)}.")
+        return not unknown
 
     def schema(self) -> Schema:
         """Return the JSON Schema of a reference."""
@@ -48,6 +67,7 @@ def find_function(reference: str, folder: Path, place: Place) -> str | None:
         function.check()
     except InputError as error:
         for fault in error.faults:
-            place.fault(f"is {show(reference)}: {fault.message}", fault.remedy)
+            words = f"{fault.key} {fault.message}".lstrip()
+            place.fault(f"is {show(reference)}: {words}", fault.remedy)
         return None
     return f"{function.path}:{function.function}"

@@ -7,6 +7,7 @@ import hashlib
 import sys
 import threading
 import warnings
+from collections.abc import Collection
 from functools import cached_property
 from pathlib import Path
 from types import ModuleType
@@ -84,12 +85,38 @@ class PythonFile:
 
         Nothing in the file is executed.
         """
+        tree = self._tree()
+        names = _top_level_names(tree)
+        # A star import can bring in any name.
+        if self.function not in names and "*" not in names:
+            raise InputError(
+                Fault("", f"has no function {self.function!r}.", _available(tree)), str(self.path)
+            )
+
+    def unknown_arguments(self, known: Collection[str]) -> list[str]:
+        """Return the arguments that the function needs beside known ones, which have their names.
+
+        Nothing in the file is executed: empty also where only that would tell.
+
+        Raises
+        ------
+        InputError
+            See `check`.
+        """
+        tree = self._tree()
+        binding = [node for node in tree.body if _top_level_names(node) & {self.function, "*"}]
+        match binding:
+            case [*_, ast.FunctionDef(name=self.function, args=found, decorator_list=[])]:
+                return _needed(found, known)
+        return []
+
+    def _tree(self) -> ast.Module:
         source = self.source
         try:
             with warnings.catch_warnings():
                 # Python shows warnings about the code when the file is executed.
                 warnings.simplefilter("ignore")
-                tree = ast.parse(source, str(self.path))
+                return ast.parse(source, str(self.path))
         except (RecursionError, MemoryError):
             raise InputError(
                 Fault("", "is nested too deeply for Python.", "Simplify it."), str(self.path)
@@ -100,12 +127,6 @@ class PythonFile:
                 Fault(f"line {line}" if line else "", f"is not valid Python: {error.args[0]}."),
                 str(self.path),
             ) from error
-        names = _top_level_names(tree)
-        # A star import can bring in any name.
-        if self.function not in names and "*" not in names:
-            raise InputError(
-                Fault("", f"has no function {self.function!r}.", _available(tree)), str(self.path)
-            )
 
     def __call__(self, *arguments: Any) -> Any:
         """Call the function, executing its file before the first call."""
@@ -137,7 +158,18 @@ def _with_source(reference: str, source: bytes) -> PythonFile:
     return function
 
 
-def _top_level_names(tree: ast.Module) -> set[str]:
+def _needed(arguments: ast.arguments, known: Collection[str]) -> list[str]:
+    """Return the arguments without a default that cannot be given by a known name."""
+    by_place = [*arguments.posonlyargs, *arguments.args]
+    needed = by_place[: len(by_place) - len(arguments.defaults)]
+    defaults = zip(arguments.kwonlyargs, arguments.kw_defaults, strict=True)
+    needed += [argument for argument, default in defaults if default is None]
+    unknown = [a.arg for a in needed if a.arg not in known and a not in arguments.posonlyargs]
+    nameless = [f"{a.arg} by position only" for a in needed if a in arguments.posonlyargs]
+    return nameless + unknown
+
+
+def _top_level_names(tree: ast.AST) -> set[str]:
     names: set[str] = set()
     for node in ast.walk(tree):
         if isinstance(node, (ast.FunctionDef, ast.ClassDef)):

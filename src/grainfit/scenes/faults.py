@@ -17,6 +17,7 @@ from grainfit.scenes.packing import Column
 from grainfit.scenes.records import Force
 from grainfit.scenes.scene import Box, Motion, Scene, Stage, Wall
 from grainfit.scenes.shapes import Annulus, Block, Cone, Cylinder, Disc, Plane, Shape
+from grainfit.scenes.spheres import ClumpSpheres
 from grainfit.scenes.stl import mesh_faults
 
 Array = NDArray[np.float64]
@@ -107,11 +108,10 @@ def _particle_faults(scene: Scene) -> Iterator[Fault]:
         yield from turned
         return
     clumps = scene.clumps
-    places = column.positions if clumps is None else column.outlines(clumps)[0]
-    outside = ((places < scene.box.low) | (places > scene.box.high)).any(axis=1)
+    outside = _outside(column, clumps, scene.box)
     if outside.any():
-        lost, first = int(outside.reshape(count, -1).any(axis=1).sum()), places[outside][0]
-        message = f"{lost} of {count} begin outside of the box, the first at {first.tolist()} m."
+        lost, first = int(outside.sum()), column.positions[outside][0].tolist()
+        message = f"{lost} of {count} begin outside of the box, the first at {first} m."
         yield Fault("particles", message, "Make the box larger, or move them.")
         return
     if clumps is None:
@@ -121,6 +121,24 @@ def _particle_faults(scene: Scene) -> Iterator[Fault]:
     if overlaps:
         message = f"{overlaps} pairs overlap at the beginning, and would burst apart."
         yield Fault("particles", message, "Use random_column(), or place them farther apart.")
+
+
+def _outside(column: Column, clumps: ClumpSpheres | None, box: Box) -> NDArray[np.bool_]:
+    """Find particles whose centre is outside of the box, or a sphere of a clump.
+
+    Spheres of a clump may be beyond a periodic side, through which the clump reaches.
+    """
+    beyond = _beyond(column.positions, box)
+    if clumps is not None:
+        has_end = np.array([axis not in box.periodic for axis in _AXES])
+        spheres = _beyond(column.outlines(clumps)[0], box) & has_end
+        beyond = np.hstack((beyond, spheres.reshape(len(beyond), -1)))
+    return np.asarray(beyond.any(axis=1))
+
+
+def _beyond(places: Array, box: Box) -> NDArray[np.bool_]:
+    found: NDArray[np.bool_] = (places < box.low) | (places > box.high)
+    return found
 
 
 def _clump_faults(scene: Scene) -> Iterator[Fault]:
@@ -148,7 +166,7 @@ def _glued_faults(name: str, body: Glued, scene: Scene) -> Iterator[Fault]:
     if not np.isfinite(body.positions).all():
         yield Fault(key, "has positions that are no numbers.", "Give finite numbers, m.")
         return
-    outside = ((body.positions < scene.box.low) | (body.positions > scene.box.high)).any(axis=1)
+    outside = _beyond(body.positions, scene.box).any(axis=1)
     if outside.any():
         first = body.positions[outside][0].tolist()
         message = f"begins outside of the box with {outside.sum()} particles, the first at {first}"

@@ -198,7 +198,7 @@ def divided(triangles: Triangles, longest: float) -> Triangles:
     area = float(np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1).sum() / 2)
     if area > MOST_TRIANGLES * math.sqrt(3) / 4 * longest**2:
         message = "needs too many triangles, each shorter than a quarter of the period."
-        raise InputError(Fault("mesh", message, "Cut the mesh to the size of the box."))
+        raise InputError(Fault("mesh", message, "Use a longer period, or a smaller mesh."))
     done = []
     while len(triangles):
         sides = np.linalg.norm(triangles - np.roll(triangles, -1, axis=1), axis=2)
@@ -233,20 +233,32 @@ def mesh_faults(key: str, shape: Shape, box: Box) -> Iterator[Fault]:
         return
     try:
         corners = shape.scale * read_stl(shape.path).triangles.reshape(-1, 3)
-        mesh_triangles(shape, box)
     except InputError as error:
         yield from (Fault(key, f"{error.source} {f.message}", f.remedy) for f in error.faults)
         return
+    elsewhere = [*_place_faults(key, shape.path.name, corners, box)]
+    if elsewhere:
+        yield from elsewhere
+        return
+    try:
+        mesh_triangles(shape, box)
+    except InputError as error:
+        name = shape.path.name
+        yield from (Fault(key, f"{name} {f.message}", f.remedy) for f in error.faults)
+
+
+def _place_faults(key: str, name: str, corners: NDArray[np.float64], box: Box) -> Iterator[Fault]:
+    """Yield why a mesh with these corners, m, is no wall in the box: its size or its place."""
     low, high = corners.min(axis=0), corners.max(axis=0)
     size, room = float((high - low).max()), max(np.subtract(box.high, box.low))
     unit = "scale is the number of m in a unit of the file: 0.001 for mm."
-    extent = f"{shape.path.name} is {size:.4g} m large in a box of {room:.4g} m"
+    extent = f"{name} is {size:.4g} m large in a box of {room:.4g} m"
     if size > _TOO_LARGE * room or size < _TOO_SMALL * room:
         yield Fault(key, f"{extent}.", f"Is it in another unit? {unit}")
     elif (low > box.high).any() or (high < box.low).any():
-        yield Fault(key, f"{shape.path.name} lies outside of the box.", f"Move it. {unit}")
+        yield Fault(key, f"{name} lies outside of the box.", f"Move it. {unit}")
     else:
-        yield from _side_faults(key, shape.path.name, low, high, box)
+        yield from _side_faults(key, name, low, high, box)
 
 
 def _side_faults(

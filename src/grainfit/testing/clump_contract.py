@@ -137,6 +137,17 @@ class ClumpContract(SimulatedScenes):
             MASS * (GRAVITY * series["time"]) ** 2 / 2, rel=2e-3, abs=1e-12
         )
 
+    def test_a_clump_of_unequal_spheres_turns_about_its_centre_of_mass(self, run: Run) -> None:
+        place, speed = [0.01, -0.02, 0.1], 20.0
+        start = clumps([place], [0.4], spins=[[0.0, speed, 0.0]])
+        half_a_turn = math.pi / speed
+        out = run(scene_of(start, {}, frames(half_a_turn), sizes=PIN, gravity=0.0))
+
+        angle = 0.4 + speed * out.stages[-1].time
+        found = out.snapshot("frame1")
+        assert axes(found)[0] == pytest.approx([math.cos(angle), 0, -math.sin(angle)], abs=1e-3)
+        assert centres(found, PIN)[0] == pytest.approx(place, abs=2e-6)
+
     def test_a_clump_that_spins_keeps_its_axis(self, run: Run) -> None:
         speed, time = 20.0, 0.05
         start = clumps([(0, 0, 0.1)], spins=[(0, speed, 0)])

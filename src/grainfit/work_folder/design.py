@@ -139,7 +139,9 @@ def _bench(planned: PlannedFile, middle: Mapping[str, float], tests: Sequence[st
         for name, solver in own.items()
         if not tests or (solver.bulk_test and solver.bulk_test.type in tests)
     }
-    return Bench({**kept, **others.solvers}, {**models, **others.refused}, others.options)
+    return Bench(
+        {**kept, **others.solvers}, {**models, **others.refused}, others.options, others.enlarged
+    )
 
 
 def _recorded(

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 from grainfit.analysis.scatter import RepeatedRuns, scatter_over_seeds
@@ -12,7 +13,8 @@ from grainfit.campaign.campaign import CampaignOptions
 from grainfit.campaign.work_folder import simulations_folder
 from grainfit.checks import count_faults
 from grainfit.errors import Fault, InputError
-from grainfit.evaluation import Proposal, response_name
+from grainfit.evaluation import Evaluation, Proposal, response_name
+from grainfit.formatting import in_a_row
 from grainfit.strategies.seeds import LARGEST_SEED
 from grainfit.work_folder.saved_calibration import SavedCalibration, read_answer
 
@@ -94,7 +96,8 @@ def repeat_runs(
         on_start,
         on_progress,
     )
-    return scatter_over_seeds(evaluations, setup.problem.targets, _units(setup))
+    found = scatter_over_seeds(evaluations, setup.problem.targets, _units(setup))
+    return replace(found, remarks=tuple(_remarks(setup, found.evaluations)))
 
 
 def _answer(setup: CalibrationSetup, folder: Path, settings: Sequence[str]) -> dict[str, float]:
@@ -125,6 +128,20 @@ def _units(setup: CalibrationSetup) -> dict[str, str]:
         for test, bulk_test in setup.bulk_tests.items()
         for name, response in bulk_test.responses.items()
     }
+
+
+def _remarks(setup: CalibrationSetup, evaluations: Sequence[Evaluation]) -> Iterator[str]:
+    """Yield what tests say of their responses, each with its seeds."""
+    for name, test in setup.bulk_tests.items():
+        names = {key: response_name(name, key, len(setup.solvers)) for key in test.responses}
+        seeds: dict[str, list[str]] = {}
+        for evaluation in evaluations:
+            known = evaluation.responses
+            responses = {key: known[full] for key, full in names.items() if full in known}
+            if words := test.remark_on(responses):
+                seeds.setdefault(words, []).append(str(evaluation.proposal.seed))
+        for words, those in seeds.items():
+            yield f"{name} {words} (seed {in_a_row(those)})."
 
 
 def _require_counts(**given: int) -> None:

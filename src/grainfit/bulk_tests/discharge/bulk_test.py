@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import ClassVar
 
@@ -21,8 +21,9 @@ from grainfit.bulk_tests.shared.slot_box import SlotBox
 from grainfit.bulk_tests.shared.slot_scene import BED, END, FLOW, INSIDE, Flow, fill_and_flow
 from grainfit.bulk_tests.shared.validity import require_separate
 from grainfit.bulk_tests.view import Shown
-from grainfit.errors import NotMeasurableError
+from grainfit.errors import Fault, NotMeasurableError
 from grainfit.evaluation import Measured, Response
+from grainfit.materials.particle_shape import ASPECT_RATIO
 from grainfit.measurement.bulk_density import bulk_density, bulk_density_in_box
 from grainfit.measurement.flow_rate import discharged_mass
 from grainfit.measurement.particles import Particles, write_vtk
@@ -80,6 +81,7 @@ class Discharge(BulkTest):
     }
     revision: ClassVar[int] = 1
     shown: ClassVar[Shown | None] = Shown("discharge", "mass_flow", snapshot_file(END), _PICTURE)
+    worse_ends: ClassVar[Mapping[str, int]] = {ASPECT_RATIO: 1}
     responses: ClassVar[Mapping[str, ResponseInfo]] = {
         "mass_flow": ResponseInfo(
             "kg/s",
@@ -146,6 +148,14 @@ class Discharge(BulkTest):
         """Resolve geometry and procedure."""
         object.__setattr__(self, "setup", plan_setup(self.sizes, self.given_options()))
 
+    def material_faults(self, material: Mapping[str, float]) -> Iterator[Fault]:
+        """Iterate over why enlarged particles would arch over the orifice."""
+        return self.setup.container.orifice.coarse_graining_faults(self._sizes_of(material))
+
+    def notes(self, material: Mapping[str, float]) -> Iterator[str]:
+        """Iterate over a note on an orifice that is narrow for the particles."""
+        return self.setup.container.orifice.notes(self._sizes_of(material))
+
     @property
     def footprint(self) -> Footprint:
         """Cross-section of the container that is filled."""
@@ -208,6 +218,12 @@ class Discharge(BulkTest):
             "bulk_density": density,
             "discharged_mass": discharged_mass(view.time, view.mass),
         }
+
+    def remark_on(self, responses: Mapping[str, Measured]) -> str:
+        """Say that the material arched: only then is the flow exactly 0."""
+        flow = responses.get("mass_flow")
+        is_arched = isinstance(flow, Response) and flow.value == 0
+        return "arched: no flow" if is_arched else ""
 
     def _bulk_density(self, bed: Particles) -> Response:
         setup, container = self.setup, self.setup.container

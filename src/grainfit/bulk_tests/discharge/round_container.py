@@ -5,15 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
+from grainfit.bulk_tests.shared.orifice import Orifice
 from grainfit.bulk_tests.shared.slot_box import container_faults
 from grainfit.bulk_tests.view import Outline, circle
 from grainfit.errors import Fault
 from grainfit.materials.sizes import ParticleSizes
 from grainfit.scenes.scene import Wall
 from grainfit.scenes.shapes import Annulus, Cylinder, Disc
-
-#: Diameter of an orifice, in diameters of the largest particles, below which arches may block it.
-ARCHES_ROUND = 5.0
 
 
 @dataclass(frozen=True)
@@ -34,6 +32,11 @@ class RoundContainer:
     fill_height: float
     orifice_radius: float
 
+    @property
+    def orifice(self) -> Orifice:
+        """The hole in the floor."""
+        return Orifice("orifice_diameter", "an orifice", 2 * self.orifice_radius)
+
     def walls(self, top: float, largest: float) -> dict[str, Wall]:  # noqa: ARG002
         """Return tube, floor and door by name; the tube ends at a height, m."""
         return {
@@ -51,20 +54,12 @@ class RoundContainer:
 
     def faults(self, sizes: ParticleSizes) -> Iterator[Fault]:
         """Iterate over what is impossible about the container."""
-        largest = max(sizes.diameters)
-        orifice = 2 * self.orifice_radius
         if self.orifice_radius >= self.radius:
             yield Fault(
                 "orifice_diameter",
-                f"an orifice of {orifice:g} m is not narrower than the container of "
+                f"an orifice of {self.orifice.width:g} m is not narrower than the container of "
                 f"{2 * self.radius:g} m.",
                 "Make the orifice smaller or the container wider.",
             )
-        if orifice <= largest:
-            yield Fault(
-                "orifice_diameter",
-                f"no particle of {largest:g} m passes an orifice of {orifice:g} m.",
-                f"Orifices of less than {ARCHES_ROUND:g} diameters ({ARCHES_ROUND * largest:g} m) "
-                "may be blocked by arches.",
-            )
+        yield from self.orifice.passing_faults(sizes)
         yield from container_faults(sizes, 2 * self.radius, self.fill_height)

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from grainfit.bulk_tests.discharge.round_container import ARCHES_ROUND, RoundContainer
+from grainfit.bulk_tests.discharge.round_container import RoundContainer
 from grainfit.bulk_tests.shared.filling import Filling, count_faults, plan_filling
 from grainfit.bulk_tests.shared.slot_box import (
     SlotBox,
@@ -22,9 +22,10 @@ from grainfit.scenes.packing import Footprint, Rectangle, Round
 from grainfit.scenes.scene import natural_time
 
 SLOT, ROUND = "slot", "round"
-#: Default lengths, and default diameter of a round orifice, in Sauter diameters.
+#: Default lengths, and default diameter of a round orifice, in Sauter diameters; the latter is not
+#: smaller than so many of the largest particles.
 _LENGTHS = {"width": 16, "depth": 5, "fill_height": 16, "slot_width": 5}
-_ORIFICE = 6
+_ORIFICE, _LEAST_ORIFICE = 6, 5.0
 #: The particles come to rest this long after the flow has ended, over sqrt(d/g).
 _SETTLING = 15.0
 #: Longest time of a stage over the expected one.
@@ -173,7 +174,7 @@ def _container(
     width, height = lengths["width"], lengths["fill_height"]
     diameter = real.sauter_diameter
     if given["orifice"] == ROUND:
-        least = ARCHES_ROUND * max(real.diameters)
+        least = _LEAST_ORIFICE * max(real.diameters)
         orifice = given.get("orifice_diameter", max(_ORIFICE * diameter, least))
         return RoundContainer(width / 2, height, orifice / 2), Round(width / 2)
     depth = lengths["depth"]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import ClassVar
 
@@ -30,8 +30,9 @@ from grainfit.bulk_tests.shared.validity import (
     require_separate,
 )
 from grainfit.bulk_tests.view import Shown
-from grainfit.errors import NotMeasurableError, RunFailedError
+from grainfit.errors import Fault, NotMeasurableError, RunFailedError
 from grainfit.evaluation import Response
+from grainfit.materials.particle_shape import ASPECT_RATIO
 from grainfit.measurement.bulk_density import bulk_density_in_box
 from grainfit.measurement.flow_rate import flow_rate
 from grainfit.measurement.particles import Particles, write_vtk
@@ -102,6 +103,7 @@ class DrawDown(BulkTest):
     )
     #: At 0.005, beads roll off the shelf one by one for more than 7 s.
     least_wall_rolling_friction: ClassVar[float] = 0.02
+    worse_ends: ClassVar[Mapping[str, int]] = {ASPECT_RATIO: 1}
     responses: ClassVar[Mapping[str, ResponseInfo]] = {
         "bulk_density": ResponseInfo(
             "kg/m^3",
@@ -203,6 +205,14 @@ class DrawDown(BulkTest):
     def prepare(self) -> None:
         """Resolve geometry and procedure."""
         object.__setattr__(self, "setup", plan_setup(self.sizes, self.given_options()))
+
+    def material_faults(self, material: Mapping[str, float]) -> Iterator[Fault]:
+        """Iterate over why enlarged particles would arch over the orifice."""
+        return self.setup.box.orifice.coarse_graining_faults(self._sizes_of(material))
+
+    def notes(self, material: Mapping[str, float]) -> Iterator[str]:
+        """Iterate over a note on an orifice that is narrow for the particles."""
+        return self.setup.box.orifice.notes(self._sizes_of(material))
 
     @property
     def footprint(self) -> Footprint:

@@ -63,7 +63,8 @@ class Heap(BulkTest):
     and once the heap is at rest it is measured on silhouettes. Every stage ends
     when the particles are at rest, not after a fixed time.
 
-    Defaults follow the Sauter diameter d of the particles; speeds and times follow it by Froude's
+    Defaults follow the Sauter diameter d of the particles, or a third of the largest diameter, so
+    that the default cylinder has room for four of these; speeds and times follow it by Froude's
     law, so that the test is the same test at every size. The options are the fields below, as in
     the calibration file.
 

@@ -10,6 +10,7 @@ from grainfit.bulk_tests.shared.filling import (
     Fall,
     count_faults,
     cylinder_faults,
+    least_radius,
     particles_to_fill,
     strike_off_faults,
 )
@@ -20,6 +21,8 @@ from grainfit.scenes.packing import Round, column_height
 #: The defaults are those of a test of 10 mm beads on Earth; other sizes follow by Froude's law.
 _REFERENCE_DIAMETER = 0.010
 _REFERENCE_GRAVITY = 9.81
+#: Default radius of the cylinder, in diameters.
+_RADIUS = 6
 
 
 @dataclass(frozen=True)
@@ -78,7 +81,8 @@ def plan_setup(sizes: ParticleSizes, options: Mapping[str, float | None]) -> Hea
     Parameters
     ----------
     sizes : ParticleSizes
-        The length scale of all defaults is the Sauter diameter.
+        The length scale of all defaults is the Sauter diameter, or a larger one where the default
+        cylinder would be too narrow for the largest particles.
     options : mapping of str to float or None
         The options of `Heap`, each within its limits; None stands for the default.
 
@@ -88,12 +92,16 @@ def plan_setup(sizes: ParticleSizes, options: Mapping[str, float | None]) -> Hea
         The test is impossible; names every option at fault.
     """
     given = {name: value for name, value in options.items() if value is not None}
-    diameter, gravity = sizes.real.sauter_diameter, given["gravity"]
+    real, gravity = sizes.real, given["gravity"]
+    diameter, narrowest = real.sauter_diameter, 0.0
+    if "cylinder_radius" not in given:
+        narrowest = least_radius(real)
+        diameter = max(diameter, narrowest / _RADIUS)
     # The laboratory lifts its cylinder beside real particles; simulated ones come to rest.
     usual_speed = 0.05 * _froude_speed(diameter, gravity)
     simulated = sizes.sauter_diameter
     froude_time = math.sqrt(simulated / _REFERENCE_DIAMETER * _REFERENCE_GRAVITY / gravity)
-    radius = given.get("cylinder_radius", 6 * diameter)
+    radius = given.get("cylinder_radius", max(_RADIUS * diameter, narrowest))
     strike_off = given.get("strike_off_height", 10.5 * diameter)
     default_count = particles_to_fill(sizes, radius, strike_off)
     count = int(given.get("particle_count", default_count))

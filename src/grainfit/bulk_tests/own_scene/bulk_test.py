@@ -48,10 +48,13 @@ END = "end"
 FUNCTIONS = "functions"
 _PICTURE = "particles.png"
 _SAME = 1e-6
+#: Arguments that the two functions can take.
+_OF_SCENE = ("material", "sizes", "seed", "gravity", "time_step", "options")
+_OF_MEASURE = ("run", "sizes", "gravity", "options")
 _KEYS = (
     Key(
         "scene",
-        Function(),
+        Function(_OF_SCENE),
         "Function that returns the experiment as a Scene. It gets those of material, sizes, seed, "
         "gravity, time_step and options that it names.",
         required=True,
@@ -59,7 +62,7 @@ _KEYS = (
     ),
     Key(
         "measure",
-        Function(),
+        Function(_OF_MEASURE),
         "Function that returns the responses by name: numbers, pairs of value and standard error, "
         "or Response. It gets those of run, sizes, gravity and options that it names.",
         required=True,
@@ -243,6 +246,15 @@ class OwnScene(BulkTest):
             f"{function.path}:{function.function}   (within grainfit itself)"
             for function in self.functions.values()
         )
+
+    def notes(self, material: Mapping[str, float]) -> Iterator[str]:  # noqa: ARG002
+        """Iterate over a note on coarse graining, which enlarges what follows ``sizes``."""
+        if self.sizes.coarse_graining > 1 and "scene" in self.functions:
+            yield (
+                f"sizes are {self.sizes.coarse_graining:g} times the real ones "
+                f"(particle.coarse_graining). {self.functions['scene'].path.name} keeps the size "
+                "of the apparatus if it takes lengths from sizes.real or from options."
+            )
 
     # --- the experiment ------------------------------------------------------------------------
 

@@ -10,6 +10,7 @@ import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
+from grainfit.bulk_tests.shared.orifice import ARCHES, Orifice
 from grainfit.bulk_tests.view import Outline
 from grainfit.errors import Fault
 from grainfit.materials.sizes import ParticleSizes
@@ -20,8 +21,6 @@ from grainfit.scenes.shapes import Block
 #: lets a particle touch its own neighbours on both sides.
 _NARROWEST, _SHORTEST_PERIOD = 6.0, 4.0
 _LOWEST_BED = 4.0
-#: Widths of slots, in diameters of the largest particles, below which arches may block them.
-_ARCHES = 4.0
 #: Thickness of the side walls, in diameters of the largest particles.
 _SIDE = 2.0
 #: Shortest time of the flow stage, over sqrt(d/g): before, the particles have hardly moved.
@@ -89,6 +88,11 @@ class SlotBox:
     slot_width: float
     thickness: float
 
+    @property
+    def orifice(self) -> Orifice:
+        """The slot."""
+        return Orifice("slot_width", "a slot", self.slot_width)
+
     def walls(self, top: float, largest: float) -> dict[str, Wall]:
         """Return sides, floor and door of the box by name.
 
@@ -142,13 +146,7 @@ class SlotBox:
                 f"{self.width:g} m.",
                 "Make the slot narrower or the box wider.",
             )
-        if self.slot_width <= largest:
-            yield Fault(
-                "slot_width",
-                f"no particle of {largest:g} m passes a slot of {self.slot_width:g} m.",
-                f"Slots of less than {_ARCHES:g} diameters ({_ARCHES * largest:g} m) may be "
-                "blocked by arches.",
-            )
+        yield from self.orifice.passing_faults(sizes)
         if self.depth < _SHORTEST_PERIOD * largest:
             yield Fault(
                 "depth",
@@ -174,7 +172,7 @@ def default_lengths(sizes: ParticleSizes, planned: Mapping[str, float]) -> dict[
         "width": _NARROWEST,
         "depth": _SHORTEST_PERIOD,
         "fill_height": _LOWEST_BED,
-        "slot_width": _ARCHES,
+        "slot_width": ARCHES,
     }
     return {name: max(n * diameter, least[name] * largest) for name, n in planned.items()}
 

@@ -1,0 +1,83 @@
+"""An orifice in diameters of the particles: arches may block a narrow one."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from grainfit.errors import Fault
+from grainfit.formatting import millimetres, number
+from grainfit.materials.sizes import ParticleSizes
+
+#: Width below which arches may block an orifice, in largest extents of the largest particles.
+ARCHES = 4.0
+_ROUNDING = 1e-9
+
+
+@dataclass(frozen=True)
+class Orifice:
+    """A slot or a hole in a floor.
+
+    Parameters
+    ----------
+    option : str
+        Option of the test with its width.
+    words : str
+        ``"a slot"`` or ``"an orifice"``.
+    width : float
+        m.
+    """
+
+    option: str
+    words: str
+    width: float
+
+    def passing_faults(self, sizes: ParticleSizes) -> Iterator[Fault]:
+        """Iterate over why the largest particles do not pass; a slender clump may."""
+        largest = max(sizes.diameters)
+        if self.width > largest:
+            return
+        if sizes.coarse_graining > 1:
+            yield from self.coarse_graining_faults(sizes)
+            return
+        yield Fault(
+            self.option,
+            f"no particle of {largest:g} m passes {self.words} of {self.width:g} m.",
+            f"Arches may block {self.words} of less than {ARCHES:g} diameters "
+            f"({ARCHES * largest:g} m).",
+        )
+
+    def coarse_graining_faults(self, sizes: ParticleSizes) -> Iterator[Fault]:
+        """Iterate over why enlarged particles arch where the real ones may flow."""
+        if sizes.coarse_graining == 1 or not self._is_narrow(sizes):
+            return
+        largest = max(sizes.outer_diameters)
+        least = f"{self.words} of at least {ARCHES * largest:.4g} m"
+        # Rounded down: the factor that is named must be accepted.
+        factor = math.floor(100 * self._diameters(sizes.real) / ARCHES * (1 + _ROUNDING)) / 100
+        use = f"Use particle.coarse_graining = {factor:g} at most"
+        yield Fault(
+            self.option,
+            f"{self.words} of {self.width:g} m is {number(self._diameters(sizes), 3)} times as "
+            f"wide as the largest simulated particles ({largest:.4g} m): they arch below "
+            f"{ARCHES:g}.",
+            f"{use if factor > 1 else 'Leave particle.coarse_graining out'}, or {least}.",
+        )
+
+    def notes(self, sizes: ParticleSizes) -> Iterator[str]:
+        """Iterate over a note on real particles that may arch."""
+        if sizes.coarse_graining == 1 and self._is_narrow(sizes):
+            yield (
+                f"{self.words} of {millimetres(self.width)} is "
+                f"{number(self._diameters(sizes), 3)} times as wide as the largest particles "
+                f"({millimetres(max(sizes.outer_diameters))}). Below {ARCHES:g} they may arch, "
+                "and nothing flows."
+            )
+
+    def _diameters(self, sizes: ParticleSizes) -> float:
+        """Return the width in largest extents of the largest particles."""
+        return self.width / max(sizes.outer_diameters)
+
+    def _is_narrow(self, sizes: ParticleSizes) -> bool:
+        return self._diameters(sizes) < ARCHES * (1 - _ROUNDING)
