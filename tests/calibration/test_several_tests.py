@@ -346,17 +346,30 @@ def test_a_model_need_not_mention_what_another_test_depends_on(tmp_path: Path) -
 def test_a_parameter_that_no_test_mentions_is_refused_by_check_and_run(tmp_path: Path) -> None:
     path = written(tmp_path, more="fricton = { min = 0.1, max = 0.9 }")
     setup = load_calibration(path)
-    problems = describe_plan(setup).problems
-    assert len(problems) == 2
-    assert all("fricton: is mentioned nowhere in the model" in words for words in problems)
-    assert str(tmp_path / "heap") in problems[0]
-    with pytest.raises(InputError, match=r"heap\.fricton: is mentioned nowhere"):
+    [words] = describe_plan(setup).problems
+    assert "two.toml: fricton: is free, but no test depends on it" in words
+    with pytest.raises(InputError, match=r"^fricton: is free, but no test depends on it"):
         setup.calibrate(tmp_path / "work")
 
 
 def test_the_file_can_say_what_a_test_depends_on(tmp_path: Path) -> None:
     setup = load_calibration(written(tmp_path, drop='parameters = ["bounce"]'))
     assert setup.problem.tests[1].parameters == ("bounce",)
+
+
+def test_what_the_file_says_and_the_model_does_not_is_refused_by_check_and_run(
+    tmp_path: Path,
+) -> None:
+    path = written(tmp_path, drop='parameters = ["friction"]')
+    (tmp_path / "heap" / "in.j2").write_text("{{ friction }}")
+    setup = load_calibration(path)
+    undefined, unmentioned, unused = describe_plan(setup).problems
+    said = "test drop, friction: is mentioned nowhere in the model"
+    assert "test drop, command[1], line 1: bounce is no parameter that" in undefined
+    assert said in unmentioned
+    assert "two.toml: bounce: is free, but no test depends on it" in unused
+    with pytest.raises(InputError, match=said):
+        setup.calibrate(tmp_path / "work")
 
 
 def test_a_name_that_is_no_free_parameter_is_refused_with_its_key(tmp_path: Path) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import tomllib
 from pathlib import Path
 from typing import Any
@@ -13,6 +14,7 @@ import pytest
 from grainfit.calibration_file.layout import LAYOUT
 from grainfit.calibration_file.schema import calibration_file_schema, schema_path
 from grainfit.calibration_file.starter import STARTER_FILE
+from grainfit.solvers.registry import types_of_test
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 GLASS_BEADS = (EXAMPLES / "glass_beads" / "calibration.toml").read_text(encoding="utf-8")
@@ -92,3 +94,9 @@ def test_every_key_is_in_the_reference() -> None:
     text = DOCS.read_text(encoding="utf-8")
     keys = keys_of(LAYOUT.schema())
     assert [key for key in keys if f"`{key}`" not in text and f"[{key}]" not in text] == []
+
+
+def test_the_keys_of_all_tests_name_every_type() -> None:
+    lines = DOCS.read_text(encoding="utf-8").splitlines()
+    [row] = [line for line in lines if line.startswith("| `type` |") and "Required" in line]
+    assert set(re.findall(r'`"(\w+)"`', row)) == set(types_of_test())

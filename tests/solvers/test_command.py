@@ -686,7 +686,8 @@ def test_a_template_that_never_ends_is_ended_by_ctrl_c(tmp_path):
 
 
 def test_a_template_that_needs_too_much_memory_is_at_fault_itself(tmp_path):
-    solver = Command(model_folder(tmp_path, deck__j2="{{ ('x' * 3000000000) | length }}"), ["true"])
+    folder = model_folder(tmp_path, deck__j2="{{ x }}{{ ('x' * 3000000000) | length }}")
+    solver = Command(folder, ["true"])
 
     with pytest.raises(InputError) as caught:
         run(solver, tmp_path, x=1.0)

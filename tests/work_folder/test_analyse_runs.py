@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import re
 from pathlib import Path
 
 import numpy as np
@@ -86,6 +87,115 @@ def test_tables_of_several_tests_are_named_and_combined(file: Path) -> None:
     assert any("drop.height" in note for note in only.analysis.notes)
     with pytest.raises(gf.InputError, match=r"Write TEST=TABLE\.csv with one of shear, drop"):
         gf.analyse_runs("shear.toml", "force.csv")
+
+
+TWO = """\
+name = "two"
+[parameters]
+friction = { min = 0.1, max = 0.9 }
+bounce = { min = 0.3, max = 0.9 }
+size = 3
+[[test]]
+name = "shear"
+type = "python"
+function = "model.py:shear"
+parameters = ["friction"]
+targets.force = { value = 0.03, uncertainty = 0.001 }
+[[test]]
+name = "drop"
+type = "python"
+function = "model.py:drop"
+parameters = ["bounce"]
+targets.height = { value = 0.5, uncertainty = 0.02 }
+"""
+TWO_MODELS = """\
+def shear(parameters, seed):
+    return {"force": 0.06 * parameters["friction"] + 1e-5 * (seed % 7), "strain": 1.0}
+
+def drop(parameters, seed):
+    return {"height": parameters["bounce"] + 1e-4 * (seed % 7), "time": 2.0}
+"""
+
+
+@pytest.fixture
+def exported(file: Path) -> Path:
+    """A file of two tests with a parameter each, and its runs as grainfit exports them."""
+    (file.parent / "model.py").write_text(TWO_MODELS)
+    path = file.with_name("two.toml")
+    path.write_text(TWO)
+    for number in range(9):
+        settings = [f"friction={0.1 + 0.1 * number}", f"bounce={0.3 + 0.05 * number}"]
+        gf.repeat_runs(path, repeat=1, seed=number + 1, settings=settings)
+    done = CliRunner().invoke(app, ["runs", "export", "two.simulated", "all.csv"])
+    assert done.exit_code == 0, done.output
+    return path
+
+
+def test_an_export_of_several_tests_is_analysed_and_imported_as_it_is(exported: Path) -> None:
+    found = gf.analyse_runs(exported, ["shear=all.csv", "drop=all.csv"])
+    assert found.runs == 18
+    assert found.analysis.posterior is not None
+    assert found.analysis.posterior.median("friction") == pytest.approx(0.5, abs=0.01)
+    assert found.analysis.posterior.median("bounce") == pytest.approx(0.5, abs=0.02)
+    assert not {"friction", "bounce", "force", "height"}.intersection(found.ignored)
+    assert not {"strain", "time"}.intersection(found.ignored)
+    from_folder = gf.analyse_runs(exported, "two.simulated")
+    assert from_folder.analysis.posterior is not None
+    assert found.analysis.posterior.median("friction") == pytest.approx(
+        from_folder.analysis.posterior.median("friction"), rel=0.01
+    )
+    for test in ("shear", "drop"):
+        done = CliRunner().invoke(
+            app, ["runs", "import", "two.toml", "all.csv", "--test", test, "--workdir", "again"]
+        )
+        assert f"Imported 9 runs of the test {test}; 0 were there already." in done.output
+    for test in ("shear", "drop"):
+        done = CliRunner().invoke(
+            app,
+            ["runs", "import", "two.toml", "all.csv", "--test", test, "--workdir", "two.simulated"],
+        )
+        assert f"Imported 0 runs of the test {test}; 9 were there already." in done.output
+
+
+def test_a_response_is_said_to_depend_on_parameters_of_its_test_alone(exported: Path) -> None:
+    text = str(gf.analyse_runs(exported, ["shear=all.csv", "drop=all.csv"]))
+    assert re.search(r"shear.force depends on friction \(\d+ % of its variance\)\.\s", text)
+    assert re.search(r"drop.height depends on bounce \(\d+ % of its variance\)\.\s", text)
+
+
+def test_a_table_needs_the_parameters_of_its_test_alone(exported: Path) -> None:
+    write_table("force.csv", ["force"], 0.06, 0.0001)
+    found = gf.analyse_runs(exported, ["shear=force.csv", "drop=all.csv"])
+    assert found.runs == 14 + 9
+    Path("more.csv").write_text("friction,bounce,force\n0.2,0.4,0.012\n0.3,,0.018\n")
+    assert gf.analyse_runs(exported, "shear=more.csv").ignored == ("bounce (shear=more.csv)",)
+    Path("less.csv").write_text("bounce,force\n0.4,0.012\n")
+    with pytest.raises(gf.InputError, match="line 1, column friction: is missing"):
+        gf.analyse_runs(exported, "shear=less.csv")
+
+
+def test_what_is_given_twice_counts_once(exported: Path) -> None:
+    given = ["shear=all.csv", "drop=all.csv", "shear=./all.csv", "two.simulated", "two.simulated/"]
+    found = gf.analyse_runs(exported, given)
+    assert found.runs == gf.analyse_runs(exported, [*given[:2], given[3]]).runs
+    assert "shear=./all.csv a second time" in found.ignored
+    assert "two.simulated/ a second time" in found.ignored
+
+
+def test_lines_of_tests_with_other_names_are_of_the_test_unless_it_is_named(file: Path) -> None:
+    lines = "0.2,0.012,old\n0.3,0.018,old\n"
+    Path("runs.csv").write_text("friction,force,test\n" + lines)
+    assert gf.analyse_runs("shear.toml", "runs.csv").runs == 2
+    Path("runs.csv").write_text("friction,force,test\n0.4,0.024,shear\n" + lines)
+    assert gf.analyse_runs("shear.toml", "runs.csv").runs == 1
+
+
+def test_runs_at_one_place_are_counted_for_their_test_alone(exported: Path) -> None:
+    Path("one.csv").write_text("friction,force\n" + 5 * "0.2,0.012\n")
+    notes = gf.analyse_runs(exported, ["shear=one.csv", "drop=all.csv"]).analysis.notes
+    assert any(
+        "5 runs gave the response 'shear.force', at only 1 different place" in n for n in notes
+    )
 
 
 def test_measurements_that_nothing_agrees_with_are_told(file: Path) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -49,6 +49,8 @@ class Sensitivity:
         First-order indices: effect of a parameter by itself.
     total, total_low, total_high : ndarray
         Total indices: its effect by itself and together with others.
+    scopes : tuple of tuple of str
+        Parameters that the test of each target depends on; empty if all targets depend on all.
     """
 
     names: tuple[str, ...]
@@ -59,6 +61,7 @@ class Sensitivity:
     total: Array
     total_low: Array
     total_high: Array
+    scopes: tuple[tuple[str, ...], ...] = ()
 
     def uncertainty(self, row: int) -> float:
         """Return the width of the widest interval of a response's total indices."""
@@ -95,7 +98,8 @@ class Sensitivity:
             for i in order
             if total[i] >= _NAMED or i == order[0]
         ]
-        others = [i for i in order[1:] if total[i] < _NAMED]
+        known = self.scopes[row] if self.scopes else self.names
+        others = [i for i in order[1:] if total[i] < _NAMED and self.names[i] in known]
         perhaps = [self.names[i] for i in others if self.total_high[row, i] > _PERHAPS]
         hardly = [self.names[i] for i in others if self.total_high[row, i] <= _PERHAPS]
         rest = f", perhaps on {_listed(perhaps)}" if perhaps else ""
@@ -146,16 +150,17 @@ def estimate_sensitivity(
     if points < 2 or points & (points - 1):
         raise InputError(Fault("points", f"is {points}.", "Give a power of two, such as 512."))
     problem = metamodels.problem
+    names = tuple(parameter.name for parameter in problem.parameters)
+    scopes = tuple(tuple(problem.scope_of(t.name).parameters) for t in problem.targets)
     with threadpool_limits(limits=1, user_api="blas"):
         varied = _varied(metamodels, np.random.default_rng(seed))
         found = np.zeros((6, len(problem.targets), problem.dimension))
         for row in np.flatnonzero(varied):
-            found[:, row] = _indices(metamodels.models[row], problem.dimension, seed, points)
-    return Sensitivity(
-        tuple(parameter.name for parameter in problem.parameters),
-        tuple(target.name for target in problem.targets),
-        *found,
-    )
+            indices = _indices(metamodels.models[row], problem.dimension, seed, points)
+            # No error of a metamodel is due to a parameter that the test does not have.
+            found[:, row] = np.where(np.isin(names, scopes[row]), indices, 0.0)
+    responses = tuple(target.name for target in problem.targets)
+    return replace(Sensitivity(names, responses, *found), scopes=scopes)
 
 
 def _varied(metamodels: Metamodels, random: np.random.Generator) -> NDArray[np.bool_]:

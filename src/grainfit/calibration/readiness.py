@@ -32,7 +32,7 @@ def require_ready(problem: Problem, solvers: Mapping[str, Solver]) -> None:
     for obstacle in obstacles(problem, solvers):
         error = obstacle.error
         if isinstance(error, InputError) and len(solvers) > 1 and obstacle.test:
-            faults = [replace(f, key=f"{obstacle.test}.{f.key}") for f in error.faults]
+            faults = [replace(f, key=f"test {obstacle.test}, {f.key}") for f in error.faults]
             raise InputError(faults, error.source) from error
         raise error
 
@@ -54,7 +54,8 @@ def obstacles(problem: Problem, solvers: Mapping[str, Solver]) -> Iterator[Obsta
         for obstacle in _of_solver(test, solver, problem):
             refused = True
             yield obstacle
-    if not refused and (faults := _faults_of_parameters(problem, solvers)):
+    # The only test of a calibration has said what it does not depend on.
+    if (len(solvers) > 1 or not refused) and (faults := _faults_of_parameters(problem, solvers)):
         yield Obstacle("", InputError(faults))
 
 

@@ -80,21 +80,12 @@ def _require_scopes(problem: Problem, solvers: Mapping[str, Solver]) -> None:
 
 
 def used_parameters(problem: Problem, solvers: Mapping[str, Solver]) -> dict[str, Sequence[str]]:
-    """Return the free parameters that each test depends on, by its name.
-
-    A parameter that no test depends on counts for every test, so that each of them can say what
-    is wrong with it.
-    """
+    """Return the free parameters that each test depends on, by its name."""
     names = [parameter.name for parameter in problem.parameters]
     stated = {scope.name: scope.parameters for scope in problem.tests}
-    used = {
+    return {
         test: solver.depends_on([name for name in names if name in stated.get(test, names)])
         for test, solver in solvers.items()
-    }
-    unused = set(names).difference(*used.values())
-    return {
-        test: [name for name in names if name in found or name in unused]
-        for test, found in used.items()
     }
 
 

@@ -48,6 +48,8 @@ class ParametersFor(Solver):
         Values of parameters that are not free.
     takes : callable, optional
         Predicate: True for the names of parameters that the solver takes; by default all.
+    depends_on_all : bool
+        Whether runs are said to depend on all parameters that the solver takes, whatever it says.
     """
 
     def __init__(
@@ -55,12 +57,15 @@ class ParametersFor(Solver):
         solver: Solver,
         fixed: Mapping[str, float] | None = None,
         takes: Callable[[str], bool] | None = None,
+        *,
+        depends_on_all: bool = False,
     ) -> None:
         self.solver = solver
         self.name = solver.name
         self.uses_folder = solver.uses_folder
         self._fixed = dict(fixed or {})
         self._takes = takes
+        self._depends_on_all = depends_on_all
 
     @property
     @override
@@ -93,7 +98,8 @@ class ParametersFor(Solver):
     def depends_on(self, names: Sequence[str]) -> tuple[str, ...]:
         """Return the parameters that the solver takes and depends on."""
         takes = self._takes
-        return self.solver.depends_on([name for name in names if takes is None or takes(name)])
+        taken = [name for name in names if takes is None or takes(name)]
+        return tuple(taken) if self._depends_on_all else self.solver.depends_on(taken)
 
     @property
     @override

@@ -11,7 +11,6 @@ import numpy as np
 from grainfit.analysis.analysis import Analysis, analyse
 from grainfit.analysis.posterior import Posterior
 from grainfit.calibration_file.build import CalibrationSetup, load_calibration
-from grainfit.calibration_file.content import TestSpecification
 from grainfit.campaign.reuse import runs_of
 from grainfit.campaign.store.source import open_source
 from grainfit.errors import Fault, InputError
@@ -22,6 +21,7 @@ from grainfit.metamodels.likelihood import standard_uncertainty
 from grainfit.problem import Parameter, Problem, Target
 from grainfit.tables import TextTable, as_html, as_text
 from grainfit.work_folder.import_table import read_import_table
+from grainfit.work_folder.run_columns import COMMON_COLUMNS
 
 #: Deviation of an expected response in standard deviations from which nothing agrees with it.
 _DISAGREES = 3.0
@@ -157,9 +157,10 @@ def analyse_runs(
         The calibration file: free parameters with their intervals, and targets.
     runs : path or sequence of path
         Tables of runs (CSV), as ``grainfit runs import`` reads them: a column for each free
-        parameter and each target of a test, perhaps ``seed`` and standard errors. With several
-        tests a table is given as ``TEST=TABLE.csv``. A folder is a work folder, whose runs of the
-        same tests are used.
+        parameter that a test depends on and each of its targets, perhaps ``seed`` and standard
+        errors. With several tests a table is given as ``TEST=TABLE.csv``; its column ``test``, if
+        it has one, tells the runs apart. A folder is a work folder, whose runs of the same tests
+        are used. What is given twice counts once.
     seed : int
         The same seed gives the same analysis.
 
@@ -186,14 +187,21 @@ def analyse_runs(
         raise InputError(Fault("runs", "are not given.", "Name a table of runs."))
     evaluations: list[Evaluation] = []
     ignored: list[str] = []
+    seen: set[tuple[str, Path]] = set()
     for name in given:
-        if Path(name).is_dir() or "://" in str(name):
+        is_store = Path(name).is_dir() or "://" in str(name)
+        test, path = ("", Path(name)) if is_store else _test_of(setup, str(name))
+        if (test, path.resolve()) in seen:
+            ignored.append(f"{name} a second time")
+            continue
+        seen.add((test, path.resolve()))
+        if is_store:
             with open_source(name, "runs") as store:
                 evaluations += runs_of(setup.problem, setup.solvers, store.runs(), setup.repeats)
         else:
-            found, unused = _of_table(setup, str(name))
+            found, unused = _of_table(setup, test, path)
             evaluations += found
-            ignored += unused
+            ignored += [column for column in unused if column not in ignored]
     if not evaluations:
         words = f"{', '.join(map(str, given))} {'have' if len(given) > 1 else 'has'} no run of it."
         raise InputError(Fault("runs", words, "Only runs of the tests of the file can be used."))
@@ -201,27 +209,37 @@ def analyse_runs(
     return RunsAnalysis(setup.problem, analysis, len(evaluations), tuple(ignored))
 
 
-def _of_table(setup: CalibrationSetup, given: str) -> tuple[list[Evaluation], list[str]]:
-    test, path = _test_of(setup, given)
-    rows, ignored = read_import_table(path, setup, test)
+def _of_table(setup: CalibrationSetup, test: str, path: Path) -> tuple[list[Evaluation], list[str]]:
+    specification = next(one for one in setup.file.tests if one.name == test)
+    rows, ignored = read_import_table(path, setup, specification)
     count = len(setup.file.tests)
+    tests = (test,) if count > 1 else None
     evaluations = [
         Evaluation(
-            Proposal(row.parameters, number if row.seed is None else row.seed, "design"),
-            {response_name(test.name, name, count): r for name, r in row.responses.items()},
+            # Parameters that the test does not depend on have the middle of their interval.
+            Proposal(
+                setup.problem.middle | dict(row.parameters),
+                number if row.seed is None else row.seed,
+                "design",
+                tests,
+            ),
+            {response_name(test, name, count): r for name, r in row.responses.items()},
         )
         for number, row in enumerate(rows, start=1)
     ]
+    if tests:
+        # Another test may use a column of the same name.
+        ignored = [c if c in COMMON_COLUMNS else f"{c} ({test}={path})" for c in ignored]
     return evaluations, ignored
 
 
-def _test_of(setup: CalibrationSetup, given: str) -> tuple[TestSpecification, Path]:
-    tests = {test.name: test for test in setup.file.tests}
+def _test_of(setup: CalibrationSetup, given: str) -> tuple[str, Path]:
+    tests = [test.name for test in setup.file.tests]
     name, separator, path = given.partition("=")
     if separator and name in tests:
-        return tests[name], Path(path)
+        return name, Path(path)
     if len(tests) == 1:
-        return next(iter(tests.values())), Path(given)
+        return tests[0], Path(given)
     words = f"{given!r} does not name its test, and the file has several."
     remedy = f"Write TEST=TABLE.csv with one of {', '.join(tests)}."
     raise InputError(Fault("runs", words, remedy))

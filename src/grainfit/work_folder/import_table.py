@@ -28,7 +28,12 @@ from grainfit.work_folder.run_columns import COMMON_COLUMNS
 _HEADER = re.compile(r"(?P<name>[^\[\]]*?)\s*(?:\[(?P<unit>[^\[\]]*)\])?")
 _NO_UNIT = ("", "-", "–", "1")
 _MOST_FAULTS = 50
+#: Columns of tables that grainfit has written.
+_IDENTITY_COLUMN, _TEST_COLUMN = "identity", "test"
 _LARGEST_SEED = 2**63 - 1
+
+#: Number of a line in the file, and its cells.
+_Line = tuple[int, list[str]]
 
 
 @dataclass(frozen=True)
@@ -40,7 +45,7 @@ class TableRow:
     line : int
         Line in the file, counted from 1.
     parameters : mapping of str to float
-        Values of the free parameters.
+        Values of the free parameters that the test depends on.
     responses : mapping of str to Response
         Responses of the run.
     seed : int, optional
@@ -66,6 +71,8 @@ def read_import_table(
     path: Path, setup: CalibrationSetup, test: TestSpecification
 ) -> tuple[list[TableRow], list[str]]:
     """Read the runs of a test from a CSV file.
+
+    It may hold runs of other tests, too, if a column ``test`` tells them apart.
 
     Parameters
     ----------
@@ -97,14 +104,22 @@ class _Reader:
         self._assembly = setup
         self._test = test
         self._faults: list[Fault] = []
-        self._free = [parameter.name for parameter in setup.problem.parameters]
+        names = [parameter.name for parameter in setup.problem.parameters]
+        scopes = {scope.name: scope.parameters for scope in setup.problem.tests}
+        self._free = list(scopes.get(test.name, names))
         self._fixed = setup.file.fixed
         self._responses = _response_quantities(test)
+        self._needed = {*self._free, *(target.name for target in test.targets)}
+        self._of_others = {*names}.union(*map(_response_quantities, setup.file.tests))
         self._columns: dict[int, _Column] = {}
+        self._is_export = False
 
     def read(self) -> tuple[list[TableRow], list[str]]:
         self._require_numbers()
         (number, header), *lines = read_csv(self._path)
+        lines = self._of_test(header, lines)
+        if self._is_export:
+            self._take_further_responses(header)
         ignored = self._read_header(number, header, [cells for _, cells in lines])
         if not lines:
             self._note(number, "", "holds no runs.", "Give one line for each run.")
@@ -135,6 +150,26 @@ class _Reader:
             )
         self._raise()
 
+    def _of_test(self, header: list[str], lines: list[_Line]) -> list[_Line]:
+        """Return the lines of the test, where a column tells of which test they are."""
+        if _TEST_COLUMN not in header:
+            return lines
+        column = header.index(_TEST_COLUMN)
+        tests = [cells[column] if column < len(cells) else "" for _, cells in lines]
+        name = self._test.name
+        self._is_export = _IDENTITY_COLUMN in header and name in tests
+        # In a table without this test, the tests may have had other names when they were run.
+        others = set(tests) if name in tests else {test.name for test in self._assembly.file.tests}
+        return [
+            line for line, test in zip(lines, tests, strict=True) if test not in others - {name, ""}
+        ]
+
+    def _take_further_responses(self, header: list[str]) -> None:
+        """Note responses that are no targets, in a table that grainfit has written."""
+        for name in header:
+            if f"{name}{ERROR_SUFFIX}" in header and name not in self._of_others:
+                self._responses.setdefault(name, Quantity(None))
+
     # --- the header --------------------------------------------------------------------------
 
     def _read_header(self, line: int, header: list[str], cells: list[list[str]]) -> list[str]:
@@ -142,10 +177,11 @@ class _Reader:
         for index, text in enumerate(header):
             match = _HEADER.fullmatch(text)
             name, unit = (match["name"], match["unit"]) if match else (text, None)
-            if not name and not any(index < len(row) and row[index] for row in cells):
+            is_empty = not any(index < len(row) and row[index] for row in cells)
+            if not name and is_empty:
                 continue
-            if name in COMMON_COLUMNS and name != SEED_COLUMN:
-                ignored.append(name)
+            if self._is_unused(name, is_empty):
+                ignored += [] if is_empty or name == _TEST_COLUMN else [name]
                 continue
             quantity = self._quantity(name)
             if quantity is None:
@@ -157,8 +193,7 @@ class _Reader:
         for name, count in Counter(there).items():
             if count > 1:
                 self._note(line, f"column {name}", "is there more than once.", "Keep one of them.")
-        wanted = [*self._free, *(target.name for target in self._test.targets)]
-        for name in wanted:
+        for name in [*self._free, *(target.name for target in self._test.targets)]:
             if name not in there:
                 self._note(line, f"column {name}", "is missing.", self._how_to_separate(header))
         return ignored
@@ -174,6 +209,14 @@ class _Reader:
         if name in self._free or name in self._fixed:
             return self._assembly.quantity(name)
         return None
+
+    def _is_unused(self, name: str, is_empty: bool) -> bool:
+        """Return True for a column about the runs, or of other tests."""
+        if name in COMMON_COLUMNS:
+            return name != SEED_COLUMN
+        if self._quantity(name) is not None:
+            return False
+        return name.removesuffix(ERROR_SUFFIX) in self._of_others or (is_empty and self._is_export)
 
     def _note_unknown(self, line: int, index: int, name: str, header: list[str]) -> None:
         if not name:
@@ -249,7 +292,7 @@ class _Reader:
 
     def _value(self, line: int, text: str, column: _Column) -> float | None:
         if not text:
-            if column.name.endswith(ERROR_SUFFIX):
+            if column.name not in self._needed:
                 return None
             self._note(line, column.name, "has no value.", "Leave failed runs out.")
             return None

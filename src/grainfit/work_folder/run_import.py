@@ -66,8 +66,9 @@ def import_runs(
     setup : CalibrationSetup
         The calibration file.
     table : Path
-        CSV file: a column for each free parameter and each target of the test, perhaps with a unit
-        in brackets; perhaps ``seed`` and ``<response>.standard_error``.
+        CSV file: a column for each free parameter that the test depends on and each of its
+        targets, perhaps with a unit in brackets; perhaps ``seed``, ``<response>.standard_error``,
+        and ``test`` where it holds runs of other tests, too.
     folder : Path
         The work folder; created when it does not exist.
     test : str, optional
@@ -261,7 +262,8 @@ def _outside(setup: CalibrationSetup, rows: list[TableRow]) -> Iterator[str]:
         lines = [
             str(row.line)
             for row in rows
-            if beyond(setup.problem, {name: row.parameters[name]}) > REACH
+            if name in row.parameters
+            and beyond(setup.problem, {name: row.parameters[name]}) > REACH
         ]
         if lines:
             some = ", ".join(lines[:_NAMED_LINES]) + (", ..." if len(lines) > _NAMED_LINES else "")

@@ -6,7 +6,7 @@ import os
 import shlex
 import shutil
 import sysconfig
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from fnmatch import fnmatchcase
 from functools import cached_property
 from pathlib import Path
@@ -19,7 +19,6 @@ from grainfit.evaluation import Measured
 from grainfit.exchange import finite_parameters
 from grainfit.files import is_file, log_tail
 from grainfit.formatting import variable_name
-from grainfit.materials.walls import wall_of
 from grainfit.options.python_file import PythonFile
 from grainfit.solvers.base import Solver, Workspace
 from grainfit.solvers.own_model.evaluation import (
@@ -29,6 +28,7 @@ from grainfit.solvers.own_model.evaluation import (
     require,
     responses_in,
 )
+from grainfit.solvers.own_model.mentions import Mentions, read_mentions
 from grainfit.solvers.own_model.model_folder import ModelFolder
 from grainfit.solvers.own_model.model_input import (
     INCLUDE_NAME,
@@ -176,18 +176,27 @@ class Command(Solver):
         Raises
         ------
         InputError
-            A value is not finite, or nothing in the model mentions a free parameter.
+            A value is not finite, nothing in the model mentions a free parameter, or a template
+            reads a name that is no parameter.
         """
         values = self._values(parameters)
         require_distinct(values)
-        self._require_mentioned(parameters)
+        undefined = [found.fault for found in self._mentions.undefined(values)]
+        meant = self._meant(values)
+        unmentioned = self._unmentioned([name for name in parameters if name not in meant])
+        if faults := undefined + unmentioned:
+            raise InputError(faults, str(self._model.path))
         return values
 
     @override
     def depends_on(self, names: Sequence[str]) -> tuple[str, ...]:
-        """Return the parameters that the model mentions; all if it cannot be read."""
+        """Return the parameters that the model mentions; all if it cannot be read.
+
+        A name that is misspelt in a template counts: the check refuses it, and says what is meant.
+        """
         try:
-            return tuple(name for name in names if self._mentions(name))
+            meant = self._meant([*self._fixed, *names])
+            return tuple(name for name in names if name in meant or name in self._mentions)
         except InputError:
             # `check` says why.
             return tuple(names)
@@ -218,7 +227,8 @@ class Command(Solver):
         if workspace.cancelled.is_set():
             raise RunFailedError("stopped by the user", kind="cancelled")
         values = self._values(parameters)
-        self._require_mentioned(parameters)
+        if faults := self._unmentioned(parameters):
+            raise InputError(faults, str(self._model.path))
         with recorded_faults(workspace):
             command = self._prepare(values, int(seed), workspace)
             seconds = run_process(command, workspace, line_buffering())
@@ -267,10 +277,11 @@ class Command(Solver):
         return {"files": self._model.hashes(), "evaluate": evaluate}
 
     @cached_property
-    def _text(self) -> bytes:
-        """Text of all files and arguments that can mention a parameter."""
-        contents = [self._model.read(name) for name in self._model.files()]
-        return b"\n".join([*(os.fsencode(argument) for argument in self._command), *contents])
+    def _mentions(self) -> Mentions:
+        """Names of parameters in the model when first read."""
+        folder = self._model.path
+        evaluations = {os.path.relpath(function.path, folder) for function in self._functions()}
+        return read_mentions(self._model, self._command, self._template_files(), evaluations)
 
     # --- checks ------------------------------------------------------------------------------
 
@@ -285,27 +296,22 @@ class Command(Solver):
         if faults:
             raise InputError(faults, str(self._model.path))
 
-    def _require_mentioned(self, parameters: Mapping[str, float]) -> None:
-        """Raise `InputError` if the model does not use a parameter: it would be fitted to noise."""
-        faults = [
+    def _meant(self, names: Collection[str]) -> set[str]:
+        """Return the parameters that are meant by names in templates that are none."""
+        return {name for found in self._mentions.undefined(names) for name in found.meant}
+
+    def _unmentioned(self, names: Iterable[str]) -> list[Fault]:
+        """Return a fault for each parameter that the model does not use: it would fit noise."""
+        return [
             Fault(
                 name,
                 "is mentioned nowhere in the model, which therefore cannot depend on it.",
                 f"Use {{{{ {name} }}}} in a template or in the command, or include "
                 f"{INCLUDE_NAME} and use the variable {variable_name(name)}, or read {JSON_NAME}.",
             )
-            for name in parameters
-            if not self._mentions(name)
+            for name in names
+            if name not in self._mentions
         ]
-        if faults:
-            raise InputError(faults, str(self._model.path))
-
-    def _mentions(self, name: str) -> bool:
-        if any(word.encode() in self._text for word in (JSON_NAME, variable_name(name))):
-            return True
-        # A template may use only the last part: {% set p = particle %}{{ p.density }}.
-        words = (name.rpartition(".")[2], wall_of(name) or "")
-        return all(word.encode() in self._text for word in words)
 
     def _require_program(self) -> None:
         program = self._command[0]

@@ -28,6 +28,7 @@ from grainfit.solvers.own_model.fill_templates import (
 )
 from grainfit.solvers.own_model.model_folder import ModelFolder
 from grainfit.solvers.own_model.prime_seed import PRIME_SEEDS, prime_seeds
+from grainfit.solvers.own_model.template_names import TemplateNames, names_in
 from grainfit.solvers.process.process import run_process
 
 #: File for programs that read JSON: values by dotted name, and the seeds.
@@ -36,7 +37,8 @@ JSON_NAME = "parameters.json"
 INCLUDE_NAME = "parameters.inc"
 
 _SEED = "seed"
-_RESERVED = (_SEED, *PRIME_SEEDS, ALL_VALUES)
+#: Names in templates that no parameter can have.
+RESERVED = (_SEED, *PRIME_SEEDS, ALL_VALUES)
 
 #: Limits of templates. They take milliseconds and a few MB unless there is a fault in a loop.
 _SECONDS = 60.0
@@ -72,9 +74,9 @@ def require_distinct(values: Mapping[str, float]) -> None:
     seen: dict[str, str] = {}
     for name in values:
         root = name.split(".")[0]
-        if root in _RESERVED:
+        if root in RESERVED:
             faults.append(Fault(name, f"{root!r} is reserved.", "Give it another name."))
-        elif variable_name(name) in _RESERVED:
+        elif variable_name(name) in RESERVED:
             words = f"is the solver variable {variable_name(name)}, which is reserved."
             faults.append(Fault(name, words, "Give it another name."))
         other = seen.setdefault(variable_name(name), name)
@@ -115,6 +117,18 @@ class Templates:
     def check_text(self, text: str, where: str) -> None:
         """Raise `InputError` unless a text is a valid template."""
         self._checked(where, lambda: text)
+
+    def names(self, text: bytes) -> TemplateNames | None:
+        """Return the names in a template; None if it is not valid, as `check` says."""
+        try:
+            return names_in(self._environment.parse(text.decode("utf-8")))
+        except Exception:
+            return None
+
+    @property
+    def known_names(self) -> frozenset[str]:
+        """Names that Jinja2 gives every template, such as ``range``."""
+        return frozenset(self._environment.globals)
 
     def _checked(self, name: str, read: Callable[[], str]) -> None:
         try:

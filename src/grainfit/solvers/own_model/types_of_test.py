@@ -58,8 +58,10 @@ def _find_function_inside(reference: str, folder: Path, place: Place) -> str | N
 def _command(entry: FileEntry) -> Solver:
     options = _options_but(entry, TIMEOUT_KEY.name)
     command = Command(**options, parameters=entry.fixed, response_names=entry.responses)
-    left_out = _left_out(entry)
-    return ParametersFor(command, takes=AllBut(left_out)) if left_out else command
+    if _PARAMETERS.name not in entry.options:
+        return command
+    # The check refuses those that the model does not mention.
+    return ParametersFor(command, takes=AllBut(_left_out(entry)), depends_on_all=True)
 
 
 def _python(entry: FileEntry) -> Solver:
