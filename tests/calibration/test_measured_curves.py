@@ -150,12 +150,17 @@ def test_curve_of_a_shape_that_no_run_has_is_out_of_tolerance() -> None:
         assert any("no simulated curve has the shape" in words for words in result.notices)
 
 
-def test_curve_beyond_the_simulated_ones_says_what_they_hold() -> None:
+def test_curve_beyond_the_simulated_ones_says_what_they_hold(tmp_path: Path) -> None:
     strains = np.linspace(0.002, 0.08, 10)
     curve = gf.CurveTarget("stress", strains.tolist(), stress(TRUTH, strains).tolist(), "2 %")
 
     with pytest.raises(gf.RunFailedError, match=r"only 0 to 0\.05, and the measured one"):
-        gf.calibrate(problem(curve), gf.solvers.PythonCallable(press))
+        gf.calibrate(problem(curve), gf.solvers.PythonCallable(press), workdir=tmp_path)
+    page = write_report(tmp_path).read_text()
+    names = [trace.name for trace in gf.plots.curves(gf.open(tmp_path)).data]
+    assert "Stopped by an error" in page
+    assert "only 0 to 0.05, and the measured one" in page
+    assert names == ["other runs", "measured, with 95 % intervals"]
 
 
 def test_curves_that_are_too_short_in_a_part_of_the_intervals_are_told() -> None:

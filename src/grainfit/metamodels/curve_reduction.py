@@ -243,6 +243,9 @@ class Reduction:
     def where_possible(cls, problem: Problem, evaluations: Sequence[Evaluation]) -> Reduction:
         """Find the components of those curves that some runs have; leave out the others."""
         known = [curve for curve in problem.curves if runs_with_curve(curve, evaluations)]
+        if not known:
+            # Without its curves, the problem may have nothing left to meet.
+            return cls(problem)
         return cls.of(problem.with_targets(problem.targets, known), evaluations)
 
     @cached_property
