@@ -246,6 +246,75 @@ def test_curve_of_a_bulk_test_is_not_a_number(tmp_path: Path) -> None:
         load_calibration_file(path)
 
 
+def measured_between(folder: Path, test: str, curve: str, places: str) -> CalibrationSetup:
+    """A calibration on a curve of two points at some coordinates."""
+    first, last, unit = places.split()
+    (folder / "curve.csv").write_text(f"x,y\n{first},1\n{last},2\n")
+    target = (
+        f'targets.{curve} = {{ curve = "curve.csv", x_unit = "{unit}", uncertainty = "2 %" }}\n'
+    )
+    path = folder / "measured.toml"
+    path.write_text(compression_file(target).replace('"compression"', f'"{test}"'))
+    return load_calibration(path)
+
+
+@pytest.mark.parametrize(
+    ("test", "curve", "places", "words"),
+    [
+        # By default the piston presses with 10 kPa, after seating with 500 Pa.
+        (
+            "compression",
+            "strain",
+            "0.4 4 kPa",
+            'below 500 Pa. Set seating_stress = "400 Pa", leave',
+        ),
+        ("compression", "strain", "1 12 kPa", 'above 10000 Pa. Set stress = "12000 Pa", leave'),
+        ("compression", "strain", "4 5 Pa", 'below 500 Pa. Set seating_stress = "4 Pa", leave'),
+        (
+            "compression",
+            "stress",
+            "0 150 %",
+            "from 0 to 1.5, and runs of this test have no values a",
+        ),
+        ("discharge", "discharged_mass", "-1 4 s", "below 0 s. Leave these points out, or correct"),
+        ("heap", "profile", "-5 5 mm", "below 0 m. Leave these points out, or correct"),
+        # Of 80 mm by default.
+        ("drum", "surface", "-90 85 mm", "below -0.08 m and above 0.08 m. Set drum_radius = "),
+        ("drum", "surface", "-90 85 mm", 'drum_radius = "0.09 m", leave'),
+    ],
+)
+def test_curve_beyond_the_options_of_its_test_keeps_it_from_running(
+    tmp_path: Path, test: str, curve: str, places: str, words: str
+) -> None:
+    setup = measured_between(tmp_path, test, curve, places)
+
+    [problem] = describe_plan(setup).problems
+    assert f"test {test}, {curve}: is measured from" in problem
+    assert words in problem
+    with pytest.raises(InputError) as caught:
+        setup.calibrate(workdir=tmp_path / "work")
+    assert str(caught.value) in problem
+
+
+@pytest.mark.parametrize(
+    ("test", "curve", "places"),
+    [
+        ("compression", "strain", "0.5 10 kPa"),
+        ("compression", "stress", "0 5 %"),
+        # What has left stays away, and beyond a heap there is none.
+        ("discharge", "discharged_mass", "0 1000 s"),
+        ("heap", "profile", "0 1000 mm"),
+        ("drum", "surface", "-60 60 mm"),
+    ],
+)
+def test_curve_that_the_options_of_its_test_reach_is_ready(
+    tmp_path: Path, test: str, curve: str, places: str
+) -> None:
+    setup = measured_between(tmp_path, test, curve, places)
+
+    assert describe_plan(setup).problems == ()
+
+
 @pytest.fixture
 def setup(write: Callable[..., Path]) -> CalibrationSetup:
     return load_calibration(write())

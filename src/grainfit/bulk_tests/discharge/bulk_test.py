@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import ClassVar
 
-from grainfit.bulk_tests.base import BulkTest, CurveInfo, ResponseInfo
+from grainfit.bulk_tests.base import BulkTest, CurveInfo, CurveRange, ResponseInfo
 from grainfit.bulk_tests.discharge.setup import ROUND, SLOT, DischargeSetup, plan_setup
 from grainfit.bulk_tests.discharge.view import DischargeView
 from grainfit.bulk_tests.sensitivities import DENSITY, MODULUS, ROLLING, SLIDING, Sensitivities
@@ -145,6 +145,10 @@ class Discharge(BulkTest):
     def prepare(self) -> None:
         """Resolve geometry and procedure."""
         object.__setattr__(self, "setup", plan_setup(self.sizes, self.given_options()))
+
+    def curve_range(self, name: str) -> CurveRange:  # noqa: ARG002
+        """Return the times since the orifice was opened: what has left stays so."""
+        return CurveRange(low=0.0)
 
     @property
     def footprint(self) -> Footprint:
