@@ -354,10 +354,53 @@ def test_calibration_of_a_file_with_a_curve(
     assert "measured" not in said
 
 
-def test_repeated_runs_leave_curves_out(setup: CalibrationSetup, tmp_path: Path) -> None:
-    runs = repeat_runs(setup, repeat=2, workdir=tmp_path / "runs", workers=1)
-    assert runs.responses == ()
-    assert str(runs) == "stress is a curve: scatter is shown of single numbers only."
+def test_repeated_runs_show_mean_and_scatter_of_a_curve(
+    setup: CalibrationSetup, tmp_path: Path
+) -> None:
+    runs = repeat_runs(setup, repeat=7, workdir=tmp_path / "runs", workers=1)
+    [curve] = runs.curves
+    middle = np.interp(
+        [0.01, 0.05, 0.1, 0.15],
+        np.arange(11) / 50,
+        [11000 * x * (1 + 3 * x) for x in np.arange(11) / 50],
+    )
+    # Of the factors 0.994 to 1.006 in steps of 0.002.
+    deviations = 0.002 * np.sqrt(28 / 6) * middle
+    assert curve.mean == pytest.approx(middle)
+    assert curve.standard_deviations == pytest.approx(deviations)
+    # Student's t of six degrees of freedom.
+    assert curve.mean_intervals == pytest.approx(2.4469 / np.sqrt(7) * deviations, rel=1e-4)
+    errors = np.hypot(0.02, 0.01) * np.array([103, 575, 1300, 2175])
+    assert curve.in_uncertainties == pytest.approx(deviations / errors)
+    assert curve.runs_for_tolerance == 1
+    table = str(runs)
+    assert [line.split()[0] for line in table.splitlines()[1:5]] == ["0.01", "0.05", "0.1", "0.15"]
+    assert "575 ± 13" in table
+    assert "one run scatters" not in table
+
+
+def test_repeated_runs_of_a_curve_that_scatters_say_how_many_it_takes(
+    write: Callable[..., Path], tmp_path: Path
+) -> None:
+    setup = load_calibration(write(', uncertainty = "0.05 %"'))
+    runs = repeat_runs(setup, repeat=7, workdir=tmp_path / "runs", workers=1)
+    [curve] = runs.curves
+    largest = max(curve.in_uncertainties)
+    assert curve.runs_for_tolerance == np.ceil((1.96 * largest / 2) ** 2) > 20
+    assert f"the mean of {curve.runs_for_tolerance} runs is within 2 σ at each point" in str(runs)
+    assert "set repeats" in str(runs)
+
+
+def test_repeated_runs_say_which_curves_they_do_not_show(
+    write: Callable[..., Path], tmp_path: Path
+) -> None:
+    file = write(curve="x,y\n0.1,1300\n0.4,4000\n")
+    short = repeat_runs(file, repeat=2, workdir=tmp_path / "runs", workers=1)
+    assert str(short).startswith("2 of 2 simulated curves of stress do not hold all")
+    (tmp_path / "model.py").write_text(MODEL.replace('{"stress"', '{"load": 3, "stress"'))
+    file.write_text(HEAD + TEST + "targets.load = { value = 3, uncertainty = 0.1 }\n")
+    other = repeat_runs(file, repeat=2, workdir=tmp_path / "runs", workers=1)
+    assert "stress is a curve that was not measured" in str(other)
 
 
 def test_table_of_runs_has_no_curves(setup: CalibrationSetup, tmp_path: Path) -> None:

@@ -94,7 +94,9 @@ def repeat_runs(
         on_start,
         on_progress,
     )
-    return scatter_over_seeds(evaluations, setup.problem.targets, _units(setup))
+    return scatter_over_seeds(
+        evaluations, setup.problem.targets, _units(setup), setup.problem.curves
+    )
 
 
 def _answer(setup: CalibrationSetup, folder: Path, settings: Sequence[str]) -> dict[str, float]:
