@@ -121,7 +121,7 @@ def test_covariance_follows_the_order_of_the_lines(
         (ERRORS + ', covariance = "curve.csv"', ["common_uncertainty", "beside covariance"]),
         (', covariance = "none.csv"', ["stress.covariance", "no such file"]),
         (', covariance = "curve.csv"', ["stress.covariance", "curve.csv has 5 rows"]),
-        (ERRORS + ", tolerance = 3", ["stress.tolerance", "not a known key"]),
+        (ERRORS + ", tolerance = 3", ["stress.tolerance", "not a known key of a curve", "remove"]),
     ],
 )
 def test_fault_of_an_option_of_a_curve(
@@ -130,6 +130,13 @@ def test_fault_of_an_option_of_a_curve(
     fault = fault_of(options)
     assert "line 8, test 1, targets.stress" in fault
     assert [word for word in words if word not in fault] == []
+
+
+@pytest.mark.parametrize("key", ["tolerance", "covarianc", "uncertainity", "weight"])
+def test_a_wrong_key_of_a_curve_is_one_fault(fault_of: Callable[..., str], key: str) -> None:
+    fault = fault_of(f'{ERRORS}, {key} = "2 %"')
+    assert f"targets.stress.{key}: is not a known key" in fault
+    assert "\n" not in fault
 
 
 @pytest.mark.parametrize(
