@@ -157,6 +157,8 @@ def test_a_wrong_key_of_a_curve_is_one_fault(fault_of: Callable[..., str], key: 
         ("x,y\n1,2\n3,4\n1,5\n", ["line 4 has the same x as line 2"]),
         ("x,y\n1,0\n2,5\n", ["stress.uncertainty", "line 2 of curve.csv is 0", "absolute"]),
         ('x,y\n"1,2\n', ["is not a CSV file"]),
+        ("x,y,y\n1,2,3\n2,3,4\n", ["curve.csv, column 'y' is there more than once", "Keep one"]),
+        ("x,x\n1,2\n2,3\n", ["column 'x' is there more than once"]),
     ],
 )
 def test_fault_of_the_points_of_a_curve(
@@ -165,6 +167,20 @@ def test_fault_of_the_points_of_a_curve(
     fault = fault_of(ERRORS, curve)
     assert "line 8, test 1, targets.stress" in fault
     assert [word for word in words if word not in fault] == []
+
+
+def test_columns_of_one_name_that_are_no_points_are_left_alone(
+    curve_of: Callable[..., CurveTarget],
+) -> None:
+    curve = curve_of(curve="x,y,note,note,,\n1,2,a,b,,\n2,3,a,b,,\n")
+    assert curve.values == (2, 3)
+
+
+def test_curve_in_another_encoding_names_the_line(write: Callable[..., Path]) -> None:
+    path = write()
+    (path.parent / "curve.csv").write_bytes("x,y\n1,2\n2,3 für\n".encode("latin-1"))
+    with pytest.raises(InputError, match=r"curve: curve\.csv is not UTF-8 text in line 3\. Save"):
+        load_calibration_file(path)
 
 
 def test_curve_with_many_faults_names_the_first_ones(fault_of: Callable[..., str]) -> None:
