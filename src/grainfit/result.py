@@ -16,6 +16,7 @@ from grainfit.formatting import (
     counted,
     deviation_off,
     ends,
+    in_a_row,
     number,
     plain_ends,
     plain_interval,
@@ -602,6 +603,42 @@ class MetamodelQuality:
 
 
 @dataclass(frozen=True)
+class CurveMiss:
+    """Deviation of the nearest expected curve from a measured one.
+
+    Parameters
+    ----------
+    coordinate, coordinate_unit : str
+        Name and unit of the coordinate.
+    deviation : float
+        Root mean square deviation, in standard uncertainties of the measured points.
+    points : tuple of (float, float, float)
+        Points that deviate most, the worst one first: coordinate, measured and expected value.
+    has_other_shape : bool
+        Whether no simulated curve has the shape of the measured one.
+    """
+
+    coordinate: str
+    coordinate_unit: str
+    deviation: float
+    points: tuple[tuple[float, float, float], ...]
+    has_other_shape: bool = False
+
+    def __str__(self) -> str:
+        unit = unit_for_people(self.coordinate_unit)
+        worst = [
+            f"{with_unit(number(place), unit)} ({number(expected, 3)} instead of "
+            f"{number(measured, 3)})"
+            for place, measured, expected in self.points
+        ]
+        return (
+            f"deviates by {number(self.deviation, 2)} standard uncertainties of the measured "
+            f"points (root mean square), most at {self.coordinate or 'coordinate'} = "
+            f"{in_a_row(worst)}"
+        )
+
+
+@dataclass(frozen=True)
 class OutOfReach:
     """A target that cannot be met within the intervals.
 
@@ -610,7 +647,7 @@ class OutOfReach:
     target : str
         Name of the target.
     value : float
-        Its value.
+        Its value; of a curve at the point that deviates most, as the next two.
     nearest, standard_error : float
         Nearest expected response within the intervals, and its standard error.
     jointly : bool
@@ -621,6 +658,8 @@ class OutOfReach:
         A bound that should be enough, by linear extrapolation; None when there is none.
     is_relative : bool
         Whether deviations relative to the value make sense.
+    curve : CurveMiss, optional
+        Of a target that is a curve.
     """
 
     target: str
@@ -633,6 +672,7 @@ class OutOfReach:
     bound_value: float | None = None
     suggestion: float | None = None
     is_relative: bool = True
+    curve: CurveMiss | None = None
 
     @property
     def shortfall_percent(self) -> float | None:
@@ -643,15 +683,26 @@ class OutOfReach:
 
     def __str__(self) -> str:
         together = " together with the other targets" if self.jointly else ""
+        words = f"{self._missed(together)}."
+        if self.curve is not None and self.curve.has_other_shape:
+            # Beyond any bound, curves of these shapes are to be expected.
+            return f"{words} No simulated curve has the shape of the measured one."
+        if self.parameter is None:
+            return f"{words} No single bound is in the way: free another parameter."
+        words += f" The bound in the way is {self.parameter}.{self.bound} = {self.bound_value:g}"
+        if self.suggestion is None:
+            return f"{words}, and no possible value beyond it is enough: free another parameter."
+        return f"{words}; try {self.suggestion:g}."
+
+    def _missed(self, together: str) -> str:
+        if self.curve is not None:
+            return (
+                f"{self.target} is out of reach{together}: the nearest curve that the metamodels "
+                f"expect within the intervals {self.curve}"
+            )
         share = "" if self.shortfall_percent is None else f" ({self.shortfall_percent:+.1f} %)"
         nearest = plain_interval(self.nearest, _NORMAL_QUANTILE * self.standard_error)
-        text = (
+        return (
             f"{self.target} = {self.value:g} is out of reach{together}: the nearest that the "
-            f"metamodels expect within the intervals is {nearest}{share}."
+            f"metamodels expect within the intervals is {nearest}{share}"
         )
-        if self.parameter is None:
-            return f"{text} No single bound is in the way: free another parameter."
-        text += f" The bound in the way is {self.parameter}.{self.bound} = {self.bound_value:g}"
-        if self.suggestion is None:
-            return f"{text}, and no possible value beyond it is enough: free another parameter."
-        return f"{text}; try {self.suggestion:g}."

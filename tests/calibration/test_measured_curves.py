@@ -150,6 +150,46 @@ def test_curve_of_a_shape_that_no_run_has_is_out_of_tolerance() -> None:
         assert any("no simulated curve has the shape" in words for words in result.notices)
 
 
+def test_curve_out_of_reach_says_where_it_deviates_and_which_bound_is_in_the_way() -> None:
+    stiffer = stress({"modulus": 5e5, "stiffening": 0.6}, STRAINS)
+    result = gf.calibrate(problem(measured(stiffer)), gf.solvers.PythonCallable(press))
+
+    assert result.status == "unreachable"
+    [miss] = result.out_of_reach
+    assert (miss.target, miss.parameter, miss.bound) == ("stress", "modulus", "max")
+    assert miss.curve is not None
+    errors = result.curves["stress"].uncertainties
+    off = np.subtract(result.curves["stress"].expected, stiffer) / errors
+    assert miss.curve.deviation == pytest.approx(np.sqrt((off**2).mean()), rel=0.1)
+    place, value, expected = miss.curve.points[0]
+    assert value == pytest.approx(float(np.interp(place, STRAINS, stiffer)))
+    assert expected == pytest.approx(
+        float(np.interp(place, STRAINS, result.curves["stress"].expected)), rel=0.05
+    )
+    assert str(miss).startswith("stress is out of reach: the nearest curve")
+    assert "modulus.max = 400000" in str(miss)
+    assert "component" not in "".join([*result.notices, str(miss)])
+
+
+def test_curve_out_of_reach_moves_the_bound_in_the_way() -> None:
+    stiffer = stress({"modulus": 5e5, "stiffening": 0.6}, STRAINS)
+    strategy = gf.Sequential(extend_intervals=True)
+    result = gf.calibrate(
+        problem(measured(stiffer)), gf.solvers.PythonCallable(press), strategy=strategy
+    )
+
+    assert result.status == "calibrated"
+    assert result.parameters["modulus"] == pytest.approx(5e5, rel=0.05)
+
+
+def test_curve_out_of_reach_for_its_shape_says_so() -> None:
+    falls = stress(TRUTH, STRAINS)[::-1]
+    result = gf.calibrate(problem(measured(falls)), gf.solvers.PythonCallable(press))
+
+    [miss] = result.out_of_reach
+    assert str(miss).endswith("No simulated curve has the shape of the measured one.")
+
+
 def test_curve_beyond_the_simulated_ones_says_what_they_hold(tmp_path: Path) -> None:
     strains = np.linspace(0.002, 0.08, 10)
     curve = gf.CurveTarget("stress", strains.tolist(), stress(TRUTH, strains).tolist(), "2 %")

@@ -8,7 +8,7 @@ from importlib.metadata import version
 
 import numpy as np
 
-from grainfit.calibration.verdict import Outcome, has_other_shape, reasons
+from grainfit.calibration.verdict import Outcome, reasons
 from grainfit.calibration.verification import Verified
 from grainfit.evaluation import Evaluation
 from grainfit.metamodels.blow_ups import about_blow_ups
@@ -140,7 +140,7 @@ def _curve(basis: CurveBasis, outcome: Outcome) -> CurveResult:
         deviation=float(np.sqrt((off**2).mean())),
         probability=probability,
         shape_probability=basis.shape_probability,
-        verdict="missed" if has_other_shape(basis) else verdict,
+        verdict="missed" if basis.has_other_shape else verdict,
         verified_runs=len(outcome.fresh.values[basis.names[0]]),
     )
 

@@ -46,6 +46,8 @@ _SAME = 1e-3
 #: as there are parameters, and along the others, which the material can hardly follow. So errors
 #: as they are stated are seldom called out of reach.
 _LEADING_TOLERANCE, _OTHER_TOLERANCE = 2.0, 4.0
+#: Probability of the shape of a measured curve below which no simulated curve is said to have it.
+_OTHER_SHAPE = 1e-3
 
 
 @dataclass(frozen=True)
@@ -212,6 +214,11 @@ class CurveBasis:
         )
         degrees = len(rest) - len(self.components)
         return float(chi2.sf(square, degrees)) if degrees else 1.0
+
+    @property
+    def has_other_shape(self) -> bool:
+        """Whether the measured curve has a shape that no simulated curve has."""
+        return self.shape_probability < _OTHER_SHAPE
 
     def _on_components(self, vector: Array) -> Array:
         return np.asarray((self.components @ vector) @ self.components)
