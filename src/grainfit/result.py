@@ -5,8 +5,9 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
-from math import isfinite
+from math import isfinite, sqrt
 from pathlib import Path
+from statistics import fmean
 from typing import Any, Literal
 
 from grainfit.errors import StoreError
@@ -139,6 +140,9 @@ class CurveResult:
         As of a response; ``missed`` also when no simulated curve has the measured shape.
     verified_runs : int
         Number of fresh seeds at, or very near, the answer.
+    verified_mean, verified_standard_errors : tuple of float
+        Mean curve of at least two fresh seeds at the measured points, carried over to the answer,
+        and its standard errors; empty for fewer.
     """
 
     coordinate: str
@@ -155,6 +159,38 @@ class CurveResult:
     shape_probability: float
     verdict: Verdict
     verified_runs: int = 0
+    verified_mean: tuple[float, ...] = ()
+    verified_standard_errors: tuple[float, ...] = ()
+
+    @property
+    def verified_deviations(self) -> list[float]:
+        """Deviations of the mean of the fresh seeds, in standard uncertainties; may be empty."""
+        return [
+            (mean - self.measured[i]) / self.uncertainties[i]
+            for i, mean in enumerate(self.verified_mean)
+        ]
+
+    @property
+    def fresh(self) -> str:
+        """Deviation of the mean of the fresh seeds from the measured curve; "" for fewer than two.
+
+        Examples
+        --------
+        >>> CurveResult("x", "", "", (1.0, 2.0), (3.0, 4.0), (0.1, 0.1), (3.0, 4.0), (0.0, 0.0),
+        ...             1, 0.0, 1.0, 1.0, "met", 2, (3.1, 4.0), (0.02, 0.05)).fresh
+        '0.71 σ off the measured curve (root mean square), most at x = 1, by 1 ± 0.2 σ'
+        """
+        off = [abs(deviation) for deviation in self.verified_deviations]
+        if not off:
+            return ""
+        worst = off.index(max(off))
+        error = self.verified_standard_errors[worst] / self.uncertainties[worst]
+        place = with_unit(number(self.coordinates[worst]), unit_for_people(self.coordinate_unit))
+        return (
+            f"{number(sqrt(fmean(one**2 for one in off)), 2)} σ off the measured curve (root mean "
+            f"square), most at {self.coordinate or 'coordinate'} = {place}, by "
+            f"{number(off[worst], 2)} ± {number(error, 2)} σ"
+        )
 
 
 @dataclass(frozen=True)
@@ -428,9 +464,11 @@ class Result:
             for name, found in self.responses.items()
             if found.verified_mean is not None and found.verified_interval is not None
         ]
+        means += [f"{name} {found.fresh}" for name, found in self.curves.items() if found.fresh]
         if not means:
             return ""
         counts = [len(found.verified_values) for found in self.responses.values()]
+        counts += [found.verified_runs for found in self.curves.values()]
         fewest, most = min(counts), max(counts)
         seeds = counted(most, "fresh seed") if most else "fresh seeds"
         if fewest < most:

@@ -90,6 +90,33 @@ def test_curve_at_the_answer_is_in_the_result(finished: tuple[Result, Path]) -> 
     assert Result.from_json(folder / "result.json").curves == result.curves
 
 
+def test_fresh_seeds_of_a_curve_are_compared_with_the_measured_one(
+    finished: tuple[Result, Path],
+) -> None:
+    result, folder = finished
+    curve = result.curves["stress"]
+    runs = [run for run in gf.open(folder).evaluations if run.proposal.stage == "verification"]
+    near = [run for run in runs if run.proposal.parameters == result.parameters] or runs
+    mean = np.mean(
+        [
+            np.interp(STRAINS, run.curves["stress"].coordinates, run.curves["stress"].values)
+            for run in near
+        ],
+        axis=0,
+    )
+
+    # The answer moves a little with these runs, and the metamodels carry them over to it.
+    assert curve.verified_mean == pytest.approx(mean, rel=0.03)
+    assert curve.verified_runs >= 3
+    off = np.subtract(curve.verified_mean, curve.measured) / curve.uncertainties
+    assert curve.verified_deviations == pytest.approx(off)
+    assert f"stress {curve.fresh}" in result.fresh_seeds()
+    assert f"Mean of {curve.verified_runs} fresh seeds" in str(result)
+    page = write_report(folder).read_text()
+    assert page.count(curve.fresh) == 2
+    assert "There is no run with fresh seeds" not in page
+
+
 def test_curve_calibration_opens_again_with_figures_and_report(
     finished: tuple[Result, Path],
 ) -> None:

@@ -174,6 +174,10 @@ class CurveBasis:
         off = linalg.solve_triangular(self.root, off, lower=True) - self.mean
         return dict(zip(self.names, map(Response, (self.components @ off).tolist()), strict=True))
 
+    def values_of(self, evaluation: Evaluation) -> Array | None:
+        """Return the curve of a run at the measured coordinates; None if it gives no component."""
+        return _values(self.target, evaluation)
+
     @property
     def nearest(self) -> Array:
         """Sum of components nearest to the measured curve, shape (n,)."""
@@ -277,7 +281,7 @@ class Reduction:
     def _scores(self, evaluation: Evaluation) -> dict[str, Response]:
         found: dict[str, Response] = {}
         for basis in self.bases:
-            values = _values(basis.target, evaluation)
+            values = basis.values_of(evaluation)
             found |= {} if values is None else basis.scores(values)
         return found
 
