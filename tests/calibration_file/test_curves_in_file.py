@@ -429,8 +429,17 @@ def test_repeated_runs_say_which_curves_they_do_not_show(
 def test_table_of_runs_has_no_curves(setup: CalibrationSetup, tmp_path: Path) -> None:
     table = tmp_path / "runs.csv"
     table.write_text("stiffness\n3\n")
-    with pytest.raises(InputError, match=r"runs\.csv: stress: is a curve"):
+    with pytest.raises(InputError, match=r"runs\.csv: stress: is a curve.*--runs DIR.*DIR\)\.$"):
         analyse_runs(setup, table)
+
+
+def test_table_of_runs_can_do_without_the_curve_of_a_test_with_numbers(
+    write: Callable[..., Path], tmp_path: Path
+) -> None:
+    (tmp_path / "runs.csv").write_text("stiffness,load\n3,3\n")
+    file = write(test=TEST + "targets.load = { value = 3, uncertainty = 0.1 }\n")
+    with pytest.raises(InputError, match=r"or leave the curve out of the targets of test 'press'"):
+        analyse_runs(file, tmp_path / "runs.csv")
 
 
 def test_stiffness_study_needs_single_numbers(tmp_path: Path) -> None:
