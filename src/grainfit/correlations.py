@@ -49,7 +49,7 @@ def correlation_faults(
             faults.append(Fault(where, words, "Keep one of them."))
         if not -1 < as_number(coefficient) < 1:
             words = f"has the coefficient {coefficient!r}."
-            faults.append(Fault(where, words, "It must be a number between -1 and 1."))
+            faults.append(Fault(where, words, "It must be above -1 and below 1."))
         seen.add(pair)
     if faults or not correlations:
         return faults

@@ -5,8 +5,9 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
-from math import isfinite
+from math import isfinite, sqrt
 from pathlib import Path
+from statistics import fmean
 from typing import Any, Literal
 
 from grainfit.errors import StoreError
@@ -16,6 +17,7 @@ from grainfit.formatting import (
     counted,
     deviation_off,
     ends,
+    in_a_row,
     number,
     plain_ends,
     plain_interval,
@@ -138,6 +140,9 @@ class CurveResult:
         As of a response; ``missed`` also when no simulated curve has the measured shape.
     verified_runs : int
         Number of fresh seeds at, or very near, the answer.
+    verified_mean, verified_standard_errors : tuple of float
+        Mean curve of at least two fresh seeds at the measured points, carried over to the answer,
+        and its standard errors; empty for fewer.
     """
 
     coordinate: str
@@ -154,6 +159,38 @@ class CurveResult:
     shape_probability: float
     verdict: Verdict
     verified_runs: int = 0
+    verified_mean: tuple[float, ...] = ()
+    verified_standard_errors: tuple[float, ...] = ()
+
+    @property
+    def verified_deviations(self) -> list[float]:
+        """Deviations of the mean of the fresh seeds, in standard uncertainties; may be empty."""
+        return [
+            (mean - self.measured[i]) / self.uncertainties[i]
+            for i, mean in enumerate(self.verified_mean)
+        ]
+
+    @property
+    def fresh(self) -> str:
+        """Deviation of the mean of the fresh seeds from the measured curve; "" for fewer than two.
+
+        Examples
+        --------
+        >>> CurveResult("x", "", "", (1.0, 2.0), (3.0, 4.0), (0.1, 0.1), (3.0, 4.0), (0.0, 0.0),
+        ...             1, 0.0, 1.0, 1.0, "met", 2, (3.1, 4.0), (0.02, 0.05)).fresh
+        '0.71 σ off the measured curve (root mean square), most at x = 1, by 1 ± 0.2 σ'
+        """
+        off = [abs(deviation) for deviation in self.verified_deviations]
+        if not off:
+            return ""
+        worst = off.index(max(off))
+        error = self.verified_standard_errors[worst] / self.uncertainties[worst]
+        place = with_unit(number(self.coordinates[worst]), unit_for_people(self.coordinate_unit))
+        return (
+            f"{number(sqrt(fmean(one**2 for one in off)), 2)} σ off the measured curve (root mean "
+            f"square), most at {self.coordinate or 'coordinate'} = {place}, by "
+            f"{number(off[worst], 2)} ± {number(error, 2)} σ"
+        )
 
 
 @dataclass(frozen=True)
@@ -427,9 +464,11 @@ class Result:
             for name, found in self.responses.items()
             if found.verified_mean is not None and found.verified_interval is not None
         ]
+        means += [f"{name} {found.fresh}" for name, found in self.curves.items() if found.fresh]
         if not means:
             return ""
         counts = [len(found.verified_values) for found in self.responses.values()]
+        counts += [found.verified_runs for found in self.curves.values()]
         fewest, most = min(counts), max(counts)
         seeds = counted(most, "fresh seed") if most else "fresh seeds"
         if fewest < most:
@@ -602,6 +641,42 @@ class MetamodelQuality:
 
 
 @dataclass(frozen=True)
+class CurveMiss:
+    """Deviation of the nearest expected curve from a measured one.
+
+    Parameters
+    ----------
+    coordinate, coordinate_unit : str
+        Name and unit of the coordinate.
+    deviation : float
+        Root mean square deviation, in standard uncertainties of the measured points.
+    points : tuple of (float, float, float)
+        Points that deviate most, the worst one first: coordinate, measured and expected value.
+    has_other_shape : bool
+        Whether no simulated curve has the shape of the measured one.
+    """
+
+    coordinate: str
+    coordinate_unit: str
+    deviation: float
+    points: tuple[tuple[float, float, float], ...]
+    has_other_shape: bool = False
+
+    def __str__(self) -> str:
+        unit = unit_for_people(self.coordinate_unit)
+        worst = [
+            f"{with_unit(number(place), unit)} ({number(expected, 3)} instead of "
+            f"{number(measured, 3)})"
+            for place, measured, expected in self.points
+        ]
+        return (
+            f"deviates by {number(self.deviation, 2)} standard uncertainties of the measured "
+            f"points (root mean square), most at {self.coordinate or 'coordinate'} = "
+            f"{in_a_row(worst)}"
+        )
+
+
+@dataclass(frozen=True)
 class OutOfReach:
     """A target that cannot be met within the intervals.
 
@@ -610,7 +685,7 @@ class OutOfReach:
     target : str
         Name of the target.
     value : float
-        Its value.
+        Its value; of a curve at the point that deviates most, as the next two.
     nearest, standard_error : float
         Nearest expected response within the intervals, and its standard error.
     jointly : bool
@@ -621,6 +696,8 @@ class OutOfReach:
         A bound that should be enough, by linear extrapolation; None when there is none.
     is_relative : bool
         Whether deviations relative to the value make sense.
+    curve : CurveMiss, optional
+        Of a target that is a curve.
     """
 
     target: str
@@ -633,6 +710,7 @@ class OutOfReach:
     bound_value: float | None = None
     suggestion: float | None = None
     is_relative: bool = True
+    curve: CurveMiss | None = None
 
     @property
     def shortfall_percent(self) -> float | None:
@@ -643,15 +721,26 @@ class OutOfReach:
 
     def __str__(self) -> str:
         together = " together with the other targets" if self.jointly else ""
+        words = f"{self._missed(together)}."
+        if self.curve is not None and self.curve.has_other_shape:
+            # Beyond any bound, curves of these shapes are to be expected.
+            return f"{words} No simulated curve has the shape of the measured one."
+        if self.parameter is None:
+            return f"{words} No single bound is in the way: free another parameter."
+        words += f" The bound in the way is {self.parameter}.{self.bound} = {self.bound_value:g}"
+        if self.suggestion is None:
+            return f"{words}, and no possible value beyond it is enough: free another parameter."
+        return f"{words}; try {self.suggestion:g}."
+
+    def _missed(self, together: str) -> str:
+        if self.curve is not None:
+            return (
+                f"{self.target} is out of reach{together}: the nearest curve that the metamodels "
+                f"expect within the intervals {self.curve}"
+            )
         share = "" if self.shortfall_percent is None else f" ({self.shortfall_percent:+.1f} %)"
         nearest = plain_interval(self.nearest, _NORMAL_QUANTILE * self.standard_error)
-        text = (
+        return (
             f"{self.target} = {self.value:g} is out of reach{together}: the nearest that the "
-            f"metamodels expect within the intervals is {nearest}{share}."
+            f"metamodels expect within the intervals is {nearest}{share}"
         )
-        if self.parameter is None:
-            return f"{text} No single bound is in the way: free another parameter."
-        text += f" The bound in the way is {self.parameter}.{self.bound} = {self.bound_value:g}"
-        if self.suggestion is None:
-            return f"{text}, and no possible value beyond it is enough: free another parameter."
-        return f"{text}; try {self.suggestion:g}."

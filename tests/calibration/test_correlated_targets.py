@@ -9,6 +9,8 @@ import pytest
 
 import grainfit as gf
 from grainfit.analysis.posterior import sample_posterior
+from grainfit.calibration_file.build import load_calibration
+from grainfit.calibration_file.plan import describe_plan
 from grainfit.correlations import correlated_groups, correlation_matrix
 from grainfit.metamodels.metamodels import Metamodels
 from grainfit.metamodels.unit_cube import gauss_newton
@@ -218,8 +220,8 @@ def test_without_the_correlation_the_same_targets_are_met(file: Path) -> None:
     [
         ('[["peak", "residul", 0.9]]', "correlations[0]: 'residul' has no target here."),
         ('[["peak", "peak", 0.9]]', "correlations[0]: names 'peak' twice."),
-        ('[["peak", "residual", 1.5]]', "correlations[0][2]: is 1.5"),
-        ('[["peak", "residual", 1]]', "correlations[0]: has the coefficient 1.0."),
+        ('[["peak", "residual", 1.5]]', "coefficient 1.5. It must be above -1"),
+        ('[["peak", "residual", 1]]', "coefficient 1.0. It must be above -1 and below 1."),
         ('[["peak", "residual"]]', 'Write ["first", "second", 0.8].'),
         ('[["peak", "residual", 0.9], ["residual", "peak", 0.8]]', "second coefficient"),
         (
@@ -236,6 +238,13 @@ def test_faults_name_the_pair_and_the_remedy(file: Path, given: str, words: str)
         gf.load(file)
     assert words in str(caught.value)
     assert "line 10" in str(caught.value)
+
+
+def test_plan_shows_correlations(file: Path) -> None:
+    lines = describe_plan(load_calibration(file)).lines
+    assert lines[0] == "Correlations of the errors of the measured values: peak and residual 0.9."
+    file.write_text(FILE.replace('correlations = [["peak", "residual", 0.9]]\n', ""))
+    assert not any("Correlations" in line for line in describe_plan(load_calibration(file)).lines)
 
 
 def test_faults_in_python() -> None:

@@ -90,6 +90,33 @@ def test_curve_at_the_answer_is_in_the_result(finished: tuple[Result, Path]) -> 
     assert Result.from_json(folder / "result.json").curves == result.curves
 
 
+def test_fresh_seeds_of_a_curve_are_compared_with_the_measured_one(
+    finished: tuple[Result, Path],
+) -> None:
+    result, folder = finished
+    curve = result.curves["stress"]
+    runs = [run for run in gf.open(folder).evaluations if run.proposal.stage == "verification"]
+    near = [run for run in runs if run.proposal.parameters == result.parameters] or runs
+    mean = np.mean(
+        [
+            np.interp(STRAINS, run.curves["stress"].coordinates, run.curves["stress"].values)
+            for run in near
+        ],
+        axis=0,
+    )
+
+    # The answer moves a little with these runs, and the metamodels carry them over to it.
+    assert curve.verified_mean == pytest.approx(mean, rel=0.03)
+    assert curve.verified_runs >= 3
+    off = np.subtract(curve.verified_mean, curve.measured) / curve.uncertainties
+    assert curve.verified_deviations == pytest.approx(off)
+    assert f"stress {curve.fresh}" in result.fresh_seeds()
+    assert f"Mean of {curve.verified_runs} fresh seeds" in str(result)
+    page = write_report(folder).read_text()
+    assert page.count(curve.fresh) == 2
+    assert "There is no run with fresh seeds" not in page
+
+
 def test_curve_calibration_opens_again_with_figures_and_report(
     finished: tuple[Result, Path],
 ) -> None:
@@ -150,12 +177,57 @@ def test_curve_of_a_shape_that_no_run_has_is_out_of_tolerance() -> None:
         assert any("no simulated curve has the shape" in words for words in result.notices)
 
 
-def test_curve_beyond_the_simulated_ones_says_what_they_hold() -> None:
+def test_curve_out_of_reach_says_where_it_deviates_and_which_bound_is_in_the_way() -> None:
+    stiffer = stress({"modulus": 5e5, "stiffening": 0.6}, STRAINS)
+    result = gf.calibrate(problem(measured(stiffer)), gf.solvers.PythonCallable(press))
+
+    assert result.status == "unreachable"
+    [miss] = result.out_of_reach
+    assert (miss.target, miss.parameter, miss.bound) == ("stress", "modulus", "max")
+    assert miss.curve is not None
+    errors = result.curves["stress"].uncertainties
+    off = np.subtract(result.curves["stress"].expected, stiffer) / errors
+    assert miss.curve.deviation == pytest.approx(np.sqrt((off**2).mean()), rel=0.1)
+    place, value, expected = miss.curve.points[0]
+    assert value == pytest.approx(float(np.interp(place, STRAINS, stiffer)))
+    assert expected == pytest.approx(
+        float(np.interp(place, STRAINS, result.curves["stress"].expected)), rel=0.05
+    )
+    assert str(miss).startswith("stress is out of reach: the nearest curve")
+    assert "modulus.max = 400000" in str(miss)
+    assert "component" not in "".join([*result.notices, str(miss)])
+
+
+def test_curve_out_of_reach_moves_the_bound_in_the_way() -> None:
+    stiffer = stress({"modulus": 5e5, "stiffening": 0.6}, STRAINS)
+    strategy = gf.Sequential(extend_intervals=True)
+    result = gf.calibrate(
+        problem(measured(stiffer)), gf.solvers.PythonCallable(press), strategy=strategy
+    )
+
+    assert result.status == "calibrated"
+    assert result.parameters["modulus"] == pytest.approx(5e5, rel=0.05)
+
+
+def test_curve_out_of_reach_for_its_shape_says_so() -> None:
+    falls = stress(TRUTH, STRAINS)[::-1]
+    result = gf.calibrate(problem(measured(falls)), gf.solvers.PythonCallable(press))
+
+    [miss] = result.out_of_reach
+    assert str(miss).endswith("No simulated curve has the shape of the measured one.")
+
+
+def test_curve_beyond_the_simulated_ones_says_what_they_hold(tmp_path: Path) -> None:
     strains = np.linspace(0.002, 0.08, 10)
     curve = gf.CurveTarget("stress", strains.tolist(), stress(TRUTH, strains).tolist(), "2 %")
 
     with pytest.raises(gf.RunFailedError, match=r"only 0 to 0\.05, and the measured one"):
-        gf.calibrate(problem(curve), gf.solvers.PythonCallable(press))
+        gf.calibrate(problem(curve), gf.solvers.PythonCallable(press), workdir=tmp_path)
+    page = write_report(tmp_path).read_text()
+    names = [trace.name for trace in gf.plots.curves(gf.open(tmp_path)).data]
+    assert "Stopped by an error" in page
+    assert "only 0 to 0.05, and the measured one" in page
+    assert names == ["other runs", "measured, with 95 % intervals"]
 
 
 def test_curves_that_are_too_short_in_a_part_of_the_intervals_are_told() -> None:

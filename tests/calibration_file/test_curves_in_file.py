@@ -121,7 +121,7 @@ def test_covariance_follows_the_order_of_the_lines(
         (ERRORS + ', covariance = "curve.csv"', ["common_uncertainty", "beside covariance"]),
         (', covariance = "none.csv"', ["stress.covariance", "no such file"]),
         (', covariance = "curve.csv"', ["stress.covariance", "curve.csv has 5 rows"]),
-        (ERRORS + ", tolerance = 3", ["stress.tolerance", "not a known key"]),
+        (ERRORS + ", tolerance = 3", ["stress.tolerance", "not a known key of a curve", "remove"]),
     ],
 )
 def test_fault_of_an_option_of_a_curve(
@@ -130,6 +130,13 @@ def test_fault_of_an_option_of_a_curve(
     fault = fault_of(options)
     assert "line 8, test 1, targets.stress" in fault
     assert [word for word in words if word not in fault] == []
+
+
+@pytest.mark.parametrize("key", ["tolerance", "covarianc", "uncertainity", "weight"])
+def test_a_wrong_key_of_a_curve_is_one_fault(fault_of: Callable[..., str], key: str) -> None:
+    fault = fault_of(f'{ERRORS}, {key} = "2 %"')
+    assert f"targets.stress.{key}: is not a known key" in fault
+    assert "\n" not in fault
 
 
 @pytest.mark.parametrize(
@@ -150,6 +157,8 @@ def test_fault_of_an_option_of_a_curve(
         ("x,y\n1,2\n3,4\n1,5\n", ["line 4 has the same x as line 2"]),
         ("x,y\n1,0\n2,5\n", ["stress.uncertainty", "line 2 of curve.csv is 0", "absolute"]),
         ('x,y\n"1,2\n', ["is not a CSV file"]),
+        ("x,y,y\n1,2,3\n2,3,4\n", ["curve.csv, column 'y' is there more than once", "Keep one"]),
+        ("x,x\n1,2\n2,3\n", ["column 'x' is there more than once"]),
     ],
 )
 def test_fault_of_the_points_of_a_curve(
@@ -158,6 +167,20 @@ def test_fault_of_the_points_of_a_curve(
     fault = fault_of(ERRORS, curve)
     assert "line 8, test 1, targets.stress" in fault
     assert [word for word in words if word not in fault] == []
+
+
+def test_columns_of_one_name_that_are_no_points_are_left_alone(
+    curve_of: Callable[..., CurveTarget],
+) -> None:
+    curve = curve_of(curve="x,y,note,note,,\n1,2,a,b,,\n2,3,a,b,,\n")
+    assert curve.values == (2, 3)
+
+
+def test_curve_in_another_encoding_names_the_line(write: Callable[..., Path]) -> None:
+    path = write()
+    (path.parent / "curve.csv").write_bytes("x,y\n1,2\n2,3 für\n".encode("latin-1"))
+    with pytest.raises(InputError, match=r"curve: curve\.csv is not UTF-8 text in line 3\. Save"):
+        load_calibration_file(path)
 
 
 def test_curve_with_many_faults_names_the_first_ones(fault_of: Callable[..., str]) -> None:
@@ -246,6 +269,75 @@ def test_curve_of_a_bulk_test_is_not_a_number(tmp_path: Path) -> None:
         load_calibration_file(path)
 
 
+def measured_between(folder: Path, test: str, curve: str, places: str) -> CalibrationSetup:
+    """A calibration on a curve of two points at some coordinates."""
+    first, last, unit = places.split()
+    (folder / "curve.csv").write_text(f"x,y\n{first},1\n{last},2\n")
+    target = (
+        f'targets.{curve} = {{ curve = "curve.csv", x_unit = "{unit}", uncertainty = "2 %" }}\n'
+    )
+    path = folder / "measured.toml"
+    path.write_text(compression_file(target).replace('"compression"', f'"{test}"'))
+    return load_calibration(path)
+
+
+@pytest.mark.parametrize(
+    ("test", "curve", "places", "words"),
+    [
+        # By default the piston presses with 10 kPa, after seating with 500 Pa.
+        (
+            "compression",
+            "strain",
+            "0.4 4 kPa",
+            'below 500 Pa. Set seating_stress = "400 Pa", leave',
+        ),
+        ("compression", "strain", "1 12 kPa", 'above 10000 Pa. Set stress = "12000 Pa", leave'),
+        ("compression", "strain", "4 5 Pa", 'below 500 Pa. Set seating_stress = "4 Pa", leave'),
+        (
+            "compression",
+            "stress",
+            "0 150 %",
+            "from 0 to 1.5, and runs of this test have no values a",
+        ),
+        ("discharge", "discharged_mass", "-1 4 s", "below 0 s. Leave these points out, or correct"),
+        ("heap", "profile", "-5 5 mm", "below 0 m. Leave these points out, or correct"),
+        # Of 80 mm by default.
+        ("drum", "surface", "-90 85 mm", "below -0.08 m and above 0.08 m. Set drum_radius = "),
+        ("drum", "surface", "-90 85 mm", 'drum_radius = "0.09 m", leave'),
+    ],
+)
+def test_curve_beyond_the_options_of_its_test_keeps_it_from_running(
+    tmp_path: Path, test: str, curve: str, places: str, words: str
+) -> None:
+    setup = measured_between(tmp_path, test, curve, places)
+
+    [problem] = describe_plan(setup).problems
+    assert f"test {test}, {curve}: is measured from" in problem
+    assert words in problem
+    with pytest.raises(InputError) as caught:
+        setup.calibrate(workdir=tmp_path / "work")
+    assert str(caught.value) in problem
+
+
+@pytest.mark.parametrize(
+    ("test", "curve", "places"),
+    [
+        ("compression", "strain", "0.5 10 kPa"),
+        ("compression", "stress", "0 5 %"),
+        # What has left stays away, and beyond a heap there is none.
+        ("discharge", "discharged_mass", "0 1000 s"),
+        ("heap", "profile", "0 1000 mm"),
+        ("drum", "surface", "-60 60 mm"),
+    ],
+)
+def test_curve_that_the_options_of_its_test_reach_is_ready(
+    tmp_path: Path, test: str, curve: str, places: str
+) -> None:
+    setup = measured_between(tmp_path, test, curve, places)
+
+    assert describe_plan(setup).problems == ()
+
+
 @pytest.fixture
 def setup(write: Callable[..., Path]) -> CalibrationSetup:
     return load_calibration(write())
@@ -285,17 +377,69 @@ def test_calibration_of_a_file_with_a_curve(
     assert "measured" not in said
 
 
-def test_repeated_runs_leave_curves_out(setup: CalibrationSetup, tmp_path: Path) -> None:
-    runs = repeat_runs(setup, repeat=2, workdir=tmp_path / "runs", workers=1)
-    assert runs.responses == ()
-    assert str(runs) == "stress is a curve: scatter is shown of single numbers only."
+def test_repeated_runs_show_mean_and_scatter_of_a_curve(
+    setup: CalibrationSetup, tmp_path: Path
+) -> None:
+    runs = repeat_runs(setup, repeat=7, workdir=tmp_path / "runs", workers=1)
+    [curve] = runs.curves
+    middle = np.interp(
+        [0.01, 0.05, 0.1, 0.15],
+        np.arange(11) / 50,
+        [11000 * x * (1 + 3 * x) for x in np.arange(11) / 50],
+    )
+    # Of the factors 0.994 to 1.006 in steps of 0.002.
+    deviations = 0.002 * np.sqrt(28 / 6) * middle
+    assert curve.mean == pytest.approx(middle)
+    assert curve.standard_deviations == pytest.approx(deviations)
+    # Student's t of six degrees of freedom.
+    assert curve.mean_intervals == pytest.approx(2.4469 / np.sqrt(7) * deviations, rel=1e-4)
+    errors = np.hypot(0.02, 0.01) * np.array([103, 575, 1300, 2175])
+    assert curve.in_uncertainties == pytest.approx(deviations / errors)
+    assert curve.runs_for_tolerance == 1
+    table = str(runs)
+    assert [line.split()[0] for line in table.splitlines()[1:5]] == ["0.01", "0.05", "0.1", "0.15"]
+    assert "575 ± 13" in table
+    assert "one run scatters" not in table
+
+
+def test_repeated_runs_of_a_curve_that_scatters_say_how_many_it_takes(
+    write: Callable[..., Path], tmp_path: Path
+) -> None:
+    setup = load_calibration(write(', uncertainty = "0.05 %"'))
+    runs = repeat_runs(setup, repeat=7, workdir=tmp_path / "runs", workers=1)
+    [curve] = runs.curves
+    largest = max(curve.in_uncertainties)
+    assert curve.runs_for_tolerance == np.ceil((1.96 * largest / 2) ** 2) > 20
+    assert f"the mean of {curve.runs_for_tolerance} runs is within 2 σ at each point" in str(runs)
+    assert "set repeats" in str(runs)
+
+
+def test_repeated_runs_say_which_curves_they_do_not_show(
+    write: Callable[..., Path], tmp_path: Path
+) -> None:
+    file = write(curve="x,y\n0.1,1300\n0.4,4000\n")
+    short = repeat_runs(file, repeat=2, workdir=tmp_path / "runs", workers=1)
+    assert str(short).startswith("2 of 2 simulated curves of stress do not hold all")
+    (tmp_path / "model.py").write_text(MODEL.replace('{"stress"', '{"load": 3, "stress"'))
+    file.write_text(HEAD + TEST + "targets.load = { value = 3, uncertainty = 0.1 }\n")
+    other = repeat_runs(file, repeat=2, workdir=tmp_path / "runs", workers=1)
+    assert "stress is a curve that was not measured" in str(other)
 
 
 def test_table_of_runs_has_no_curves(setup: CalibrationSetup, tmp_path: Path) -> None:
     table = tmp_path / "runs.csv"
     table.write_text("stiffness\n3\n")
-    with pytest.raises(InputError, match=r"runs\.csv: stress: is a curve"):
+    with pytest.raises(InputError, match=r"runs\.csv: stress: is a curve.*--runs DIR.*DIR\)\.$"):
         analyse_runs(setup, table)
+
+
+def test_table_of_runs_can_do_without_the_curve_of_a_test_with_numbers(
+    write: Callable[..., Path], tmp_path: Path
+) -> None:
+    (tmp_path / "runs.csv").write_text("stiffness,load\n3,3\n")
+    file = write(test=TEST + "targets.load = { value = 3, uncertainty = 0.1 }\n")
+    with pytest.raises(InputError, match=r"or leave the curve out of the targets of test 'press'"):
+        analyse_runs(file, tmp_path / "runs.csv")
 
 
 def test_stiffness_study_needs_single_numbers(tmp_path: Path) -> None:

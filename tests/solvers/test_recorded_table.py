@@ -238,7 +238,7 @@ def test_column_that_is_there_twice(tmp_path):
 def test_files_that_are_no_tables(tmp_path):
     path = tmp_path / "heap.png"
     path.write_bytes(b"\x89PNG\r\n\x1a\n\x00\xff\xfe")
-    assert "is not a CSV file" in faults_of(path)[0]
+    assert "is not UTF-8 text in line 1. Save the table as CSV" in faults_of(path)[0]
     path.write_text('a,"b\n')
     assert "is not a CSV file" in faults_of(path)[0]
 

@@ -9,6 +9,8 @@ from statistics import fmean, stdev
 
 from scipy import stats
 
+from grainfit.analysis.curve_scatter import CurveScatter
+from grainfit.curve_target import CurveTarget
 from grainfit.errors import Fault, InputError
 from grainfit.evaluation import Evaluation
 from grainfit.formatting import (
@@ -112,12 +114,15 @@ class RepeatedRuns:
         By rising seed.
     remarks : tuple of str
         What responses mean that are easily taken for others.
+    curves : tuple of CurveScatter
+        Those that were measured.
     """
 
     responses: tuple[ResponseScatter, ...]
     parameters: Mapping[str, float]
     evaluations: tuple[Evaluation, ...]
     remarks: tuple[str, ...] = ()
+    curves: tuple[CurveScatter, ...] = ()
 
     def __getitem__(self, name: str) -> ResponseScatter:
         return next(found for found in self.responses if found.name == name)
@@ -135,7 +140,8 @@ class RepeatedRuns:
         """Return the table and the sentences that `print` and a notebook show."""
         table = (self._table(),) if self.responses else ()
         failed = (f"Seed {seed}: {test} failed: {reason}" for seed, test, reason in self.failures)
-        return (*table, *self.remarks, *self._advice(), *self._about_curves(), *failed)
+        curves = (part for curve in self.curves for part in curve.parts())
+        return (*table, *self.remarks, *self._advice(), *curves, *self._other_curves(), *failed)
 
     def __str__(self) -> str:
         return as_text(self.summary())
@@ -149,11 +155,12 @@ class RepeatedRuns:
         caption = "Mean ± half of its 95 % interval; standard deviation of single runs with its own"
         return TextTable(header, rows, caption)
 
-    def _about_curves(self) -> Iterator[str]:
-        curves = dict.fromkeys(name for run in self.evaluations for name in run.curves)
-        if curves:
-            words = "is a curve" if len(curves) == 1 else "are curves"
-            yield f"{in_a_row(curves)} {words}: scatter is shown of single numbers only."
+    def _other_curves(self) -> Iterator[str]:
+        measured = {curve.name for curve in self.curves}
+        found = dict.fromkeys(name for run in self.evaluations for name in run.curves)
+        if others := [name for name in found if name not in measured]:
+            words = "is a curve that was" if len(others) == 1 else "are curves that were"
+            yield f"{in_a_row(others)} {words} not measured: scatter is shown at measured points."
 
     def _advice(self) -> list[str]:
         return [words for response in self.responses if (words := _advice(response))]
@@ -228,6 +235,7 @@ def scatter_over_seeds(
     evaluations: Sequence[Evaluation],
     targets: Sequence[Target] = (),
     units: Mapping[str, str] | None = None,
+    curves: Sequence[CurveTarget] = (),
 ) -> RepeatedRuns:
     """Compute mean and scatter of the responses of evaluations at one parameter set.
 
@@ -239,6 +247,8 @@ def scatter_over_seeds(
         Targets with which the scatter is compared.
     units : mapping of str to str, optional
         Units of responses without a target.
+    curves : sequence of CurveTarget
+        Measured curves, at whose points that of simulated ones is computed.
 
     Raises
     ------
@@ -258,7 +268,12 @@ def scatter_over_seeds(
         )
         for name in names
     ]
-    return RepeatedRuns(tuple(found), dict(ordered[0].proposal.parameters), tuple(ordered))
+    return RepeatedRuns(
+        tuple(found),
+        dict(ordered[0].proposal.parameters),
+        tuple(ordered),
+        tuple(CurveScatter.of(curve, ordered) for curve in curves),
+    )
 
 
 def _require_repeats(evaluations: Sequence[Evaluation]) -> None:

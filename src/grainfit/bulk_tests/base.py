@@ -120,6 +120,24 @@ class CurveInfo(MeasuredInfo):
 
 
 @dataclass(frozen=True)
+class CurveRange:
+    """Coordinates beyond which no run of a test has values of a curve.
+
+    Parameters
+    ----------
+    low, high : float
+        Ends, in the unit of the coordinate.
+    low_option, high_option : str
+        Option of the test that is the end; empty where none is.
+    """
+
+    low: float = -math.inf
+    high: float = math.inf
+    low_option: str = ""
+    high_option: str = ""
+
+
+@dataclass(frozen=True)
 class Conditions:
     """Conditions under which a test uses a material: a material card states them."""
 
@@ -275,6 +293,10 @@ class BulkTest(ABC):
     def with_targets(self, names: Sequence[str]) -> Self:  # noqa: ARG002
         """Return the test for a calibration with targets for these responses."""
         return self
+
+    def curve_range(self, name: str) -> CurveRange:  # noqa: ARG002
+        """Return the coordinates that a curve can have by the options; all if that is not known."""
+        return CurveRange()
 
     @classmethod
     def shown_of(cls, responses: Collection[str]) -> Shown | None:  # noqa: ARG003

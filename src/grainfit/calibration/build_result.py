@@ -5,11 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from importlib.metadata import version
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from grainfit.calibration.verdict import Outcome, has_other_shape, reasons
-from grainfit.calibration.verification import Verified
+from grainfit.calibration.verdict import Outcome, reasons
+from grainfit.calibration.verification import FreshRuns, Verified
 from grainfit.evaluation import Evaluation
 from grainfit.metamodels.blow_ups import about_blow_ups
 from grainfit.metamodels.curve_reduction import ComponentTarget, CurveBasis, about_short_curves
@@ -127,6 +129,7 @@ def _curve(basis: CurveBasis, outcome: Outcome) -> CurveResult:
     probability = min(answer.probabilities[name] for name in basis.names)
     contradicted = {one.target.name for one in outcome.contradictions}
     verdict = _verdict(probability, outcome.confidence, not contradicted.isdisjoint(basis.names))
+    fresh = _fresh_curves(basis, outcome.fresh)
     return CurveResult(
         coordinate=measured.coordinate,
         coordinate_unit=measured.coordinate_unit,
@@ -140,9 +143,33 @@ def _curve(basis: CurveBasis, outcome: Outcome) -> CurveResult:
         deviation=float(np.sqrt((off**2).mean())),
         probability=probability,
         shape_probability=basis.shape_probability,
-        verdict="missed" if has_other_shape(basis) else verdict,
-        verified_runs=len(outcome.fresh.values[basis.names[0]]),
+        verdict="missed" if basis.has_other_shape else verdict,
+        verified_runs=len(fresh),
+        **_mean_of_curves(fresh),
     )
+
+
+def _fresh_curves(basis: CurveBasis, fresh: FreshRuns) -> NDArray[np.float64]:
+    """Return the curves of fresh seeds, carried over to the answer, shape (runs, n)."""
+    first = basis.names[0]
+    found = []
+    for run in fresh.evaluations:
+        seed, values = run.proposal.seed, basis.values_of(run)
+        if values is not None and seed in fresh.values[first]:
+            moved = [fresh.values[n][seed] - run.responses[n].value for n in basis.names]
+            found.append(values + basis.root @ (np.array(moved) @ basis.components))
+    return np.array(found).reshape(len(found), len(basis.target.values))
+
+
+def _mean_of_curves(curves: NDArray[np.float64]) -> dict[str, Any]:
+    if len(curves) < 2:
+        return {}
+    errors = curves.std(axis=0, ddof=1) / np.sqrt(len(curves))
+    mean = curves.mean(axis=0)
+    return {
+        "verified_mean": tuple(mean.tolist()),
+        "verified_standard_errors": tuple(errors.tolist()),
+    }
 
 
 def _response(

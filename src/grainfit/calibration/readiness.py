@@ -5,8 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 
+from grainfit.bulk_tests.base import CurveRange
+from grainfit.curve_target import CurveTarget
 from grainfit.errors import Fault, GrainfitError, InputError
 from grainfit.evaluation import response_name
+from grainfit.formatting import in_a_row, unit_for_people, with_unit
 from grainfit.problem import Problem
 from grainfit.solvers.base import Solver
 
@@ -54,6 +57,8 @@ def obstacles(problem: Problem, solvers: Mapping[str, Solver]) -> Iterator[Obsta
         for obstacle in _of_solver(test, solver, problem):
             refused = True
             yield obstacle
+        if faults := _faults_of_curves(test, solver, problem, len(solvers)):
+            yield Obstacle(test, InputError(faults))
     # The only test of a calibration has said what it does not depend on.
     if (len(solvers) > 1 or not refused) and (faults := _faults_of_parameters(problem, solvers)):
         yield Obstacle("", InputError(faults))
@@ -85,6 +90,49 @@ def _faults_of_targets(problem: Problem, solvers: Mapping[str, Solver]) -> list[
         for name in problem.responses
         if name not in known
     ]
+
+
+def _faults_of_curves(test: str, solver: Solver, problem: Problem, tests: int) -> list[Fault]:
+    if solver.bulk_test is None:
+        return []
+    names = {response_name(test, name, tests): name for name in solver.bulk_test.curves}
+    return [
+        fault
+        for curve in problem.curves
+        if curve.name in names
+        for fault in _faults_of_curve(
+            names[curve.name], curve, solver.bulk_test.curve_range(names[curve.name])
+        )
+    ]
+
+
+def _faults_of_curve(name: str, curve: CurveTarget, known: CurveRange) -> Iterator[Fault]:
+    first, last = curve.coordinates[0], curve.coordinates[-1]
+    unit = unit_for_people(curve.coordinate_unit)
+    # Roundings of the last digits are no points beyond: runs are read with the same slack.
+    slack = 1e-9 * (last - first)
+    beyond: list[str] = []
+    needed: dict[str, float] = {}
+    if first < known.low - slack:
+        beyond.append(with_unit(f"below {known.low:.12g}", unit))
+        needed[known.low_option] = abs(first)
+    if last > known.high + slack:
+        beyond.append(with_unit(f"above {known.high:.12g}", unit))
+        needed[known.high_option] = max(abs(last), needed.get(known.high_option, 0.0))
+    if not beyond:
+        return
+    change = [
+        f'{option} = "{with_unit(f"{value:.12g}", curve.coordinate_unit)}"'
+        for option, value in needed.items()
+        if option
+    ]
+    yield Fault(
+        name,
+        f"is measured from {first:.6g} to {with_unit(f'{last:.6g}', unit)}, and runs of this test "
+        f"have no values {in_a_row(beyond)}.",
+        f"{f'Set {in_a_row(change)}, leave' if change else 'Leave'} these points out, or correct "
+        "their unit.",
+    )
 
 
 def _faults_of_parameters(problem: Problem, solvers: Mapping[str, Solver]) -> list[Fault]:

@@ -29,8 +29,6 @@ from grainfit.strategies.answer import Answer
 
 #: Most seeds of outlying runs in one sentence.
 _MOST_SHOWN = 5
-#: Probability of the shape of a measured curve below which no simulated curve is said to have it.
-_OTHER_SHAPE = 1e-3
 
 
 @dataclass(frozen=True)
@@ -120,17 +118,12 @@ def judge(
 def _status(answer: Answer, confidence: float, in_doubt: bool) -> Status:
     if answer.out_of_reach:
         return "unreachable"
-    if any(map(has_other_shape, _bases(answer))):
+    if any(basis.has_other_shape for basis in _bases(answer)):
         return "out_of_tolerance"
     both = (answer.probability_all_met, answer.probability_without_outliers)
     if min(both) >= confidence and not in_doubt:
         return "calibrated"
     return "out_of_tolerance" if max(both) <= 1 - confidence else "undecided"
-
-
-def has_other_shape(basis: CurveBasis) -> bool:
-    """Return whether a measured curve has a shape that no simulated curve has."""
-    return basis.shape_probability < _OTHER_SHAPE
 
 
 def _bases(answer: Answer) -> Sequence[CurveBasis]:
@@ -154,7 +147,7 @@ def reasons(problem: Problem, outcome: Outcome) -> Iterator[str]:
     answer = outcome.answer
     if apart := _not_together(problem, outcome):
         yield apart
-    yield from (_about_shape(basis) for basis in _bases(answer) if has_other_shape(basis))
+    yield from (_about_shape(basis) for basis in _bases(answer) if basis.has_other_shape)
     for target in problem.targets:
         if isinstance(target, ComponentTarget):
             continue

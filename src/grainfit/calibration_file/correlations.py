@@ -11,7 +11,8 @@ from grainfit.options.kinds import Kind, ListOf, Quantity, Schema, Text, note_wr
 from grainfit.options.places import Place
 from grainfit.options.tables import Key
 
-_COEFFICIENT = Quantity("", -1.0, 1.0)
+#: Its limits, which are no coefficients, are those of every interface: see `correlation_faults`.
+_COEFFICIENT = Quantity("")
 
 
 @dataclass(frozen=True)
@@ -32,7 +33,8 @@ class CorrelatedPair(Kind):
 
     def schema(self) -> Schema:
         """Return the JSON Schema of a pair."""
-        entries = [Text().schema(), Text().schema(), _COEFFICIENT.schema()]
+        coefficient = {**_COEFFICIENT.schema(), "exclusiveMinimum": -1, "exclusiveMaximum": 1}
+        entries = [Text().schema(), Text().schema(), coefficient]
         return {"type": "array", "prefixItems": entries, "minItems": 3, "maxItems": 3}
 
 

@@ -53,6 +53,10 @@ class CurveTable(Kind):
             )
             known = replace(self, unit=units[0], coordinate_unit=units[1])
         known._note_unclear_errors(value, place)
+        if "tolerance" in value:
+            remedy = "What is accepted follows from the uncertainties: remove it."
+            place.at("tolerance").fault("is not a known key of a curve.", remedy)
+            value = {key: given for key, given in value.items() if key != "tolerance"}
         target: CurveTarget | None = known._table(is_own=self.unit is None).read(value, place)
         return target
 
@@ -267,7 +271,8 @@ def _converts(written: str, unit: str | None, own: str | None, place: Place, key
 
 def _note_missing_errors(values: Values, place: Place) -> None:
     if "covariance" in values:
-        for key in _ERRORS:
+        # A covariance that cannot be read may be another key, misspelt.
+        for key in _ERRORS if values["covariance"] is not None else ():
             if key in values:
                 place.at(key).fault(
                     "is given beside covariance.", f"The covariance says it: remove {key}."

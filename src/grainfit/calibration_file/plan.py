@@ -72,7 +72,7 @@ def describe_plan(setup: CalibrationSetup, *, call_scenes: bool = True) -> Plan:
         No other code of the user is executed, and none at all without this.
     """
     problems: list[str] = []
-    lines: list[str] = []
+    lines = list(_correlation_lines(setup.problem))
     executes: list[str] = []
     without_cost: list[Obstacle] = []
     for test, solver in setup.solvers.items():
@@ -137,6 +137,12 @@ def _middle(setup: CalibrationSetup) -> dict[str, float]:
     """Return all parameters in the middle of their intervals."""
     problem = setup.problem
     return {**setup.file.fixed, **problem.middle}
+
+
+def _correlation_lines(problem: Problem) -> Iterator[str]:
+    pairs = [f"{first} and {second} {value:g}" for first, second, value in problem.correlations]
+    if pairs:
+        yield f"Correlations of the errors of the measured values: {'; '.join(pairs)}."
 
 
 def _rayleigh_lines(setup: CalibrationSetup) -> Iterator[str]:

@@ -46,6 +46,8 @@ _SAME = 1e-3
 #: as there are parameters, and along the others, which the material can hardly follow. So errors
 #: as they are stated are seldom called out of reach.
 _LEADING_TOLERANCE, _OTHER_TOLERANCE = 2.0, 4.0
+#: Probability of the shape of a measured curve below which no simulated curve is said to have it.
+_OTHER_SHAPE = 1e-3
 
 
 @dataclass(frozen=True)
@@ -172,6 +174,10 @@ class CurveBasis:
         off = linalg.solve_triangular(self.root, off, lower=True) - self.mean
         return dict(zip(self.names, map(Response, (self.components @ off).tolist()), strict=True))
 
+    def values_of(self, evaluation: Evaluation) -> Array | None:
+        """Return the curve of a run at the measured coordinates; None if it gives no component."""
+        return _values(self.target, evaluation)
+
     @property
     def nearest(self) -> Array:
         """Sum of components nearest to the measured curve, shape (n,)."""
@@ -213,6 +219,11 @@ class CurveBasis:
         degrees = len(rest) - len(self.components)
         return float(chi2.sf(square, degrees)) if degrees else 1.0
 
+    @property
+    def has_other_shape(self) -> bool:
+        """Whether the measured curve has a shape that no simulated curve has."""
+        return self.shape_probability < _OTHER_SHAPE
+
     def _on_components(self, vector: Array) -> Array:
         return np.asarray((self.components @ vector) @ self.components)
 
@@ -243,6 +254,9 @@ class Reduction:
     def where_possible(cls, problem: Problem, evaluations: Sequence[Evaluation]) -> Reduction:
         """Find the components of those curves that some runs have; leave out the others."""
         known = [curve for curve in problem.curves if runs_with_curve(curve, evaluations)]
+        if not known:
+            # Without its curves, the problem may have nothing left to meet.
+            return cls(problem)
         return cls.of(problem.with_targets(problem.targets, known), evaluations)
 
     @cached_property
@@ -267,7 +281,7 @@ class Reduction:
     def _scores(self, evaluation: Evaluation) -> dict[str, Response]:
         found: dict[str, Response] = {}
         for basis in self.bases:
-            values = _values(basis.target, evaluation)
+            values = basis.values_of(evaluation)
             found |= {} if values is None else basis.scores(values)
         return found
 

@@ -36,7 +36,7 @@ def read_csv(
         The file cannot be read, is too large, is not a CSV file in UTF-8, or is empty.
     """
     try:
-        text = read_within(path, largest).decode("utf-8-sig")
+        text = _decoded(read_within(path, largest), path)
         reader = csv.reader(io.StringIO(text, newline=""), strict=True)
         lines = [
             (reader.line_num, [from_spreadsheet_text(cell.strip()) for cell in line])
@@ -48,10 +48,19 @@ def read_csv(
             Fault("", f"cannot be read: {error.strerror}.", "Give the path of a CSV file."),
             str(path),
         ) from error
-    except (UnicodeDecodeError, csv.Error) as error:
+    except csv.Error as error:
         raise InputError(
             Fault("", f"is not a CSV file: {error}.", "Save the table as CSV in UTF-8."), str(path)
         ) from error
     if not lines:
         raise InputError(Fault("", "is empty.", f"Give {content}."), str(path))
     return lines
+
+
+def _decoded(data: bytes, path: Path) -> str:
+    try:
+        return data.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        line = data.count(b"\n", 0, error.start) + 1
+        fault = Fault("", f"is not UTF-8 text in line {line}.", "Save the table as CSV in UTF-8.")
+        raise InputError(fault, str(path)) from error

@@ -240,6 +240,9 @@ def _find_columns(
         name = show(header[found[0] or 0])
         notes.note(f"column {name}", "is both x and y.", 'Name two: x = "...", y = "...".')
         return None
+    for name in dict.fromkeys(header[at] for at in found if at is not None):
+        if name and header.count(name) > 1:
+            notes.note(f"column {show(name)}", "is there more than once.", "Keep one of them.")
     located = [
         (at, _with_unit(column, header[at], notes))
         for at, column in zip(found, columns, strict=True)
@@ -274,15 +277,11 @@ def _located(header: Cells, locate: Locate, notes: _Notes) -> list[int | None]:
 def _position(header: Cells, column: Column, notes: _Notes) -> int | None:
     if column.name is None:
         return column.position
-    count = header.count(column.name)
-    if count == 1:
+    if column.name in header:
         return header.index(column.name)
-    where = f"column {show(column.name)}"
-    if count:
-        notes.note(where, "is there more than once.", "Keep one of them.")
-        return None
     there = ", ".join(show(name) for name in header[:_MOST_NAMED])
-    notes.note(where, "is missing.", f"{column.key} can be one of: {there}.")
+    remedy = f"{column.key} can be one of: {there}."
+    notes.note(f"column {show(column.name)}", "is missing.", remedy)
     return None
 
 

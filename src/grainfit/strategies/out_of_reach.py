@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
-from dataclasses import replace
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
 from math import floor, log10
 
 import numpy as np
@@ -11,10 +11,11 @@ from numpy.typing import NDArray
 from scipy.optimize import minimize
 
 from grainfit.contact_models.registry import material_parameter
+from grainfit.metamodels.curve_reduction import CurveBasis
 from grainfit.metamodels.designs import maximin_latin_hypercube
 from grainfit.metamodels.metamodels import Metamodels
-from grainfit.problem import Parameter, Problem, Target
-from grainfit.result import OutOfReach
+from grainfit.problem import Parameter, Problem
+from grainfit.result import CurveMiss, OutOfReach
 
 #: Standard errors by which a target must be missed beyond its tolerance to be out of reach.
 STANDARD_ERRORS = 2.0
@@ -23,6 +24,8 @@ _AT_BOUND = 0.01
 _MARGIN = 1.15
 #: Interval widths from the middle up to which a linear extrapolation is suggested.
 _FARTHEST = 3.0
+#: Points of a curve that are named.
+_MOST_POINTS = 3
 
 
 def out_of_reach(
@@ -44,40 +47,66 @@ def out_of_reach(
     standard_errors : float
         Number of standard errors by which a target must be missed beyond its tolerance.
     """
-    means, variances = metamodels.predict(optimum)
     alone, together = [], []
-    for index, target in enumerate(metamodels.problem.targets):
-        error = float(np.sqrt(variances[0, index]))
-        if not _misses(target, float(means[0, index]), standard_errors * error):
+    for group in _groups(metamodels):
+        if not _is_missed(metamodels, group, optimum, standard_errors):
             continue
-        nearest_point = _nearest(metamodels, index, seed)
-        own_mean, own_variance = metamodels.predict(nearest_point)
-        own, own_error = float(own_mean[0, index]), float(np.sqrt(own_variance[0, index]))
-        if _misses(target, own, standard_errors * own_error):
-            alone.append(_describe(metamodels, index, nearest_point, own, own_error, False))
+        nearest_point = _nearest(metamodels, group, seed)
+        if _is_missed(metamodels, group, nearest_point, standard_errors):
+            alone.append(_describe(metamodels, group, nearest_point, False))
         else:
-            mean = float(means[0, index])
-            together.append(_describe(metamodels, index, optimum, mean, error, True))
+            together.append(_describe(metamodels, group, optimum, True))
     # A target missed only together with such a target may be met once that one is met.
     return tuple(alone or together)
 
 
-def _misses(target: Target, mean: float, margin: float) -> bool:
-    return abs(mean - target.value) > target.tolerance + margin
+@dataclass(frozen=True)
+class _Group:
+    """A target, or all components of a curve, by their indices."""
+
+    indices: Sequence[int]
+    basis: CurveBasis | None = None
 
 
-def _nearest(metamodels: Metamodels, index: int, seed: int) -> NDArray[np.float64]:
-    """Point at which one response is nearest to its target."""
-    model = metamodels.models[index]
-    target = metamodels.problem.targets[index].value
+def _groups(metamodels: Metamodels) -> Iterator[_Group]:
+    names = [target.name for target in metamodels.problem.targets]
+    bases = metamodels.reduction.bases
+    components = {name for basis in bases for name in basis.names}
+    yield from (_Group([i]) for i, name in enumerate(names) if name not in components)
+    yield from (_Group([names.index(name) for name in basis.names], basis) for basis in bases)
+
+
+def _is_missed(
+    metamodels: Metamodels, group: _Group, point: NDArray[np.float64], standard_errors: float
+) -> bool:
+    """Return whether an expected response at a point is off by more than its errors explain."""
+    means, variances = metamodels.predict(point)
+    off = _off(metamodels, group, means[0])
+    margins = standard_errors * np.sqrt(variances[0, group.indices])
+    tolerances = [metamodels.problem.targets[i].tolerance for i in group.indices]
+    return bool((np.abs(off) > tolerances + margins).any())
+
+
+def _off(metamodels: Metamodels, group: _Group, means: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the deviations of responses from the targets of a group."""
+    return np.array([means[i] - metamodels.problem.targets[i].value for i in group.indices])
+
+
+def _nearest(metamodels: Metamodels, group: _Group, seed: int) -> NDArray[np.float64]:
+    """Point at which the responses of a group are nearest to their targets."""
+    pairs = [(metamodels.models[i], metamodels.problem.targets[i]) for i in group.indices]
     dimension = metamodels.problem.dimension
 
+    def misfits(point: NDArray[np.float64]) -> NDArray[np.float64]:
+        expected = (float(model.predict(point[None]).mean[0]) for model, _ in pairs)
+        return np.array([t.misfit(e) for (_, t), e in zip(pairs, expected, strict=True)])
+
     def squared(point: NDArray[np.float64]) -> float:
-        return float((model.predict(point[None]).mean[0] / target - 1) ** 2)
+        return float((misfits(point) ** 2).sum())
 
     def slope(point: NDArray[np.float64]) -> NDArray[np.float64]:
-        deviation = float(model.predict(point[None]).mean[0]) / target - 1
-        return np.asarray(2 * deviation / target * model.gradients(point[None])[0])
+        slopes = [model.gradients(point[None])[0] / target.misfit_unit for model, target in pairs]
+        return np.asarray(2 * misfits(point) @ np.array(slopes))
 
     starts = maximin_latin_hypercube(8, dimension, seed)
     ends = [
@@ -88,32 +117,70 @@ def _nearest(metamodels: Metamodels, index: int, seed: int) -> NDArray[np.float6
 
 
 def _describe(
-    metamodels: Metamodels,
-    index: int,
-    point: NDArray[np.float64],
-    nearest: float,
-    error: float,
-    jointly: bool,
+    metamodels: Metamodels, group: _Group, point: NDArray[np.float64], jointly: bool
 ) -> OutOfReach:
-    target = metamodels.problem.targets[index]
-    basics = (target.name, target.value, nearest, error, jointly)
+    means, variances = metamodels.predict(point)
+    off = _off(metamodels, group, means[0])
+    tolerances = [metamodels.problem.targets[i].tolerance for i in group.indices]
+    worst = int(np.argmax(np.abs(off) / tolerances))
+    index, missing = group.indices[worst], -float(off[worst])
+    if group.basis is not None:
+        scores, errors = means[0, group.indices], variances[0, group.indices]
+        miss = _miss_of_curve(group.basis, scores, errors, jointly)
+    else:
+        target, error = metamodels.problem.targets[index], float(np.sqrt(variances[0, index]))
+        nearest = float(means[0, index])
+        basics = (target.name, target.value, nearest, error, jointly)
+        miss = OutOfReach(*basics, is_relative=target.is_relative)
     slopes = metamodels.models[index].gradients(point[None])[0]
-    missing = target.value - nearest
     blocked = list(_blocking(point, slopes * np.sign(missing)))
     if not blocked:
-        return OutOfReach(*basics, is_relative=target.is_relative)
+        return miss
     axis = max(blocked, key=lambda j: abs(slopes[j]))
     parameter = metamodels.problem.parameters[axis]
     upper = bool(point[axis] > 0.5)
     bound = parameter.maximum if upper else parameter.minimum
     position = float(point[axis] + _MARGIN * missing / slopes[axis])
-    return OutOfReach(
-        *basics,
+    return replace(
+        miss,
         parameter=parameter.name,
         bound="max" if upper else "min",
         bound_value=bound,
         suggestion=_suggestion(parameter, position, bound, upper),
-        is_relative=target.is_relative,
+    )
+
+
+def _miss_of_curve(
+    basis: CurveBasis,
+    scores: NDArray[np.float64],
+    variances: NDArray[np.float64],
+    jointly: bool,
+) -> OutOfReach:
+    """Return where an expected curve deviates most from the measured one."""
+    measured = basis.target
+    expected, errors = basis.expected(scores, variances)
+    off = (expected - np.asarray(measured.values)) / measured.standard_uncertainties
+    order = np.argsort(-np.abs(off), kind="stable")[:_MOST_POINTS].tolist()
+    points = [
+        (float(measured.coordinates[i]), float(measured.values[i]), float(expected[i]))
+        for i in order
+    ]
+    _, value, nearest = points[0]
+    curve = CurveMiss(
+        measured.coordinate,
+        measured.coordinate_unit,
+        float(np.sqrt((off**2).mean())),
+        tuple(points),
+        basis.has_other_shape,
+    )
+    return OutOfReach(
+        measured.name,
+        value,
+        nearest,
+        float(errors[order[0]]),
+        jointly,
+        is_relative=False,
+        curve=curve,
     )
 
 

@@ -296,6 +296,17 @@ class BulkTestContract:
         assert bulk_test.measure(RunOutput(folder)) == responses
 
     @pytest.mark.slow
+    def test_curves_of_a_run_are_within_the_range_of_its_options(
+        self, bulk_test: BulkTest, finished: tuple[Path, Mapping[str, Measured]]
+    ) -> None:
+        for name, curve in curves(finished[1]).items():
+            known = bulk_test.curve_range(name)
+            assert known.low <= curve.coordinates[0]
+            assert curve.coordinates[-1] <= known.high
+            options = {key.name for key in bulk_test.option_keys()}
+            assert {known.low_option, known.high_option} <= {"", *options}
+
+    @pytest.mark.slow
     def test_run_can_be_shown(
         self, bulk_test: BulkTest, finished: tuple[Path, Mapping[str, Measured]], tmp_path: Path
     ) -> None:

@@ -144,8 +144,13 @@ class _Reader:
                 Fault(
                     curve.name,
                     "is a curve, and a table of runs holds single numbers only.",
-                    f"Leave it out of the targets of test {self._test.name!r}, or use a work "
-                    "folder instead of the table.",
+                    "A work folder holds curves: give the one that the runs are in (--runs DIR, "
+                    "--runs-from DIR)"
+                    + (
+                        f", or leave the curve out of the targets of test {self._test.name!r}."
+                        if self._test.targets
+                        else "."
+                    ),
                 )
             )
         self._raise()

@@ -96,7 +96,9 @@ def repeat_runs(
         on_start,
         on_progress,
     )
-    found = scatter_over_seeds(evaluations, setup.problem.targets, _units(setup))
+    found = scatter_over_seeds(
+        evaluations, setup.problem.targets, _units(setup), setup.problem.curves
+    )
     return replace(found, remarks=tuple(_remarks(setup, found.evaluations)))
 
 

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import ClassVar
 
-from grainfit.bulk_tests.base import BulkTest, CurveInfo, ResponseInfo
+from grainfit.bulk_tests.base import BulkTest, CurveInfo, CurveRange, ResponseInfo
 from grainfit.bulk_tests.compression.curve import (
     COLUMNS,
     Curve,
@@ -228,6 +228,13 @@ class Compression(BulkTest):
     def stiffness_number(self, material: Mapping[str, float]) -> float:
         """Return Young's modulus of the particles over the stress of the piston."""
         return material[MODULUS] / self.setup.stress
+
+    def curve_range(self, name: str) -> CurveRange:
+        """Return the stresses of the piston after seating, or the strains of any bed."""
+        if name == "stress":
+            return CurveRange(0.0, 1.0)
+        setup = self.setup
+        return CurveRange(setup.seating_stress, setup.stress, "seating_stress", "stress")
 
     @property
     def footprint(self) -> Footprint:

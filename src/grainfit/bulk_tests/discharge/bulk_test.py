@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import ClassVar
 
-from grainfit.bulk_tests.base import BulkTest, CurveInfo, ResponseInfo
+from grainfit.bulk_tests.base import BulkTest, CurveInfo, CurveRange, ResponseInfo
 from grainfit.bulk_tests.discharge.setup import ROUND, SLOT, DischargeSetup, plan_setup
 from grainfit.bulk_tests.discharge.view import DischargeView
 from grainfit.bulk_tests.sensitivities import DENSITY, MODULUS, ROLLING, SLIDING, Sensitivities
@@ -155,6 +155,10 @@ class Discharge(BulkTest):
     def notes(self, material: Mapping[str, float]) -> Iterator[str]:
         """Iterate over a note on an orifice that is narrow for the particles."""
         return self.setup.container.orifice.notes(self._sizes_of(material))
+
+    def curve_range(self, name: str) -> CurveRange:  # noqa: ARG002
+        """Return the times since the orifice was opened: what has left stays so."""
+        return CurveRange(low=0.0)
 
     @property
     def footprint(self) -> Footprint:

@@ -8,7 +8,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from grainfit.bulk_tests.base import BulkTest, CurveInfo, ResponseInfo
+from grainfit.bulk_tests.base import BulkTest, CurveInfo, CurveRange, ResponseInfo
 from grainfit.bulk_tests.drum.angles import DrumAngles
 from grainfit.bulk_tests.drum.bed import TurningBed
 from grainfit.bulk_tests.drum.setup import DrumSetup, plan_setup
@@ -184,6 +184,11 @@ class Drum(BulkTest):
     def prepare(self) -> None:
         """Resolve geometry and procedure."""
         object.__setattr__(self, "setup", plan_setup(self.sizes, self.given_options()))
+
+    def curve_range(self, name: str) -> CurveRange:  # noqa: ARG002
+        """Return the places within the drum."""
+        radius = self.setup.drum_radius
+        return CurveRange(-radius, radius, "drum_radius", "drum_radius")
 
     def column(self, seed: int) -> Column:
         """Return the particles at the beginning: all over the drum."""

@@ -7,7 +7,7 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any, ClassVar, Self
 
-from grainfit.bulk_tests.base import BulkTest, CurveInfo, ResponseInfo
+from grainfit.bulk_tests.base import BulkTest, CurveInfo, CurveRange, ResponseInfo
 from grainfit.bulk_tests.heap.setup import HeapSetup, plan_setup
 from grainfit.bulk_tests.heap.view import HeapView
 from grainfit.bulk_tests.sensitivities import DENSITY, MODULUS, ROLLING, SLIDING, Sensitivities
@@ -250,6 +250,10 @@ class Heap(BulkTest):
     def ground(self) -> float:
         """Height from which flanks and base of the heap are measured, m; see `angle_of_repose`."""
         return max(self.setup.rim_height, self.sizes.sauter_diameter)
+
+    def curve_range(self, name: str) -> CurveRange:  # noqa: ARG002
+        """Return the distances from the axis: beyond the heap, its height is 0."""
+        return CurveRange(low=0.0)
 
     @property
     def footprint(self) -> Footprint:

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import math
 from collections import Counter
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
+from statistics import fmean
 from typing import Any, Literal
 
 from grainfit.analysis.stiffness_notes import stiffness_notes
@@ -284,10 +286,16 @@ def _curve_row(context: ReportContext, target: CurveTarget) -> ResponseRow:
         tolerance="",
         expected="see the curve",
         half_width="",
-        fresh=str(found.verified_runs) if found and found.verified_runs else "",
+        fresh=_root_mean_square(found.verified_deviations) if found else "",
         deviation=f"{number(found.deviation, 2)} σ" if found else "–",
         verdict=found.verdict if found else "",
     )
+
+
+def _root_mean_square(deviations: Sequence[float]) -> str:
+    if not deviations:
+        return ""
+    return f"{number(math.sqrt(fmean(one**2 for one in deviations)), 2)} σ off"
 
 
 def _fresh(response: ResponseResult) -> str:

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from grainfit.curve_target import CurveTarget
-from grainfit.formatting import number, plain, plain_probability
+from grainfit.formatting import counted, number, plain, plain_probability
 from grainfit.plots.curves_figures import curve_figures
 from grainfit.report.rendering import render
 from grainfit.report.section import ReportContext, Section
@@ -38,5 +38,6 @@ def _row(context: ReportContext, target: CurveTarget) -> Mapping[str, Any]:
         "components": found.components,
         "probability": plain_probability(found.probability),
         "shape": plain_probability(found.shape_probability),
-        "fresh": found.verified_runs,
+        "fresh": counted(found.verified_runs, "fresh seed"),
+        "fresh_mean": found.fresh,
     }

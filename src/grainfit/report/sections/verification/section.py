@@ -8,7 +8,7 @@ from html import escape
 from typing import Any
 
 from grainfit.calibration.verification import Verified, contradictions
-from grainfit.formatting import number, rounded, with_unit
+from grainfit.formatting import number, plain, rounded, with_unit
 from grainfit.plots.figure import Figure
 from grainfit.plots.labels import Label
 from grainfit.plots.style import BLUE, GREEN, STAGES, tolerance_band, value_range
@@ -64,10 +64,13 @@ def verification(context: ReportContext) -> Section:
     found = _checks(context, result) if result is not None and context.answer else []
     checks = [check for check in found if check.response.verified_interval is not None]
     differing = _differing(context, result, checks) if result is not None else set()
-    count = max((len(check.values) for check in found), default=0)
+    curves = result.curves if result is not None and context.answer else {}
+    counts = [len(check.values) for check in found] + [c.verified_runs for c in curves.values()]
+    count = max(counts, default=0)
     html = render(
         "verification/page",
         rows=[_row(context, check, check.target.name in differing) for check in checks],
+        curves={plain(name): found.fresh for name, found in curves.items() if found.fresh},
         count=count,
         has_answer=bool(context.answer),
         has_ended=context.reading.state not in ("running", "interrupted"),
