@@ -280,6 +280,9 @@ def test_the_starter_file_of_every_bulk_test_loads_with_any_of_its_options(
         option = f"{key.name} = {key.example}"
         if key.name in BUILT_IN[name].starter_options:
             assert text.count(f"\n{option}") == 1, option
+            # The default alone would be said of a value that is another one.
+            [line] = [line for line in text.splitlines() if line.startswith(option)]
+            assert line.endswith("# by default that of the walls, off which most heaps roll")
             continue
         assert text.count(f"# {option}") == 1, option
         changed = text.replace(f"# {option}", option)

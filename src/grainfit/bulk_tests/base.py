@@ -186,9 +186,9 @@ class BulkTest(ABC):
     #: Parameters of which one end of an interval is the worse one for `material_faults`, by name:
     #: 0 for the lower end, 1 for the upper.
     worse_ends: ClassVar[Mapping[str, int]] = {}
-    #: Options that a first calibration file sets to their examples: their defaults suit few
-    #: materials.
-    starter_options: ClassVar[tuple[str, ...]] = ()
+    #: Options that a first calibration file sets to their examples, with a remark: their defaults
+    #: suit few materials.
+    starter_options: ClassVar[Mapping[str, str]] = {}
     #: Rolling friction with walls below which particles roll for longer than the test waits.
     least_wall_rolling_friction: ClassVar[float] = 0.0
     #: Whether particles of another size and density make the same run, in natural units.

@@ -95,10 +95,9 @@ class DrawDown(BulkTest):
     shown: ClassVar[Shown | None] = Shown(
         "draw-down", "angle_of_repose", snapshot_file(END), _PICTURE
     )
-    #: On a floor like the walls, part of most heaps rolls over its edges.
-    starter_options: ClassVar[tuple[str, ...]] = (
-        "floor_sliding_friction",
-        "floor_rolling_friction",
+    starter_options: ClassVar[Mapping[str, str]] = dict.fromkeys(
+        ("floor_sliding_friction", "floor_rolling_friction"),
+        "by default that of the walls, off which most heaps roll",
     )
     #: At 0.005, beads roll off the shelf one by one for more than 7 s.
     least_wall_rolling_friction: ClassVar[float] = 0.02
