@@ -30,7 +30,7 @@ from grainfit.campaign.work_folder import default_workdir
 from grainfit.contact_models.registry import material_parameter
 from grainfit.errors import Fault, InputError
 from grainfit.evaluation import response_name
-from grainfit.formatting import in_a_row
+from grainfit.formatting import in_a_row, with_unit
 from grainfit.materials.particle_shape import ASPECT_RATIO
 from grainfit.materials.time_step import RayleighTimeStep
 from grainfit.options.fields import option_keys
@@ -290,6 +290,22 @@ class CalibrationSetup:
     def _set(self, name: str, text: str, place: Place) -> dict[str, float]:
         known = [parameter.name for parameter in self.file.parameters] + list(self.file.fixed)
         if name not in known:
+    def outside(self, settings: Iterable[str]) -> list[str]:
+        """Return a note on each value that is set outside of the interval of its parameter.
+
+        Parameters
+        ----------
+        settings : iterable of str
+            As of `values`.
+        """
+        values = self.values(settings)
+        return [
+            f"{p.name} = {with_unit(f'{values[p.name]:g}', p.unit)} is outside of its interval, "
+            f"{p.minimum:g} to {with_unit(f'{p.maximum:g}', p.unit)}."
+            for p in self.file.parameters
+            if not p.contains(values[p.name])
+        ]
+
             place.fault("is not a parameter of the file.", self._meant(name, known))
         elif not text:
             place.fault("is given no value.", f"Write {name}=VALUE.")

@@ -542,6 +542,8 @@ def simulate(
         raise InputError(Fault("", "--animate shows one run, not --repeat of them.", remedy))
     frames = frames or _FRAMES
     if animated:
+    for note in setup.outside(settings or ()):
+        _err_remarks.print(f"Note: {note}", highlight=False, markup=False)
         from grainfit.animation.animation import filming
 
         setup = filming(setup, frames)
