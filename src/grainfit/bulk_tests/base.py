@@ -97,10 +97,25 @@ class ResponseInfo(MeasuredInfo):
         A target, as TOML.
     sensitivities : Sensitivities, optional
         Parameters that it responds to, and how much; None when that was not measured.
+    lowest, highest : float
+        Limits of what is physically possible.
+    above_zero : bool
+        Whether zero and negative values are impossible.
+    why : str
+        Why nothing else is possible, as a sentence.
     """
 
     example: str
     sensitivities: Sensitivities | None = None
+    lowest: float = -math.inf
+    highest: float = math.inf
+    above_zero: bool = True
+    why: str = ""
+
+    @property
+    def possible(self) -> Quantity:
+        """Values that are physically possible."""
+        return Quantity(self.unit, self.lowest, self.highest, self.above_zero, self.why)
 
 
 @dataclass(frozen=True)

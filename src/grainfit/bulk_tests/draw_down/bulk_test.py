@@ -132,6 +132,8 @@ class DrawDown(BulkTest):
             Sensitivities(
                 {SLIDING: -0.03, ROLLING: -0.065}, {SLIDING: -0.13, ROLLING: -0.075}, 0.015
             ),
+            highest=1.0,
+            why="It is a share of the mass filled in.",
         ),
         "shear_angle": ResponseInfo(
             "deg",
@@ -139,6 +141,8 @@ class DrawDown(BulkTest):
             "shear angle: inclination of the wedges left beside the slot",
             '{ value = "27 deg", uncertainty = "1 deg" }',
             Sensitivities({SLIDING: 0.12, ROLLING: 0.24}, {SLIDING: 0.48, ROLLING: 0.16}, 0.03),
+            highest=90.0,
+            why="A flank is not steeper than a wall.",
         ),
         "angle_of_repose": ResponseInfo(
             "deg",
@@ -146,6 +150,8 @@ class DrawDown(BulkTest):
             "angle of repose: inclination of the heap's flanks",
             '{ value = "24 deg", uncertainty = "1 deg" }',
             Sensitivities({SLIDING: 0.33, ROLLING: 0.20}, {SLIDING: 0.71, ROLLING: 0.18}, 0.03),
+            highest=90.0,
+            why="A flank is not steeper than a wall.",
         ),
     }
 

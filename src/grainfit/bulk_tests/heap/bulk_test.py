@@ -118,6 +118,8 @@ class Heap(BulkTest):
         ),
         # A cone of given volume: r^3 tan(angle) is constant.
         "base_radius": ResponseInfo(
+            highest=90.0,
+            why="A flank is not steeper than a wall.",
             "m",
             "r",
             "base radius: half the width of the heap, one particle diameter above the plate or at "
