@@ -187,6 +187,8 @@ class BulkTest(ABC):
     responses: ClassVar[Mapping[str, ResponseInfo]]
     #: Responses that are curves, by name.
     curves: ClassVar[Mapping[str, CurveInfo]] = {}
+    #: Responses that a valid run may be without, with the reason; a run that needs one has failed.
+    absent: ClassVar[Mapping[str, str]] = {}
     #: Material parameters that its runs depend on, by dotted name.
     material_parameters: ClassVar[tuple[str, ...]] = tuple(MATERIAL_PARAMETERS)
     #: Parts that can be of different materials, each with its walls in the scene, the part that
@@ -339,6 +341,16 @@ class BulkTest(ABC):
         ----------
         material : mapping of str to float
             Material parameters by dotted name: those that are known.
+        """
+        return ()
+
+    def target_notes(self, measured: Mapping[str, float | None]) -> Iterable[str]:  # noqa: ARG002
+        """Return remarks on measurements that its geometry keeps out of reach; none by default.
+
+        Parameters
+        ----------
+        measured : mapping of str to float or None
+            Measured values by response, None for a curve.
         """
         return ()
 

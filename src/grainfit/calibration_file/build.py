@@ -24,6 +24,7 @@ from grainfit.calibration_file.same_simulation import same_simulation_notes
 from grainfit.calibration_file.size_notes import size_notes
 from grainfit.calibration_file.smooth_wall_notes import smooth_wall_notes
 from grainfit.calibration_file.solid_fraction_notes import solid_fraction_notes
+from grainfit.calibration_file.target_notes import target_notes
 from grainfit.campaign.cluster.executor import cluster_executor, is_available
 from grainfit.campaign.cluster.options import ClusterOptions
 from grainfit.campaign.work_folder import default_workdir
@@ -144,8 +145,9 @@ class CalibrationSetup:
         They say which free parameters the tests will leave open, with tests to add, by how much
         soft particles raise the responses, whether the contact law is the same for all solvers and
         safe at the time step, which tests simulate the same, where particles are too few for their
-        sizes or more than a cylinder holds, which bulk densities no solid fraction gives, and which
-        walls are too smooth for a bed to come to rest. ``grainfit check`` shows them.
+        sizes or more than a cylinder holds, which bulk densities no solid fraction gives, which
+        walls are too smooth for a bed to come to rest, and which geometry is too small for a
+        target. ``grainfit check`` shows them.
 
         Examples
         --------
@@ -168,6 +170,7 @@ class CalibrationSetup:
             *number_notes(self.bulk_tests),
             *solid_fraction_notes(self.problem, self.bulk_tests, self.file.fixed),
             *smooth_wall_notes(self.problem, self.bulk_tests, self.file.fixed),
+            *target_notes(self.problem, self.bulk_tests, len(self.solvers)),
         )
 
     def calibrate(
@@ -287,9 +290,6 @@ class CalibrationSetup:
             raise InputError(findings.faults)
         return values
 
-    def _set(self, name: str, text: str, place: Place) -> dict[str, float]:
-        known = [parameter.name for parameter in self.file.parameters] + list(self.file.fixed)
-        if name not in known:
     def outside(self, settings: Iterable[str]) -> list[str]:
         """Return a note on each value that is set outside of the interval of its parameter.
 
@@ -306,6 +306,9 @@ class CalibrationSetup:
             if not p.contains(values[p.name])
         ]
 
+    def _set(self, name: str, text: str, place: Place) -> dict[str, float]:
+        known = [parameter.name for parameter in self.file.parameters] + list(self.file.fixed)
+        if name not in known:
             place.fault("is not a parameter of the file.", self._meant(name, known))
         elif not text:
             place.fault("is given no value.", f"Write {name}=VALUE.")
