@@ -14,7 +14,7 @@ class TestHeap(BulkTestContract):
     others: ClassVar = {
         "particle_count": 480,
         "cylinder_radius": "36 mm",
-        "plate_radius": "85 mm",
+        "plate_radius": "105 mm",
         "rim_height": "5 mm",
         "strike_off_height": "82 mm",
         "bulk_density_bottom": "15 mm",
@@ -34,7 +34,7 @@ class TestHeap(BulkTestContract):
         return Heap(
             diameter="10 mm",
             cylinder_radius="35 mm",
-            plate_radius="80 mm",
+            plate_radius="110 mm",
             strike_off_height="85 mm",
             bulk_density_top="70 mm",
             lift_speed="0.3 m/s",

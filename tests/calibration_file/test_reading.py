@@ -280,6 +280,9 @@ def test_the_starter_file_of_every_bulk_test_loads_with_any_of_its_options(
         option = f"{key.name} = {key.example}"
         if key.name in BUILT_IN[name].starter_options:
             assert text.count(f"\n{option}") == 1, option
+            # The default alone would be said of a value that is another one.
+            [line] = [line for line in text.splitlines() if line.startswith(option)]
+            assert line.endswith("# by default that of the walls, off which most heaps roll")
             continue
         assert text.count(f"# {option}") == 1, option
         changed = text.replace(f"# {option}", option)
@@ -314,9 +317,10 @@ def test_the_file_knows_every_bulk_test() -> None:
         options = {f.name for f in dataclasses.fields(test) if f.init} - {"sizes"}
         assert options == {key.name for key in test.option_keys()}
         assert options <= set(keys)
-        targets = {key.name: key.kind.unit for key in keys["targets"].kind.keys}
-        measurable = {**test.responses, **test.curves}
-        assert targets == {response: info.unit for response, info in measurable.items()}
+        kinds = {key.name: key.kind for key in keys["targets"].kind.keys}
+        assert kinds.keys() == {*test.responses, *test.curves}
+        assert all(kinds[n].quantity.unit == info.unit for n, info in test.responses.items())
+        assert all(kinds[n].unit == info.unit for n, info in test.curves.items())
 
 
 def test_the_file_knows_every_material_parameter() -> None:

@@ -217,6 +217,7 @@ def test_simulate_makes_one_run_at_the_values_that_are_set(tmp_path: Path) -> No
     file = calibration(tmp_path)
     done = grainfit("simulate", file, "--set", "friction=0.5", "--seed", "3", folder=tmp_path)
     assert "angle" in done.stdout
+    assert "outside" not in done.stderr
     failed = grainfit(
         "simulate",
         calibration(tmp_path, breaks=0.2),
@@ -226,6 +227,14 @@ def test_simulate_makes_one_run_at_the_values_that_are_set(tmp_path: Path) -> No
         code=1,
     )
     assert "the drum broke" in failed.stdout
+
+
+def test_simulate_notes_a_value_outside_of_its_interval(tmp_path: Path) -> None:
+    file = calibration(tmp_path)
+    done = grainfit("simulate", file, "--set", "friction=1.5", folder=tmp_path)
+    note = "Note: friction = 1.5 is outside of its interval, 0.1 to 0.9."
+    assert note in " ".join(done.stderr.split())
+    assert "angle" in done.stdout
 
 
 @pytest.mark.parametrize(

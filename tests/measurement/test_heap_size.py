@@ -10,8 +10,8 @@ from synthetic_heaps import DIAMETER, heap, particles_of
 
 from grainfit.errors import NotMeasurableError
 from grainfit.evaluation import Response
-from grainfit.measurement.angle_of_repose import heap_silhouettes
-from grainfit.measurement.heap_size import base_radius, heap_height, heap_profile
+from grainfit.measurement.angle_of_repose import heap_silhouettes, on_plate
+from grainfit.measurement.heap_size import base_radius, heap_height, heap_profile, reaches_edge
 from grainfit.measurement.particles import Particles
 from grainfit.measurement.silhouette import Silhouette
 
@@ -163,17 +163,33 @@ def test_a_heap_that_leaves_the_picture_is_as_wide_as_the_picture() -> None:
     assert base_radius([cut], 0.001, 0.001).value == pytest.approx(0.1)
 
 
-@pytest.mark.parametrize(("beyond", "is_known"), [(0.9, False), (1.1, True)])
-def test_a_heap_that_ends_at_the_edge_of_the_plate_tells_no_radius(
-    beyond: float, is_known: bool
+@pytest.mark.parametrize(("beyond", "is_decided"), [(-3.0, True), (0.9, True), (1.6, False)])
+def test_a_heap_whose_foot_is_at_the_edge_of_the_plate_reaches_it(
+    beyond: float, is_decided: bool
 ) -> None:
-    silhouettes = heap_silhouettes(heap(30.0, 8.0, 1), WIDE_PLATE, 12)
-    free = base_radius(silhouettes, DIAMETER, DIAMETER)
+    one = heap(30.0, 8.0, 1)
+    free = base_radius(heap_silhouettes(one, WIDE_PLATE, 12), DIAMETER, DIAMETER)
     plate = free.value + beyond * DIAMETER
-    found = base_radius(silhouettes, DIAMETER, DIAMETER, plate)
+    silhouettes = heap_silhouettes(on_plate(one, plate), plate, 12)
 
-    assert found.value == free.value
-    assert found.standard_error == (free.standard_error if is_known else DIAMETER)
+    assert reaches_edge(silhouettes, DIAMETER, DIAMETER, plate) == is_decided
+
+
+def test_a_heap_that_reaches_the_edge_on_one_side_only_keeps_its_size() -> None:
+    one = heap(30.0, 8.0, 1)
+    silhouettes = heap_silhouettes(one, WIDE_PLATE, 12)
+    plate = base_radius(silhouettes, DIAMETER, DIAMETER).value + 2.5 * DIAMETER
+    tongue = with_spheres(
+        one, [[plate / DIAMETER - x, 0, z] for x in (1, 2, 3) for z in (0.5, 1.4)]
+    )
+
+    for particles, reaches in ((one, False), (tongue, False)):
+        found = heap_silhouettes(on_plate(particles, plate), plate, 12)
+        assert reaches_edge(found, DIAMETER, DIAMETER, plate) == reaches
+
+
+def test_nothing_above_the_ground_reaches_no_edge() -> None:
+    assert not reaches_edge([], DIAMETER, DIAMETER, WIDE_PLATE)
 
 
 def test_blank_photographs_are_not_measurable() -> None:

@@ -272,7 +272,7 @@ def scatter_over_seeds(
         tuple(found),
         dict(ordered[0].proposal.parameters),
         tuple(ordered),
-        tuple(CurveScatter.of(curve, ordered) for curve in curves),
+        curves=tuple(CurveScatter.of(curve, ordered) for curve in curves),
     )
 
 

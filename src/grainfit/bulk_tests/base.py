@@ -97,10 +97,25 @@ class ResponseInfo(MeasuredInfo):
         A target, as TOML.
     sensitivities : Sensitivities, optional
         Parameters that it responds to, and how much; None when that was not measured.
+    lowest, highest : float
+        Limits of what is physically possible.
+    above_zero : bool
+        Whether zero and negative values are impossible.
+    why : str
+        Why nothing else is possible, as a sentence.
     """
 
     example: str
     sensitivities: Sensitivities | None = None
+    lowest: float = -math.inf
+    highest: float = math.inf
+    above_zero: bool = True
+    why: str = ""
+
+    @property
+    def possible(self) -> Quantity:
+        """Values that are physically possible."""
+        return Quantity(self.unit, self.lowest, self.highest, self.above_zero, self.why)
 
 
 @dataclass(frozen=True)
@@ -190,6 +205,8 @@ class BulkTest(ABC):
     responses: ClassVar[Mapping[str, ResponseInfo]]
     #: Responses that are curves, by name.
     curves: ClassVar[Mapping[str, CurveInfo]] = {}
+    #: Responses that a valid run may be without, with the reason; a run that needs one has failed.
+    absent: ClassVar[Mapping[str, str]] = {}
     #: Material parameters that its runs depend on, by dotted name.
     material_parameters: ClassVar[tuple[str, ...]] = tuple(MATERIAL_PARAMETERS)
     #: Parts that can be of different materials, each with its walls in the scene, the part that
@@ -204,9 +221,9 @@ class BulkTest(ABC):
     #: Parameters of which one end of an interval is the worse one for `material_faults`, by name:
     #: 0 for the lower end, 1 for the upper.
     worse_ends: ClassVar[Mapping[str, int]] = {}
-    #: Options that a first calibration file sets to their examples: their defaults suit few
-    #: materials.
-    starter_options: ClassVar[tuple[str, ...]] = ()
+    #: Options that a first calibration file sets to their examples, with a remark: their defaults
+    #: suit few materials.
+    starter_options: ClassVar[Mapping[str, str]] = {}
     #: Rolling friction with walls below which particles roll for longer than the test waits.
     least_wall_rolling_friction: ClassVar[float] = 0.0
     #: Whether particles of another size and density make the same run, in natural units.
@@ -362,6 +379,16 @@ class BulkTest(ABC):
     def remark_on(self, responses: Mapping[str, Measured]) -> str:  # noqa: ARG002
         """Say what responses mean that are easily taken for others; nothing by default."""
         return ""
+
+    def target_notes(self, measured: Mapping[str, float | None]) -> Iterable[str]:  # noqa: ARG002
+        """Return remarks on measurements that its geometry keeps out of reach; none by default.
+
+        Parameters
+        ----------
+        measured : mapping of str to float or None
+            Measured values by response, None for a curve.
+        """
+        return ()
 
     @classmethod
     def options_for(cls, material: Mapping[str, float]) -> dict[str, Amount]:  # noqa: ARG003

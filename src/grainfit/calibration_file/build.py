@@ -25,13 +25,14 @@ from grainfit.calibration_file.same_simulation import same_simulation_notes
 from grainfit.calibration_file.size_notes import size_notes
 from grainfit.calibration_file.smooth_wall_notes import smooth_wall_notes
 from grainfit.calibration_file.solid_fraction_notes import solid_fraction_notes
+from grainfit.calibration_file.target_notes import target_notes
 from grainfit.campaign.cluster.executor import cluster_executor, is_available
 from grainfit.campaign.cluster.options import ClusterOptions
 from grainfit.campaign.work_folder import default_workdir
 from grainfit.contact_models.registry import material_parameter
 from grainfit.errors import Fault, InputError
 from grainfit.evaluation import response_name
-from grainfit.formatting import in_a_row
+from grainfit.formatting import in_a_row, with_unit
 from grainfit.materials.particle_shape import ASPECT_RATIO
 from grainfit.materials.time_step import RayleighTimeStep
 from grainfit.options.fields import option_keys
@@ -146,8 +147,8 @@ class CalibrationSetup:
         soft particles raise the responses, whether the contact law is the same for all solvers and
         safe at the time step, which tests simulate the same, where particles are too few for their
         sizes or more than a cylinder holds, which bulk densities no solid fraction gives, which
-        orifices may be blocked, and which walls are too smooth for a bed to come to rest.
-        ``grainfit check`` shows them.
+        orifices may be blocked, which walls are too smooth for a bed to come to rest, and which
+        geometry is too small for a target. ``grainfit check`` shows them.
 
         Examples
         --------
@@ -171,6 +172,7 @@ class CalibrationSetup:
             *solid_fraction_notes(self.problem, self.bulk_tests, self.file.fixed),
             *bulk_test_notes(self.problem, self.bulk_tests, self.file.fixed),
             *smooth_wall_notes(self.problem, self.bulk_tests, self.file.fixed),
+            *target_notes(self.problem, self.bulk_tests, len(self.solvers)),
         )
 
     def calibrate(
@@ -289,6 +291,22 @@ class CalibrationSetup:
         if findings.faults:
             raise InputError(findings.faults)
         return values
+
+    def outside(self, settings: Iterable[str]) -> list[str]:
+        """Return a note on each value that is set outside of the interval of its parameter.
+
+        Parameters
+        ----------
+        settings : iterable of str
+            As of `values`.
+        """
+        values = self.values(settings)
+        return [
+            f"{p.name} = {with_unit(f'{values[p.name]:g}', p.unit)} is outside of its interval, "
+            f"{p.minimum:g} to {with_unit(f'{p.maximum:g}', p.unit)}."
+            for p in self.file.parameters
+            if not p.contains(values[p.name])
+        ]
 
     def _set(self, name: str, text: str, place: Place) -> dict[str, float]:
         known = [parameter.name for parameter in self.file.parameters] + list(self.file.fixed)

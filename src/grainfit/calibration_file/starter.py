@@ -201,14 +201,18 @@ def _test(
     yield _with_remark(f'solver = "{solver}"', f"or {others}")
     yield "# Geometry and procedure, as in your laboratory. These defaults follow the diameter d."
     for key in test.option_keys():
-        yield from _option(key, material, is_set=key.name in test.starter_options)
+        yield from _option(key, material, test.starter_options.get(key.name))
     for response, info in test.responses.items():
         yield f"targets.{response} = {example_target(response, info.example, material)}"
 
 
-def _option(key: Key, material: StartingMaterial | None, *, is_set: bool) -> Iterator[str]:
-    """Iterate over the lines of an option, commented out or set; with default and description."""
-    line = f"{'' if is_set else '# '}{key.name} = {scaled_example(key.example, material)}"
+def _option(key: Key, material: StartingMaterial | None, why_set: str | None) -> Iterator[str]:
+    """Iterate over the lines of an option: commented out, with default and description, or set."""
+    line = f"{key.name} = {scaled_example(key.example, material)}"
+    if why_set is not None:
+        yield _with_remark(line, why_set)
+        return
+    line = f"# {line}"
     remark = f"{key.default}. {key.description}" if key.default else key.description
     whole = _with_remark(line, remark)
     if len(whole) <= _WIDTH:

@@ -60,11 +60,11 @@ class TargetTable(Kind):
 
     Parameters
     ----------
-    unit : str or None
-        SI unit of the response (degrees for angles); None when only the user's own model knows.
+    quantity : Quantity, optional
+        Possible values of the response; None when only the user's own model knows.
     """
 
-    unit: str | None = None
+    quantity: Quantity | None = None
 
     def read(self, value: Any, place: Place) -> Target | None:
         """Read a measured value, or repeated measurements, with their options."""
@@ -77,8 +77,8 @@ class TargetTable(Kind):
         return target
 
     def _table(self, value: dict[str, Any]) -> Table:
-        if self.unit is not None:
-            return Table(_target_keys(Quantity(self.unit, above_zero=True)), self._target)
+        if self.quantity is not None:
+            return Table(_target_keys(self.quantity), self._target)
         return Table((*_target_keys(own_quantity(value)), _OWN_UNIT), self._target)
 
     def _target(self, values: Values, place: Place) -> Target | None:
@@ -93,7 +93,7 @@ class TargetTable(Kind):
                 uncertainty=_absolute(given, value) if given else uncertainty,
                 tolerance=_absolute(values.get("tolerance"), value),  # type: ignore[arg-type]
                 weight=values.get("weight", 1.0),
-                unit=self.unit if self.unit is not None else values.get("unit", ""),
+                unit=values.get("unit", "") if self.quantity is None else self.quantity.unit or "",
                 statistic=values.get("statistic", "mean"),
             )
         except InputError as error:

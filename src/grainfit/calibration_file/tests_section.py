@@ -68,7 +68,7 @@ def _targets(kind: TypeOfTest, *, planned: bool) -> tuple[Kind, str]:
         curve: CurveTable | RefusedCurve = CurveTable() if allowed else refused
         return Named(OwnTarget(table(), curve), shortest=1), _OWN_EXAMPLE
     keys = tuple(
-        Key(name, table(info.unit), f"{info.words}.", example=info.example)
+        Key(name, table(info.possible), f"{info.words}.", example=info.example)
         for name, info in test.responses.items()
     )
     curves = tuple(

@@ -14,6 +14,7 @@ from pathlib import Path
 from pickle import PicklingError
 
 from grainfit.campaign import work_folder as workdir
+from grainfit.campaign.absent_responses import with_needed
 from grainfit.campaign.keep import Keep
 from grainfit.campaign.pending import ClusterJob, PendingRun, jobs_of
 from grainfit.campaign.repeats import mean_outcome, seeds_of
@@ -63,7 +64,8 @@ class CampaignOptions:
         Pause before each further attempt after a failure of the machine, s.
     needed : mapping of str to collection of str
         Responses without which a known run is repeated, by name of the test; by default all of
-        its solver. A version that measures more does not repeat runs for what nobody asks for.
+        its solver. A version that measures more does not repeat runs for what nobody asks for. A
+        run that cannot have one, see `Solver.absent`, counts as failed instead.
     repeats : mapping of str to int
         Runs with different seeds whose mean is one evaluation, by name of the test; 1 by default.
     """
@@ -99,9 +101,12 @@ class _Pending:
     reused: int = 0
     reused_seconds: float = 0.0
 
-    def evaluation(self, tests: int) -> Evaluation:
+    def evaluation(self, tests: int, needed: Mapping[str, Collection[str]]) -> Evaluation:
         """Build the evaluation, which does not depend on the order in which the runs ended."""
-        records = {name: self.records[name] for name in self.names}
+        records = {
+            name: with_needed(self.records[name], needed.get(name_of_test(name), ()))
+            for name in self.names
+        }
         return evaluation_of(self.proposal, records, tests, self.reused, self.reused_seconds)
 
 
@@ -310,8 +315,11 @@ class Campaign:
         """Return True if there is no reason to repeat the run."""
         if record.status == "finished":
             # A model may return a response now that it did not return then.
-            names = self._options.needed.get(test, self._solvers[test].response_names)
-            return set(names or ()) <= record.responses.keys()
+            solver = self._solvers[test]
+            names = self._options.needed.get(test, solver.response_names)
+            # A run of an older version may lack them as well, without a reason.
+            absent = solver.absent if record.reason else ()
+            return set(names or ()) <= {*record.responses, *absent}
         return record.status == "failed" and not record.may_succeed_next_time
 
     def wait(self, poll: Callable[[], None] | None = None) -> list[Evaluation]:
@@ -338,7 +346,7 @@ class Campaign:
             has_ended = True
         complete = [entry for entry in self._pending if not entry.waiting]
         self._pending = [entry for entry in self._pending if entry.waiting]
-        return [entry.evaluation(self.tests) for entry in complete]
+        return [entry.evaluation(self.tests, self._options.needed) for entry in complete]
 
     def forget_failures(self, evaluations: Iterable[Evaluation]) -> None:
         """Let failed runs be repeated at the next start: the cause may be fixed by then."""

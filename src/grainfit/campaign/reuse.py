@@ -21,6 +21,7 @@ from grainfit.bulk_tests.natural_units import (
     without_rounding_error,
 )
 from grainfit.bulk_tests.sensitivities import DENSITY
+from grainfit.campaign.absent_responses import with_needed
 from grainfit.campaign.campaign import evaluation_of
 from grainfit.campaign.repeats import seeds_of
 from grainfit.campaign.store.records import RunRecord
@@ -244,10 +245,11 @@ def runs_of(
         return []
     found: dict[str, list[_Point]] = defaultdict(list)
     needed = needed_responses(problem, solvers)
-    for record in records:
-        if record.status == "running" or record.may_succeed_next_time:
+    for stored in records:
+        if stored.status == "running" or stored.may_succeed_next_time:
             continue
         for test, matcher in matchers.items():
+            record = with_needed(stored, needed.get(test, ()))
             if record.status == "finished" and not needed.get(test, set()) <= set(record.responses):
                 continue
             run = matcher.match(record)

@@ -16,6 +16,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from grainfit.campaign.absent_responses import why_absent
 from grainfit.campaign.keep import Keep
 from grainfit.campaign.store.records import RunRecord
 from grainfit.campaign.work_folder import close_run_folder, open_run_folder, run_folder
@@ -85,7 +86,8 @@ def execute(task: RunTask, cancelled: threading.Event | None = None) -> RunRecor
         workspace = Workspace(partial or task.folder, task.timeout, cancelled)
         responses = task.solver.run(task.parameters, task.seed, workspace)
         _refuse_non_finite(responses)
-        outcome = replace(task.record, status="finished", responses=responses)
+        reason = why_absent(task.solver.absent, responses)
+        outcome = replace(task.record, status="finished", responses=responses, reason=reason)
     except Exception as error:
         outcome = _failed(task.record, error)
     outcome = replace(outcome, seconds=time.monotonic() - started, ended=time.time())

@@ -530,6 +530,7 @@ def simulate(
 
     [bold]Example:[/bold]  grainfit simulate full_size.toml --answer-of beads.grainfit
     """
+    from grainfit.campaign.absent_responses import absences
     from grainfit.campaign.batch import run_folders
     from grainfit.campaign.work_folder import simulations_folder
     from grainfit.work_folder.repeat_runs import repeat_runs
@@ -541,6 +542,8 @@ def simulate(
         remedy = "Choose the run with --seed instead."
         raise InputError(Fault("", "--animate shows one run, not --repeat of them.", remedy))
     frames = frames or _FRAMES
+    for note in setup.outside(settings or ()):
+        _err_remarks.print(f"Note: {note}", highlight=False, markup=False)
     if animated:
         from grainfit.animation.animation import filming
 
@@ -564,6 +567,7 @@ def simulate(
         show.print_run(_out, runs, run_folders(setup.solvers, evaluation, folder))
         if animated:
             _animate(setup, evaluation, folder, frames)
+    show.print_absences(_out, absences(setup.solvers, runs.evaluations))
     if runs.failures:
         raise typer.Exit(_BAD_INPUT)
 
@@ -673,9 +677,11 @@ def measure(
     ],
 ) -> None:
     """Measure the responses again, on the particles of a finished run."""
-    from grainfit.work_folder.remeasure import measure_path
+    from grainfit.work_folder.remeasure import absent_from, measure_path
 
-    show.print_measurement(_out, measure_path(path))
+    found = measure_path(path)
+    show.print_measurement(_out, found)
+    show.print_absences(_out, absent_from(path, found))
 
 
 app.command()(watch)

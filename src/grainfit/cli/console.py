@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -220,6 +220,12 @@ def print_run(console: Console, runs: RepeatedRuns, folders: Mapping[str, Path])
     console.print(f"Wall time: {words}", highlight=False)
     for folder in folders.values():
         console.print(f"Run folder: {folder}", highlight=False, markup=False, soft_wrap=True)
+
+
+def print_absences(console: Console, lines: Iterable[str]) -> None:
+    """Print which responses valid runs are without, and why."""
+    for line in lines:
+        console.print(_text(line, "yellow"))
 
 
 def print_animation(console: Console, animation: Animation) -> None:

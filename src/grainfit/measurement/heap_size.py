@@ -18,9 +18,9 @@ from grainfit.measurement.silhouette import Silhouette
 
 #: Length over which outlines are averaged, in particle diameters.
 _AVERAGED = 2.0
-#: A heap whose mean foot is this close to the edge of the plate, in particle diameters, ends there
-#: because the plate does.
-_EDGE = 1.0
+#: A foot this close to the edge of the plate, in particle diameters, may be there because the plate
+#: ends; with so many of the feet there, the plate decides how wide and how high the heap is.
+_EDGE, _FEET_AT_EDGE = 1.0, 0.25
 #: Feet of the heap this many degrees of azimuth apart show different particles.
 _CORRELATION_AZIMUTH = 30.0
 #: Distance between two points of a profile, in particle diameters.
@@ -31,12 +31,7 @@ _HEIGHT_ERROR = 0.12
 Array = NDArray[np.float64]
 
 
-def base_radius(
-    silhouettes: Sequence[Silhouette],
-    ground: float,
-    diameter: float,
-    plate_radius: float = math.inf,
-) -> Response:
+def base_radius(silhouettes: Sequence[Silhouette], ground: float, diameter: float) -> Response:
     """Measure the base radius of a heap: half its width just above the plate, mean of all views.
 
     Parameters
@@ -49,15 +44,11 @@ def base_radius(
         particle diameter, below which single particles lie around the heap.
     diameter : float
         Median particle diameter, m.
-    plate_radius : float
-        Radius of the plate, m, beyond which there is no heap.
 
     Returns
     -------
     Response
-        Base radius and its standard error, m. A heap that reaches the edge of the plate, within a
-        particle diameter, has the radius of the plate, whatever its material; its standard error
-        is then a particle diameter at least.
+        Base radius and its standard error, m: that of the plate where `reaches_edge`.
 
     Raises
     ------
@@ -75,16 +66,31 @@ def base_radius(
     and none at 30 degrees. It is then 6 to 15 % more than the scatter from seed to seed, and 50 %
     more on cones of 30 degrees.
     """
-    feet = np.array([foot for s in silhouettes for foot in _feet(s, ground, diameter)])
+    feet = _all_feet(silhouettes, ground, diameter)
     if not len(feet):
         raise NotMeasurableError(f"base radius: nothing is higher than {ground:g} m.")
-    radius = float(feet.mean())
     independent = min(float(len(feet)), 360.0 / _CORRELATION_AZIMUTH)
-    error = float(np.std(feet)) / math.sqrt(independent - 1)
-    if radius > plate_radius - _EDGE * diameter:
-        # All feet are at the edge: that they agree says nothing about the heap.
-        error = max(error, diameter)
-    return Response(radius, error)
+    return Response(float(feet.mean()), float(np.std(feet)) / math.sqrt(independent - 1))
+
+
+def reaches_edge(
+    silhouettes: Sequence[Silhouette], ground: float, diameter: float, plate_radius: float
+) -> bool:
+    """Return True if the plate, not the material, decides base radius, height and profile.
+
+    A quarter or more of the heap's feet, as `base_radius` finds them, are within a particle
+    diameter of the edge: what would lie farther out has fallen off the plate.
+
+    Parameters
+    ----------
+    silhouettes, ground, diameter
+        As of `base_radius`.
+    plate_radius : float
+        m.
+    """
+    feet = _all_feet(silhouettes, ground, diameter)
+    at_edge = feet > plate_radius - _EDGE * diameter
+    return len(feet) > 0 and float(at_edge.mean()) >= _FEET_AT_EDGE
 
 
 def heap_height(silhouettes: Sequence[Silhouette], diameter: float) -> Response:
@@ -176,6 +182,10 @@ def _averaged_outline(silhouette: Silhouette, diameter: float) -> Array:
     size = min(size, len(outline))
     averaged: Array = np.convolve(outline, np.ones(size) / size, "same")
     return averaged
+
+
+def _all_feet(silhouettes: Sequence[Silhouette], ground: float, diameter: float) -> Array:
+    return np.array([foot for s in silhouettes for foot in _feet(s, ground, diameter)])
 
 
 def _feet(silhouette: Silhouette, ground: float, diameter: float) -> tuple[float, ...]:

@@ -171,12 +171,15 @@ class Quantity(Kind):
         Inclusive limits.
     above_zero : bool
         Zero and negative values are faults.
+    why : str
+        Why nothing else is possible, as a sentence.
     """
 
     unit: str | None
     lowest: float = -math.inf
     highest: float = math.inf
     above_zero: bool = False
+    why: str = ""
 
     def read(self, value: Any, place: Place) -> float | None:
         """Read a plain number or a quantity with a unit; the result is in `unit`."""
@@ -197,7 +200,8 @@ class Quantity(Kind):
         elif self.above_zero and number <= 0:
             place.fault(f"is {shown}.", "It must be above 0.")
         elif not self.lowest <= number <= self.highest:
-            place.fault(f"is {shown}.", f"It must be {self.limits()}.{hint}")
+            why = f" {self.why}" if self.why else ""
+            place.fault(f"is {shown}.", f"It must be {self.limits()}.{why}{hint}")
         else:
             return number
         return None

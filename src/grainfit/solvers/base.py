@@ -80,6 +80,11 @@ class Solver(ABC):
         """The bulk test that it simulates; None for a model of the user."""
         return None
 
+    @property
+    def absent(self) -> Mapping[str, str]:
+        """Responses that a valid run may be without, with the reason; none by default."""
+        return {}
+
     def filming(self, frames: int, duration: float | None = None) -> Self:
         """Return the solver such that its runs keep frames of the particles; they are the same.
 

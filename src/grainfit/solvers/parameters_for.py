@@ -80,6 +80,12 @@ class ParametersFor(Solver):
 
     @property
     @override
+    def absent(self) -> Mapping[str, str]:
+        """Responses that a valid run may be without, with the reason."""
+        return self.solver.absent
+
+    @property
+    @override
     def walls(self) -> Mapping[str, str]:
         """Walls with a name by the parts of its bulk test."""
         return self.solver.walls

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import replace
 from pathlib import Path
 
@@ -10,6 +10,7 @@ import numpy as np
 
 from grainfit.bulk_tests.base import BulkTest
 from grainfit.bulk_tests.registry import recreate_test
+from grainfit.campaign.absent_responses import why_absent
 from grainfit.campaign.work_folder import RECORD_NAME, read_record
 from grainfit.errors import Fault, InputError, NotMeasurableError
 from grainfit.evaluation import Measured
@@ -53,6 +54,20 @@ def measure_path(path: Path) -> Mapping[str, Measured]:
         return _measure_heap(particles)
     except NotMeasurableError as error:
         raise NotMeasurableError(f"{path}: {error}") from None
+
+
+def absent_from(path: Path, found: Collection[str]) -> list[str]:
+    """Return which responses the run in a folder is without, and why.
+
+    Parameters
+    ----------
+    path : Path
+        As of `measure_path`.
+    found : collection of str
+        Names of the responses that were measured there.
+    """
+    why = why_absent(_test_of(path).absent, found) if path.is_dir() else ""
+    return [f"There is {why}."] if why else []
 
 
 def _measure_heap(particles: Particles) -> Mapping[str, Measured]:

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, get_args
 
 from grainfit.calibration.provenance import Provenance
+from grainfit.campaign.absent_responses import judged
 from grainfit.campaign.campaign import evaluation_of
 from grainfit.campaign.store.records import CalibrationRecord, RequestRecord, RunRecord
 from grainfit.campaign.store.store import STORE_NAME, UNUSABLE
@@ -276,6 +277,7 @@ def _saved(
     names = [parameter["name"] for parameter in definition["parameters"]]
     for request in (*opened.requests, *learnt):
         request.require_part_of(names, names_of_tests(definition["tests"]))
+    records = judged(records, (*opened.requests, *learnt), definition)
     ended = [request for request in opened.requests if _has_ended(request, records)]
     tests = len(names_of_tests(definition["tests"]))
     evaluations = tuple(_evaluation(request, records, tests) for request in ended)

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from grainfit.campaign.absent_responses import judged
 from grainfit.campaign.store.records import RequestRecord, RunRecord
 from grainfit.result import Result
 from grainfit.work_folder.open_folder import open_folder
@@ -69,8 +70,11 @@ def read_status(folder: Path) -> WorkdirStatus:
     """
     with open_folder(folder) as opened:
         states = opened.store.states()
-        failed = {record.identity: record for record in opened.store.runs("failed")}
+        failed = opened.store.runs("failed")
+        incomplete = {record.identity: record for record in opened.store.incomplete_runs()}
     calibration, requests = opened.calibration, opened.requests
+    if calibration is not None:
+        failed += judged(incomplete, requests, calibration.definition).values()
     running = opened.state == "running"
     result, fault = opened.read_result()
     return WorkdirStatus(
@@ -101,11 +105,11 @@ def _by_stage(
 
 
 def _failures(
-    folder: Path, requests: Sequence[RequestRecord], failed: Mapping[str, RunRecord]
+    folder: Path, requests: Sequence[RequestRecord], ended: Iterable[RunRecord]
 ) -> list[FailedRun]:
     wanted = {identity for request in requests for identity in request.runs.values()}
     return [
         FailedRun(str(folder / "runs" / record.identity), record.reason, record.log_tail)
-        for record in failed.values()
-        if record.identity in wanted
+        for record in ended
+        if record.status == "failed" and record.identity in wanted
     ]

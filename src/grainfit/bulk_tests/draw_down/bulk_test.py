@@ -96,10 +96,9 @@ class DrawDown(BulkTest):
     shown: ClassVar[Shown | None] = Shown(
         "draw-down", "angle_of_repose", snapshot_file(END), _PICTURE
     )
-    #: On a floor like the walls, part of most heaps rolls over its edges.
-    starter_options: ClassVar[tuple[str, ...]] = (
-        "floor_sliding_friction",
-        "floor_rolling_friction",
+    starter_options: ClassVar[Mapping[str, str]] = dict.fromkeys(
+        ("floor_sliding_friction", "floor_rolling_friction"),
+        "by default that of the walls, off which most heaps roll",
     )
     #: At 0.005, beads roll off the shelf one by one for more than 7 s.
     least_wall_rolling_friction: ClassVar[float] = 0.02
@@ -135,6 +134,8 @@ class DrawDown(BulkTest):
             Sensitivities(
                 {SLIDING: -0.03, ROLLING: -0.065}, {SLIDING: -0.13, ROLLING: -0.075}, 0.015
             ),
+            highest=1.0,
+            why="It is a share of the mass filled in.",
         ),
         "shear_angle": ResponseInfo(
             "deg",
@@ -142,6 +143,8 @@ class DrawDown(BulkTest):
             "shear angle: inclination of the wedges left beside the slot",
             '{ value = "27 deg", uncertainty = "1 deg" }',
             Sensitivities({SLIDING: 0.12, ROLLING: 0.24}, {SLIDING: 0.48, ROLLING: 0.16}, 0.03),
+            highest=90.0,
+            why="A flank is not steeper than a wall.",
         ),
         "angle_of_repose": ResponseInfo(
             "deg",
@@ -149,6 +152,8 @@ class DrawDown(BulkTest):
             "angle of repose: inclination of the heap's flanks",
             '{ value = "24 deg", uncertainty = "1 deg" }',
             Sensitivities({SLIDING: 0.33, ROLLING: 0.20}, {SLIDING: 0.71, ROLLING: 0.18}, 0.03),
+            highest=90.0,
+            why="A flank is not steeper than a wall.",
         ),
     }
 

@@ -33,6 +33,7 @@ from grainfit.scenes.shapes import Cylinder
 #: Frames of a run, its picture, and its last frame for ParaView.
 _FRAMES, _PICTURE, _VTK = "turning", "drum.png", "drum.vtk"
 _TURNS = Quantity("", above_zero=True, highest=1e3)
+_INCLINATION = "The surface of a bed does not overhang."
 
 
 @dataclass(frozen=True)
@@ -84,6 +85,10 @@ class Drum(BulkTest):
                 {SLIDING: 0.27, ROLLING: 0.078},
                 scatter=0.008,
             ),
+            lowest=0.0,
+            highest=90.0,
+            above_zero=False,
+            why=_INCLINATION,
         ),
         "surface_angle": ResponseInfo(
             "deg",
@@ -95,6 +100,10 @@ class Drum(BulkTest):
                 {SLIDING: 0.42, ROLLING: 0.078},
                 scatter=0.009,
             ),
+            lowest=-90.0,
+            highest=90.0,
+            above_zero=False,
+            why=_INCLINATION,
         ),
         "upper_angle": ResponseInfo(
             "deg",
@@ -104,6 +113,10 @@ class Drum(BulkTest):
             Sensitivities(
                 {SLIDING: 0.082, ROLLING: 0.135}, {SLIDING: 0.27, ROLLING: 0.067}, scatter=0.025
             ),
+            lowest=-90.0,
+            highest=90.0,
+            above_zero=False,
+            why=_INCLINATION,
         ),
         "lower_angle": ResponseInfo(
             "deg",
@@ -115,6 +128,10 @@ class Drum(BulkTest):
                 {SLIDING: 0.38, ROLLING: 0.078},
                 scatter=0.018,
             ),
+            lowest=-90.0,
+            highest=90.0,
+            above_zero=False,
+            why=_INCLINATION,
         ),
     }
 

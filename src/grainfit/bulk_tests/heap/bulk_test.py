@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any, ClassVar, Self
@@ -17,6 +17,7 @@ from grainfit.bulk_tests.shared.validity import require_separate
 from grainfit.bulk_tests.view import Shown
 from grainfit.errors import NotMeasurableError
 from grainfit.evaluation import Measured
+from grainfit.formatting import in_a_row, millimetres
 from grainfit.measurement.angle_of_repose import (
     AngleOfRepose,
     angle_of_repose,
@@ -25,7 +26,7 @@ from grainfit.measurement.angle_of_repose import (
 )
 from grainfit.measurement.bulk_density import bulk_density
 from grainfit.measurement.clinging import clinging
-from grainfit.measurement.heap_size import base_radius, heap_height, heap_profile
+from grainfit.measurement.heap_size import base_radius, heap_height, heap_profile, reaches_edge
 from grainfit.measurement.particles import Particles, write_vtk
 from grainfit.measurement.picture import draw_heap
 from grainfit.measurement.silhouette import Silhouette
@@ -47,6 +48,8 @@ _LARGEST_CLINGING = 0.05
 #: The bed is at rest soon after the shortest fill stage; the lift ends before its longest travel.
 _FILL_SHARE = 1.25
 _LIFT_SHARE = 0.9
+#: An angle of which there is no cone, degrees.
+_STEEPEST = 90.0
 #: Surface of plate and rim.
 _PLATE = "plate"
 
@@ -116,6 +119,8 @@ class Heap(BulkTest):
             "angle of repose: inclination of the heap's flanks",
             '{ value = "22 deg", uncertainty = "0.5 deg" }',
             Sensitivities({SLIDING: 0.24, ROLLING: 0.57}, {SLIDING: 0.45, ROLLING: 0.29}, 0.056),
+            highest=90.0,
+            why="A flank is not steeper than a wall.",
         ),
         # A cone of given volume: r^3 tan(angle) is constant.
         "base_radius": ResponseInfo(
@@ -145,6 +150,11 @@ class Heap(BulkTest):
             "m",
         ),
     }
+
+    absent: ClassVar[Mapping[str, str]] = dict.fromkeys(
+        ("base_radius", "heap_height", "profile"),
+        "the heap reaches the edge of the plate: use a larger plate_radius",
+    )
 
     particle_count: int | None = option(
         Whole(1),
@@ -288,6 +298,23 @@ class Heap(BulkTest):
             surfaces={_PLATE: self._plate_parameters(material)},
         )
 
+    def target_notes(self, measured: Mapping[str, float | None]) -> Iterator[str]:
+        """Yield a remark if the plate is too small for the measured heap, whose size is needed."""
+        setup, diameter = self.setup, self.sizes.sauter_diameter
+        needed = [name for name in self.absent if name in measured]
+        angle, radius = measured.get("angle_of_repose"), measured.get("base_radius")
+        if not needed or setup.rim_height > 0:
+            return
+        if radius is None and angle is not None and 0 < angle < _STEEPEST:
+            radius = setup.expected_foot(angle, diameter)
+        if radius is not None and radius > setup.plate_radius - diameter:
+            yield (
+                f"the plate of {millimetres(setup.plate_radius)} radius is too small for "
+                f"{in_a_row(needed)}: the measured heap has a base radius of about "
+                f"{millimetres(radius)}, and a run whose heap reaches the edge fails. Use "
+                f'plate_radius = "{millimetres(radius + 3 * diameter)}" or more.'
+            )
+
     def _stages(self) -> tuple[Stage, ...]:
         setup = self.setup
         limit = setup.settling_time_limit
@@ -315,6 +342,8 @@ class Heap(BulkTest):
     def measure(self, run: RunOutput) -> dict[str, Measured]:
         """Measure bed and heap; leave a picture and a VTK file of the heap.
 
+        A heap that reaches the edge of the plate has no base radius, height and profile.
+
         Raises
         ------
         RunFailedError
@@ -340,10 +369,12 @@ class Heap(BulkTest):
         density = bulk_density(
             bed, setup.cylinder_radius, setup.bulk_density_bottom, setup.bulk_density_top
         )
+        found: dict[str, Measured] = {"bulk_density": density, "angle_of_repose": angle.response}
+        if reaches_edge(silhouettes, self.ground, heap.diameter, plate):
+            return found
         return {
-            "bulk_density": density,
-            "angle_of_repose": angle.response,
-            "base_radius": base_radius(silhouettes, self.ground, heap.diameter, plate),
+            **found,
+            "base_radius": base_radius(silhouettes, self.ground, heap.diameter),
             "heap_height": heap_height(silhouettes, heap.diameter),
             "profile": heap_profile(silhouettes, heap.diameter, plate),
         }

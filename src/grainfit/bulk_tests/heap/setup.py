@@ -74,6 +74,23 @@ class HeapSetup:
     fill_time: float
     settling_time_limit: float
 
+    def expected_foot(self, angle: float, diameter: float) -> float:
+        """Return about the base radius of the heap of this test, m.
+
+        Half a diameter above its base, a cone of the volume of the bed is as wide as the heap, up
+        to half a diameter: heaps of glass beads and of rough spheres of 18 to 23 degrees.
+
+        Parameters
+        ----------
+        angle : float
+            Angle of repose, degrees.
+        diameter : float
+            Of the particles, m.
+        """
+        slope = math.tan(math.radians(angle))
+        base = math.pow(3 * self.cylinder_radius**2 * self.strike_off_height / slope, 1 / 3)
+        return base - diameter / 2 / slope
+
 
 def plan_setup(sizes: ParticleSizes, options: Mapping[str, float | None]) -> HeapSetup:
     """Resolve every default of a heap test.

@@ -113,6 +113,8 @@ class Shear(BulkTest):
             Sensitivities(
                 {MODULUS: 0.033, SLIDING: 0.040, ROLLING: 0.124}, {SLIDING: 0.375}, scatter=0.02
             ),
+            highest=90.0,
+            why="It is an arc tangent.",
         ),
         "shear_density": ResponseInfo(
             "kg/m^3",

@@ -40,7 +40,8 @@ class RunRecord:
     responses : mapping of str to Response or Curve
         Responses by name; empty unless finished.
     reason, kind, log_tail : str
-        Reason of the failure, its kind, and the last lines of the log.
+        Reason of the failure, its kind, and the last lines of the log. The reason of a finished run
+        says why it is without some responses.
     seconds : float
         Wall time, s.
     ended : float

@@ -412,6 +412,10 @@ class RunStore:
         """Return all runs, or those of one status, in the order of their end."""
         return self._runs(status)
 
+    def incomplete_runs(self) -> list[RunRecord]:
+        """Return the finished runs that are without some responses for a known reason."""
+        return self._runs("finished", _runs.c.reason != "")
+
     def _runs(
         self, status: RunStatus | None, *conditions: sql.ColumnElement[bool]
     ) -> list[RunRecord]:

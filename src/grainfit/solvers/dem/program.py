@@ -142,6 +142,12 @@ class DeckSolver(Solver):
         """The bulk test that it simulates."""
         return self.test
 
+    @property
+    @override
+    def absent(self) -> Mapping[str, str]:
+        """Responses that a valid run of the test may be without, with the reason."""
+        return self.test.absent
+
     @override
     def filming(self, frames: int, duration: float | None = None) -> Self:
         """Return the solver such that its runs keep frames of the particles, see `filmed`."""
