@@ -160,7 +160,7 @@ def test_the_result_of_an_earlier_start_is_not_that_of_the_last(tmp_path: Path) 
 def test_failures_that_stopped_a_calibration_are_told_with_their_logs(tmp_path: Path) -> None:
     model = tmp_path / "model"
     model.mkdir()
-    (model / "drum.py").write_text("density = 0\nraise SystemExit('the drum has no lid')")
+    (model / "drum.py").write_text("particle_density = 0\nraise SystemExit('the drum has no lid')")
     solver = Command(model, [sys.executable, "drum.py"], response_names=("angle",))
     with pytest.raises(grainfit.RunFailedError):
         grainfit.calibrate(PROBLEM, {"drum": solver}, workdir=tmp_path / "work")
