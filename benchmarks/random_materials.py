@@ -192,7 +192,7 @@ def _calibrate(study: Study, job: Job, folder: Path) -> Record:
         "intervals": {n: [i.low, i.high, i.determination] for n, i in result.intervals.items()},
         "runs": result.runs.total,
         "made": result.runs.total - result.runs.reused,
-        "warm": result.warm_start_runs,
+        "warm": result.runs.warm_start_runs,
         "notices": list(result.notices),
     }
 
