@@ -225,7 +225,9 @@ def _target(study: Study, key: str, values: Sequence[float], number: int) -> Tar
     absolute = absolute_uncertainty(study.laboratory[key.rpartition(".")[2]], mean)
     of_mean = statistics.stdev(values) / math.sqrt(len(values))
     value = mean + absolute * float(random.standard_normal())
-    return Target(key, value, uncertainty=math.hypot(absolute, of_mean))
+    uncertainty = math.hypot(absolute, of_mean)
+    # Measured values are off by their errors: hardly ever are all of them within one of these.
+    return Target(key, value, uncertainty=uncertainty, tolerance=2 * uncertainty)
 
 
 def absolute_uncertainty(accuracy: float | str, value: float) -> float:
