@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
 from math import isfinite
 from numbers import Real
@@ -61,13 +61,21 @@ def read_responses(
         raise _unusable(f"{origin} gave {_short(found)}, not responses by name")
     if not found:
         raise _unusable(f"{origin} gave no responses")
-    missing = [name for name in expected or () if name not in found]
-    if missing:
-        there = ", ".join(map(str, found))
-        raise _unusable(f"{origin} gave no response {', '.join(missing)}; there are: {there}")
+    if missing := about_missing(found, expected, origin):
+        raise _unusable(missing)
     names = list(found) if expected is None else list(expected)
     responses = {_response_name(n, origin): _response(n, found[n], origin) for n in names}
     return responses | _others(found, responses)
+
+
+def about_missing(found: Iterable[Any], expected: Sequence[str] | None, origin: str) -> str:
+    """Say which expected responses are missing, and which are there; empty if none is missing."""
+    there = list(found)
+    missing = [name for name in expected or () if name not in there]
+    if not missing:
+        return ""
+    listed = ", ".join(map(str, there))
+    return f"{origin} gave no response {', '.join(missing)}; there are: {listed}"
 
 
 def _others(found: Mapping[Any, Any], expected: Mapping[str, Measured]) -> dict[str, Measured]:

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import stats
 
+from grainfit.analysis.scatter_statistics import MANY_RUNS, half_interval_of_mean, runs_within
 from grainfit.curve_target import CurveTarget
 from grainfit.evaluation import Evaluation
 from grainfit.formatting import (
@@ -29,8 +28,6 @@ Array = NDArray[np.float64]
 _SHOWN = 5
 #: Accepted deviation of a curve, in standard uncertainties.
 _TOLERANCE = 2.0
-#: Runs at one parameter set from which on something else helps more.
-_MANY_RUNS = 20
 
 
 @dataclass(frozen=True)
@@ -82,9 +79,7 @@ class CurveScatter:
         """Halves of the 95 % confidence intervals of the mean (Student's t), shape (n,)."""
         if self.standard_deviations is None:
             return None
-        count = len(self.values)
-        quantile = float(stats.t.ppf(0.975, count - 1))
-        return np.asarray(quantile * self.standard_deviations / math.sqrt(count))
+        return np.asarray(half_interval_of_mean(len(self.values)) * self.standard_deviations)
 
     @property
     def in_uncertainties(self) -> Array | None:
@@ -101,9 +96,7 @@ class CurveScatter:
         """
         if self.in_uncertainties is None:
             return None
-        quantile = float(stats.norm.ppf(0.975))
-        largest = float(self.in_uncertainties.max())
-        return max(1, math.ceil((quantile * largest / _TOLERANCE) ** 2))
+        return runs_within(float(self.in_uncertainties.max()), _TOLERANCE)
 
     def parts(self) -> list[str | TextTable]:
         """Return the table of a few points, and sentences."""
@@ -163,5 +156,5 @@ class CurveScatter:
             "standard uncertainties σ of the measured points (root mean square), by up to "
             f"{number(float(ratios[worst]), 2)} at {target.coordinate or 'coordinate'} = {place}; "
             f"the mean of {counted(runs, 'run')} is within 2 σ at each point (95 %)."
-            f"{more if runs > _MANY_RUNS else ''}"
+            f"{more if runs > MANY_RUNS else ''}"
         )

@@ -10,6 +10,12 @@ from statistics import fmean, stdev
 from scipy import stats
 
 from grainfit.analysis.curve_scatter import CurveScatter
+from grainfit.analysis.scatter_statistics import (
+    LEVEL,
+    MANY_RUNS,
+    half_interval_of_mean,
+    runs_within,
+)
 from grainfit.curve_target import CurveTarget
 from grainfit.errors import Fault, InputError
 from grainfit.evaluation import Evaluation
@@ -26,10 +32,6 @@ from grainfit.formatting import (
 from grainfit.problem import Target
 from grainfit.tables import TextTable, as_html, as_text
 
-_LEVEL = 0.95
-#: Runs at one parameter set from which on a calibration becomes expensive: the budget of the
-#: sequential search is 20 runs per free parameter.
-_MANY_RUNS = 20
 #: Scatter of single runs, in tolerances, from which one run tells nothing.
 _USELESS = 3.0
 
@@ -70,9 +72,7 @@ class ResponseScatter:
         """Half of the 95 % confidence interval of the mean (Student's t); None for one run."""
         if self.standard_deviation is None:
             return None
-        count = len(self.values)
-        quantile = float(stats.t.ppf((1 + _LEVEL) / 2, count - 1))
-        return quantile * self.standard_deviation / math.sqrt(count)
+        return half_interval_of_mean(len(self.values)) * self.standard_deviation
 
     @property
     def standard_deviation_interval(self) -> tuple[float, float] | None:
@@ -84,7 +84,7 @@ class ResponseScatter:
         if self.standard_deviation is None:
             return None
         freedom = len(self.values) - 1
-        low, high = stats.chi2.ppf([(1 - _LEVEL) / 2, (1 + _LEVEL) / 2], freedom)
+        low, high = stats.chi2.ppf([(1 - LEVEL) / 2, (1 + LEVEL) / 2], freedom)
         squares = freedom * self.standard_deviation**2
         return math.sqrt(squares / high), math.sqrt(squares / low)
 
@@ -96,8 +96,7 @@ class ResponseScatter:
         """
         if self.target is None or self.standard_deviation is None:
             return None
-        quantile = float(stats.norm.ppf((1 + _LEVEL) / 2))
-        return max(1, math.ceil((quantile * self.standard_deviation / self.target.tolerance) ** 2))
+        return runs_within(self.standard_deviation, self.target.tolerance)
 
 
 @dataclass(frozen=True)
@@ -191,7 +190,7 @@ def _advice(found: ResponseScatter) -> str:
     )
     if useless := useless_scatter(target, found.standard_deviation or 0.0):
         return f"{useless} {_mean_within(runs).capitalize()}"
-    if runs <= _MANY_RUNS:
+    if runs <= MANY_RUNS:
         return words
     return (
         f"{words} A larger sample in the test, another response or a wider tolerance helps more "

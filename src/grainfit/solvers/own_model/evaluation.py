@@ -10,7 +10,7 @@ from pathlib import Path
 
 from grainfit.errors import GrainfitError, RunFailedError
 from grainfit.evaluation import Measured
-from grainfit.exchange import read_responses
+from grainfit.exchange import about_missing, read_responses
 from grainfit.files import LARGEST_RESPONSES, log_tail, read_within
 from grainfit.options.python_file import PythonFile
 from grainfit.solvers.base import Workspace
@@ -148,10 +148,8 @@ def require(
     RunFailedError
         With the names of those that are missing, and of those that are there.
     """
-    missing = [name for name in expected or () if name not in found]
-    if missing:
-        reason = f"{origin} gave no response {', '.join(missing)}; there are: {', '.join(found)}"
-        raise RunFailedError(reason, tail, "evaluation")
+    if missing := about_missing(found, expected, origin):
+        raise RunFailedError(missing, tail, "evaluation")
 
 
 def _left(folder: Path, known: Iterable[str]) -> str:

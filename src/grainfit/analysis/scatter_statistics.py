@@ -1,0 +1,43 @@
+"""Statistics of responses that scatter from seed to seed, with a confidence of 95 %."""
+
+from __future__ import annotations
+
+import math
+
+from scipy import stats
+
+#: Confidence of all intervals.
+LEVEL = 0.95
+#: Runs at one parameter set from which on a calibration becomes expensive, and something else helps
+#: more: the budget of the sequential search is 20 runs per free parameter.
+MANY_RUNS = 20
+
+
+def half_interval_of_mean(count: int) -> float:
+    """Return half of the interval of a mean of runs, in their standard deviations (Student's t).
+
+    Examples
+    --------
+    >>> round(half_interval_of_mean(4), 3)
+    1.591
+    """
+    return float(stats.t.ppf((1 + LEVEL) / 2, count - 1)) / math.sqrt(count)
+
+
+def runs_within(deviation: float, tolerance: float) -> int:
+    """Return how many runs have a mean within a tolerance of the expected value.
+
+    Parameters
+    ----------
+    deviation : float
+        Standard deviation of single runs.
+    tolerance : float
+        Above zero.
+
+    Examples
+    --------
+    >>> runs_within(2.0, 1.0)
+    16
+    """
+    quantile = float(stats.norm.ppf((1 + LEVEL) / 2))
+    return max(1, math.ceil((quantile * deviation / tolerance) ** 2))
