@@ -90,11 +90,13 @@ class Cloud:
 def corners(dimension: int) -> Array:
     """Return corners of the cube from -1 to 1 at which no two parameters vary together.
 
-    Rows of a Hadamard matrix: the fewest that tell all slopes, each from all runs (Plackett and
-    Burman 1946, *Biometrika* 33, 305-325).
+    Rows of a Hadamard matrix and their mirror images: each slope comes from all runs, and what two
+    parameters do together is in none of them (Box and Wilson 1951, *Journal of the Royal
+    Statistical Society B* 13, 1-45).
     """
-    size = 2 ** math.ceil(math.log2(dimension + 1))
-    return np.asarray(hadamard(size)[:, 1 : dimension + 1], dtype=float)
+    size = 2 ** math.ceil(math.log2(dimension))
+    half = np.asarray(hadamard(size)[:, :dimension], dtype=float)
+    return np.vstack([half, -half])
 
 
 def _relative(parameters: Sequence[Parameter], values: Array) -> Array:
