@@ -84,8 +84,8 @@ def rounded(value: float | None, uncertainty: float | None) -> str:
 
     Examples
     --------
-    >>> rounded(2309.4312, 31.0), rounded(0.52, 0.045)
-    ('2309', '0.520')
+    >>> rounded(2309.4312, 31.0), rounded(0.52, 0.045), rounded(0.0, 1e-13)
+    ('2309', '0.520', '0')
     """
     if value is None or not isfinite(value):
         return "–"
@@ -108,6 +108,8 @@ def plain_interval(value: float, half_width: float) -> str:
 def _to_uncertainty(value: float, uncertainty: float | None) -> str:
     if uncertainty is None or not 0 < uncertainty < inf:
         return _significant(value, 4)
+    if not value and uncertainty < _FIXED[0]:
+        return "0"
     magnitude = floor(log10(abs(value))) if value else floor(log10(uncertainty))
     decimals = min(1 - floor(log10(uncertainty)), _MOST_DIGITS - 1 - magnitude)
     if not value or _FIXED[0] <= max(abs(value), uncertainty) < _FIXED[1]:
