@@ -226,8 +226,9 @@ def _target(study: Study, key: str, values: Sequence[float], number: int) -> Tar
     of_mean = statistics.stdev(values) / math.sqrt(len(values))
     value = mean + absolute * float(random.standard_normal())
     uncertainty = math.hypot(absolute, of_mean)
-    # Measured values are off by their errors: hardly ever are all of them within one of these.
-    return Target(key, value, uncertainty=uncertainty, tolerance=2 * uncertainty)
+    # Measured values are off by their errors. Closer tolerances take many runs to decide on one of
+    # six that is hardly met, and do not change the intervals.
+    return Target(key, value, uncertainty=uncertainty, tolerance=3 * uncertainty)
 
 
 def absolute_uncertainty(accuracy: float | str, value: float) -> float:
