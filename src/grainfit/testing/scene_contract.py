@@ -978,6 +978,18 @@ class SceneContract(SimulatedScenes):
         with pytest.raises(RunFailedError, match="became unstable in the part1 stage"):
             out.require_complete(["part1", "settle"], "box")
 
+    def test_energy_that_the_start_or_a_wall_gives_fails_no_run(self, run: Run) -> None:
+        ram = Wall(Plane("x", -RADIUS - 0.0001))
+        push = Stage("push", Elapsed(0.01), motions={"ram": Velocity("x", 2.0)})
+        # Each program rounds one of them up.
+        for speed in (2 / 3, 0.7, 1.1):
+            particle = spheres([(0, 0, 0)], [(speed, 0, 0)])
+            flown = run(scene_of(particle, {}, frames(0.01), gravity=0.0))
+            assert [end.end for end in flown.stages] == ["done"]
+        for gravity in (0.0, GRAVITY):
+            thrown = run(scene_of(spheres([(0, 0, 0)]), {"ram": ram}, [push], gravity=gravity))
+            assert [end.end for end in thrown.stages] == ["done"]
+
     # --- records -------------------------------------------------------------------------------
 
     def test_mass_above_a_height_counts_particles_that_fall_into_a_sink(self, run: Run) -> None:
