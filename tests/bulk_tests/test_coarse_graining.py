@@ -256,6 +256,15 @@ def test_orifice_is_wide_enough_for_the_most_slender_particles_of_an_interval() 
     assert (fault.key, "= 1.29 at most" in fault.remedy) == ("slot_width", True)
 
 
+def test_factor_for_an_interval_of_aspect_ratios_is_never_that_of_spheres() -> None:
+    # Spheres of this size would arch, too; a factor for them would be refused in turn.
+    unknown = ParticleSizes((0.002,), shape=ParticleShape("cylinder")).coarse_grained(3)
+    solver = cohesionless(Discharge(unknown, **SLOT_BOX))
+
+    [fault] = solver.interval_faults({"particle.aspect_ratio": (1.0, 3.0)})
+    assert "= 1.29 at most" in fault.remedy
+
+
 def beside_a_discharge(folder: Path) -> Path:
     """Return the file of the pellets with a slot of 30 mm for the same material."""
     path = pellets(folder, 1)

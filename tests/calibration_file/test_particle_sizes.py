@@ -142,6 +142,7 @@ def test_the_unit_of_openings_is_in_the_header_or_the_file(
             "1,{opening},7,7,{passing}",
         ),
         ("opening [mm],retained [%],Q3", "{opening},7,{passing}"),
+        ("x [mm],q3 [1/mm],Q3 [%]", "{opening},7,{passing}"),
         ("d [mm],standard error,mass [%]", "{opening},7,{passing}"),
         ("opening [mm],passing [%],passing again [%]", "{opening},{passing},7"),
         ("opening [mm],passing [-]", "{opening},{passing}"),

@@ -158,6 +158,41 @@ def test_functions_that_disagree_on_a_response_fail_the_run(tmp_path: Path) -> N
         solver.run({"friction": 0.5}, 1, workspace)
 
 
+def test_a_response_that_nobody_needs_may_differ_and_is_left_out(tmp_path: Path) -> None:
+    write(tmp_path)
+    (tmp_path / "model" / "angle.py").write_text(measure("angle", "20.0", "mass", "1.0"))
+    (tmp_path / "model" / "flow.py").write_text(measure("flow", "2.0", "mass", "7.0"))
+    solver = Command(
+        tmp_path / "model",
+        ["sh", "drum.sh", "{{ friction }}"],
+        evaluate=["angle.py:measure", "flow.py:measure"],
+        response_names=["angle", "flow"],
+    )
+    workspace = Workspace(tmp_path / "a" / "b" / "run")
+    workspace.folder.mkdir(parents=True)
+    found = solver.run({"friction": 0.5}, 1, workspace)
+    assert found == {"angle": Response(20.0), "flow": Response(2.0)}
+
+
+def test_each_function_of_a_list_has_a_log_which_is_no_part_of_the_model(tmp_path: Path) -> None:
+    write(tmp_path)
+    model = tmp_path / "model"
+    for name in ("angle", "flow"):
+        code = f"    print('about the {name}')\n    return {{'{name}': 1.0}}\n"
+        (model / f"{name}.py").write_text(f"def measure(folder):\n{code}")
+    command = ["sh", "drum.sh", "{{ friction }}"]
+    evaluate = ["angle.py:measure", "flow.py:measure"]
+    solver = Command(model, command, evaluate=evaluate)
+    folder = tmp_path / "a" / "b" / "run"
+    folder.mkdir(parents=True)
+    solver.run({"friction": 0.5}, 1, Workspace(folder))
+    logs = {"evaluation.log": "about the angle\n", "evaluation_2.log": "about the flow\n"}
+    for name, text in logs.items():
+        assert (folder / name).read_text() == text
+        (model / name).write_text("of a run by hand")
+    assert Command(model, command, evaluate=evaluate).model() == solver.model()
+
+
 def test_a_faulty_entry_of_a_list_of_functions_is_named(tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"missing\.py"):
         gf.load(write(tmp_path, evaluate='["flow.py:measure", "missing.py:measure"]'))

@@ -33,7 +33,7 @@ DEFAULT_DECKS: dict[tuple[str, str], tuple[int, int, str]] = {
     ("shear", ""): (1, 1, "c4332ec0561127e1"),
 }
 #: Revision, and decks of YADE: a mixture in every test with its defaults.
-YADE_DECKS = (1, "649d350778060144")
+YADE_DECKS = (1, "69e11c5143821f4d")
 #: Revision, height of the column and place of the first particle, m.
 COLUMN = (1, 0.0684905716, (-0.0441319384, -0.0035668218, 0.0367854215))
 CHANGED = "have changed: raise SCENES_REVISION in scenes/scene.py, and pin the new values here"

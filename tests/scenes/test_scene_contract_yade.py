@@ -13,11 +13,21 @@ import subprocess
 import pytest
 
 from grainfit.bulk_tests.heap import Heap
+from grainfit.scenes.conditions import Clear
+from grainfit.scenes.scene import Stage, Velocity, Wall
+from grainfit.scenes.shapes import Cylinder
 from grainfit.solvers.dem.yade.program import Yade
 from grainfit.testing.clump_contract import ClumpContract
 from grainfit.testing.glued_contract import GluedContract
 from grainfit.testing.impact_contract import ImpactContract
-from grainfit.testing.scene_contract import SceneContract
+from grainfit.testing.scene_contract import (
+    FLOOR,
+    RADIUS,
+    SceneContract,
+    frames,
+    scene_of,
+    spheres,
+)
 
 pytestmark = pytest.mark.skipif(
     shutil.which("yade") is None, reason="YADE is not installed: apt-get install yade"
@@ -90,3 +100,11 @@ class TestYade(SceneContract, GluedContract, ImpactContract, ClumpContract):
         solver = StartedYade(Heap(diameter="10 mm"), {})
         solver.process = process
         return solver
+
+    def test_a_lift_without_a_particle_ends(self, run):
+        lift = Stage("lift", Clear("tube", 0.5), motions={"tube": Velocity("z", 0.1)})
+        walls = {**FLOOR, "tube": Wall(Cylinder(0.03, 0.0, 0.1))}
+        gone = spheres([(0.05, 0, RADIUS)], [(3, 0, 0)])
+        out = run(scene_of(gone, walls, [*frames(0.05), lift]))
+
+        assert [(end.end, end.particles) for end in out.stages] == [("done", 0), ("done", 0)]

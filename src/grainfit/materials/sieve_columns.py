@@ -11,7 +11,8 @@ from grainfit.options.csv_points import stated_unit
 from grainfit.options.places import show
 from grainfit.units import UnitError, to_unit
 
-_PASSING = re.compile(r"pass|finer|undersize|under size|\bQ_?3\b", re.IGNORECASE)
+#: By ISO 9276, Q3 is the cumulative passing, and q3 its density.
+_PASSING = re.compile(r"(?i:pass|finer|undersize|under size)|\bQ_?3\b")
 _RETAINED = re.compile(r"retain|residue|coarser|oversize|over size", re.IGNORECASE)
 _OPENING = re.compile(r"opening|aperture|sieve|mesh|size|diameter|^[dx]\b", re.IGNORECASE)
 #: Headings that are named in a message, at most.

@@ -10,8 +10,10 @@ import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
+from itertools import product
 
 import numpy as np
+from numpy.typing import NDArray
 
 from grainfit.contact_models.base import ContactLaw
 from grainfit.contact_models.contact import TYPICAL_LOAD, particle_mass
@@ -35,6 +37,11 @@ WALL = "wall"
 STANDARD_GRAVITY = 9.81
 #: Upper limit of the energy of spins, over that about the axis of the largest moment of inertia.
 _MORE_THAN_SPINS = 1.01
+#: Energy at the beginning that programs may find, over that of the scene: they round it, and time
+#: steps change it a little.
+_MORE_THAN_AT_FIRST = 1.01
+#: Largest speed of a particle that is hit, over the largest speed of what moves.
+_THROW = 3.0
 #: Largest length of a triangle in a periodic box, over the period.
 _SHARE_OF_PERIOD = 0.25
 #: Names that decks use themselves.
@@ -356,23 +363,32 @@ class Scene:
     def energy_limit(self) -> float:
         """Kinetic energy that is out of reach, J.
 
-        It is that of all loose particles falling from top to bottom, the energy that they have at
-        the beginning, the work of the largest load on each wall and glued set across the box, and
-        that of all particles thrown by a glued set, at three times its speed.
+        It is that of all loose particles falling from top to bottom, or thrown by a wall, a little
+        more than the energy that they have at the beginning, the work of the largest load on each
+        wall and glued set across the box, and that of all particles thrown by a glued set.
         """
         fall = self.mass * self.gravity * (self.particles.height - self.box.low[2])
         work = sum(self._largest_work(name) for name in (*self.all_walls(), *self.glued))
-        return fall + self.initial_energy + work + self._largest_throw
+        corners = np.array([*product(*zip(self.box.low, self.box.high, strict=True))])
+        by_walls = self._throw(dict.fromkeys(self.all_walls(), corners))
+        by_sets = self._throw({name: body.positions for name, body in self.glued.items()})
+        first = _MORE_THAN_AT_FIRST * self.initial_energy
+        return first + work + by_sets + max(fall, by_walls)
 
-    @property
-    def _largest_throw(self) -> float:
-        """Kinetic energy of all particles at three times the largest speed of a glued set, J."""
+    def _throw(self, places: Mapping[str, NDArray[np.float64]]) -> float:
+        """Return the kinetic energy of all particles thrown by what moves, J.
+
+        Parameters
+        ----------
+        places : mapping of str to ndarray of shape (n, 3)
+            Of each wall or glued set, the places that may be the fastest, m.
+        """
         speeds = [
-            _fastest(motion, body)
-            for name, body in self.glued.items()
+            _fastest(motion, there)
+            for name, there in places.items()
             for motion in self.motions_of(name)
         ]
-        return 4.5 * self.mass * max(speeds, default=0.0) ** 2
+        return self.mass * (_THROW * max(speeds, default=0.0)) ** 2 / 2
 
     def _largest_work(self, name: str) -> float:
         """Work of the largest load on a wall or glued set across the box, J; zero without one."""
@@ -402,12 +418,12 @@ class Scene:
         return found
 
 
-def _fastest(motion: Motion, body: Glued) -> float:
-    """Return the speed of the fastest centre of a glued set, m/s; 0 under a load."""
+def _fastest(motion: Motion, places: NDArray[np.float64]) -> float:
+    """Return the speed of the fastest place that moves so, m/s; 0 under a load."""
     if isinstance(motion, Velocity):
         return abs(motion.speed)
     if isinstance(motion, Rotation):
-        arms = np.delete(body.positions - motion.through, "xyz".index(motion.along), axis=1)
+        arms = np.delete(places - motion.through, "xyz".index(motion.along), axis=1)
         return abs(motion.speed) * float(np.linalg.norm(arms, axis=1).max())
     return 0.0
 

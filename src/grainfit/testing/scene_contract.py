@@ -32,6 +32,7 @@ from grainfit.contact_models.hertz_mindlin.model import hertz_overlap, particle_
 from grainfit.contact_models.registry import CONTACT_MODELS
 from grainfit.errors import InputError, RunFailedError
 from grainfit.materials.sizes import ParticleSizes
+from grainfit.measurement.particles import read_frames
 from grainfit.scenes.conditions import AtRest, Clear, Elapsed, Loaded
 from grainfit.scenes.film import FILM, Film
 from grainfit.scenes.packing import Column, Rectangle, random_column
@@ -45,7 +46,7 @@ from grainfit.scenes.records import (
     Series,
     Travel,
 )
-from grainfit.scenes.run_output import STAGES, RunOutput, series_file
+from grainfit.scenes.run_output import STAGES, RunOutput, series_file, snapshot_file
 from grainfit.scenes.scene import Box, Load, Rotation, Scene, Stage, Velocity, Wall, time_step
 from grainfit.scenes.shapes import (
     Annulus,
@@ -978,6 +979,18 @@ class SceneContract(SimulatedScenes):
         with pytest.raises(RunFailedError, match="became unstable in the part1 stage"):
             out.require_complete(["part1", "settle"], "box")
 
+    def test_energy_that_the_start_or_a_wall_gives_fails_no_run(self, run: Run) -> None:
+        ram = Wall(Plane("x", -RADIUS - 0.0001))
+        push = Stage("push", Elapsed(0.01), motions={"ram": Velocity("x", 2.0)})
+        # Each program rounds one of them up.
+        for speed in (2 / 3, 0.7, 1.1):
+            particle = spheres([(0, 0, 0)], [(speed, 0, 0)])
+            flown = run(scene_of(particle, {}, frames(0.01), gravity=0.0))
+            assert [end.end for end in flown.stages] == ["done"]
+        for gravity in (0.0, GRAVITY):
+            thrown = run(scene_of(spheres([(0, 0, 0)]), {"ram": ram}, [push], gravity=gravity))
+            assert [end.end for end in thrown.stages] == ["done"]
+
     # --- records -------------------------------------------------------------------------------
 
     def test_mass_above_a_height_counts_particles_that_fall_into_a_sink(self, run: Run) -> None:
@@ -992,6 +1005,22 @@ class SceneContract(SimulatedScenes):
         reached = heights - GRAVITY * series["time"][:, None] ** 2 / 2
         assert series["above"] == pytest.approx(MASS * (1 + (reached > 0).sum(axis=1)), rel=1e-5)
         assert out.stages[0].particles == len(out.snapshot("frame1")) == 1
+
+    def test_what_has_left_the_box_is_in_no_record_and_in_no_frame(self, run: Run) -> None:
+        columns: dict[str, Recorded] = {"mass": MassAbove(-1.0), "energy": KineticEnergy()}
+        stages = [
+            Stage("go", Elapsed(0.05), series=Series(columns, 0.01), frames=Frames("going", 0.01))
+        ]
+        heights = RADIUS - resting_overlap(DAMPED)
+        starts = [(0.05, 0, heights), (-0.05, 0, heights)]
+        out = run(scene_of(spheres(starts, [(3, 0, 0), (0, 0, 0)]), FLOOR, stages, DAMPED))
+
+        series = out.series("go")
+        assert series["mass"][0] == pytest.approx(2 * MASS, rel=1e-5)
+        assert series["mass"][-1] == pytest.approx(MASS, rel=1e-5)
+        assert series["energy"][-1] < 1e-3 * series["energy"][0]
+        *_, last = read_frames(out.path_of(snapshot_file("going")))
+        assert last.particles.positions[:, 0] == pytest.approx([-0.05])
 
     def test_stages_record_the_same_quantities_and_forget_a_wall_that_is_gone(
         self, run: Run

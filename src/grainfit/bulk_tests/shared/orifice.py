@@ -52,6 +52,9 @@ class Orifice:
         """Iterate over why enlarged particles arch where the real ones may flow."""
         if sizes.coarse_graining == 1 or not self._is_narrow(sizes):
             return
+        if sizes.shape is not None and sizes.clump is None:
+            # Of an aspect ratio that is free, the largest one decides.
+            return
         largest = max(sizes.outer_diameters)
         least = f"{self.words} of at least {ARCHES * largest:.4g} m"
         # Rounded down: the factor that is named must be accepted.

@@ -22,8 +22,8 @@ from grainfit.formatting import variable_name
 from grainfit.options.python_file import PythonFile
 from grainfit.solvers.base import Solver, Workspace
 from grainfit.solvers.own_model.evaluation import (
-    EVALUATION_LOG_NAME,
     RESPONSES_NAME,
+    evaluation_log,
     measure_with,
     require,
     responses_in,
@@ -258,7 +258,9 @@ class Command(Solver):
 
     def _is_written_anew(self, name: str) -> bool:
         """Return True for files (from a run of the model by hand) that each run overwrites."""
-        if name in (JSON_NAME, INCLUDE_NAME, LOG_NAME, EVALUATION_LOG_NAME):
+        # Also a model without an evaluation may have the log of one.
+        logs = {evaluation_log(number) for number in range(1, max(1, len(self._references)) + 1)}
+        if name in {JSON_NAME, INCLUDE_NAME, LOG_NAME, *logs}:
             return True
         if name == (RESPONSES_NAME if self._references else self._responses):
             return True

@@ -18,7 +18,6 @@ from grainfit.solvers.own_model import measure_folder
 from grainfit.solvers.process.process import LOG_NAME, run_process
 
 RESPONSES_NAME = "responses.json"
-EVALUATION_LOG_NAME = "evaluation.log"
 _NAMED_FILES = 8
 
 
@@ -29,7 +28,7 @@ def measure_with(
     seconds: float,
     expected: Sequence[str] | None,
 ) -> dict[str, Measured]:
-    """Return the responses of all functions.
+    """Return the responses of all functions, but those that differ and are not expected.
 
     Parameters
     ----------
@@ -47,27 +46,38 @@ def measure_with(
     Raises
     ------
     RunFailedError
-        A function failed, took too long, or returned no usable responses; a response is missing,
-        or two functions return different values of it.
+        A function failed, took too long, or returned no usable responses; an expected response is
+        missing, or two functions return different values of it.
     """
     found: dict[str, Measured] = {}
     origins: dict[str, str] = {}
-    for function in functions:
-        seconds += _call(function, model, workspace, seconds)
+    ambiguous: set[str] = set()
+    for number, function in enumerate(functions, 1):
+        seconds += _call(function, model, workspace, seconds, evaluation_log(number))
         origin = f"{function.path.name}:{function.function}"
         responses = responses_in(workspace.folder / RESPONSES_NAME, origin, expected)
         for name in responses.keys() & found.keys():
-            if responses[name] != found[name]:
+            if responses[name] == found[name]:
+                continue
+            if expected is None or name in expected:
                 both = f"both {origins[name]} and {origin} return the response {name}"
                 raise RunFailedError(f"{both}, with different values", kind="evaluation")
+            ambiguous.add(name)
         found |= responses
         origins |= dict.fromkeys(responses, origin)
     tail = log_tail(workspace.folder / LOG_NAME)
     require(found, expected, " and ".join(dict.fromkeys(origins.values())), tail)
-    return found
+    return {name: value for name, value in found.items() if name not in ambiguous}
 
 
-def _call(function: PythonFile, model: Path, workspace: Workspace, seconds: float) -> float:
+def evaluation_log(number: int) -> str:
+    """Return the name of the log of a function by its number, from 1."""
+    return "evaluation.log" if number == 1 else f"evaluation_{number}.log"
+
+
+def _call(
+    function: PythonFile, model: Path, workspace: Workspace, seconds: float, log: str
+) -> float:
     """Let a function evaluate the folder within the time that is left; return its wall time, s."""
     file = function.path
     if file.is_relative_to(model):
@@ -82,7 +92,7 @@ def _call(function: PythonFile, model: Path, workspace: Workspace, seconds: floa
         return run_process(
             [*program, str(file), function.function, RESPONSES_NAME],
             replace(workspace, timeout=left),
-            log_name=EVALUATION_LOG_NAME,
+            log_name=log,
         )
     except RunFailedError as error:
         if error.kind in ("cancelled", "machine"):
