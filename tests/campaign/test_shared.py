@@ -169,6 +169,16 @@ def test_runs_given_to_a_shared_store_replace_nothing_there(address: str) -> Non
     store.close()
 
 
+def test_runs_taken_from_a_shared_store_are_not_given_back(address: str, tmp_path: Path) -> None:
+    own = RunStore("sqlite://")
+    with share(address, None, own) as shared:
+        own.save(record("taken", "finished", origin=shared.place))
+        own.save(record("elsewhere", "finished", origin=str(tmp_path)))
+        own.save(record("made", "finished"))
+    with share(address, None, own) as shared:
+        assert set(shared.find(["taken", "elsewhere", "made"])) == {"elsewhere", "made"}
+
+
 def test_an_outcome_counts_unless_the_run_went_on_without_its_owner(address: str) -> None:
     store = RunStore(address)
     assert store.claim(record("a"), "first")

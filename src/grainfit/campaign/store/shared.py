@@ -71,7 +71,7 @@ class _Outage:
 def share(
     address: str, folder: Path | None, own: RunStore, timing: Timing | None = None
 ) -> Iterator[SharedRuns]:
-    """Open a shared store, and copy the finished runs of a work folder to it.
+    """Open a shared store, and copy the finished runs of a work folder to it, without its own.
 
     Parameters
     ----------
@@ -93,7 +93,8 @@ def share(
                 if earlier is not None:
                     shared.patiently(lambda store: store.release(earlier))
                 note_owner(folder, owner)
-            shared.give(own.runs("finished"))
+            # Runs at other scales, taken from there, would be there at every scale.
+            shared.give(run for run in own.runs("finished") if run.origin != shared.place)
             yield shared
     finally:
         store.close()
