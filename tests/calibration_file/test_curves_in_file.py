@@ -176,9 +176,10 @@ def test_columns_of_one_name_that_are_no_points_are_left_alone(
     assert curve.values == (2, 3)
 
 
-def test_curve_in_another_encoding_names_the_line(write: Callable[..., Path]) -> None:
+@pytest.mark.parametrize("mark", [b"", b"\xef\xbb\xbf"])
+def test_curve_in_another_encoding_names_the_line(write: Callable[..., Path], mark: bytes) -> None:
     path = write()
-    (path.parent / "curve.csv").write_bytes("x,y\n1,2\n2,3 für\n".encode("latin-1"))
+    (path.parent / "curve.csv").write_bytes(mark + "x,y\n1,2\nü,3\n".encode("latin-1"))
     with pytest.raises(InputError, match=r"curve: curve\.csv is not UTF-8 text in line 3\. Save"):
         load_calibration_file(path)
 
