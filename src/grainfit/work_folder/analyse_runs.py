@@ -66,12 +66,13 @@ class RunsAnalysis:
             return ""
         target = targets[worst]
         found = f"is {number(float(means[best, worst]))} instead of {number(target.value)}, "
+        name = target.name
         if isinstance(target, ComponentTarget):
             # Its values are distances from the mean curve of the runs, which nobody knows.
-            found = "is "
+            name, found = f"{metamodels.reduction.parts[name]},", "is "
         return (
             f"No parameter set within the intervals agrees with the measurements: where all are "
-            f"closest, {target.name} {found}{number(float(off[best, worst]), 2)} standard "
+            f"closest, {name} {found}{number(float(off[best, worst]), 2)} standard "
             "deviations away. The intervals below are those of the least bad parameter sets."
         )
 
@@ -84,7 +85,7 @@ class RunsAnalysis:
         known = found.identifiability
         verdicts = (*known.verdicts, *known.further_tests) if known else ()
         warnings = (
-            f"Metamodel of {name}: {warning}"
+            f"Metamodel of {quality.part or name}: {warning}"
             for name, quality in found.quality.items()
             for warning in quality.warnings
         )
