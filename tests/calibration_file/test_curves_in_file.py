@@ -250,6 +250,32 @@ def compression_file(target: str) -> str:
     return f'{material}[[test]]\ntype = "compression"\nsolver = "lammps"\n{target}'
 
 
+@pytest.mark.parametrize(
+    ("units", "header", "faults"),
+    [
+        ("", "strain [%],stress [kPa]", ["states '%'", "states 'kPa'"]),
+        (', x_unit = "%", y_unit = "kPa"', "strain (%),stress [kN/m^2]", []),
+        (', y_unit = "kPa"', "strain [-],stress [Pa]", ["states 'Pa'"]),
+        ("", "strain [mm],stress [mean of 3]", ["states 'mm'"]),
+        ("", "strain,stress [Pa]", []),
+    ],
+)
+def test_heading_with_a_unit_is_not_taken_for_another_one(
+    tmp_path: Path, units: str, header: str, faults: list[str]
+) -> None:
+    (tmp_path / "curve.csv").write_text(f"{header}\n0.1,1\n0.2,2\n")
+    path = tmp_path / "compression.toml"
+    path.write_text(compression_file(TARGET.format(f'{units}, uncertainty = "2 %"')))
+    if not faults:
+        assert load_calibration_file(path).tests[0].curves
+        return
+    with pytest.raises(InputError) as caught:
+        load_calibration_file(path)
+    found = [str(fault) for fault in caught.value.faults]
+    assert len(found) == len(faults)
+    assert all(words in fault for words, fault in zip(faults, found, strict=True))
+
+
 def test_curve_of_a_bulk_test_has_its_units(tmp_path: Path) -> None:
     (tmp_path / "curve.csv").write_text("strain,stress\n1,0.1\n2,0.4\n")
     target = TARGET.format(', x_unit = "%", y_unit = "kPa", uncertainty = "0.02 kPa"')
