@@ -92,6 +92,17 @@ def rounded(value: float | None, uncertainty: float | None) -> str:
     return _with_power(_to_uncertainty(value, uncertainty))
 
 
+def on_curve(place: float, coordinate: str, unit: str) -> str:
+    """Return a place on a curve in words.
+
+    Examples
+    --------
+    >>> on_curve(0.04, "strain", ""), on_curve(20.0, "", "deg")
+    ('strain = 0.04', 'coordinate = 20°')
+    """
+    return f"{coordinate or 'coordinate'} = {with_unit(number(place), unit_for_people(unit))}"
+
+
 def plain_interval(value: float, half_width: float) -> str:
     """Return a value and half of its interval as programs write numbers, to be copied.
 

@@ -19,6 +19,7 @@ from grainfit.formatting import (
     ends,
     in_a_row,
     number,
+    on_curve,
     plain_ends,
     plain_interval,
     plain_probability,
@@ -185,11 +186,10 @@ class CurveResult:
             return ""
         worst = off.index(max(off))
         error = self.verified_standard_errors[worst] / self.uncertainties[worst]
-        place = with_unit(number(self.coordinates[worst]), unit_for_people(self.coordinate_unit))
+        place = on_curve(self.coordinates[worst], self.coordinate, self.coordinate_unit)
         return (
             f"{number(sqrt(fmean(one**2 for one in off)), 2)} σ off the measured curve (root mean "
-            f"square), most at {self.coordinate or 'coordinate'} = {place}, by "
-            f"{number(off[worst], 2)} ± {number(error, 2)} σ"
+            f"square), most at {place}, by {number(off[worst], 2)} ± {number(error, 2)} σ"
         )
 
 
@@ -630,6 +630,8 @@ class MetamodelQuality:
         Smallest and largest scatter at the runs, where it changes over the intervals.
     has_two_states : bool
         Whether the runs scatter about two values rather than one.
+    part : str
+        The part of a curve that it is about, in words; empty for a response.
     """
 
     q2: float | None
@@ -638,11 +640,12 @@ class MetamodelQuality:
     warnings: tuple[str, ...] = ()
     noise_range: tuple[float, float] | None = None
     has_two_states: bool = False
+    part: str = ""
 
 
 @dataclass(frozen=True)
 class CurveMiss:
-    """Deviation of the nearest expected curve from a measured one.
+    """Deviation of an expected curve from a measured one, or from another expected one.
 
     Parameters
     ----------
@@ -651,7 +654,8 @@ class CurveMiss:
     deviation : float
         Root mean square deviation, in standard uncertainties of the measured points.
     points : tuple of (float, float, float)
-        Points that deviate most, the worst one first: coordinate, measured and expected value.
+        Points that deviate most, the worst one first: coordinate, the value that it should have,
+        and the one that it has.
     has_other_shape : bool
         Whether no simulated curve has the shape of the measured one.
     """
@@ -665,9 +669,8 @@ class CurveMiss:
     def __str__(self) -> str:
         unit = unit_for_people(self.coordinate_unit)
         worst = [
-            f"{with_unit(number(place), unit)} ({number(expected, 3)} instead of "
-            f"{number(measured, 3)})"
-            for place, measured, expected in self.points
+            f"{with_unit(number(place), unit)} ({number(found, 3)} instead of {number(wanted, 3)})"
+            for place, wanted, found in self.points
         ]
         return (
             f"deviates by {number(self.deviation, 2)} standard uncertainties of the measured "

@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
+import re
+import shutil
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
+from typer.testing import CliRunner
 
 import grainfit as gf
 from benchmarks import chromium
 from benchmarks.axe import violations_in
+from grainfit.cli.app import app
 from grainfit.report.page import write_report
 from grainfit.result import Result
 
@@ -115,6 +120,21 @@ def test_fresh_seeds_of_a_curve_are_compared_with_the_measured_one(
     page = write_report(folder).read_text()
     assert page.count(curve.fresh) == 2
     assert "There is no run with fresh seeds" not in page
+
+
+def test_warnings_of_metamodels_name_the_curve_and_the_points_that_they_are_about(
+    finished: tuple[Result, Path], tmp_path: Path
+) -> None:
+    result, folder = finished
+    doubted = {n: replace(q, warnings=("Few runs.",)) for n, q in result.metamodels.items()}
+    shown = tmp_path / "copy"
+    shutil.copytree(folder, shown)
+    replace(result, metamodels=doubted).to_json(shown / "result.json")
+
+    said = CliRunner().invoke(app, ["result", str(shown)]).output
+    for words in (" ".join(said.split()).lower(), write_report(shown).read_text().lower()):
+        assert re.search(r"of stress, as it varies most at strain = 0\.\d+: few runs\.", words)
+        assert "metamodel of stress, component" not in words
 
 
 def test_curve_calibration_opens_again_with_figures_and_report(

@@ -11,6 +11,7 @@ import grainfit as gf
 from grainfit.calibration.verdict import judge, reasons
 from grainfit.calibration.verification import FreshRuns
 from grainfit.evaluation import Evaluation, Proposal
+from grainfit.metamodels.curve_reduction import CurveBasis, Reduction
 from grainfit.metamodels.outliers import Outliers
 from grainfit.result import MetamodelQuality, OutOfReach
 from grainfit.strategies.answer import Answer
@@ -154,3 +155,64 @@ def test_with_several_seeds_per_evaluation_words_count_runs() -> None:
     # A single run scatters by 1.6: 3.2 times the tolerance.
     assert "tells nothing" in words
     assert "the mean of about 11 runs" in words
+
+
+STRAINS = np.linspace(0.01, 0.04, 4)
+
+
+def reduced_curve() -> Reduction:
+    """Stress over strain, which rises by a free slope: one component."""
+    measured = gf.CurveTarget(
+        "stress", STRAINS.tolist(), (100 * STRAINS).tolist(), 0.1, unit="Pa", coordinate="strain"
+    )
+    problem = gf.Problem([gf.Parameter("slope", 50, 150)], [ANGLE], curves=[measured])
+    runs = np.array([slope * STRAINS for slope in np.linspace(50, 150, 9)])
+    return Reduction(problem, (CurveBasis.of(measured, runs, 1),))
+
+
+def answer_on_a_curve(reduction: Reduction, probability: float) -> Answer:
+    """Return an answer that meets angle and curve, of which runs scatter."""
+    [basis] = reduction.bases
+    met = basis.scores(100 * STRAINS) | {"angle": gf.Response(30.0)}
+    return answer(
+        probability,
+        predicted={name: response.value for name, response in met.items()},
+        standard_errors=dict.fromkeys(met, 0.2),
+        probabilities=dict.fromkeys(basis.names, probability) | {"angle": 0.99},
+        quality={
+            name: MetamodelQuality(0.9, 0.95, 0.8 if name == "angle" else 2.0) for name in met
+        },
+        reduction=reduction,
+    )
+
+
+def test_fresh_curves_that_contradict_all_runs_are_named_by_curve_and_points() -> None:
+    reduction = reduced_curve()
+    [basis] = reduction.bases
+    fresh = {name: {} for name in basis.names} | FRESH.values
+    for seed in (1, 2, 3):
+        for name, score in basis.scores(130 * STRAINS).items():
+            fresh[name][seed] = score.value
+    known = answer_on_a_curve(reduction, 0.99)
+    outcome = judge(reduction.problem, known, FreshRuns(fresh, ()), 0.95, 3)
+    [words] = reasons(reduction.problem, outcome)
+    assert words == (
+        "stress is in doubt: from the curve that all runs together lead to expect, the mean of "
+        "the 3 fresh seeds at the answer deviates by 8.2 standard uncertainties of the measured "
+        "points (root mean square), most at strain = 0.04 (5.2 instead of 4), 0.03 (3.9 instead "
+        "of 3) and 0.02 (2.6 instead of 2). The metamodels miss something there: more runs would "
+        "tell."
+    )
+
+
+def test_noise_of_a_curve_is_named_by_the_curve_and_where_it_is_largest() -> None:
+    reduction = reduced_curve()
+    fresh = FreshRuns({name: {} for name in (*reduction.bases[0].names, "angle")}, ())
+    outcome = judge(reduction.problem, answer_on_a_curve(reduction, 0.8), fresh, 0.95, 2)
+    words = " ".join(reasons(reduction.problem, outcome))
+    assert (
+        "one run scatters by 1 σ of the measured points in stress (root mean "
+        "square, most at strain = 0.04). A larger uncertainty of the measured points, a larger "
+        "sample in the test, or a response that scatters less would help more."
+    ) in words
+    assert "component" not in words

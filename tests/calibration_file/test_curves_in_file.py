@@ -176,9 +176,10 @@ def test_columns_of_one_name_that_are_no_points_are_left_alone(
     assert curve.values == (2, 3)
 
 
-def test_curve_in_another_encoding_names_the_line(write: Callable[..., Path]) -> None:
+@pytest.mark.parametrize("mark", [b"", b"\xef\xbb\xbf"])
+def test_curve_in_another_encoding_names_the_line(write: Callable[..., Path], mark: bytes) -> None:
     path = write()
-    (path.parent / "curve.csv").write_bytes("x,y\n1,2\n2,3 für\n".encode("latin-1"))
+    (path.parent / "curve.csv").write_bytes(mark + "x,y\n1,2\nü,3\n".encode("latin-1"))
     with pytest.raises(InputError, match=r"curve: curve\.csv is not UTF-8 text in line 3\. Save"):
         load_calibration_file(path)
 
@@ -247,6 +248,32 @@ def compression_file(target: str) -> str:
     ).read_text(encoding="utf-8")
     material = glass_beads[: glass_beads.index("[[test]]")].replace("0.36 MPa", "36 MPa")
     return f'{material}[[test]]\ntype = "compression"\nsolver = "lammps"\n{target}'
+
+
+@pytest.mark.parametrize(
+    ("units", "header", "faults"),
+    [
+        ("", "strain [%],stress [kPa]", ["states '%'", "states 'kPa'"]),
+        (', x_unit = "%", y_unit = "kPa"', "strain (%),stress [kN/m^2]", []),
+        (', y_unit = "kPa"', "strain [-],stress [Pa]", ["states 'Pa'"]),
+        ("", "strain [mm],stress [mean of 3]", ["states 'mm'"]),
+        ("", "strain,stress [Pa]", []),
+    ],
+)
+def test_heading_with_a_unit_is_not_taken_for_another_one(
+    tmp_path: Path, units: str, header: str, faults: list[str]
+) -> None:
+    (tmp_path / "curve.csv").write_text(f"{header}\n0.1,1\n0.2,2\n")
+    path = tmp_path / "compression.toml"
+    path.write_text(compression_file(TARGET.format(f'{units}, uncertainty = "2 %"')))
+    if not faults:
+        assert load_calibration_file(path).tests[0].curves
+        return
+    with pytest.raises(InputError) as caught:
+        load_calibration_file(path)
+    found = [str(fault) for fault in caught.value.faults]
+    assert len(found) == len(faults)
+    assert all(words in fault for words, fault in zip(faults, found, strict=True))
 
 
 def test_curve_of_a_bulk_test_has_its_units(tmp_path: Path) -> None:

@@ -464,6 +464,7 @@ def test_a_heap_needs_a_material(faults_of: FaultsOf) -> None:
         (b'name = "x"\n[particle\n', "not valid TOML", 2),
         (b'name = "x"\nname = "y"\n', "not valid TOML", 2),
         (b'name = "x"\n# \xff\xfe\n', "not UTF-8", 2),
+        (b'\xef\xbb\xbfname = "x"\n# \xff\xfe\n', "not UTF-8", 2),
         (b"\xff\xfen\x00", "not UTF-8", 1),
         (b"\x00\x01\x02", "not valid TOML", 1),
         (b"x = " + b"[" * 50_000, "nested", None),

@@ -103,6 +103,16 @@ def test_beside_another_test_joined_ones_have_one_name(tmp_path: Path) -> None:
     ]
 
 
+def test_a_test_that_has_the_name_of_joined_ones_keeps_it(tmp_path: Path) -> None:
+    file = write(tmp_path)
+    (tmp_path / "push.py").write_text("def push(parameters, seed):\n    return {'force': 1.0}\n")
+    third = '[[test]]\nname = "angle_and_flow"\ntype = "python"\nfunction = "push.py:push"\n'
+    file.write_text(file.read_text() + third + "targets.force = { value = 1 }\n")
+    assert gf.load(file).problem.responses == ("angle.angle", "flow.flow", "angle_and_flow.force")
+    [note] = same_simulation_notes(load_calibration_file(file).tests)
+    assert "Make them one [[test]]" in note
+
+
 def test_a_fault_after_joined_tests_names_the_table_of_the_file(tmp_path: Path) -> None:
     file = write(tmp_path)
     third = '[[test]]\ntype = "python"\nfunction = "push.py:push"\nparameters = ["fiction"]\n'

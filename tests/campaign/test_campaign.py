@@ -3,7 +3,7 @@
 import json
 import threading
 import time
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -50,15 +50,27 @@ class Counting(Solver):
         return {"double": Response(2 * parameters["x"])}
 
 
+class WithoutTriple(Counting):
+    """May be without a response, and is."""
+
+    absent: Mapping[str, str] = {"triple": "x is too small"}
+
+    @property
+    def response_names(self) -> tuple[str, ...]:
+        return ("double", "triple")
+
+
 def proposal(x: float, seed: int = 1) -> Proposal:
     return Proposal({"x": x}, seed, "design")
 
 
-def start(folder: Path, solver: Solver, workers: int = 1) -> tuple[Campaign, RunStore]:
+def start(
+    folder: Path, solver: Solver, workers: int = 1, needed: Mapping[str, Collection[str]] = {}
+) -> tuple[Campaign, RunStore]:
     (folder / "runs").mkdir(exist_ok=True)
     store = RunStore.in_folder(folder)
     recover(folder, store)
-    options = CampaignOptions(workers, retry_pauses=(0.0,) * len(RETRY_PAUSES))
+    options = CampaignOptions(workers, retry_pauses=(0.0,) * len(RETRY_PAUSES), needed=needed)
     return Campaign({"test": solver}, store, folder, options), store
 
 
@@ -72,6 +84,17 @@ def test_a_finished_run_is_never_made_again(tmp_path: Path) -> None:
         assert evaluation.responses == {"double": Response(6.0)}
         assert evaluation.reused == reused
     assert solver.runs == 1
+
+
+def test_a_run_that_failed_for_want_of_a_response_stays_in_the_store(tmp_path: Path) -> None:
+    campaign, store = start(tmp_path, WithoutTriple(), needed={"test": ["triple"]})
+    campaign.start(proposal(3.0))
+    [evaluation] = campaign.wait()
+    assert evaluation.failures == {"test": "no triple: x is too small"}
+    campaign.forget_failures([evaluation])
+    campaign.close()
+    # Also one that came from another store, without a folder to restore it from.
+    assert [record.responses for record in store.runs("finished")] == [{"double": Response(6.0)}]
 
 
 def test_the_same_run_asked_for_twice_at_once_is_made_once(tmp_path: Path) -> None:

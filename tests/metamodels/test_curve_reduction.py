@@ -56,6 +56,24 @@ def test_curve_of_two_shapes_has_two_components() -> None:
     assert basis.names == ["curve, component 1", "curve, component 2"]
 
 
+def test_a_component_is_said_to_be_the_part_of_the_curve_that_it_moves_most() -> None:
+    curve = CurveTarget(
+        "stress",
+        PLACES.tolist(),
+        bent(1.0, 1.0).tolist(),
+        0.02,
+        coordinate="travel",
+        coordinate_unit="m",
+    )
+    places = np.arange(len(PLACES)) == 4
+    runs = bent(1.0, 1.0) + np.array([[-0.3], [0.1], [0.2]]) * places
+    basis = CurveBasis.of(curve, runs, 1)
+
+    assert basis.parts == {
+        "stress, component 1": f"stress, as it varies most at travel = {PLACES[4]:.4g} m"
+    }
+
+
 def test_curve_is_the_sum_of_its_components() -> None:
     basis = CurveBasis.of(target(bent(1.0, 1.0)), simulated(), 2)
     wanted = bent(0.7, 1.2)

@@ -95,6 +95,24 @@ def test_result_and_work_folder_have_the_same_locus(calibrated: tuple[Result, Pa
     assert Result.from_json(folder / "result.json").yield_loci == result.yield_loci
 
 
+def test_a_calibration_that_is_interrupted_before_any_run_has_no_locus_anywhere(
+    calibrated: tuple[Result, Path], tmp_path: Path
+) -> None:
+    class Endless(Sheared):
+        def run(self, parameters: Mapping[str, float], seed: int, workspace: Any) -> dict[str, Any]:
+            workspace.cancelled.wait()
+            raise gf.RunFailedError("stopped", kind="cancelled")
+
+    def interrupt(progress: gf.Progress) -> None:
+        raise KeyboardInterrupt
+
+    problem = gf.open(calibrated[1]).problem
+    solvers = {test: Endless(stress) for test, stress in STRESSES.items()}
+    result = gf.calibrate(problem, solvers, workdir=tmp_path, on_progress=interrupt)
+    assert result.status == "interrupted"
+    assert result.yield_loci == gf.open(tmp_path).yield_loci == ()
+
+
 def test_the_summary_has_it_in_one_line(calibrated: tuple[Result, Path]) -> None:
     result, folder = calibrated
     (locus,) = result.yield_loci

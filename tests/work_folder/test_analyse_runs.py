@@ -182,6 +182,29 @@ def test_what_is_given_twice_counts_once(exported: Path) -> None:
     assert "two.simulated/ a second time" in found.ignored
 
 
+def test_runs_that_several_sources_share_count_once(exported: Path) -> None:
+    alone = gf.analyse_runs(exported, "two.simulated")
+    lines = Path("all.csv").read_text().splitlines(keepends=True)
+    Path("earlier.csv").write_text("".join(lines[:9]))
+    for given in (
+        ["two.simulated", "shear=all.csv", "drop=all.csv"],
+        ["shear=all.csv", "drop=all.csv", "two.simulated"],
+        ["drop=earlier.csv", "shear=all.csv", "two.simulated"],
+    ):
+        found = gf.analyse_runs(exported, given)
+        assert " a second time" in found.ignored[-1]
+        # Counted twice, the same runs would hardly seem to scatter.
+        for name, quality in found.analysis.quality.items():
+            assert quality.noise == pytest.approx(alone.analysis.quality[name].noise, rel=0.01)
+
+
+def test_lines_without_a_seed_are_runs_of_their_own(file: Path) -> None:
+    write_table("monday.csv", ["force"], 0.06, 0.0001)
+    write_table("friday.csv", ["force"], 0.061, 0.0001)
+    found = gf.analyse_runs("shear.toml", ["monday.csv", "friday.csv"])
+    assert (found.runs, found.ignored) == (28, ())
+
+
 def test_lines_of_tests_with_other_names_are_of_the_test_unless_it_is_named(file: Path) -> None:
     lines = "0.2,0.012,old\n0.3,0.018,old\n"
     Path("runs.csv").write_text("friction,force,test\n" + lines)

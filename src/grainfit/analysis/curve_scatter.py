@@ -11,14 +11,7 @@ from numpy.typing import NDArray
 from grainfit.analysis.scatter_statistics import MANY_RUNS, half_interval_of_mean, runs_within
 from grainfit.curve_target import CurveTarget
 from grainfit.evaluation import Evaluation
-from grainfit.formatting import (
-    counted,
-    in_unit,
-    number,
-    plain_interval,
-    unit_for_people,
-    with_unit,
-)
+from grainfit.formatting import counted, in_unit, number, on_curve, plain_interval
 from grainfit.metamodels.curve_reduction import about_short_curves, values_at
 from grainfit.tables import TextTable
 
@@ -144,9 +137,7 @@ class CurveScatter:
         if ratios is None or runs is None or runs <= 1:
             return ""
         worst, target = int(ratios.argmax()), self.target
-        place = with_unit(
-            number(target.coordinates[worst]), unit_for_people(target.coordinate_unit)
-        )
+        place = on_curve(target.coordinates[worst], target.coordinate, target.coordinate_unit)
         more = (
             " Raise the number of particles in the test, state a larger uncertainty, or set "
             "repeats in its [[test]]."
@@ -154,7 +145,7 @@ class CurveScatter:
         return (
             f"{self.name}: one run scatters by {number(float(np.sqrt((ratios**2).mean())), 2)} "
             "standard uncertainties σ of the measured points (root mean square), by up to "
-            f"{number(float(ratios[worst]), 2)} at {target.coordinate or 'coordinate'} = {place}; "
-            f"the mean of {counted(runs, 'run')} is within 2 σ at each point (95 %)."
+            f"{number(float(ratios[worst]), 2)} at {place}; the mean of {counted(runs, 'run')} is "
+            "within 2 σ at each point (95 %)."
             f"{more if runs > MANY_RUNS else ''}"
         )

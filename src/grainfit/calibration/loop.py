@@ -27,7 +27,7 @@ from grainfit.calibration.verification import (
     runs_near,
 )
 from grainfit.calibration.warm_start import warm_start
-from grainfit.calibration.yield_loci import yield_loci
+from grainfit.calibration.yield_loci import tests_of_runs, yield_loci
 from grainfit.campaign.campaign import Campaign
 from grainfit.campaign.reuse import models_of, runs_of
 from grainfit.campaign.store.records import RequestRecord
@@ -39,7 +39,7 @@ from grainfit.metamodels.curve_reduction import about_short_curves
 from grainfit.metamodels.known_runs import nearest_runs
 from grainfit.metamodels.metamodels import runs_that_yield
 from grainfit.problem import Problem
-from grainfit.result import Result, Status, YieldLocusResult
+from grainfit.result import Result, Status
 from grainfit.run_definition import identity_of
 from grainfit.strategies.answer import Answer
 from grainfit.strategies.base import Search
@@ -186,15 +186,8 @@ class CalibrationLoop:
         known_runs = sum(self._origins.values())
         result = make_result(about, self._strategy, outcome, self._evaluations, known_runs)
         result = with_intervals(result, self._problem, self._evaluations, known)
-        return replace(result, yield_loci=self._yield_loci(result))
-
-    def _yield_loci(self, result: Result) -> tuple[YieldLocusResult, ...]:
-        tests = {
-            name: solver.definition(self._problem.middle, 1)
-            for name, solver in self._campaign.solvers.items()
-            if solver.bulk_test is not None
-        }
-        return yield_loci(self._problem, tests, result.responses)
+        tests = tests_of_runs(self._evaluations, self._store.find_many)
+        return replace(result, yield_loci=yield_loci(self._problem, tests, result.responses))
 
     def _requests_of_earlier_starts(self) -> list[RequestRecord]:
         recorded = self._store.requests(self._identity)

@@ -6,6 +6,8 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
+import numpy as np
+
 from grainfit.analysis.scatter import useless_scatter
 from grainfit.calibration.verification import (
     Contradiction,
@@ -17,6 +19,7 @@ from grainfit.formatting import (
     counted,
     in_a_row,
     number,
+    on_curve,
     plain_probability,
     unit_for_people,
     with_unit,
@@ -26,6 +29,7 @@ from grainfit.metamodels.outliers import Outliers
 from grainfit.problem import Problem, Target
 from grainfit.result import MetamodelQuality, Status
 from grainfit.strategies.answer import Answer
+from grainfit.strategies.out_of_reach import miss_of
 
 #: Most seeds of outlying runs in one sentence.
 _MOST_SHOWN = 5
@@ -143,7 +147,7 @@ def reasons(problem: Problem, outcome: Outcome) -> Iterator[str]:
     outcome : Outcome
         The verdict.
     """
-    yield from map(str, outcome.contradictions)
+    yield from _about_contradictions(outcome)
     answer = outcome.answer
     if apart := _not_together(problem, outcome):
         yield apart
@@ -177,6 +181,31 @@ def reasons(problem: Problem, outcome: Outcome) -> Iterator[str]:
             f"Undecided because only {outcome.fresh.count} of {outcome.fewest_fresh} runs with "
             f"fresh seeds at the answer {'succeeded' if failing else 'could be made'}: {advice}."
         )
+
+
+def _about_contradictions(outcome: Outcome) -> Iterator[str]:
+    of_curves = {name for basis in _bases(outcome.answer) for name in basis.names}
+    found = {one.target.name: one for one in outcome.contradictions}
+    yield from (str(one) for name, one in found.items() if name not in of_curves)
+    for basis in _bases(outcome.answer):
+        if not found.keys().isdisjoint(basis.names):
+            yield _about_contradicted(basis, outcome)
+
+
+def _about_contradicted(basis: CurveBasis, outcome: Outcome) -> str:
+    verified = [outcome.fresh.verified()[name] for name in basis.names]
+    scores = (
+        [outcome.answer.predicted[name] for name in basis.names],
+        [response.mean for response in verified],
+    )
+    nothing = np.zeros(len(verified))
+    wanted, found = (basis.expected(np.array(along), nothing)[0] for along in scores)
+    miss = miss_of(basis.target, wanted, found)
+    return (
+        f"{basis.target.name} is in doubt: from the curve that all runs together lead to expect, "
+        f"the mean of the {verified[0].runs} fresh seeds at the answer {miss}. The metamodels miss "
+        "something there: more runs would tell."
+    )
 
 
 def _not_together(problem: Problem, outcome: Outcome) -> str:
@@ -251,18 +280,40 @@ def _about_noise(problem: Problem, outcome: Outcome) -> str:
     ] or list(problem.targets)
     runs = max((outcome.runs_of(problem, target) for target in noisy), default=1)
     one = "one run" if runs == 1 else f"one mean of {runs} runs"
+    names = {target.name for target in noisy}
+    curves = [basis for basis in _bases(answer) if not names.isdisjoint(basis.names)]
+    numbers = [target for target in noisy if not isinstance(target, ComponentTarget)]
     scatter = ", ".join(
-        f"{number(answer.quality[target.name].noise, 2)} in {target.name} "
-        f"(tolerance {number(target.tolerance, 2)})"
-        for target in noisy
+        [
+            *(
+                f"{number(answer.quality[target.name].noise, 2)} in {target.name} "
+                f"(tolerance {number(target.tolerance, 2)})"
+                for target in numbers
+            ),
+            *(_scatter_of_curve(basis, answer) for basis in curves),
+        ]
     )
+    wider = "A wider tolerance" if numbers else "A larger uncertainty of the measured points"
     return (
         f"Every expected response is within its tolerance with a probability of "
         f"{plain_probability(answer.probability_all_met)}, and "
         f"{plain_probability(outcome.confidence)} is asked for. "
         f"{_runs_to_take(outcome, answer.runs_needed * runs)}: "
-        f"{one} scatters by {scatter}. A wider tolerance, a larger sample in the test, or a "
-        "response that scatters less would help more."
+        f"{one} scatters by {scatter}. {wider}, a larger sample in the test, or a response that "
+        "scatters less would help more."
+    )
+
+
+def _scatter_of_curve(basis: CurveBasis, answer: Answer) -> str:
+    noises = np.array([answer.quality[name].noise for name in basis.names])
+    target = basis.target
+    _, spread = basis.expected(np.zeros(len(noises)), noises**2)
+    ratios = spread / target.standard_uncertainties
+    worst = int(ratios.argmax())
+    place = on_curve(target.coordinates[worst], target.coordinate, target.coordinate_unit)
+    return (
+        f"{number(float(np.sqrt((ratios**2).mean())), 2)} σ of the measured "
+        f"points in {target.name} (root mean square, most at {place})"
     )
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Hashable, Mapping, Sequence
+from collections.abc import Callable, Collection, Hashable, Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 
@@ -11,8 +11,9 @@ import numpy as np
 
 from grainfit.bulk_tests.base import BulkTest
 from grainfit.bulk_tests.registry import recreate_test
+from grainfit.campaign.store.records import RunRecord
 from grainfit.errors import InputError
-from grainfit.evaluation import Response, response_name
+from grainfit.evaluation import Evaluation, Response, name_of_test, response_name
 from grainfit.measurement.yield_locus import fit_yield_locus
 from grainfit.metamodels.likelihood import standard_uncertainty
 from grainfit.problem import Problem
@@ -33,6 +34,23 @@ class _Point:
     place: int
 
 
+def tests_of_runs(
+    evaluations: Iterable[Evaluation], find: Callable[[Collection[str]], Mapping[str, RunRecord]]
+) -> dict[str, RunDefinition]:
+    """Return a run of each test that has one, by its name.
+
+    Parameters
+    ----------
+    evaluations : iterable of Evaluation
+        Those of a calibration.
+    find : callable
+        Returns the records of runs by their identities.
+    """
+    runs = {name_of_test(name): run for e in evaluations for name, run in e.runs.items()}
+    records = find(runs.values())
+    return {test: records[run].definition for test, run in runs.items() if run in records}
+
+
 def yield_loci(
     problem: Problem,
     tests: Mapping[str, RunDefinition],
@@ -45,7 +63,7 @@ def yield_loci(
     problem : Problem
         Parameters and targets.
     tests : mapping of str to RunDefinition
-        A run of each test of the calibration, by its name.
+        A run of each test of the calibration, by its name: see `tests_of_runs`.
     responses : mapping of str to ResponseResult
         Responses at the answer; empty without one.
 

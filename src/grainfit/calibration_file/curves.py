@@ -115,7 +115,8 @@ class CurveTable(Kind):
         if written and written != (own or unit) and not _converts(written, unit, own, place, key):
             return None
         needed = "" if written == (own or unit) else written
-        return Column(key, "xy".index(key), values.get(key), needed, unit or "")
+        is_known = unit is not None or bool(needed)
+        return Column(key, "xy".index(key), values.get(key), needed, unit or "", is_known)
 
     def schema(self) -> Schema:
         """Return the JSON Schema of the curve's table."""

@@ -82,7 +82,8 @@ def _read_text(path: Path) -> str:
         # Some editors put a byte order mark first, which TOML does not know.
         return data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
-        line = data.count(b"\n", 0, error.start) + 1
+        # It counts from behind a byte order mark.
+        line = error.object.count(b"\n", 0, error.start) + 1
         raise _fault(path, "is not UTF-8 text.", "Save it as UTF-8.", line) from None
 
 

@@ -29,9 +29,11 @@ def join_evaluations(tests: Sequence[TestSpecification]) -> tuple[TestSpecificat
         Joined ones stand where their first one stood, and have the names of all.
     """
     found: list[TestSpecification] = []
+    names = {test.name for test in tests}
     for test in tests:
         place = next((i for i, one in enumerate(found) if _can_be_joined(one, test)), None)
-        if place is None:
+        # A test of the file may have their name: its runs and targets would be theirs.
+        if place is None or _joint_name(found[place], test) in names:
             found.append(test)
         else:
             found[place] = _join(found[place], test)
@@ -52,6 +54,10 @@ def _names(test: TestSpecification) -> set[str]:
     return {*test.responses, *test.planned}
 
 
+def _joint_name(one: TestSpecification, other: TestSpecification) -> str:
+    return f"{one.name}_and_{other.name}"
+
+
 def _join(one: TestSpecification, other: TestSpecification) -> TestSpecification:
     functions = dict.fromkeys([*one.options["evaluate"], *other.options["evaluate"]])
     options = {**one.options, "evaluate": tuple(functions)}
@@ -62,7 +68,7 @@ def _join(one: TestSpecification, other: TestSpecification) -> TestSpecification
         options["timeout"] = limit
     return replace(
         one,
-        name=f"{one.name}_and_{other.name}",
+        name=_joint_name(one, other),
         options=options,
         targets=one.targets + other.targets,
         planned={**one.planned, **other.planned},

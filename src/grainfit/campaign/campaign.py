@@ -349,12 +349,15 @@ class Campaign:
         return [entry.evaluation(self.tests, self._options.needed) for entry in complete]
 
     def forget_failures(self, evaluations: Iterable[Evaluation]) -> None:
-        """Let failed runs be repeated at the next start: the cause may be fixed by then."""
-        for evaluation in evaluations:
-            for run in evaluation.failed_runs:
-                self._store.forget(evaluation.runs[run])
-                if self._shared is not None:
-                    self._shared.forget(evaluation.runs[run])
+        """Let failed runs be repeated at the next start: the cause may be fixed by then.
+
+        Finished ones that count as failed for want of a response stay: they would be the same
+        again, and another calibration may not need that response.
+        """
+        failed = [e.runs[run] for e in evaluations for run in e.failed_runs]
+        self._store.forget_failed(failed)
+        if self._shared is not None:
+            self._shared.forget_failed(failed)
 
     def cancel(self) -> None:
         """End the pending runs; finished runs are kept."""

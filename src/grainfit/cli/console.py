@@ -75,7 +75,7 @@ def print_result(console: Console, result: Result, folder: Path) -> None:
         console.print(_text(f"  {notice}", "yellow"))
     for name, quality in result.metamodels.items():
         for warning in quality.warnings:
-            console.print(_text(f"  metamodel of {name}: {warning}", "yellow"))
+            console.print(_text(f"  metamodel of {quality.part or name}: {warning}", "yellow"))
     if result.parameters:
         for shown in result.tables():
             console.print(_rich_table(shown))

@@ -28,6 +28,7 @@ from typing_extensions import override
 from grainfit.curve_target import CurveTarget
 from grainfit.errors import Fault
 from grainfit.evaluation import Curve, Evaluation, Response
+from grainfit.formatting import on_curve
 from grainfit.problem import DEFAULT_RELATIVE_TOLERANCE, Problem, ScopeOfTest, Target
 
 Array = NDArray[np.float64]
@@ -174,6 +175,16 @@ class CurveBasis:
         off = linalg.solve_triangular(self.root, off, lower=True) - self.mean
         return dict(zip(self.names, map(Response, (self.components @ off).tolist()), strict=True))
 
+    @property
+    def parts(self) -> dict[str, str]:
+        """Words on what each component is of the curve, by its name."""
+        target = self.target
+        moved = np.abs(self.components @ self.root.T) / target.standard_uncertainties
+        places = [target.coordinates[i] for i in moved.argmax(axis=1)]
+        about = target.coordinate, target.coordinate_unit
+        words = [f"{target.name}, as it varies most at {on_curve(p, *about)}" for p in places]
+        return dict(zip(self.names, words, strict=True))
+
     def values_of(self, evaluation: Evaluation) -> Array | None:
         """Return the curve of a run at the measured coordinates; None if it gives no component."""
         return _values(self.target, evaluation)
@@ -258,6 +269,11 @@ class Reduction:
             # Without its curves, the problem may have nothing left to meet.
             return cls(problem)
         return cls.of(problem.with_targets(problem.targets, known), evaluations)
+
+    @property
+    def parts(self) -> dict[str, str]:
+        """Words on what each component is of its curve, by its name."""
+        return {name: words for basis in self.bases for name, words in basis.parts.items()}
 
     @cached_property
     def problem(self) -> Problem:

@@ -61,6 +61,7 @@ def _decoded(data: bytes, path: Path) -> str:
     try:
         return data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
-        line = data.count(b"\n", 0, error.start) + 1
+        # It counts from behind a byte order mark.
+        line = error.object.count(b"\n", 0, error.start) + 1
         fault = Fault("", f"is not UTF-8 text in line {line}.", "Save the table as CSV in UTF-8.")
         raise InputError(fault, str(path)) from error

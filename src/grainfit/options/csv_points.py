@@ -14,7 +14,7 @@ from grainfit.files import LARGEST_CURVE
 from grainfit.options.csv_file import read_csv
 from grainfit.options.kinds import Quantity
 from grainfit.options.places import Findings, Place, show
-from grainfit.units import UnitError, to_unit
+from grainfit.units import UnitError, is_unit, to_unit
 
 _MOST_FAULTS = 20
 _MOST_NAMED = 10
@@ -45,6 +45,8 @@ class Column:
         it, as in ``opening [mm]``.
     unit : str
         Unit to convert to.
+    is_known : bool
+        Whether the unit of its numbers is known, so that the header must not state another one.
     """
 
     key: str
@@ -52,6 +54,7 @@ class Column:
     name: str | None
     written: str | None
     unit: str
+    is_known: bool = False
 
     def convert(self, number: float) -> float:
         """Return a number of the column in the unit of the response."""
@@ -254,6 +257,8 @@ def _find_columns(
 def _with_unit(column: Column, name: str, notes: _Notes) -> Column:
     """Return the column with the unit that its name in the header states, if it shall."""
     if column.written is not None:
+        if column.is_known:
+            _note_other_unit(column, name, notes)
         return column
     written = stated_unit(name)
     try:
@@ -263,6 +268,22 @@ def _with_unit(column: Column, name: str, notes: _Notes) -> Column:
         remedy = f'State the unit behind the name: "{column.key} [{column.unit}]".'
         notes.note(f"column {show(name)}", message, remedy)
     return replace(column, written=written)
+
+
+def _note_other_unit(column: Column, name: str, notes: _Notes) -> None:
+    stated, taken = stated_unit(name), column.written or column.unit
+    # What is in brackets may be a remark.
+    if not stated or not is_unit(stated):
+        return
+    try:
+        is_same = math.isclose(to_unit(f"1 {stated}", column.unit), column.convert(1.0))
+    except UnitError:
+        is_same = False
+    if not is_same:
+        where = f"in {taken}" if taken else "as they are, without a unit"
+        message = f"states {show(stated)}, and its numbers are taken {where}."
+        remedy = f'Write {column.key}_unit = "{stated}", or correct the heading.'
+        notes.note(f"column {show(name)}", message, remedy)
 
 
 def _located(header: Cells, locate: Locate, notes: _Notes) -> list[int | None]:

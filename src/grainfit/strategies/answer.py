@@ -169,8 +169,9 @@ def metamodel_quality(
 
     ``spread`` is True if the runs are spread by a design, see `Kriging.warnings`.
     """
+    parts = metamodels.reduction.parts
     return {
-        target.name: _quality(target, model, spread)
+        target.name: replace(_quality(target, model, spread), part=parts.get(target.name, ""))
         for target, model in zip(metamodels.problem.targets, metamodels.models, strict=True)
     }
 

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from scipy.optimize import minimize
 
 from grainfit.contact_models.registry import material_parameter
+from grainfit.curve_target import CurveTarget
 from grainfit.metamodels.curve_reduction import CurveBasis
 from grainfit.metamodels.designs import maximin_latin_hypercube
 from grainfit.metamodels.metamodels import Metamodels
@@ -159,28 +160,38 @@ def _miss_of_curve(
     """Return where an expected curve deviates most from the measured one."""
     measured = basis.target
     expected, errors = basis.expected(scores, variances)
-    off = (expected - np.asarray(measured.values)) / measured.standard_uncertainties
-    order = np.argsort(-np.abs(off), kind="stable")[:_MOST_POINTS].tolist()
-    points = [
-        (float(measured.coordinates[i]), float(measured.values[i]), float(expected[i]))
-        for i in order
-    ]
-    _, value, nearest = points[0]
-    curve = CurveMiss(
-        measured.coordinate,
-        measured.coordinate_unit,
-        float(np.sqrt((off**2).mean())),
-        tuple(points),
-        basis.has_other_shape,
-    )
+    miss = miss_of(measured, np.asarray(measured.values), expected)
+    place, value, nearest = miss.points[0]
     return OutOfReach(
         measured.name,
         value,
         nearest,
-        float(errors[order[0]]),
+        float(errors[measured.coordinates.index(place)]),
         jointly,
         is_relative=False,
-        curve=curve,
+        curve=replace(miss, has_other_shape=basis.has_other_shape),
+    )
+
+
+def miss_of(
+    measured: CurveTarget, wanted: NDArray[np.float64], found: NDArray[np.float64]
+) -> CurveMiss:
+    """Return how far a curve is from another one, and at which points most.
+
+    Parameters
+    ----------
+    measured : CurveTarget
+        The measured curve, of n points, whose uncertainties are the measure.
+    wanted, found : ndarray, shape (n,)
+        Both curves at its coordinates.
+    """
+    off = (found - wanted) / measured.standard_uncertainties
+    worst = np.argsort(-np.abs(off), kind="stable")[:_MOST_POINTS].tolist()
+    return CurveMiss(
+        measured.coordinate,
+        measured.coordinate_unit,
+        float(np.sqrt((off**2).mean())),
+        tuple((float(measured.coordinates[i]), float(wanted[i]), float(found[i])) for i in worst),
     )
 
 

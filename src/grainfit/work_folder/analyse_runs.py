@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +11,7 @@ import numpy as np
 from grainfit.analysis.analysis import Analysis, analyse
 from grainfit.analysis.posterior import Posterior
 from grainfit.calibration_file.build import CalibrationSetup, load_calibration
+from grainfit.campaign.repeats import seeds_of
 from grainfit.campaign.reuse import runs_of
 from grainfit.campaign.store.source import open_source
 from grainfit.errors import Fault, InputError
@@ -40,7 +41,7 @@ class RunsAnalysis:
     runs : int
         Number of runs.
     ignored : tuple of str
-        Columns of tables that are not used.
+        Columns of tables that are not used, and what was given a second time.
     """
 
     problem: Problem
@@ -66,12 +67,13 @@ class RunsAnalysis:
             return ""
         target = targets[worst]
         found = f"is {number(float(means[best, worst]))} instead of {number(target.value)}, "
+        name = target.name
         if isinstance(target, ComponentTarget):
             # Its values are distances from the mean curve of the runs, which nobody knows.
-            found = "is "
+            name, found = f"{metamodels.reduction.parts[name]},", "is "
         return (
             f"No parameter set within the intervals agrees with the measurements: where all are "
-            f"closest, {target.name} {found}{number(float(off[best, worst]), 2)} standard "
+            f"closest, {name} {found}{number(float(off[best, worst]), 2)} standard "
             "deviations away. The intervals below are those of the least bad parameter sets."
         )
 
@@ -84,7 +86,7 @@ class RunsAnalysis:
         known = found.identifiability
         verdicts = (*known.verdicts, *known.further_tests) if known else ()
         warnings = (
-            f"Metamodel of {name}: {warning}"
+            f"Metamodel of {quality.part or name}: {warning}"
             for name, quality in found.quality.items()
             for warning in quality.warnings
         )
@@ -185,7 +187,7 @@ def analyse_runs(
     given = [runs] if isinstance(runs, str | Path) else list(runs)
     if not given:
         raise InputError(Fault("runs", "are not given.", "Name a table of runs."))
-    evaluations: list[Evaluation] = []
+    known = _Runs(setup)
     ignored: list[str] = []
     seen: set[tuple[str, Path]] = set()
     for name in given:
@@ -197,11 +199,15 @@ def analyse_runs(
         seen.add((test, path.resolve()))
         if is_store:
             with open_source(name, "runs") as store:
-                evaluations += runs_of(setup.problem, setup.solvers, store.runs(), setup.repeats)
+                found = runs_of(setup.problem, setup.solvers, store.runs(), setup.repeats)
+            repeated = sum(not known.add(evaluation) for evaluation in found)
         else:
-            found, unused = _of_table(setup, test, path)
-            evaluations += found
+            rows, unused = _of_table(setup, test, path)
+            repeated = sum(not known.add(*row) for row in rows)
             ignored += [column for column in unused if column not in ignored]
+        if repeated:
+            ignored.append(f"{counted(repeated, 'run')} of {name} a second time")
+    evaluations = known.evaluations
     if not evaluations:
         words = f"{', '.join(map(str, given))} {'have' if len(given) > 1 else 'has'} no run of it."
         raise InputError(Fault("runs", words, "Only runs of the tests of the file can be used."))
@@ -209,21 +215,57 @@ def analyse_runs(
     return RunsAnalysis(setup.problem, analysis, len(evaluations), tuple(ignored))
 
 
-def _of_table(setup: CalibrationSetup, test: str, path: Path) -> tuple[list[Evaluation], list[str]]:
+@dataclass
+class _Runs:
+    """Evaluations of a calibration file, each run of a test once."""
+
+    setup: CalibrationSetup
+    evaluations: list[Evaluation] = field(default_factory=list)
+    _seen: set[tuple[object, ...]] = field(default_factory=set)
+
+    def add(self, evaluation: Evaluation, table: str = "") -> bool:
+        """Add the runs that are not there yet; return whether there are any.
+
+        A run is known again by its parameters and its seed. Lines without a seed, of the
+        ``table``, are runs of their own.
+        """
+        tests = evaluation.proposal.tests or tuple(self.setup.solvers)
+        keys = {test: self._keys(evaluation, test, table) for test in tests}
+        repeated = [test for test in tests if keys[test] <= self._seen]
+        self._seen.update(*keys.values())
+        if len(repeated) < len(tests):
+            self.evaluations.append(evaluation.without(repeated) if repeated else evaluation)
+        return len(repeated) < len(tests)
+
+    def _keys(self, evaluation: Evaluation, test: str, table: str) -> set[tuple[object, ...]]:
+        proposal, problem = evaluation.proposal, self.setup.problem
+        scopes = {scope.name: scope.parameters for scope in problem.tests}
+        values = [proposal.parameters[name] for name in scopes.get(test, proposal.parameters)]
+        count = self.setup.repeats.get(test, 1) if evaluation.runs else 1
+        return {(table, test, *values, seed) for seed in seeds_of(proposal.seed, count)}
+
+
+def _of_table(
+    setup: CalibrationSetup, test: str, path: Path
+) -> tuple[list[tuple[Evaluation, str]], list[str]]:
+    """Return the evaluations, those without a seed with their table, and unused columns."""
     specification = next(one for one in setup.file.tests if one.name == test)
     rows, ignored = read_import_table(path, setup, specification)
     count = len(setup.file.tests)
     tests = (test,) if count > 1 else None
     evaluations = [
-        Evaluation(
-            # Parameters that the test does not depend on have the middle of their interval.
-            Proposal(
-                setup.problem.middle | dict(row.parameters),
-                number if row.seed is None else row.seed,
-                "design",
-                tests,
+        (
+            Evaluation(
+                # Parameters that the test does not depend on have the middle of their interval.
+                Proposal(
+                    setup.problem.middle | dict(row.parameters),
+                    number if row.seed is None else row.seed,
+                    "design",
+                    tests,
+                ),
+                {response_name(test, name, count): r for name, r in row.responses.items()},
             ),
-            {response_name(test, name, count): r for name, r in row.responses.items()},
+            str(path.resolve()) if row.seed is None else "",
         )
         for number, row in enumerate(rows, start=1)
     ]

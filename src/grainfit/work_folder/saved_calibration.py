@@ -18,13 +18,7 @@ from grainfit.campaign.work_folder import RESULT_NAME, read_record, run_folder
 from grainfit.contact_models.registry import material_parameter
 from grainfit.curve_target import CurveTarget
 from grainfit.errors import Fault, GrainfitError, InputError, StoreError
-from grainfit.evaluation import (
-    ERROR_SUFFIX,
-    Evaluation,
-    name_of_test,
-    names_of_tests,
-    response_name,
-)
+from grainfit.evaluation import ERROR_SUFFIX, Evaluation, names_of_tests, response_name
 from grainfit.formatting import counted
 from grainfit.materials.time_step import RayleighTimeStep
 from grainfit.problem import Parameter, Problem, ScopeOfTest, Target
@@ -202,15 +196,10 @@ class SavedCalibration:
     def yield_loci(self) -> tuple[YieldLocusResult, ...]:
         """Yield loci of the shear tests, as far as these have runs."""
         # Imported here: SciPy takes a second, and exports do without it.
-        from grainfit.calibration.yield_loci import yield_loci
+        from grainfit.calibration.yield_loci import tests_of_runs, yield_loci
 
-        definitions = {
-            name_of_test(name): self.records[run].definition
-            for evaluation in self.evaluations
-            for name, run in evaluation.runs.items()
-            if run in self.records
-        }
-        return yield_loci(self.problem, definitions, self.result.responses if self.result else {})
+        tests = tests_of_runs(self.evaluations, lambda _: self.records)
+        return yield_loci(self.problem, tests, self.result.responses if self.result else {})
 
     def analyse(self) -> Analysis:
         """Return the analysis of the runs: posterior, sensitivity, and more.

@@ -369,7 +369,7 @@ def _notices(context: ReportContext, tests: Mapping[str, BulkTest]) -> Iterator[
     said = [*result.notices] if result else []
     if result:
         for name, quality in result.metamodels.items():
-            words = context.response_label(name).words
+            words = quality.part or context.response_label(name).words
             said += [f"Metamodel of {words}: {warning}" for warning in quality.warnings]
     said += context.analysis.notes
     reading = context.reading
