@@ -308,6 +308,26 @@ def test_runs_that_all_fail_stop_the_calibration_with_the_reason() -> None:
         gf.calibrate(problem(), broken)
 
 
+def test_first_runs_that_all_fail_do_not_end_a_calibration_that_knows_others(
+    tmp_path: Path,
+) -> None:
+    limit, calls = 0, 0
+
+    def sometimes(parameters: dict[str, float], seed: int) -> dict[str, float]:
+        nonlocal calls
+        calls += 1
+        if calls <= limit:
+            raise RuntimeError("no heap")
+        return drum(parameters, seed)
+
+    solver = PythonCallable(sometimes, identity="drum")
+    gf.calibrate(problem(), solver, workdir=tmp_path)
+    limit, calls = 4, 0
+    result = gf.calibrate(problem(first=35.0), solver, workdir=tmp_path)
+    assert result.runs.failed == limit
+    assert result.status == "calibrated"
+
+
 def test_single_failures_are_counted_and_left_out() -> None:
     def sometimes(parameters: dict[str, float], seed: int) -> dict[str, float]:
         if parameters["cohesion"] > 6e4:

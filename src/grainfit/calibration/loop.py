@@ -83,6 +83,8 @@ class CalibrationLoop:
         self._store = store
         self._options = options
         self._evaluations: list[Evaluation] = []
+        #: Runs of the warm start.
+        self._known: Sequence[Evaluation] = ()
         #: Number of runs of the warm start, by their source.
         self._origins: Mapping[str, int] = {}
         self._verification_asked = 0
@@ -149,7 +151,7 @@ class CalibrationLoop:
     def run(self) -> Result:
         """Run the calibration to its end. Ctrl-C stops it and returns the best result so far."""
         self._recorded.extend(self._requests_of_earlier_starts())
-        known = self._runs_known_before()
+        known = self._known = self._runs_known_before()
         runs = [run for evaluation in known for run in evaluation.runs.values()]
         self._store.begin_calibration(
             self._identity, self._options.name, self._definition, runs, self._about(known)
@@ -408,7 +410,7 @@ class CalibrationLoop:
         missing = [
             name
             for name in self._problem.responses
-            if not runs_that_yield(self._problem, self._evaluations, name)
+            if not runs_that_yield(self._problem, [*self._known, *self._evaluations], name)
         ]
         tests = {self._problem.scope_of(name).name for name in missing}
         tried = [e for e in self._evaluations if any(map(e.proposal.asks_for, tests))]
