@@ -5,6 +5,7 @@ from __future__ import annotations
 import functools
 import math
 import re
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from grainfit.errors import GrainfitError
@@ -34,6 +35,7 @@ _EXAMPLES = {
     "m/s": "0.05 m/s",
     "s": "10 min",
     "deg": "22 deg",
+    "rad/s": "10 rpm",
 }
 
 
@@ -127,7 +129,7 @@ def percentage(text: str) -> float | None:
     0.01
     """
     match = _QUANTITY.fullmatch(text[: LONGEST_QUANTITY + 1].strip())
-    if match is None or match["unit"] != "%":
+    if match is None or match["unit"] not in ("%", "percent"):
         return None
     return float(match["number"]) / 100
 
@@ -184,6 +186,30 @@ def example_with(unit: str) -> str:
     return _EXAMPLES.get(unit, f"1.5 {unit}")
 
 
+@dataclass(frozen=True)
+class _Slip:
+    """A usual slip in a quantity, by what is written behind its first digits."""
+
+    behind_number: re.Pattern[str]
+    message: str
+    remedy: str
+
+
+_SLIPS = (
+    _Slip(
+        re.compile(","),
+        "has a comma.",
+        "Write a decimal point, and nothing between thousands.",
+    ),
+    _Slip(re.compile(r"\d{3}"), "has a space in its number.", "Write the number without spaces."),
+    _Slip(
+        re.compile(r"[^±+]*(?:±|\+/?-)"),
+        "has an uncertainty in it.",
+        'Write the value alone; that of a target has a key of its own: uncertainty = "1 %".',
+    ),
+)
+
+
 class _NotAUnitError(Exception):
     pass
 
@@ -194,8 +220,9 @@ def _split(text: str, unit: str) -> tuple[float, str]:
     match = _QUANTITY.fullmatch(text.strip())
     if match is None:
         raise UnitError(f"{text!r} is not a quantity.", how_to_write(unit))
-    if match["unit"].startswith(","):
-        raise UnitError(f"{text!r} has a decimal comma.", "Write a decimal point.")
+    for slip in _SLIPS:
+        if slip.behind_number.match(match["unit"]):
+            raise UnitError(f"{text!r} {slip.message}", slip.remedy)
     return float(match["number"]), match["unit"]
 
 

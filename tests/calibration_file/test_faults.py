@@ -51,6 +51,10 @@ DIAMETER = 'diameter = "10 mm"'
             "10 deg",
             "plain number",
         ),
+        # keys of other places
+        (DENSITY, 'density = { value = "2 g/cm^3" }', "density.value", "", 'density = "2100'),
+        (SOLVER, SOLVER + "\nslot_width = 1", "test[0].slot_width", "", '"draw_down"'),
+        (TARGET, "targets.mass_flow = 1", "test[0].targets.mass_flow", "", '"discharge"'),
         # kinds of value
         (DIAMETER, "diameter = true", "particle.diameter", "true", "10 mm"),
         (DIAMETER, "diameter = 1979-05-27", "particle.diameter", "1979", "10 mm"),
@@ -59,6 +63,7 @@ DIAMETER = 'diameter = "10 mm"'
         ('name = "glass beads"', 'name = "a\\nb"', "name", "a", "one line"),
         ("[wall]", "[[wall]]", "wall", "", "[wall]"),
         ("[[test]]", "[test]", "test", "", "[[test]]"),
+        (SOLVER, SOLVER + '\nwalls = "steel"', "test[0].walls", "steel", "{ cylinder = ..."),
         (SOLVER, SOLVER + "\nranks = 1.5", "test[0].ranks", "1.5", "example"),
         (SOLVER, SOLVER + "\nranks = true", "test[0].ranks", "true", "example"),
         (SOLVER, SOLVER + "\nranks = 0", "test[0].ranks", "0", "from 1"),
@@ -116,6 +121,14 @@ DIAMETER = 'diameter = "10 mm"'
         (DIAMETER, 'diameter = "-1 mm"', "particle.diameter", "-1 mm", "from 1e-07"),
         # particle sizes
         (DIAMETER, "diameter = []", "particle.diameter", "0 entries", "at least 1"),
+        (DIAMETER, 'diameter = ["8 mm"]', "particle.diameter[0]", "8 mm", "mass_fraction = ..."),
+        (
+            DIAMETER,
+            'diameter = [{ value = "8 mm", mass_fraction = 30 }]',
+            "particle.diameter[0].mass_fraction",
+            "30",
+            '"25 %"',
+        ),
         (
             DIAMETER,
             'diameter = [{ value = "8 mm", mass_fraction = 0.3 }, '
@@ -457,12 +470,19 @@ def test_a_heap_needs_a_material(faults_of: FaultsOf) -> None:
     assert {"particle", "wall", "particle_particle", "particle_wall"} <= keys
 
 
+def test_keys_of_a_test_whose_header_is_missing_belong_in_a_test(faults_of: FaultsOf) -> None:
+    found = {fault.key: fault.remedy for fault in faults_of(("[[test]]", ""))}
+    for key in ("type", "solver", "targets"):
+        assert found.pop(f"particle_wall.{key}") == "It belongs in [[test]]."
+    assert [*found] == ["test"]
+
+
 @pytest.mark.parametrize(
     ("data", "message", "line"),
     [
         (b"", "missing", None),
-        (b'name = "x"\n[particle\n', "not valid TOML", 2),
-        (b'name = "x"\nname = "y"\n', "not valid TOML", 2),
+        (b'name = "x"\n[particle\n', "brackets that do not match", 2),
+        (b'name = "x"\nname = "y"\n', "gives name again", 2),
         (b'name = "x"\n# \xff\xfe\n', "not UTF-8", 2),
         (b'\xef\xbb\xbfname = "x"\n# \xff\xfe\n', "not UTF-8", 2),
         (b"\xff\xfen\x00", "not UTF-8", 1),

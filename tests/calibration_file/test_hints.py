@@ -50,6 +50,49 @@ def test_quote_that_is_not_closed_is_found(tmp_path: Path, written: str) -> None
     )
 
 
+@pytest.mark.parametrize(
+    ("written", "expected"),
+    [
+        ("diameter = 10,5", "has the decimal comma 10,5. Write a decimal point: 10.5."),
+        ("diameter = { min = 1,5, max = 2,5 }", "has the decimal comma 1,5."),
+        ("diameter = 0.01;", "has a ; behind 0.01. Remove it"),
+        ("diameter = 8 .. 10", "has 8 .. 10. An interval is written { min = ..., max = ... }."),
+        ("diameter = 8 - 10", "has 8 - 10. An interval is written { min = ..., max = ... }."),
+        ("diameter = “10 mm”", "has curly quotes, in <diameter = “10 mm”>."),
+        ("diameter = wide", 'has wide without quotes. Write "wide".'),
+        ("diameter = True", "has True. Write true or false."),
+        ("diameter = yes # it is", "has yes. Write true or false."),
+        ("diameter == 0.01", "is not valid TOML: Invalid value"),
+        ("diameter = { min = 1,\nmax = 2 }", "has a { that is not closed, in <diameter = { min"),
+        ("[wal", "has brackets that do not match, in <[wal>."),
+        ("[[wal]", "has brackets that do not match, in <[[wal]>."),
+    ],
+)
+def test_usual_slips_in_toml_are_named_with_a_remedy(
+    tmp_path: Path, written: str, expected: str
+) -> None:
+    assert message(tmp_path, DIAMETER, written).startswith(LINE + expected)
+
+
+@pytest.mark.parametrize(
+    ("written", "expected"),
+    [
+        (f"{DIAMETER}\ndiameter = 0.02", "gives diameter again. Remove one of them"),
+        (f"{DIAMETER}\n[particle]", "has the section [particle] again."),
+        (f"{DIAMETER}\nx = {{ min = 1, min = 2 }}", "gives min again. Remove one of them"),
+        (
+            'diameter = { sieve_curve = "sieve.csv" }\ndiameter.classes = 5',
+            "adds classes to diameter, which is complete with the } above. Write all keys",
+        ),
+    ],
+)
+def test_what_is_given_twice_is_named_and_not_called_a_missing_quote(
+    tmp_path: Path, written: str, expected: str
+) -> None:
+    line = int(LINE.removeprefix("line ").removesuffix(", "))
+    assert message(tmp_path, DIAMETER, written).startswith(f"line {line + 1}, {expected}")
+
+
 def test_other_text_that_is_no_toml_is_quoted_from_the_reader(tmp_path: Path) -> None:
     found = message(tmp_path, DIAMETER, "diameter; 10")
     assert found.startswith(f"{LINE}is not valid TOML: Expected '=' after a key")

@@ -101,6 +101,32 @@ def test_bulk_density_below_every_packing_is_noted(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
+    "change",
+    [
+        ('value = "1500 kg/m^3"', "value = 1.5"),
+        ('{ min = "1407 kg/m^3", max = "2793 kg/m^3" }', "{ min = 1.4, max = 2.8 }"),
+    ],
+)
+def test_a_density_in_another_unit_is_called_that(tmp_path: Path, change: tuple[str, str]) -> None:
+    [note] = notes_on_density(tmp_path, change)
+    assert 'seems to be in another unit: write it with its unit, as "1.5 g/cm^3".' in note
+    assert "density = {" not in note
+
+
+def test_a_tolerance_far_below_the_scatter_is_noted(tmp_path: Path) -> None:
+    def found(uncertainty: str) -> list[str]:
+        beads = setup(tmp_path, ('uncertainty = "1 %"', f"uncertainty = {uncertainty}"))
+        return [note for note in beads.notes() if "its tolerance" in note]
+
+    # Meant as 1 %, and read as 1 kg/m^3.
+    [note] = found("1")
+    assert "bulk_density: its tolerance, 1 kg/m^3, is 0.067 % of the value" in note
+    assert "the mean of 300 runs would be as sure" in note
+    assert 'write it as one: "1 %"' in note
+    assert found('"1 %"') == found('"0.2 %"') == []
+
+
+@pytest.mark.parametrize(
     "changes",
     [
         [],

@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import contextlib
 import math
+import re
 import time
 
 import pint
@@ -73,9 +74,30 @@ def test_what_is_no_length_is_refused(text: str) -> None:
         to_unit(text, "m")
 
 
-def test_decimal_comma_is_named() -> None:
-    with pytest.raises(UnitError, match="decimal point"):
-        to_unit("0,36 MPa", "Pa")
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("0,36 kg/m^3", "has a comma. Write a decimal point"),
+        ("1,500 kg/m^3", "nothing between thousands"),
+        ("1 500 kg/m^3", "has a space in its number"),
+        ("1500 ± 15 kg/m^3", 'uncertainty = "1 %"'),
+        ("1500 +- 15 kg/m^3", 'uncertainty = "1 %"'),
+        ("1500 kg/m^3 +/- 15", 'uncertainty = "1 %"'),
+    ],
+)
+def test_usual_slips_in_numbers_are_named(text: str, message: str) -> None:
+    with pytest.raises(UnitError, match=re.escape(message)):
+        to_unit(text, "kg/m^3")
+
+
+def test_a_rotational_speed_is_shown_in_turns() -> None:
+    with pytest.raises(UnitError, match='for example "10 rpm"'):
+        to_unit("10 1/min", "rad/s")
+    assert to_unit("10 rpm", "rad/s") == pytest.approx(math.pi / 3)
+
+
+def test_percent_may_be_written_as_a_word() -> None:
+    assert percentage("1 percent") == percentage("1 %") == 0.01
 
 
 @pytest.mark.parametrize(

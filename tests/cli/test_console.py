@@ -10,8 +10,9 @@ from rich.console import Console
 
 import grainfit as gf
 from grainfit.cli.app import EXIT_CODES
-from grainfit.cli.console import print_result, print_status
+from grainfit.cli.console import print_parts, print_result, print_status
 from grainfit.result import ParameterInterval, Result
+from grainfit.tables import TextTable
 from grainfit.work_folder.status import WorkdirStatus
 
 
@@ -96,6 +97,28 @@ def test_in_80_columns_every_parameter_has_its_whole_name_and_word(calibrated: R
     for name, word in zip(names, words, strict=True):
         (line,) = (line.rstrip() for line in lines if line.startswith(f"{name} "))
         assert line.endswith(f" {word}")
+
+
+@pytest.mark.parametrize("width", [70, 80])
+def test_in_a_narrow_terminal_headings_and_lists_of_tests_break_before_numbers(width: int) -> None:
+    tests = ["heap + draw_down", "heap + compression + discharge"]
+    header = ("tests", "density", "sliding friction", "rolling friction", "factor", "a run")
+    rows = tuple((name, "± 1.8 %", "± 26 %", "± 23 %", "1.2", "1 min 29 s") for name in tests)
+    console = Console(file=io.StringIO(), width=width)
+    print_parts(console, [TextTable(header, rows)])
+    lines = console.file.getvalue().splitlines()  # type: ignore[attr-defined]
+    [first, second] = [line for line in lines if line.startswith("heap")]
+    for line in (first, second):
+        for number in rows[0][1:]:
+            assert number in line
+    assert first.startswith(tests[0])
+    assert not any("…" in line for line in lines)
+
+
+def test_in_a_wide_terminal_no_heading_breaks() -> None:
+    console = Console(file=io.StringIO(), width=80)
+    print_parts(console, [TextTable(("test", "sliding friction", "a run"), (("heap", "1", "2"),))])
+    assert "sliding friction" in console.file.getvalue()  # type: ignore[attr-defined]
 
 
 def test_the_status_has_the_word_beside_every_value(calibrated: Result) -> None:

@@ -236,6 +236,7 @@ def test_all_faults_of_the_conditions_are_named_at_once() -> None:
     where = [
         "__import__('os').abort()",
         "particle.densty > 3",
+        "density > 3",
         "particle.density > 3 m",
         "seconds > nan",
         "angle_of_repose > 1; 2",
@@ -247,6 +248,7 @@ def test_all_faults_of_the_conditions_are_named_at_once() -> None:
     assert len(caught.value.faults) == len(where) + 2
     assert "\"__import__('os').abort()\" is not a condition" in text
     assert "Did you mean 'particle.density'?" in text
+    assert "Did you mean 'particle.density' or 'wall.density'?" in text
     assert "'3 m' has the unit m, which cannot be converted to kg/m^3" in text
     assert "--status: is 'bad'." in text
     assert "--test: is 'heap'. There are: drum." in text

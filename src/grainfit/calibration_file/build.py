@@ -147,8 +147,9 @@ class CalibrationSetup:
         soft particles raise the responses, whether the contact law is the same for all solvers and
         safe at the time step, which tests simulate the same, where particles are too few for their
         sizes or more than a cylinder holds, which bulk densities no solid fraction gives, which
-        orifices may be blocked, which walls are too smooth for a bed to come to rest, and which
-        geometry is too small for a target. ``grainfit check`` shows them.
+        orifices may be blocked, which walls are too smooth for a bed to come to rest, which
+        geometry is too small for a target, and which tolerances are far below the scatter.
+        ``grainfit check`` shows them.
 
         Examples
         --------

@@ -86,7 +86,7 @@ def _homes(wall: str = PLAIN) -> dict[str, str]:
     homes |= {key.name: "[cluster]" for key in CLUSTER}
     homes |= {key.name: "[[test]]" for test in BUILT_IN.values() for key in test.option_keys()}
     homes |= dict.fromkeys(
-        ("solver", "ranks", "timeout", "executable", "targets", "repeats"), "[[test]]"
+        ("type", "solver", "ranks", "timeout", "executable", "targets", "repeats"), "[[test]]"
     )
     homes["walls"] = "[[test]]"
     for name in MATERIAL_PARAMETERS:

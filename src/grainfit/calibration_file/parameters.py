@@ -45,6 +45,17 @@ def is_value(table: dict[str, Any]) -> bool:
     return any(key.name in table for key in keys)
 
 
+def _note_value_in_table(table: dict[str, Any], place: Place, example: str) -> bool:
+    """Return whether a parameter is written as targets are, and note it."""
+    if "value" not in table:
+        return False
+    place.at("value").fault(
+        "is not a known key.",
+        f"A fixed parameter is written {place.key} = {example}; a free one has min and max.",
+    )
+    return True
+
+
 def _note_bad_bounds(values: Values, place: Place) -> bool:
     low, high = values.get("min"), values.get("max")
     if low is None or high is None:
@@ -171,6 +182,8 @@ class FixedOrFree(Kind):
             )
             return None
         if isinstance(value, dict):
+            if _note_value_in_table(value, place, self.parameter.example):
+                return None
             free: Parameter | None = self._interval.read(value, place)
             return free
         if isinstance(value, list) or (isinstance(value, str) and _INTERVAL_SIGNS.search(value)):
@@ -199,6 +212,8 @@ class OwnParameter(Kind):
     def read(self, value: Any, place: Place) -> float | Parameter | None:
         """Read a fixed number or the interval of a free parameter."""
         if isinstance(value, dict):
+            if _note_value_in_table(value, place, "4"):
+                return None
             free: Parameter | None = self._interval(own_quantity(value)).read(value, place)
             return free
         return Quantity(None).read(value, place)

@@ -9,6 +9,7 @@ from grainfit.bulk_tests.base import BulkTest
 from grainfit.bulk_tests.sensitivities import DENSITY, MODULUS
 from grainfit.contact_models.registry import COHESION
 from grainfit.evaluation import response_name
+from grainfit.formatting import number
 from grainfit.materials.walls import plain_name
 from grainfit.problem import Problem, Target
 
@@ -22,6 +23,8 @@ _LOOSEST, _DENSEST = 0.35, 0.7405
 _USUAL = (0.52, 0.66)
 #: Ratio of the largest to the smallest diameter up to which small particles hardly fill gaps.
 _NEARLY_EQUAL = 2.0
+#: Solid fractions that are this many times off are due to a unit.
+_OTHER_UNIT = 10.0
 _BULK_DENSITY = "bulk_density"
 
 
@@ -74,12 +77,16 @@ def _note(target: Target, test: BulkTest, ends: Mapping[str, tuple[float, float]
     within = "even the " + ("heaviest" if is_dense else "lightest") if is_free else "the given"
     proposed = tuple(target.value / (share * most) for share in reversed(_USUAL))
     low, high = _rounded(proposed[0], up=False), _rounded(proposed[1], up=True)
+    remedy = (
+        f"{DENSITY} is that of the solid, not of the bulk. Poured beds have {_USUAL[0]:g} to "
+        f'{_USUAL[1]:g}: density = {{ min = "{low:g} kg/m^3", max = "{high:g} kg/m^3" }}.'
+        if _LOOSEST / _OTHER_UNIT < fraction < _DENSEST * _OTHER_UNIT
+        else 'One of them seems to be in another unit: write it with its unit, as "1.5 g/cm^3".'
+    )
     yield (
         f"{target.name} = {target.value:g} kg/m^3 is out of reach: with {within} particles, of "
         f"{(heaviest if is_dense else lightest):g} kg/m^3, the bed would have a solid fraction of "
-        f"{fraction:.2f}, {words} packing of spheres. {DENSITY} is that of the solid, not of the "
-        f'bulk. Poured beds have {_USUAL[0]:g} to {_USUAL[1]:g}: density = {{ min = "{low:g} '
-        f'kg/m^3", max = "{high:g} kg/m^3" }}.'
+        f"{number(fraction, 2)}, {words} packing of spheres. {remedy}"
     )
 
 

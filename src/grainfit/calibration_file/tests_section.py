@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
 
-from grainfit.bulk_tests.base import CurveInfo
+from grainfit.bulk_tests.base import BulkTest, CurveInfo
+from grainfit.bulk_tests.registry import BUILT_IN
 from grainfit.calibration_file.content import TestSpecification
 from grainfit.calibration_file.correlations import CORRELATIONS, note_bad_correlations
 from grainfit.calibration_file.curves import (
@@ -20,6 +22,7 @@ from grainfit.calibration_file.curves import (
 )
 from grainfit.calibration_file.targets import PlannedTargetTable, TargetTable
 from grainfit.curve_target import CurveTarget
+from grainfit.formatting import in_a_row
 from grainfit.options.kinds import Choice, Kind, Name, Schema, Whole, note_wrong_kind
 from grainfit.options.places import Place, show
 from grainfit.options.tables import Key, Named, Table, Values
@@ -56,7 +59,17 @@ def layout_of_test(kind: TypeOfTest, *, planned: bool = False) -> Table:
             _REPEATS,
         ),
         partial(_planned if planned else _specification, kind),
+        _homes(lambda test: [key.name for key in test.option_keys()]),
     )
+
+
+def _homes(names: Callable[[type[BulkTest]], Iterable[str]]) -> dict[str, str]:
+    """Return the types of test that have each name, in words."""
+    types: dict[str, list[str]] = {}
+    for kind, test in BUILT_IN.items():
+        for name in names(test):
+            types.setdefault(name, []).append(f'"{kind}"')
+    return {name: f"a test of type {in_a_row(found, 'or')}" for name, found in types.items()}
 
 
 def _targets(kind: TypeOfTest, *, planned: bool) -> tuple[Kind, str]:
@@ -80,7 +93,8 @@ def _targets(kind: TypeOfTest, *, planned: bool) -> tuple[Kind, str]:
         )
         for name, info in test.curves.items()
     )
-    return Table(keys + curves), f"{{ {keys[-1].name} = {keys[-1].example} }}"
+    homes = _homes(lambda other: [*other.responses, *other.curves])
+    return Table(keys + curves, homes=homes), f"{{ {keys[-1].name} = {keys[-1].example} }}"
 
 
 def _curve_table(info: CurveInfo) -> CurveTable:

@@ -14,6 +14,9 @@ from grainfit.options.places import Place, show
 from grainfit.options.tables import Table, Values
 from grainfit.solvers.dem.parts import friction_fault, parts_on_walls, walls_of
 
+#: Tables of a ``[[test]]`` whose header is missing.
+_TABLES_OF_TESTS = ("targets", "walls")
+
 
 @dataclass(frozen=True)
 class WallTable(Kind):
@@ -37,7 +40,7 @@ class WallTable(Kind):
         """Read the values of the plain wall, and those of each wall with a name."""
         if not isinstance(value, dict):
             return self.plain.read(value, place)
-        named = {name: entry for name, entry in value.items() if _is_section(entry)}
+        named = {name: entry for name, entry in value.items() if _is_section(name, entry)}
         plain = {name: entry for name, entry in value.items() if name not in named}
         read = {n: self._read_wall(n, entry, place.at(n)) for n, entry in named.items()}
         return {**self.plain.read(plain, place), **read}
@@ -65,9 +68,9 @@ class WallTable(Kind):
         }
 
 
-def _is_section(entry: Any) -> bool:
-    """Return whether a table is the section of a wall, and not the interval of a parameter."""
-    return isinstance(entry, dict) and not is_value(entry)
+def _is_section(name: str, entry: Any) -> bool:
+    """Return whether a table is the section of a wall, no interval, and no table of a test."""
+    return isinstance(entry, dict) and not is_value(entry) and name not in _TABLES_OF_TESTS
 
 
 @dataclass(frozen=True)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
 from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -78,7 +79,7 @@ def print_result(console: Console, result: Result, folder: Path) -> None:
             console.print(_text(f"  metamodel of {quality.part or name}: {warning}", "yellow"))
     if result.parameters:
         for shown in result.tables():
-            console.print(_rich_table(shown))
+            console.print(_rich_table(shown, console.width))
             if shown.caption:
                 # As the caption of a table it would be centred and cut to its width.
                 console.print(_text(shown.caption, "dim"))
@@ -103,12 +104,22 @@ def print_result(console: Console, result: Result, folder: Path) -> None:
     )
 
 
-def _rich_table(shown: TextTable) -> Table:
+def _rich_table(shown: TextTable, width: int) -> Table:
+    """Return a table that, in a narrow terminal, breaks its headings first.
+
+    Then lines break between several names, or else in the numbers: a name is copied, and words must
+    be seen.
+    """
     table = _table(*shown.header)
-    # In a narrow terminal, lines break in the numbers: names are copied, and words must be seen.
-    table.columns[0].no_wrap = table.columns[-1].no_wrap = True
-    for column in table.columns[1:-1]:
+    table.columns[0].no_wrap = not any(" " in first for first, *_ in shown.rows)
+    table.columns[-1].no_wrap = True
+    lines = replace(shown, caption="").text().splitlines()
+    is_narrow = max(map(len, lines)) > width
+    texts = zip(shown.header, *shown.rows, strict=True)
+    for column, (heading, *cells) in list(zip(table.columns, texts, strict=True))[1:-1]:
         column.justify = "right"
+        if is_narrow:
+            column.max_width = max(map(len, [*cells, *heading.split()]))
     for *cells, last in shown.rows:
         table.add_row(*map(_text, cells), _text(last, _VERDICT_COLOURS.get(last, "")))
     return table
@@ -244,7 +255,7 @@ def print_parts(console: Console, parts: Sequence[str | TextTable]) -> None:
         if isinstance(part, str):
             console.print(_text(part))
             continue
-        console.print(_rich_table(part))
+        console.print(_rich_table(part, console.width))
         if part.caption:
             console.print(_text(part.caption, "dim"))
 

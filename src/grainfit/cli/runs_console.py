@@ -49,7 +49,7 @@ def print_runs(
     failed = selected.values["status"].count("failed")
     parts = [counted(len(selected), "run"), *([f"{failed} failed"] if failed else [])]
     if len(selected) < len(runs):
-        parts.append(f"of {len(runs)}  in total")
+        parts.append(f"of {len(runs)} in total")
     if more > 0:
         parts.append(f"{more} more than shown: --limit {len(selected)} shows all")
     console.print(Text(", ".join(parts) + "."), soft_wrap=True)

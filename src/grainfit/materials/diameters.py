@@ -17,7 +17,7 @@ from grainfit.materials.size_distributions import (
 )
 from grainfit.materials.sizes import ParticleSizes
 from grainfit.options.fields import option_keys
-from grainfit.options.kinds import Kind, ListOf, Quantity, Schema, Text, note_wrong_kind
+from grainfit.options.kinds import Kind, ListOf, Schema, Share, Text, note_wrong_kind
 from grainfit.options.paths import Located
 from grainfit.options.places import Place
 from grainfit.options.tables import Finish, Key, Table, Values
@@ -77,7 +77,7 @@ _SIZE_CLASSES = ListOf(
             Key("value", DIAMETER, "Diameter of this class.", required=True, example='"8 mm"'),
             Key(
                 "mass_fraction",
-                Quantity("", highest=1.0, above_zero=True),
+                Share(),
                 "Share of the mass in this class, as a sieve gives it; all sum to 1.",
                 required=True,
                 example="0.3",

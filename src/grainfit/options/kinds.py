@@ -313,7 +313,8 @@ class ListOf(Kind):
             return None
         entries = tuple(self.kind.read(entry, place.at(i)) for i, entry in enumerate(value))
         if len(entries) < self.shortest:
-            place.fault(f"has {len(entries)} entries.", f"Give at least {self.shortest}.")
+            count = "1 entry" if len(entries) == 1 else f"{len(entries)} entries"
+            place.fault(f"has {count}.", f"Give at least {self.shortest}.")
             return None
         return None if None in entries else entries
 

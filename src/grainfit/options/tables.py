@@ -120,9 +120,12 @@ class Table(Kind):
             return f"It belongs in {self.homes[name]}."
         return suggest(name, (key.name for key in self.keys), "Keys here")
 
-    @staticmethod
-    def _table_remedy(place: Place) -> str:
-        return f"Write [{place.key}] and its keys below." if len(place.path) == 1 else ""
+    def _table_remedy(self, place: Place) -> str:
+        if len(place.path) == 1:
+            return f"Write [{place.key}] and its keys below."
+        names = [key.name for key in self.keys if key.required]
+        shown = names or [key.name for key in self.keys[:2]]
+        return f"Write {{ {', '.join(f'{name} = ...' for name in shown)} }}."
 
     def schema(self) -> Schema:
         """Return the JSON Schema of the table."""

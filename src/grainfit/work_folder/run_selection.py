@@ -11,6 +11,7 @@ from typing import get_args
 
 from grainfit.campaign.store.records import RunStatus
 from grainfit.errors import Fault, InputError
+from grainfit.formatting import in_a_row
 from grainfit.units import UnitError, to_unit
 from grainfit.work_folder.run_columns import COMMON_COLUMNS, RunColumns
 
@@ -137,7 +138,8 @@ _OPERATORS: Mapping[str, Callable[[float, float], bool]] = {
 
 
 def _suggestion(wrong: str, known: Sequence[str]) -> str:
-    close = difflib.get_close_matches(wrong[:64], known, n=1)
+    short_for = [name for name in known if name.rpartition(".")[2] == wrong]
+    close = short_for or difflib.get_close_matches(wrong[:64], known, n=1)
     if close:
-        return f"Did you mean {close[0]!r}?"
+        return f"Did you mean {in_a_row(map(repr, close), 'or')}?"
     return f"There are: {', '.join(known)}."
