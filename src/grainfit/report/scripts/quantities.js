@@ -30,6 +30,7 @@
   function rounded(value, uncertainty) {
     if (!Number.isFinite(value)) return "–";
     if (!(uncertainty > 0 && uncertainty < Infinity)) return text(value);
+    if (!value && uncertainty < FIXED[0]) return "0";
     const magnitude = Math.floor(Math.log10(Math.abs(value || uncertainty)));
     const decimals = Math.min(
       1 - Math.floor(Math.log10(uncertainty)),
