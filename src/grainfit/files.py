@@ -135,6 +135,14 @@ def log_tail(path: Path, lines: int = 20) -> str:
     return last_lines(text_of(path), lines)
 
 
+def line_of(error: UnicodeDecodeError) -> int:
+    """Return the number of the line that could not be decoded, from 1.
+
+    Positions count from behind a byte order mark, in what the error has of the text.
+    """
+    return error.object.count(b"\n", 0, error.start) + 1
+
+
 def text_of(path: Path) -> str:
     """Return the end of a log, or an empty text when there is none."""
     try:

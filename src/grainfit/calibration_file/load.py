@@ -20,7 +20,7 @@ from grainfit.calibration_file.parameters import MeasuredAngle
 from grainfit.calibration_file.same_simulation import join_evaluations
 from grainfit.calibration_file.toml_faults import toml_fault
 from grainfit.errors import InputError
-from grainfit.files import LARGEST_CALIBRATION_FILE, TooLargeError, read_within
+from grainfit.files import LARGEST_CALIBRATION_FILE, TooLargeError, line_of, read_within
 from grainfit.options.places import FileFault, Findings, Place
 from grainfit.problem import Parameter
 
@@ -82,9 +82,7 @@ def _read_text(path: Path) -> str:
         # Some editors put a byte order mark first, which TOML does not know.
         return data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
-        # It counts from behind a byte order mark.
-        line = error.object.count(b"\n", 0, error.start) + 1
-        raise _fault(path, "is not UTF-8 text.", "Save it as UTF-8.", line) from None
+        raise _fault(path, "is not UTF-8 text.", "Save it as UTF-8.", line_of(error)) from None
 
 
 def _parse(text: str, path: Path) -> dict[str, Any]:

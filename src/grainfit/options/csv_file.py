@@ -7,7 +7,7 @@ import io
 from pathlib import Path
 
 from grainfit.errors import Fault, InputError
-from grainfit.files import LARGEST_TABLE, read_within
+from grainfit.files import LARGEST_TABLE, line_of, read_within
 from grainfit.formatting import from_spreadsheet_text
 
 
@@ -61,7 +61,6 @@ def _decoded(data: bytes, path: Path) -> str:
     try:
         return data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
-        # It counts from behind a byte order mark.
-        line = error.object.count(b"\n", 0, error.start) + 1
-        fault = Fault("", f"is not UTF-8 text in line {line}.", "Save the table as CSV in UTF-8.")
+        words = f"is not UTF-8 text in line {line_of(error)}."
+        fault = Fault("", words, "Save the table as CSV in UTF-8.")
         raise InputError(fault, str(path)) from error
