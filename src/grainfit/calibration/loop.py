@@ -407,10 +407,11 @@ class CalibrationLoop:
 
     def _stop_when_hopeless(self) -> None:
         """Stop when no run has given a target and none is likely to."""
+        all_runs = [*self._known, *self._evaluations]
         missing = [
             name
             for name in self._problem.responses
-            if not runs_that_yield(self._problem, [*self._known, *self._evaluations], name)
+            if not runs_that_yield(self._problem, all_runs, name)
         ]
         tests = {self._problem.scope_of(name).name for name in missing}
         tried = [e for e in self._evaluations if any(map(e.proposal.asks_for, tests))]

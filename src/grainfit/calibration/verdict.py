@@ -193,7 +193,8 @@ def _about_contradictions(outcome: Outcome) -> Iterator[str]:
 
 
 def _about_contradicted(basis: CurveBasis, outcome: Outcome) -> str:
-    verified = [outcome.fresh.verified()[name] for name in basis.names]
+    of_all = outcome.fresh.verified()
+    verified = [of_all[name] for name in basis.names]
     scores = (
         [outcome.answer.predicted[name] for name in basis.names],
         [response.mean for response in verified],
