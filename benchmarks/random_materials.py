@@ -1,6 +1,6 @@
 """Random materials: "measured" by simulation, calibrated, and compared with the truth.
 
-A measurement is the mean of eight seeds at the true parameters, with the error of a laboratory.
+A measurement is the mean of a few seeds at the true parameters, with the error of a laboratory.
 Finished calibrations are kept in a file of JSON lines, runs of unfinished ones in the folder beside
 it, so that a command can be stopped and started again.
 
@@ -94,6 +94,8 @@ class Study:
         Standard uncertainty of each response that is measured: a share of the value, or absolute.
     stresses : mapping of str to (str, float)
         Option of a test that is a stress, and its value over rho g d.
+    seeds : int
+        Runs that a measurement is the mean of.
     """
 
     tests: Mapping[str, BulkTest]
@@ -103,6 +105,7 @@ class Study:
     measured: Mapping[str, Measured]
     laboratory: Mapping[str, float | str]
     stresses: Mapping[str, tuple[str, float]] = field(default_factory=dict)
+    seeds: int = MEASURED_SEEDS
 
     def at_scale_of(self, read: Mapping[str, float]) -> Study:
         """Return the study in SI units for a material with some readings."""
@@ -169,9 +172,10 @@ def _calibrate(study: Study, job: Job, folder: Path) -> Record:
     study = study.at_scale_of(read)
     truth, known, _ = study.draw(job.material)
     real = study.solvers({**study.fixed, **truth, **known})
+    laboratory = folder.parent / f"laboratory {job.material}"
     targets = [
         _target(study, key, values, job.material)
-        for key, values in _measure(real, folder.parent / f"laboratory {job.material}").items()
+        for key, values in _measure(real, study.seeds, laboratory).items()
         if key.rpartition(".")[2] in study.laboratory
     ]
     parameters = [Parameter(name, *interval) for name, interval in study.intervals(read).items()]
@@ -197,7 +201,7 @@ def _calibrate(study: Study, job: Job, folder: Path) -> Record:
     }
 
 
-def _measure(solvers: Mapping[str, Solver], folder: Path) -> dict[str, list[float]]:
+def _measure(solvers: Mapping[str, Solver], seeds: int, folder: Path) -> dict[str, list[float]]:
     """Return the values of every response for seeds that no calibration uses.
 
     Studies of one material share what they measure alike.
@@ -207,12 +211,12 @@ def _measure(solvers: Mapping[str, Solver], folder: Path) -> dict[str, list[floa
     folder.mkdir(exist_ok=True)
     with (folder / "measuring").open("w") as turn:
         flock(turn, LOCK_EX)
-        for seed in range(900_001, 900_001 + MEASURED_SEEDS):
+        for seed in range(900_001, 900_001 + seeds):
             evaluation, _ = simulate_once(solvers, {}, seed, folder, keep="results")
             for key, response in scalars(evaluation.responses).items():
                 found.setdefault(key, []).append(response.value)
             failures.update(f"{test}: {why}" for test, why in evaluation.failures.items())
-    if failures.total() > MEASURED_SEEDS / 2:
+    if failures.total() > seeds / 2:
         reason, _ = failures.most_common(1)[0]
         raise RunFailedError(f"{failures.total()} of the measurements failed; {reason}")
     return found
