@@ -166,7 +166,7 @@ def test_a_part_that_is_not_named_is_of_the_plain_wall(tmp_path: Path) -> None:
 
 def test_the_preview_says_what_walls_are_made_of(tmp_path: Path) -> None:
     setup = setup_of(tmp_path, TWO_WALLS)
-    heap, draw_down = preview_tests(setup, middle(setup), 1)
+    heap, draw_down = preview_tests(setup.solvers, middle(setup), 1)
 
     assert wall_words(heap.scene.walls["plate"]).endswith("; surface acrylic")
     assert {name: wall.surface for name, wall in draw_down.scene.walls.items()} == {

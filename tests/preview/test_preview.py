@@ -170,7 +170,7 @@ def test_every_test_of_the_bench_has_a_preview(tmp_path: Path, name: str) -> Non
     path.write_text(starter_file([name]).replace('solver = "lammps"', 'solver = "liggghts"'))
     setup = load_calibration(path)
     values = setup.values([])
-    (found,) = preview_tests(setup, values, 1)
+    (found,) = preview_tests(setup.solvers, values, 1)
 
     text = preview_page(setup.name, [found], values)
     picture = draw_geometry(found.geometry, 200)
@@ -223,6 +223,24 @@ def test_the_command_writes_page_and_picture_of_a_scene_of_the_user(
     assert not re.search(r"https?://", text)
 
 
+def test_a_test_is_drawn_before_it_is_measured(tmp_path: Path) -> None:
+    plan, page = tmp_path / "plan.toml", tmp_path / "plan.html"
+    text = starter_file(["heap"])
+    without = "\n".join(line for line in text.splitlines() if not line.startswith("targets."))
+    plan.write_text(without)
+    sliding = "particle_particle.sliding_friction=0.45"
+
+    done = CliRunner().invoke(app, ["preview", str(plan), "-o", str(page), "--set", sliding])
+
+    assert done.exit_code == 0, done.output
+    assert "0.45" in page.read_text()
+    plan.write_text(without.replace('type = "heap"', 'type = "heap"\nrepeat = 0'))
+    wrong = CliRunner().invoke(app, ["preview", str(plan)])
+    assert isinstance(wrong.exception, InputError)
+    (fault,) = wrong.exception.faults
+    assert "repeats" in str(fault)
+
+
 def test_the_name_of_a_picture_is_that_of_the_picture(tmp_path: Path) -> None:
     done = CliRunner().invoke(app, ["preview", str(BLADE), "-o", str(tmp_path / "blade.png")])
 
@@ -239,7 +257,7 @@ def test_the_page_breaks_no_rule_of_accessibility(tmp_path: Path) -> None:
     file.write_text(starter_file(["heap", "shear"]))
     setup = load_calibration(file)
     values = setup.values([])
-    write_preview(page, setup.name, preview_tests(setup, values, 1), values)
+    write_preview(page, setup.name, preview_tests(setup.solvers, values, 1), values)
 
     assert page.read_text().count("<canvas") == 2
     assert violations_in(page) == []
@@ -256,8 +274,9 @@ def test_a_file_without_a_scene_and_a_place_that_cannot_be_written_are_said(
     )
     setup = load_calibration(path)
     with pytest.raises(InputError, match="no test that can be previewed"):
-        preview_tests(setup, setup.values([]), 1)
+        preview_tests(setup.solvers, setup.values([]), 1)
     blade = load_calibration(BLADE)
     values = blade.values([])
+    tests = preview_tests(blade.solvers, values, 1)
     with pytest.raises(InputError, match=r"cannot be written.*--output"):
-        write_preview(tmp_path / "no" / "a.html", "x", preview_tests(blade, values, 1), values)
+        write_preview(tmp_path / "no" / "a.html", "x", tests, values)

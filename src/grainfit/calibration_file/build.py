@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import ExitStack, suppress
 from dataclasses import dataclass, replace
-from difflib import get_close_matches
 from pathlib import Path
 from typing import Any
 
@@ -22,6 +21,7 @@ from grainfit.calibration_file.content import CalibrationFile, SearchOptions, Te
 from grainfit.calibration_file.load import load_calibration_file
 from grainfit.calibration_file.number_notes import number_notes
 from grainfit.calibration_file.same_simulation import same_simulation_notes
+from grainfit.calibration_file.settings import quantity_of, set_values
 from grainfit.calibration_file.size_notes import size_notes
 from grainfit.calibration_file.smooth_wall_notes import smooth_wall_notes
 from grainfit.calibration_file.solid_fraction_notes import solid_fraction_notes
@@ -32,12 +32,11 @@ from grainfit.campaign.work_folder import default_workdir
 from grainfit.contact_models.registry import material_parameter
 from grainfit.errors import Fault, InputError
 from grainfit.evaluation import response_name
-from grainfit.formatting import in_a_row, with_unit
+from grainfit.formatting import with_unit
 from grainfit.materials.particle_shape import ASPECT_RATIO
 from grainfit.materials.time_step import RayleighTimeStep
 from grainfit.options.fields import option_keys
-from grainfit.options.kinds import Quantity, suggest
-from grainfit.options.places import Findings, Place
+from grainfit.options.kinds import Quantity
 from grainfit.problem import Problem
 from grainfit.result import Result
 from grainfit.solvers.base import Solver
@@ -45,7 +44,6 @@ from grainfit.solvers.registry import types_of_test
 from grainfit.solvers.type_of_test import FileEntry
 from grainfit.strategies.base import Strategy
 from grainfit.strategies.registry import changed
-from grainfit.units import is_unit
 
 _RAYLEIGH = ("particle.density", "particle.youngs_modulus", "particle.poissons_ratio")
 
@@ -283,15 +281,7 @@ class CalibrationSetup:
         InputError
             A setting has another form, names no parameter of the file, or is no possible value.
         """
-        findings = Findings(self.file.path.parent)
-        values = self.problem.middle | dict(others or {})
-        for setting in settings:
-            name, _, text = setting.partition("=")
-            place = Place(findings, tuple(name.strip().split(".")))
-            values |= self._set(name.strip(), text.strip(), place)
-        if findings.faults:
-            raise InputError(findings.faults)
-        return values
+        return set_values(self.file, settings, others)
 
     def outside(self, settings: Iterable[str]) -> list[str]:
         """Return a note on each value that is set outside of the interval of its parameter.
@@ -309,33 +299,9 @@ class CalibrationSetup:
             if not p.contains(values[p.name])
         ]
 
-    def _set(self, name: str, text: str, place: Place) -> dict[str, float]:
-        known = [parameter.name for parameter in self.file.parameters] + list(self.file.fixed)
-        if name not in known:
-            place.fault("is not a parameter of the file.", self._meant(name, known))
-        elif not text:
-            place.fault("is given no value.", f"Write {name}=VALUE.")
-        elif (value := self.quantity(name).read(_number_or_text(text), place)) is not None:
-            return {name: value}
-        return {}
-
-    def _meant(self, name: str, known: Sequence[str]) -> str:
-        """Return a sentence that suggests a parameter; of those of one key, the free ones."""
-        keys = [other.rpartition(".")[2] for other in known]
-        close = get_close_matches(name[:64], keys, n=1)
-        alike = [other for other, key in zip(known, keys, strict=True) if key in close]
-        free = {parameter.name for parameter in self.file.parameters}
-        alike = [other for other in alike if other in free] or alike
-        if "." in name or not alike:
-            return suggest(name, known, "It has")
-        return f"Write its whole name: {in_a_row(alike, 'or')}."
-
     def quantity(self, name: str) -> Quantity:
         """Return the unit and the physical limits of a parameter."""
-        if (known := material_parameter(name)) is not None:
-            return Quantity(known.unit, known.lowest, known.highest)
-        units = [p.unit for p in self.file.parameters if p.name == name and is_unit(p.unit)]
-        return Quantity(units[0] if units and units[0] else None)
+        return quantity_of(self.file, name)
 
 
 def load_calibration(path: str | Path) -> CalibrationSetup:
@@ -456,10 +422,3 @@ def _faults_of_test(number: int, error: InputError) -> list[Fault]:
 
 def _without_none(values: Mapping[str, Any]) -> dict[str, Any]:
     return {key: value for key, value in values.items() if value is not None}
-
-
-def _number_or_text(text: str) -> float | str:
-    try:
-        return float(text)
-    except ValueError:
-        return text

@@ -14,6 +14,7 @@ from grainfit.calibration_file.build import build_solvers
 from grainfit.calibration_file.content import CalibrationFile, PlannedTarget
 from grainfit.calibration_file.load import load_calibration_file
 from grainfit.calibration_file.targets import TargetTable
+from grainfit.errors import InputError
 from grainfit.options.places import Findings, Place
 from grainfit.solvers.base import Solver
 
@@ -79,6 +80,30 @@ def load_planned_file(path: str | Path) -> PlannedFile:
         With every fault of the file, its key and its line.
     """
     file = load_calibration_file(Path(path), planned=True)
+    return PlannedFile(file, build_solvers(file))
+
+
+def load_tests(path: str | Path) -> PlannedFile:
+    """Read the tests of a calibration file, whether or not they are measured yet.
+
+    Parameters
+    ----------
+    path : path
+        The file.
+
+    Raises
+    ------
+    InputError
+        With every fault of the file, its key and its line.
+    """
+    try:
+        file = load_calibration_file(path)
+    except InputError as measured:
+        try:
+            return load_planned_file(path)
+        except InputError as planned:
+            # The other reading has faults that are none, such as missing values or a curve.
+            raise min(measured, planned, key=lambda error: len(error.faults)) from None
     return PlannedFile(file, build_solvers(file))
 
 

@@ -302,15 +302,17 @@ def preview(
     """Draw every test before it runs: geometry, first packing, stages, and the cost of a run.
 
     Writes a page in three dimensions, and a picture (PNG). No solver is needed or started; the
-    function of a scene of your own is called.
+    function of a scene of your own is called. Measured values may be missing.
     """
+    from grainfit.calibration_file.planned import load_tests
+    from grainfit.calibration_file.settings import set_values
     from grainfit.preview.preview import preview_tests, write_preview
 
-    setup = _build(file)
-    values = setup.values(settings or [])
-    tests = preview_tests(setup, values, seed)
+    planned = load_tests(file)
+    values = set_values(planned.file, settings or [])
+    tests = preview_tests(planned.solvers, values, seed, str(file))
     page, picture = write_preview(
-        output or Path(f"{file.stem}.preview.html"), setup.name, tests, values
+        output or Path(f"{file.stem}.preview.html"), planned.file.name, tests, values
     )
     show.print_preview(_out, tests, page, picture)
     if open_it:

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from grainfit.calibration_file.build import CalibrationSetup
 from grainfit.errors import Fault, InputError, RunFailedError
 from grainfit.files import write_atomically
 from grainfit.measurement.sheet import OVERSAMPLING, sheet
@@ -20,18 +19,20 @@ _WIDE, _NARROW = 900 * OVERSAMPLING, 560 * OVERSAMPLING
 
 
 def preview_tests(
-    setup: CalibrationSetup, values: Mapping[str, float], seed: int
+    solvers: Mapping[str, Solver], values: Mapping[str, float], seed: int, source: str = ""
 ) -> list[PreviewedTest]:
     """Return the scenes of all tests that a DEM program simulates. No program is started.
 
     Parameters
     ----------
-    setup : CalibrationSetup
-        The calibration.
+    solvers : mapping of str to Solver
+        By name of the test.
     values : mapping of str to float
         Values of the free parameters.
     seed : int
         Seed of the first packing.
+    source : str
+        Name of the file, for faults.
 
     Raises
     ------
@@ -40,13 +41,13 @@ def preview_tests(
     """
     found = [
         _previewed(name, solver, values, seed)
-        for name, solver in setup.solvers.items()
+        for name, solver in solvers.items()
         if solver.bulk_test is not None
     ]
     if not found:
         message = "has no test that can be previewed: all are models of your own."
         remedy = "Only tests that a DEM program of grainfit simulates have a scene."
-        raise InputError(Fault("test", message, remedy), str(setup.file.path))
+        raise InputError(Fault("test", message, remedy), source)
     return found
 
 
