@@ -45,6 +45,11 @@ MATERIAL = {
 }
 
 
+#: On a floor as smooth as the walls the foot of a pile slides outward, the more the higher it is in
+#: diameters, and its angle is that of the floor.
+ROUGH_FLOOR = {"floor_sliding_friction": 0.5, "floor_rolling_friction": 0.5}
+
+
 class Run(NamedTuple):
     """What is varied, in the order of the records."""
 
@@ -63,7 +68,8 @@ def test_of(run: Run) -> BulkTest:
         for name, value in usual.resolved_options().items()
         if units.get(name) in ("m", "m/s") and value is not None
     }
-    return kind(REAL.coarse_grained(run.factor), **apparatus)
+    floor = ROUGH_FLOOR if run.test == "draw_down" else {}
+    return kind(REAL.coarse_grained(run.factor), **apparatus, **floor)
 
 
 def simulate(run: Run) -> dict[str, Any]:
