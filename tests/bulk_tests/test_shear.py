@@ -304,6 +304,20 @@ def test_another_inertial_number_fails_the_run(changed):
     _refused(changed, "inertial number is 0.02[0-9]* instead of 0.02")
 
 
+@pytest.mark.parametrize(
+    ("planned", "advice"),
+    [(0.05, "looser .*; use a larger normal_stress"), (0.1, "denser .*; use sizes")],
+)
+def test_a_gap_that_is_not_the_planned_one_says_what_to_change(changed, planned, advice):
+    # The speed belongs to the planned gap, and the gap of this run is 0.07 m.
+    _scale(changed, {"travel": planned / 0.07})
+    test = small()
+    setup = replace(test.setup, gap=planned, averaged_strain=0.07 / planned)
+    object.__setattr__(test, "setup", setup)
+    with pytest.raises(RunFailedError, match=advice):
+        test.measure(RunOutput(changed))
+
+
 def test_a_bed_that_slips_at_the_plates_fails_the_run(changed):
     still = read_dump(changed / "snapshots/frame0.dump").positions
     for name in ("frame1", "frame2", "sheared"):

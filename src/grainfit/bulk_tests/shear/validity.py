@@ -69,11 +69,15 @@ def _require_inertial_number(
     density = frame.bed.masses.sum() / frame.bed.volumes.sum()
     found = speed / gap * setup.diameter / math.sqrt(setup.normal_stress / density)
     if not abs(found / setup.inertial_number - 1) <= _INERTIAL:
+        bed, use = (
+            ("denser", "sizes that are nearer to each other")
+            if gap < setup.gap
+            else ("looser", "a larger normal_stress, which compacts a cohesive bed")
+        )
         raise RunFailedError(
             f"the inertial number is {found:.3g} instead of {setup.inertial_number:g}: the plates "
             f"are {gap:.3g} m apart, and their speed is that for {setup.gap:.3g} m, because the "
-            f"bed is much {'denser' if gap < setup.gap else 'looser'} than a solid fraction of "
-            "0.58; use sizes that are nearer to each other, or other frictions"
+            f"bed is much {bed} than a solid fraction of 0.58; use {use}, or other frictions"
         )
 
 
