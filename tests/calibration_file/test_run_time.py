@@ -82,6 +82,14 @@ def test_calibration_of_days_says_what_would_shorten_it_and_to_what(tmp_path: Pa
     assert f"of that size, it would take {run_time(usual, expected_runs(usual))}" in note
 
 
+def test_timeout_below_the_time_of_a_run_is_noted(tmp_path: Path) -> None:
+    beads = setup(tmp_path, ('type = "heap"', 'type = "heap"\ntimeout = "1 s"'))
+    [note] = [note for note in describe_plan(beads).notes if "timeout" in note]
+    assert note.startswith("Test heap: timeout = 1 s, but a run takes about ")
+    longer = setup(tmp_path, ('type = "heap"', 'type = "heap"\ntimeout = "1 h"'))
+    assert not any("timeout" in note for note in describe_plan(longer).notes)
+
+
 def test_bulk_density_above_every_packing_is_noted_with_a_possible_interval(
     tmp_path: Path,
 ) -> None:

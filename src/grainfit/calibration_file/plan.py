@@ -16,6 +16,7 @@ from grainfit.calibration_file.run_time import (
     expected_runs,
     run_time,
     shortening_notes,
+    timeout_notes,
 )
 from grainfit.calibration_file.size_notes import size_lines
 from grainfit.campaign.cluster.executor import describe_cluster, executed_by
@@ -110,6 +111,9 @@ def describe_plan(setup: CalibrationSetup, *, call_scenes: bool = True) -> Plan:
         lines += _run_lines(setup, runs, time)
     except InputError as error:
         problems += [str(fault) for fault in error.faults]
+    notes = [*setup.notes()]
+    if time is not None:
+        notes += [*timeout_notes(setup, time), *shortening_notes(setup, time)]
     problem = setup.problem
     return Plan(
         setup.name,
@@ -118,7 +122,7 @@ def describe_plan(setup: CalibrationSetup, *, call_scenes: bool = True) -> Plan:
         problem.curves,
         tuple(lines),
         tuple(executes),
-        (*setup.notes(), *(shortening_notes(setup, time) if time else ())),
+        tuple(notes),
         tuple(problems),
         time.seconds if time else None,
     )

@@ -1,4 +1,4 @@
-"""Time that a calibration will take, and what would shorten one that takes days."""
+"""Time that a calibration will take, what would stop its runs, and what would shorten days."""
 
 from __future__ import annotations
 
@@ -154,6 +154,27 @@ def run_time(setup: CalibrationSetup, runs: ExpectedRuns) -> RunTime | None:
             return None
         per_run[test] = seconds
     return RunTime(runs, per_run, setup.repeats, setup.workers)
+
+
+def timeout_notes(setup: CalibrationSetup, time: RunTime) -> Iterator[str]:
+    """Yield a note on each test whose runs would be stopped before their estimated end.
+
+    Parameters
+    ----------
+    setup : CalibrationSetup
+        The calibration.
+    time : RunTime
+        Its expected time.
+    """
+    limits = setup.timeouts
+    for test, seconds in time.per_run.items():
+        limit = limits.get(test, math.inf)
+        if limit < seconds:
+            yield (
+                f"Test {test}: timeout = {duration(limit)}, but a run takes about "
+                f"{duration(seconds)} and would be stopped before its end. Leave timeout out, or "
+                "give several times as much."
+            )
 
 
 def shortening_notes(setup: CalibrationSetup, time: RunTime) -> Iterator[str]:
