@@ -8,7 +8,7 @@ Finished calibrations are kept in the file ``--kept``, runs of unfinished ones i
 it, so that the command can be stopped and started again. Calibrations of one kind share their runs,
 see `random_materials`.
 
-    python benchmarks/recovery.py --kept recovery.jsonl [--materials 10]
+    python benchmarks/recovery.py --kept recovery.jsonl [--materials 18]
         [--tests cohesive clumps] [--wanted 25%] [--processes 2] [--table]
 """
 
@@ -93,7 +93,7 @@ def clumps() -> Study:
 def main() -> None:
     """Calibrate, and print the table."""
     studies = {"cohesive": cohesive(), "clumps": clumps()}
-    run(studies, command(studies, materials=10, about=__doc__.splitlines()[0]))
+    run(studies, command(studies, materials=18, about=__doc__.splitlines()[0]))
 
 
 if __name__ == "__main__":
