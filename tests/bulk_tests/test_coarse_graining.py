@@ -129,9 +129,46 @@ def test_file_with_coarse_graining_simulates_fewer_particles_with_longer_steps(t
     assert 2 * rayleigh[0] == pytest.approx(rayleigh[1])
 
 
-def test_factor_that_leaves_no_room_is_refused_by_its_name(tmp_path):
-    with pytest.raises(InputError, match=r"narrower.*9 times as large.*particle\.coarse_graining"):
+def test_factor_that_leaves_no_room_is_refused_with_the_largest_that_does(tmp_path):
+    words = r"narrower.*Or use particle\.coarse_graining = 8\.33 at most: particles are 9 times"
+    with pytest.raises(InputError, match=words):
         gf.load(pellets(tmp_path, 9))
+
+    gf.load(pellets(tmp_path, 8.33))
+
+
+@pytest.mark.parametrize("kind", BUILT_IN.values(), ids=BUILT_IN)
+def test_largest_factor_is_named_for_everything_that_is_too_narrow(kind):
+    with pytest.raises(InputError) as refused:
+        kind(REAL.coarse_grained(50))
+
+    remedies = [fault.remedy for fault in refused.value.faults]
+    [factor] = {float(*re.findall(r"coarse_graining = (\S+) at most", words)) for words in remedies}
+    assert [*kind(REAL.coarse_grained(factor)).material_faults({})] == []
+    with pytest.raises(InputError):
+        cohesionless(kind(REAL.coarse_grained(factor + 0.01)))
+
+
+def test_factor_has_to_go_where_only_the_real_particles_fit():
+    with pytest.raises(InputError, match=r"Or leave particle\.coarse_graining out: .* 1\.5 times"):
+        Packing(REAL.coarse_grained(1.5), cylinder_radius=0.01)
+
+
+def test_no_factor_is_named_where_the_real_particles_are_too_large_too():
+    words = r"of at least 0\.02 m\. Particles are 2 times as large as the real ones"
+    with pytest.raises(InputError, match=words):
+        Packing(REAL.coarse_grained(2), cylinder_radius=0.009)
+
+
+def test_factor_is_named_where_real_particles_would_be_too_many():
+    # The cylinder holds millions of grains of 0.2 mm.
+    room = {"cylinder_radius": 0.1, "fill_height": 0.3, "bulk_density_top": 0.2}
+    grains = ParticleSizes((0.0002,))
+    with pytest.raises(InputError, match="are more than"):
+        Packing(grains, **room)
+
+    with pytest.raises(InputError, match=r"coarse_graining = 250 at most"):
+        Packing(grains.coarse_grained(400), **room)
 
 
 @pytest.mark.parametrize("factor", [0.5, 1e4, '"x"', "[2]", "nan"])

@@ -12,6 +12,7 @@ from grainfit.bulk_tests.registry import recreate_test
 from grainfit.calibration_file.build import CalibrationSetup, build_calibration
 from grainfit.calibration_file.load import load_calibration_file
 from grainfit.calibration_file.plan import describe_plan
+from grainfit.calibration_file.schema import calibration_file_schema
 from grainfit.errors import InputError
 from grainfit.materials.particle_shape import ParticleShape
 from grainfit.materials.sizes import ParticleSizes
@@ -65,6 +66,14 @@ def test_impossible_shapes_are_refused_with_key_and_value(
         setup_with(tmp_path, lines)
 
     assert [(fault.key, words in fault.message) for fault in caught.value.faults] == [(key, True)]
+
+
+def test_editors_say_that_shapes_require_an_aspect_ratio_which_has_no_default() -> None:
+    keys = calibration_file_schema()["properties"]["particle"]["properties"]
+
+    words = keys["aspect_ratio"]["description"]
+    assert words.endswith("Required with a shape by name.")
+    assert "by default" not in words
 
 
 def test_a_free_aspect_ratio_is_a_parameter_of_runs_of_clumps(tmp_path: Path) -> None:

@@ -209,6 +209,29 @@ def test_what_matters_most_is_there_as_a_comment(material: str, words: str) -> N
     assert words in starter_file(["heap"], read_starting_material(material))
 
 
+@pytest.mark.parametrize(
+    ("tests", "is_there"),
+    [
+        *((["heap", name], name in {"heap", "packing", "compression"}) for name in BUILT_IN),
+        (["discharge"], False),
+    ],
+)
+def test_coarse_graining_is_a_comment_only_where_every_test_has_room_for_it(
+    tmp_path: Path, tests: list[str], is_there: bool
+) -> None:
+    text = starter_file(tests, read_starting_material("dry_sand"))
+    assert ("# coarse_graining = 2" in text) == is_there
+
+    path = tmp_path / "new.toml"
+    enlarged = text.replace("\ndiameter = ", "\ncoarse_graining = 2\ndiameter = ")
+    path.write_text(enlarged, encoding="utf-8")
+    if is_there:
+        gf.load(path)
+    else:
+        with pytest.raises(InputError, match=r"particle\.coarse_graining"):
+            gf.load(path)
+
+
 def test_heap_of_pellets_is_expected_on_its_plate(tmp_path: Path) -> None:
     path = tmp_path / "new.toml"
     path.write_text(starter_file(["heap"], read_starting_material("plastic_pellets")))

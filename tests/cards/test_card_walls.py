@@ -13,6 +13,7 @@ from pathlib import Path
 
 import pytest
 from exported_beads import FIXED, SIZES
+from test_solvers_read_cards import write_yade
 
 from grainfit.bulk_tests.heap import Heap
 from grainfit.cards import CardParameter, MaterialCard, render
@@ -138,11 +139,7 @@ def test_particles_slide_on_each_wall_with_its_friction(
 
 
 YADE = """
-import os, sys
 from yade import *
-
-sys.path.insert(0, os.getcwd())
-from material import contact_law, contact_physics, particle, wall_steel, wall_acrylic
 
 O.engines = [
     ForceResetter(),
@@ -167,8 +164,7 @@ for number, name, material in ((1, "steel", wall_steel), (2, "acrylic", wall_acr
     shutil.which("yade") is None, reason="YADE is not installed: apt-get install yade"
 )
 def test_yade_has_a_material_for_each_wall(two_walls: MaterialCard, tmp_path: Path) -> None:
-    (tmp_path / "material.py").write_text(render(two_walls, "yade"), encoding="utf-8")
-    (tmp_path / "in.test.py").write_text(YADE, encoding="utf-8")
+    write_yade(render(two_walls, "yade"), YADE, tmp_path / "in.test.py")
     undamped = {name: 0.0 if "rolling_damping" in name else value for name, value in FIXED.items()}
     solver: DeckSolver = DEM_PROGRAMS["yade"](Heap(SIZES), undamped)
     run_process(solver._command(Path("in.test.py")), Workspace(tmp_path, 60.0))

@@ -7,13 +7,23 @@ import io
 import json
 import re
 import shutil
-import subprocess
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from test_solvers_read_cards import LAMMPS, LIGGGHTS, OVERLAP, RADIUS, YADE, deck, printed, start
+from test_solvers_read_cards import (
+    LAMMPS,
+    LIGGGHTS,
+    OVERLAP,
+    RADIUS,
+    YADE,
+    deck,
+    printed,
+    run_yade,
+    start,
+    write_yade,
+)
 
 from grainfit.cards import CardParameter, MaterialCard, render
 from grainfit.contact_models.dmt.model import pull_off_force
@@ -96,14 +106,10 @@ def test_liggghts(card: MaterialCard, tmp_path: Path, model: str) -> None:
 )
 def test_yade(card: MaterialCard, tmp_path: Path) -> None:
     text = render(with_cohesion(card, STICKY, "dmt"), "yade")
-    (tmp_path / "material.py").write_text(text, encoding="utf-8")
     adhesion = '"adhesion": found.adhesionForce, "acts": contact_law.includeAdhesion,'
-    (tmp_path / "test.py").write_text(YADE.replace('"kno": found.kno,', adhesion))
-    command = ["yade", "-n", "-x", "test.py"]
-    done = subprocess.run(
-        command, cwd=tmp_path, capture_output=True, text=True, timeout=120, check=False
-    )
-    assert (tmp_path / "found.json").is_file(), done.stdout + done.stderr
+    write_yade(text, YADE.replace('"kno": found.kno,', adhesion), tmp_path / "test.py")
+    log = run_yade("test.py", tmp_path)
+    assert (tmp_path / "found.json").is_file(), log
     found = json.loads((tmp_path / "found.json").read_text())
     # One surface energy and half the radius on a wall, as the card says.
     for contact in (found["particles"], found["wall"]):

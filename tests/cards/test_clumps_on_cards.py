@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
-from test_solvers_read_cards import start
+from test_solvers_read_cards import run_yade, start, write_yade
 
 from grainfit.bulk_tests.heap import Heap
 from grainfit.bulk_tests.packing import Packing
@@ -126,29 +126,37 @@ def test_lammps_moves_the_clump_of_a_card_as_a_whole(card: MaterialCard, tmp_pat
     assert touching == 0
 
 
+#: What stands before the lines of a card, and what inserts the clumps of its templates.
 LIGGGHTS = """units si
 atom_style granular
-atom_modify map array
 newton off
 communicate single vel yes
 boundary f f f
-region box block -0.1 0.1 -0.1 0.1 0.0 0.2 units box
-create_box 2 box
 neighbor 0.002 bin
-include card.inc
-pair_style gran model ${{contact_model}}
-pair_coeff * *
-region hopper block -0.08 0.08 -0.08 0.08 0.05 0.18 units box
-{templates}
+region box block -0.1 0.1 -0.1 0.1 0.0 0.2 units box
+"""
+INSERTION = """region hopper block -0.08 0.08 -0.08 0.08 0.05 0.18 units box
 fix both all particledistribution/discrete 15485867 2 clump1 0.5 clump2 0.5
 fix insertion all insert/pack seed 32452843 distributiontemplate both insert_every once &
     overlapcheck yes orientation random all_in yes particles_in_region 10 region hopper
-fix motion all multisphere
-timestep ${{recommended_time_step}}
-run 1
-variable number equal atoms
-print "FOUND ${{number}}"
 """
+COUNTED = """run 1
+variable number equal atoms
+print "FOUND ${number}"
+"""
+
+
+def deck_of_card(text: str) -> str:
+    """Return the first lines of a card for LIGGGHTS, with box, templates and insertion added."""
+    indented = [line[6:] for line in text.splitlines() if line.startswith("#     ")]
+    end, first = (
+        next(n for n, line in enumerate(indented) if line.startswith(start))
+        for start in ("timestep", "fix clump1")
+    )
+    head = [line for line in indented[: end + 1] if not line.startswith("fix             walls")]
+    deck = "\n".join(head).replace("create_box      2 ...", "create_box      2 box")
+    inserted = "\n".join(indented[first:]) + f"\n{INSERTION}"
+    return deck.replace("fix             motion", f"{inserted}fix             motion")
 
 
 @pytest.mark.skipif(
@@ -157,11 +165,8 @@ print "FOUND ${{number}}"
 def test_liggghts_inserts_the_clumps_of_each_diameter(clumps: MaterialCard, tmp_path: Path) -> None:
     sizes = ParticleSizes((0.008, 0.010), (0.4, 0.6), shape=SIZES.shape)
     text = render(replace(clumps, sizes=sizes), "liggghts")
-    (tmp_path / "card.inc").write_text(text)
-    indented = [line[6:] for line in text.splitlines() if line.startswith("#     ")]
-    first = next(n for n, line in enumerate(indented) if line.startswith("fix clump1"))
-    templates = "\n".join(indented[first:])
-    (tmp_path / "in.test").write_text(LIGGGHTS.format(templates=templates))
+    (tmp_path / "this_file").write_text(text)
+    (tmp_path / "in.test").write_text(f"{LIGGGHTS}{deck_of_card(text)}\n{COUNTED}")
     start(Liggghts, tmp_path)
 
     assert "FOUND 70" in (tmp_path / "solver.log").read_text(errors="replace").splitlines()
@@ -189,11 +194,8 @@ def test_cards_of_spheres_say_nothing_of_clumps(card: MaterialCard) -> None:
 
 #: A pin at a place and with an orientation, and one that falls on its end.
 YADE = """
-import json, os, sys
+import json
 from yade import *
-
-sys.path.insert(0, os.getcwd())
-from material import RECOMMENDED_TIME_STEP, contact_law, contact_physics, put_clump, wall
 
 O.bodies.append(utils.wall(0, axis=2, material=wall))
 clump, members = put_clump((0.1, 0.2, 0.3), Quaternion(Vector3(1, 2, 3).normalized(), 0.7))
@@ -229,14 +231,9 @@ with open("found.json", "w") as file:
     shutil.which("yade") is None, reason="YADE is not installed: apt-get install yade"
 )
 def test_yade_puts_the_clump_of_a_card(card: MaterialCard, tmp_path: Path) -> None:
-    text = render(replace(card, sizes=PIN), "yade")
-    (tmp_path / "material.py").write_text(text, encoding="utf-8")
-    (tmp_path / "test.py").write_text(YADE)
-    command = ["yade", "-n", "-x", "test.py"]
-    done = subprocess.run(
-        command, cwd=tmp_path, capture_output=True, text=True, timeout=120, check=False
-    )
-    assert (tmp_path / "found.json").is_file(), done.stdout + done.stderr
+    write_yade(render(replace(card, sizes=PIN), "yade"), YADE, tmp_path / "test.py")
+    log = run_yade("test.py", tmp_path)
+    assert (tmp_path / "found.json").is_file(), log
     found = json.loads((tmp_path / "found.json").read_text())
 
     clump, diameter = PIN.clump, PIN.diameters[0]

@@ -29,6 +29,7 @@ from grainfit.solvers.dem.liggghts.program import Liggghts
 from grainfit.solvers.dem.program import DeckSolver
 from grainfit.solvers.process.process import run_process
 
+PAGE = Path(__file__).parents[2] / "docs" / "export.md"
 RADIUS = 0.005
 OVERLAP = 1e-4
 
@@ -82,12 +83,9 @@ run             0
 """
 
 YADE = """
-import json, math, os, sys
+import json, math
 from yade import *
-
-sys.path.insert(0, os.getcwd())
-from material import *
-from material import PARAMETERS, RECOMMENDED_TIME_STEP
+from this_file import PARAMETERS
 
 radius, overlap = RADIUS, OVERLAP
 
@@ -160,6 +158,22 @@ def deck(text: str, names: list[str]) -> str:
 def start(solver_type: type[DeckSolver], folder: Path) -> None:
     solver = solver_type(Heap(SIZES), FIXED)
     run_process(solver._command(Path("in.test")), Workspace(folder, 60.0))
+
+
+def write_yade(card: str, script: str, path: Path) -> None:
+    """Write a card, and a script that begins as the first lines of the card say."""
+    (path.parent / "this_file.py").write_text(card, encoding="utf-8")
+    head = [line.removeprefix("#     ") for line in card.splitlines()]
+    [end] = [n for n, line in enumerate(head, 1) if line.startswith("from this_file import")]
+    path.write_text("\n".join(head[1:end]) + f"\n{script}", encoding="utf-8")
+
+
+def run_yade(name: str, folder: Path) -> str:
+    command = ["yade", "-n", "-x", name]
+    done = subprocess.run(
+        command, cwd=folder, capture_output=True, text=True, timeout=120, check=False
+    )
+    return done.stdout + done.stderr
 
 
 def printed(log: Path) -> dict[str, float]:
@@ -256,14 +270,10 @@ def test_liggghts_computes_with_the_values_of_its_card(
 def test_yade_computes_with_the_values_of_its_card(
     nasty_card: MaterialCard, tmp_path: Path
 ) -> None:
-    (tmp_path / "material.py").write_text(render(nasty_card, "yade"), encoding="utf-8")
-    (tmp_path / "test.py").write_text(YADE)
-    command = ["yade", "-n", "-x", "test.py"]
-    done = subprocess.run(
-        command, cwd=tmp_path, capture_output=True, text=True, timeout=120, check=False
-    )
-    assert (tmp_path / "found.json").is_file(), done.stdout + done.stderr
-    assert "INJECTED" not in done.stdout.splitlines()
+    write_yade(render(nasty_card, "yade"), YADE, tmp_path / "test.py")
+    log = run_yade("test.py", tmp_path)
+    assert (tmp_path / "found.json").is_file(), log
+    assert "INJECTED" not in log.splitlines()
     found = json.loads((tmp_path / "found.json").read_text())
     values = nasty_card.values
     assert found["parameters"] == values
@@ -289,3 +299,17 @@ def test_yade_computes_with_the_values_of_its_card(
     assert found["wall"]["friction"] == pytest.approx(values["particle_wall.sliding_friction"])
     assert found["rebound"] == pytest.approx(values["particle_particle.restitution"], rel=0.02)
     assert found["wall_rebound"] == pytest.approx(values["particle_wall.restitution"], rel=0.02)
+
+
+@pytest.mark.skipif(
+    shutil.which("yade") is None, reason="YADE is not installed: apt-get install yade"
+)
+def test_script_of_the_page_runs_beside_its_card(card: MaterialCard, tmp_path: Path) -> None:
+    _, section = PAGE.read_text(encoding="utf-8").split("\n## YADE\n")
+    script, _ = section.partition("```python\n")[2].split("```\n", 1)
+    (tmp_path / "sand.py").write_text(render(card, "yade"), encoding="utf-8")
+    falls = 'O.run(10, wait=True)\nprint("FALLS", O.bodies[0].state.vel[2] < 0)\n'
+    (tmp_path / "script.py").write_text(script + falls, encoding="utf-8")
+
+    log = run_yade("script.py", tmp_path)
+    assert "FALLS True" in log.splitlines(), log

@@ -12,12 +12,14 @@ from __future__ import annotations
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Collection, Iterable, Mapping, Sequence
+from copy import copy
 from dataclasses import InitVar, dataclass, fields, replace
 from functools import cache
 from typing import Any, ClassVar, Self
 
 import numpy as np
 
+from grainfit.bulk_tests.refused_factor import with_factor
 from grainfit.bulk_tests.run_cost import RunCost
 from grainfit.bulk_tests.sensitivities import DENSITY, MODULUS, Sensitivities
 from grainfit.bulk_tests.stiffness import UNDER_OWN_WEIGHT, OverlapLaw
@@ -254,7 +256,17 @@ class BulkTest(ABC):
         except InputError as error:
             if self.sizes.coarse_graining == 1:
                 raise
-            raise _with_factor(error, self.sizes.coarse_graining) from None
+            raise with_factor(error, self.sizes.coarse_graining, self._is_possible_at) from None
+
+    def _is_possible_at(self, factor: float) -> bool:
+        """Return whether the test is possible with the real particles enlarged by a factor."""
+        trial = copy(self)
+        object.__setattr__(trial, "sizes", self.sizes.real.coarse_grained(factor))
+        try:
+            trial.prepare()
+        except InputError:
+            return False
+        return not any(trial.material_faults({}))
 
     def prepare(self) -> None:
         """Derive values from the options; raise `InputError` when they are impossible.
@@ -566,12 +578,6 @@ def _option_keys(test: type[BulkTest]) -> tuple[Key, ...]:
     shared = {field.name for field in fields(BulkTest)}
     # Those that all tests have come last.
     return tuple(sorted(option_keys(test), key=lambda key: key.name in shared))
-
-
-def _with_factor(error: InputError, factor: float) -> InputError:
-    """Return the faults of a test with the factor that may have caused them."""
-    hint = f"Particles are {factor:g} times as large as the real ones (particle.coarse_graining)."
-    return InputError([replace(f, remedy=f"{f.remedy} {hint}".strip()) for f in error.faults])
 
 
 def read_sizes(sizes: ParticleSizes | None, diameter: Any) -> ParticleSizes:

@@ -68,6 +68,9 @@ _RESERVED = (
 def _material_key(parameter: MaterialParameter) -> Key:
     unit = f", {parameter.unit}" if parameter.unit else ""
     default = "" if parameter.default is None else f" {parameter.default:g} by default."
+    if parameter.name == ASPECT_RATIO:
+        # The default is that of spheres, which have no shape to give it for.
+        default = " Required with a shape by name."
     return Key(
         parameter.key,
         FixedOrFree(parameter),
@@ -335,8 +338,12 @@ def _note_missing_keys(
         names = ", ".join(key.name for key in keys)
         words = _words(simulated)
         verb = "need" if words.endswith("s") else "needs"
+        # A wall is looked for where its other section is.
+        other = next((section for section in WALL_SECTIONS if section != path[0]), path[0])
         place.at(*path).fault(
-            "is missing.", f"{words.capitalize()} {verb} [{'.'.join(path)}] with {names}."
+            "is missing.",
+            f"{words.capitalize()} {verb} [{'.'.join(path)}] with {names}.",
+            near=(other, last) if around else (),
         )
     elif outer[last] is not None:
         for key in keys:

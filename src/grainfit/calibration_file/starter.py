@@ -7,6 +7,7 @@ import textwrap
 from collections.abc import Iterator, Sequence
 
 from grainfit.bulk_tests.base import BulkTest
+from grainfit.bulk_tests.coarse_graining import coarse_grained
 from grainfit.bulk_tests.registry import bulk_tests
 from grainfit.calibration_file.examples import (
     DIAMETER_OF_EXAMPLES,
@@ -15,7 +16,7 @@ from grainfit.calibration_file.examples import (
 )
 from grainfit.contact_models.registry import CONTACT_MODELS
 from grainfit.errors import Fault, InputError
-from grainfit.materials.starting_materials import StartingMaterial
+from grainfit.materials.starting_materials import StartingMaterial, StartingValue
 from grainfit.options.tables import Key
 from grainfit.solvers.registry import DEM_PROGRAMS
 
@@ -131,7 +132,9 @@ def starter_file(
         faults = [f for test in tests for f in program.concept_faults(test.type, test.concepts())]
     if faults:
         raise InputError(faults)
-    first = _GLASS_BEADS if material is None else "\n".join(_sections(material, solver)) + "\n\n"
+    first = _GLASS_BEADS
+    if material is not None:
+        first = "\n".join(_sections(material, solver, tests)) + "\n\n"
     blocks = [_TESTS if material is None else f"{_TESTS}{_EXAMPLES}"]
     for number, name in enumerate(names, 1):
         own = f"{name}_{number}" if names.count(name) > 1 else ""
@@ -148,7 +151,7 @@ def _for_solver(sections: str, solver: str) -> str:
     return sections
 
 
-def _sections(material: StartingMaterial, solver: str) -> Iterator[str]:
+def _sections(material: StartingMaterial, solver: str, tests: Sequence[BulkTest]) -> Iterator[str]:
     """Iterate over the lines of a material, each value below its source."""
     yield from _comment(
         f"STARTING VALUES for {material.title}. Your material differs: nothing here is calibrated, "
@@ -164,7 +167,8 @@ def _sections(material: StartingMaterial, solver: str) -> Iterator[str]:
             yield from _comment(entry.source)
             yield _with_remark(f"{key} = {entry.toml}", "free" if entry.is_free else "")
         for key, entry in material.suggested.get(section, {}).items():
-            if _acts_unchosen(f"{section}.{key}", solver):
+            name = f"{section}.{key}"
+            if _acts_unchosen(name, solver) and _fits(name, entry, tests):
                 yield from _comment(entry.source)
                 yield f"# {key} = {entry.toml}"
 
@@ -173,6 +177,18 @@ def _acts_unchosen(name: str, solver: str) -> bool:
     """Return whether a program has the usual contact model of a parameter, if there is one."""
     models = [m for m in CONTACT_MODELS if name in {parameter.name for parameter in m.parameters}]
     return not models or solver in models[0].solvers
+
+
+def _fits(name: str, entry: StartingValue, tests: Sequence[BulkTest]) -> bool:
+    """Return whether the default apparatus of all tests has room for a factor, if it is one."""
+    if name != "particle.coarse_graining":
+        return True
+    try:
+        for test in tests:
+            coarse_grained(test, entry.value, {})
+    except InputError:
+        return False
+    return True
 
 
 def _comment(text: str) -> list[str]:

@@ -38,9 +38,6 @@ class Orifice:
         largest = max(sizes.diameters)
         if self.width > largest:
             return
-        if sizes.coarse_graining > 1:
-            yield from self.coarse_graining_faults(sizes)
-            return
         yield Fault(
             self.option,
             f"no particle of {largest:g} m passes {self.words} of {self.width:g} m.",
