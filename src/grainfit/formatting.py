@@ -290,14 +290,15 @@ def millimetres(length: float) -> str:
 
 
 def percent(share: float) -> str:
-    """Return a share as a percentage with three digits.
+    """Return a share as a percentage with three digits, or more if they would make it the whole.
 
     Examples
     --------
-    >>> percent(0.2)
-    '20 %'
+    >>> percent(0.2), percent(0.99987), percent(1.004)
+    ('20 %', '99.99 %', '100.4 %')
     """
-    return f"{100 * share:.3g} %"
+    written = (f"{100 * share:.{digits}g}" for digits in range(3, 13))
+    return f"{next((text for text in written if text != '100'), '100')} %"
 
 
 def counted(count: int, noun: str) -> str:

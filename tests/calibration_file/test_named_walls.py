@@ -280,6 +280,38 @@ def test_a_wall_without_its_contacts_is_named(faults_of: Faults) -> None:
     ]
 
 
+@pytest.mark.parametrize("name", ["stain less", "stähl", "1", "density", "wall"])
+def test_a_wall_that_cannot_have_its_name_has_no_further_faults(
+    faults_of: Faults, name: str
+) -> None:
+    text = renamed().replace(".steel]", f'."{name}"]')
+    faults = faults_of(text=text.replace("[[test]]", f'[[test]]\nwalls.plate = "{name}"'))
+
+    assert all("cannot be" in fault.message for fault in faults)
+    assert {fault.key.partition(".")[0] for fault in faults} >= {"wall", "particle_wall"}
+    assert all(fault.line is not None and fault.remedy for fault in faults)
+
+
+def test_a_part_on_a_wall_that_cannot_have_its_name_has_one_fault(faults_of: Faults) -> None:
+    text = renamed().replace("[[test]]", '[[test]]\nwalls.plate = "stain less"')
+    (fault,) = [fault for fault in faults_of(text=text) if fault.key.endswith("walls.plate")]
+
+    assert fault.message == "'stain less' cannot be a name."
+
+
+@pytest.mark.parametrize("missing", ["wall", "particle_wall"])
+def test_a_section_that_a_wall_lacks_has_the_line_of_its_other_one(
+    faults_of: Faults, missing: str
+) -> None:
+    other = "wall" if missing == "particle_wall" else "particle_wall"
+    text = TWO_WALLS.replace(f"[{missing}.acrylic]", f"[{missing}.brass]")
+    faults = {fault.key: fault for fault in faults_of(text=text)}
+
+    assert faults[f"{missing}.acrylic"].message == "is missing."
+    line = text.splitlines().index(f"[{other}.acrylic]") + 1
+    assert faults[f"{missing}.acrylic"].line == line
+
+
 def test_an_interval_in_the_wrong_section_is_no_wall(faults_of: Faults) -> None:
     (fault,) = faults_of(
         ("[wall]\n", "[wall]\nsliding_friction = { min = 0.1, max = 0.2 }\n"), text=GLASS_BEADS

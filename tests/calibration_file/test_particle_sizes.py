@@ -240,7 +240,19 @@ def test_faults_of_distributions_are_named_with_their_line(
         ("opening [kg],passing\n1,0\n2,100\n", "", "has the unit 'kg'"),
         ("opening,passing\n1,0\n2,100\n", ', opening_unit = "s"', "opening_unit"),
         ("opening [mm],passing\n1,0\n2,110\n", "", "line 3 has a passing of 110 %"),
-        ("opening [mm],passing\n1,0\n2,60\n3,50\n4,100\n", "", "line 4 3 mm passes 50 %, and 2 mm"),
+        (
+            "opening [mm],passing\n1,0\n4,100\n",
+            ', opening_unit = "cm"',
+            "column 'opening [mm]' states 'mm', and its numbers are taken in cm. Write "
+            'opening_unit = "mm", or correct the heading.',
+        ),
+        ("opening [mm],passing\n1,0\n2,100.4\n", "", "line 3 has a passing of 100.4 %"),
+        ("opening [mm],passing\n1,0\n4,99.99\n", "", "only 99.99 % of the mass pass the coarsest"),
+        (
+            "opening [mm],passing\n1,0\n2,60\n3,50\n4,100\n",
+            "",
+            "line 4 has a passing of 50 % at 3 mm, below the 60 % at 2 mm.",
+        ),
         ("opening [mm],passing\n1,0\n1,40\n4,100\n", "", "line 3 has the same opening [mm]"),
         ("opening [mm],passing\n0,0\n1,40\n4,100\n", "", "line 2 has an opening of 0 m"),
         ("opening [mm],passing\n1,0\n4,1\n", "", "only 1 % of the mass pass the coarsest"),

@@ -156,7 +156,7 @@ def test_the_surface_of_a_wide_rosin_rammler_distribution_is_infinite() -> None:
         (lambda: RosinRammler(d63="3 mm"), "exponent", "is missing"),
         (lambda: RosinRammler(d63="3 mm", exponent=0.1), "exponent", "0.1"),
         (lambda: SieveCurve((0.001,), (1.0,)), "point 1", "1 opening"),
-        (lambda: SieveCurve((0.001, 0.002), (0.5, 0.2)), "point 2", "passes 20 %"),
+        (lambda: SieveCurve((0.001, 0.002), (0.5, 0.2)), "point 2", "has a passing of 20 %"),
         (lambda: SieveCurve((0.002, 0.001), (0.0, 1.0)), "point 2", "larger opening"),
         (lambda: SieveCurve((0.001, 0.002), (0.0, 1.2)), "point 2", "120 %"),
         (lambda: SieveCurve((0.001, 2.0), (0.0, 1.0)), "point 2", "2 m"),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -45,17 +46,23 @@ class WallTable(Kind):
         read = {n: self._read_wall(n, entry, place.at(n)) for n, entry in named.items()}
         return {**self.plain.read(plain, place), **read}
 
-    def _read_wall(self, name: str, entry: dict[str, Any], place: Place) -> Values | None:
+    def _read_wall(self, name: str, entry: dict[str, Any], place: Place) -> Values:
+        table = self.of_wall(name)
+        if not self._is_possible(name, place):
+            # It is a wall all the same, of which nothing is missing.
+            return dict.fromkeys(key.name for key in table.keys)
+        values: Values = table.read(entry, place)
+        return values
+
+    def _is_possible(self, name: str, place: Place) -> bool:
+        """Return whether a wall can have a name, and note it when it cannot."""
         if name in self.reserved:
             place.fault(
                 f"{name!r} cannot be the name of a wall: it means something else already.",
                 f"Call it differently: [{place.path[0]}.steel], for example.",
             )
-            return None
-        if not note_bad_name(name, place):
-            return None
-        values: Values = self.of_wall(name).read(entry, place)
-        return values
+            return False
+        return note_bad_name(name, place)
 
     def schema(self) -> Schema:
         """Return the JSON Schema of the section."""
@@ -116,7 +123,8 @@ class TestWalls:
         place = place.at("test", self.index)
         named = [wall for wall in declared if wall != PLAIN]
         for part, wall in self.given.items():
-            if wall not in declared:
+            # Of a text that can be no name, this is noted already.
+            if wall not in declared and re.fullmatch(NAME_PATTERN, wall):
                 remedy = suggest(wall, named, "Walls are") if named else "Add the section."
                 message = f"is {show(wall)}, and there is no [wall.{wall}]."
                 place.at("walls", part).fault(message, remedy)
@@ -165,6 +173,11 @@ def _sections(values: Values) -> Iterator[tuple[str, str]]:
         yield from ((wall, section) for wall in named)
 
 
+def _is_unread(values: Values) -> bool:
+    """Return whether a wall has nothing but faults, as one that cannot have its name."""
+    return bool(values) and all(value is None for value in values.values())
+
+
 def note_unused_walls(used: Sequence[str], values: Values, place: Place) -> None:
     """Note walls of which no test is made."""
     for wall, section in dict(reversed([*_sections(values)])).items():
@@ -173,7 +186,7 @@ def note_unused_walls(used: Sequence[str], values: Values, place: Place) -> None
                 "is used by no test: every part of theirs is of a wall with a name.",
                 "Remove it.",
             )
-        elif wall not in used:
+        elif wall not in used and not _is_unread(values[section][wall]):
             place.at(section, wall).fault(
                 "is used by no test.",
                 f'Name a part that is made of it in a [[test]]: walls = {{ PART = "{wall}" }}, or '

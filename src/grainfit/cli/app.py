@@ -200,10 +200,12 @@ def run(
     Exit code: 0 calibrated, 1 bad input or a missing solver, 2 a mistake on the command line, 3 not
     every target is met or in reach, 130 interrupted.
     """
+    from grainfit.calibration_file.fault_lines import with_lines
     from grainfit.campaign.cluster.executor import missing_scheduler
     from grainfit.campaign.work_folder import default_workdir
 
     folder = workdir or default_workdir(file)
+    given = search_options or {}
     with ExitStack() as stack:
         told = stack.enter_context(notifying(notify, folder))
         setup = replace(_build(file), local=local)
@@ -211,16 +213,17 @@ def run(
             _err.print(f"Cluster: {missing_scheduler(setup.file.cluster)}")
         if watched or open_page or port:
             stack.enter_context(watching(folder, port, open_page))
-        result = _calibrate(
-            setup,
-            folder,
-            reports=not no_report,
-            strategy=strategy,
-            runs_from=runs_from or (),
-            store=store,
-            retry_failed=retry_failed,
-            **(search_options or {}),
-        )
+        with with_lines(file, besides=given):
+            result = _calibrate(
+                setup,
+                folder,
+                reports=not no_report,
+                strategy=strategy,
+                runs_from=runs_from or (),
+                store=store,
+                retry_failed=retry_failed,
+                **given,
+            )
         told.result = result
         if is_quiet():
             show.print_headline(_out, result)
@@ -735,9 +738,11 @@ def _report_if_possible(workdir: Path) -> None:
 
 def _build(file: Path) -> CalibrationSetup:
     from grainfit.calibration_file.build import build_calibration
+    from grainfit.calibration_file.fault_lines import with_lines
     from grainfit.calibration_file.load import load_calibration_file
 
-    return build_calibration(load_calibration_file(file))
+    with with_lines(file):
+        return build_calibration(load_calibration_file(file))
 
 
 def main() -> None:

@@ -25,7 +25,8 @@ def sieve_curve(path: str | Path, opening_unit: str | None = None) -> SieveCurve
         CSV file: a header, and one line for each sieve with its opening and the share of the mass
         that passes it, in percent; in this order, unless the headings say which column is which.
     opening_unit : str, optional
-        Unit of the openings, unless the header states it, as in ``opening [mm]``.
+        Unit of the openings, unless the header states it, as in ``opening [mm]``; it must not state
+        another one.
 
     Raises
     ------
@@ -48,7 +49,7 @@ def opening_column(unit: str | None, place: Place) -> Column | None:
     except UnitError as error:
         place.at("opening_unit").fault(error.message, error.remedy)
         return None
-    return Column("opening", 0, None, unit, "m")
+    return Column("opening", 0, None, unit, "m", is_known=True)
 
 
 def read_sieve_curve(path: Path, openings: Column, place: Place) -> SieveCurve | None:

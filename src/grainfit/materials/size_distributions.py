@@ -314,8 +314,8 @@ def point_faults(
         elif i and opening <= openings[i - 1]:
             yield i, "does not have a larger opening than the one before.", "Sort them."
         elif i and shares[i] < shares[i - 1]:
-            words = f"{millimetres(opening)} passes {percent(shares[i])}, and "
-            words += f"{millimetres(openings[i - 1])} passes {percent(shares[i - 1])}."
+            words = f"has a passing of {percent(shares[i])} at {millimetres(opening)}, below the "
+            words += f"{percent(shares[i - 1])} at {millimetres(openings[i - 1])}."
             remedy = "Give the cumulative passing, not what each sieve retains."
             yield i, words, remedy
 

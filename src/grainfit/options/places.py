@@ -74,11 +74,18 @@ class Place:
         """The last key on the way here."""
         return next((part for part in reversed(self.path) if isinstance(part, str)), "")
 
-    def fault(self, message: str, remedy: str = "") -> None:
-        """Note that something is wrong here."""
-        self.findings.faults.append(
-            FileFault(dotted(self.path), message, remedy, self.findings.line_of(self.path))
-        )
+    def fault(self, message: str, remedy: str = "", *, near: KeyPath = ()) -> None:
+        """Note that something is wrong here.
+
+        Parameters
+        ----------
+        message, remedy : str
+            As in `Fault`.
+        near : path, optional
+            Whose line it has when there is nothing of this place in the file.
+        """
+        line = self.findings.line_of(self.path) or self.findings.line_of(near)
+        self.findings.faults.append(FileFault(dotted(self.path), message, remedy, line))
 
     def note(self, error: InputError, keys: Collection[str], otherwise: Place) -> None:
         """Note the faults that the constructor of a value found.
