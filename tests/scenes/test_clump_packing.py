@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from grainfit.errors import InputError
 from grainfit.materials.particle_shape import ParticleShape
 from grainfit.materials.sizes import ParticleSizes
+from grainfit.scenes.clump_packing import place_clumps
 from grainfit.scenes.packing import (
     Column,
     PeriodicRectangle,
@@ -18,7 +19,7 @@ from grainfit.scenes.packing import (
     random_column,
     random_in_tube,
 )
-from grainfit.scenes.spheres import ClumpSpheres
+from grainfit.scenes.spheres import ClumpSpheres, random_orientations
 
 DIAMETERS = (0.010, 0.006)
 SIZES = ParticleSizes(DIAMETERS, (0.6, 0.4), shape=ParticleShape("grain", aspect_ratio=2.0))
@@ -64,6 +65,38 @@ def test_clumps_of_a_column_touch_neither_each_other_nor_walls(footprint, period
         assert (np.hypot(places[:, 0], places[:, 1]) + radii < footprint.radius).all()
     elif isinstance(footprint, Rectangle):
         assert (np.abs(places[:, 0]) + radii < footprint.width / 2).all()
+
+
+@pytest.mark.parametrize("family", ["grain", "two_spheres"], ids=["unequal", "equal"])
+def test_the_first_of_the_clumps_that_touch_keep_their_places(family: str) -> None:
+    sizes = ParticleSizes((0.01,), shape=ParticleShape(family, aspect_ratio=2.0))
+    assert sizes.clump is not None
+    side, clearance, count = 0.05, 0.01, 70
+    spheres = ClumpSpheres(sizes.clump, sizes.diameters)
+
+    def draw(number: int, diameter: float) -> NDArray[np.float64]:
+        return drawn.random((number, 3)) * side
+
+    drawn = np.random.default_rng(1)
+    period = (side, 0.0, 0.0)
+    placed = place_clumps(drawn, sizes, [count], draw, period, clearance, grow=lambda: None)
+
+    drawn = np.random.default_rng(1)
+    radii = spheres.radii(np.zeros(1, dtype=np.int64))[0]
+    reach = (1 + clearance) * (radii[:, None] + radii[None])
+    found: list[NDArray[np.float64]] = []
+    while len(found) < count:
+        tried = 4 * (count - len(found)) + 50
+        none = np.zeros(tried, dtype=np.int64)
+        centres = draw(tried, 0.01)
+        for one in spheres.places(centres, random_orientations(drawn, tried), none):
+            between = np.array(found).reshape(-1, 1, len(radii), 3) - one[None, :, None]
+            between[..., 0] -= side * np.round(between[..., 0] / side)
+            if len(found) < count and not (np.linalg.norm(between, axis=-1) < reach.T).any():
+                found.append(one)
+    assert spheres.places(placed.positions, placed.orientations, placed.size_indices) == (
+        pytest.approx(np.array(found), rel=1e-12)
+    )
 
 
 def test_orientations_are_random_and_follow_from_the_seed() -> None:

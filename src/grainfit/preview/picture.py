@@ -129,24 +129,29 @@ def _particles(
     colours = np.zeros((*shape, 3), dtype=np.float32)
     highest = max(float(geometry.positions[:, 2].max(initial=0.0)), 1e-12)
     for positions, radii, state in geometry.spheres:
-        for centre, radius in zip(positions, radii, strict=True):
+        for place, height, radius in zip(
+            camera.place(positions), positions[:, 2], radii.tolist(), strict=True
+        ):
             colour = np.array(COLOURS[state], dtype=float) if state else None
             if colour is None:
-                colour = _height_colour(float(centre[2]) / highest)
-            _draw_sphere(colours, depth, camera, (centre, float(radius)), colour)
+                colour = _height_colour(float(height) / highest)
+            _draw_sphere(colours, depth, place, (radius, radius * camera.scale), colour)
     return colours, depth
 
 
 def _draw_sphere(
-    colours: Colours, depth: Array, camera: _Camera, sphere: tuple[Array, float], colour: Array
+    colours: Colours, depth: Array, place: Array, radius: tuple[float, float], colour: Array
 ) -> None:
-    """Draw a shaded sphere, given by centre and radius, where nothing is nearer."""
-    (column, row, away), size = camera.place(sphere[0]), max(1.0, sphere[1] * camera.scale)
+    """Draw a shaded sphere, given by column, row and depth and its radius, where nothing is nearer.
+
+    The radius is in m and in pixels.
+    """
+    (column, row, away), size = place, max(1.0, radius[1])
     where = _window(column - size, column + size, row - size, row + size, depth.shape)
     rows, columns = np.mgrid[where]
     u, v = (columns - column) / size, (rows - row) / size
     bulge = np.sqrt(np.maximum(1 - u**2 - v**2, 0))
-    z = away - sphere[1] * bulge
+    z = away - radius[0] * bulge
     better = (u**2 + v**2 <= 1) & (z < depth[where])
     depth[where][better] = z[better]
     shade = np.clip(0.45 + 0.75 * (bulge * 0.75 - 0.4 * u * 0.6 - 0.6 * v * 0.7), 0.35, 1.2)
