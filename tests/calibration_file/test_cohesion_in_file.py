@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from pathlib import Path
 
@@ -123,6 +124,29 @@ def test_particles_that_are_too_soft_for_their_cohesion_are_refused(tmp_path: Pa
 
     stiff = sticky('{ min = 0, max = "20 J/m^2" }').replace('"0.36 MPa"', '"0.96 MPa"')
     assert describe_plan(setup_of(tmp_path, stiff)).problems == ()
+
+
+def test_the_smallest_spheres_of_clumps_decide_whether_they_are_too_soft(tmp_path: Path) -> None:
+    text = sticky('{ min = 0, max = "7 J/m^2" }')
+    slender = text.replace(
+        'diameter = "10 mm"',
+        'diameter = "10 mm"\nshape = "lens"\naspect_ratio = { min = 1.5, max = 3.0 }',
+    )
+    assert describe_plan(setup_of(tmp_path, text)).problems == ()
+    [problem] = describe_plan(setup_of(tmp_path, slender)).problems
+    assert "too soft for this cohesion" in problem
+
+
+def test_the_finest_of_several_sizes_has_its_own_bond_number(tmp_path: Path) -> None:
+    text = sticky('"0.5 J/m^2"').replace(
+        '"10 mm"',
+        '[{ value = "5 mm", mass_fraction = 0.5 }, { value = "10 mm", mass_fraction = 0.5 }]',
+    )
+    lines = "\n".join(describe_plan(setup_of(tmp_path, text)).lines)
+    # 1 / (0.5 / 5 mm + 0.5 / 10 mm); the Bond number falls with the square of the diameter.
+    assert "two particles, 6.67 mm (Sauter diameter): Bond number" in lines
+    numbers = [float(n) for n in re.findall(r"two particles, .*?Bond number \S+ to (\S+)", lines)]
+    assert numbers[1] / numbers[0] == pytest.approx((20 / 3 / 5) ** 2, rel=0.05)
 
 
 def test_a_time_step_that_is_too_large_for_cohesion_is_named(tmp_path: Path) -> None:

@@ -145,3 +145,24 @@ def test_check_tells_the_number_of_spheres(tmp_path: Path) -> None:
     plan = describe_plan(setup_with(tmp_path, 'shape = "lens"\naspect_ratio = 1.5'))
 
     assert any("1500 particles of 7 spheres" in line for line in plan.lines)
+
+
+def test_clumps_that_are_nearly_spheres_are_noted(tmp_path: Path) -> None:
+    def noted(ratio: str) -> list[str]:
+        lines = f'shape = "grain"\naspect_ratio = {ratio}'
+        notes = setup_with(tmp_path, lines).notes()
+        return [note for note in notes if "nearly coincide" in note]
+
+    [note] = noted("{ min = 1.0, max = 2.0 }")
+    assert note.startswith("particle.aspect_ratio is 1 and more: below 1.1, spheres of the shape")
+    assert noted("1.05")
+    assert not noted("1.0")
+    assert not noted("{ min = 1.1, max = 2.0 }")
+
+
+def test_the_time_step_of_a_free_aspect_ratio_is_said_to_be_that_of_the_largest(
+    tmp_path: Path,
+) -> None:
+    lines = 'shape = "grain"\naspect_ratio = { min = 1.2, max = 2.0 }'
+    plan = describe_plan(setup_with(tmp_path, lines))
+    assert any("Rayleigh time step at the largest aspect ratio: " in line for line in plan.lines)

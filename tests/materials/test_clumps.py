@@ -103,3 +103,30 @@ def test_spheres_of_the_user_are_turned_to_their_principal_axes_in_any_unit() ->
     assert np.linalg.norm(arms[1], axis=1) == pytest.approx(
         np.linalg.norm(arms[0], axis=1) * clump.radii[0], rel=1e-9
     )
+
+
+def radius_ratio(family: str, aspect_ratio: float) -> float:
+    """Return the radius that limits the time step over that of the smallest sphere."""
+    clump = ParticleShape(family, aspect_ratio=aspect_ratio).clump
+    assert clump is not None
+    return clump.rayleigh_radius / clump.smallest_radius
+
+
+@pytest.mark.parametrize(("family", "spheres"), [("two_spheres", 2), ("lens", 7), ("grain", 7)])
+def test_the_time_step_knows_that_spheres_which_nearly_coincide_touch_at_once(
+    family: str, spheres: int
+) -> None:
+    # n spheres against n have n^2 contacts, so that the clump swings n times as fast.
+    assert radius_ratio(family, 1.0001) == pytest.approx(1.5 / spheres, rel=0.01)
+    ratios = [radius_ratio(family, 1 + excess) for excess in (0.01, 0.05, 0.1, 0.2)]
+    assert ratios == sorted(ratios)
+
+
+@pytest.mark.parametrize(
+    ("family", "aspect_ratio"),
+    [("two_spheres", 1.25), ("cylinder", 3.0), ("tetrahedron", 1.5), ("lens", 2.0), ("grain", 1.5)],
+)
+def test_slender_clumps_have_the_time_step_of_their_smallest_sphere(
+    family: str, aspect_ratio: float
+) -> None:
+    assert radius_ratio(family, aspect_ratio) == 1.0

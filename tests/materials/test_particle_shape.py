@@ -58,3 +58,21 @@ def test_sizes_of_clumps_are_those_of_spheres_of_equal_volume() -> None:
         [0.02 / 2 ** (1 / 3), 0.01 / 2 ** (1 / 3)], rel=1e-4
     )
     assert sizes.outer_diameters == sizes.diameters
+
+
+@pytest.mark.parametrize("inside", [(0, 0, 0, 1), (0.1, 0, 0, 0.5)])
+def test_a_sphere_inside_another_is_refused(inside: tuple[float, float, float, float]) -> None:
+    with pytest.raises(InputError, match="sphere 2 inside sphere 1"):
+        ParticleShape(spheres=((0, 0, 0, 1), inside))
+    with pytest.raises(InputError, match=r"sphere \d inside sphere \d"):
+        ParticleShape(spheres=(inside, (0, 0, 0, 1)))
+
+
+def test_the_smallest_spheres_of_clumps_have_their_diameters() -> None:
+    own = ParticleShape(spheres=((0, 0, 0, 1), (1, 0, 0, 0.2)))
+    sizes = ParticleSizes((0.01, 0.005), (0.5, 0.5), shape=own)
+
+    assert sizes.sphere_diameters[1] / sizes.sphere_diameters[0] == pytest.approx(0.5)
+    # The small sphere adds a thousandth of the volume.
+    assert sizes.sphere_diameters[0] == pytest.approx(0.002, rel=0.01)
+    assert ParticleSizes((0.01,)).sphere_diameters == (0.01,)

@@ -22,6 +22,7 @@ from grainfit.calibration_file.load import load_calibration_file
 from grainfit.calibration_file.number_notes import number_notes
 from grainfit.calibration_file.same_simulation import same_simulation_notes
 from grainfit.calibration_file.settings import quantity_of, set_values
+from grainfit.calibration_file.shape_notes import shape_notes
 from grainfit.calibration_file.size_notes import size_notes
 from grainfit.calibration_file.smooth_wall_notes import smooth_wall_notes
 from grainfit.calibration_file.solid_fraction_notes import solid_fraction_notes
@@ -144,9 +145,10 @@ class CalibrationSetup:
         They say which free parameters the tests will leave open, with tests to add, by how much
         soft particles raise the responses, whether the contact law is the same for all solvers and
         safe at the time step, which tests simulate the same, where particles are too few for their
-        sizes or more than a cylinder holds, which bulk densities no solid fraction gives, which
-        orifices may be blocked, which walls are too smooth for a bed to come to rest, which
-        geometry is too small for a target, and which tolerances are far below the scatter.
+        sizes or more than a cylinder holds, which clumps are nearly spheres, which bulk densities
+        no solid fraction gives, which orifices may be blocked, which walls are too smooth for a bed
+        to come to rest, which geometry is too small for a target, and which tolerances are far
+        below the scatter.
         ``grainfit check`` shows them.
 
         Examples
@@ -167,6 +169,7 @@ class CalibrationSetup:
             *coarse_graining_notes(self.solvers, self.problem),
             *same_simulation_notes(self.file.tests),
             *size_notes(self.bulk_tests),
+            *shape_notes(self.file),
             *number_notes(self.bulk_tests),
             *solid_fraction_notes(self.problem, self.bulk_tests, self.file.fixed),
             *bulk_test_notes(self.problem, self.bulk_tests, self.file.fixed),
@@ -399,7 +402,7 @@ def _rayleigh(file: CalibrationFile) -> RayleighTimeStep | None:
     # That of the most slender particles, which have the smallest spheres.
     largest = {parameter.name: parameter.maximum for parameter in file.parameters}
     sizes = file.sizes.with_aspect_ratio({**file.fixed, **largest}.get(ASPECT_RATIO))
-    return RayleighTimeStep(sizes.smallest_radius, fixed)
+    return RayleighTimeStep(sizes.rayleigh_radius, fixed)
 
 
 def _entry(file: CalibrationFile, test: TestSpecification) -> FileEntry:

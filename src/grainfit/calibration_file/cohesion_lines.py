@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from itertools import product
 
 from grainfit.bulk_tests.base import BulkTest
@@ -16,6 +17,9 @@ from grainfit.contact_models.cohesive_contacts import (
 from grainfit.contact_models.contact import TYPICAL_LOAD
 from grainfit.contact_models.registry import COHESION, contact_law, with_defaults
 from grainfit.errors import InputError
+from grainfit.formatting import millimetres
+from grainfit.materials.particle_shape import ASPECT_RATIO
+from grainfit.materials.sizes import ParticleSizes
 from grainfit.materials.walls import plain_name
 
 #: Parameters whose intervals change how cohesive the particles are.
@@ -32,24 +36,55 @@ def cohesion_lines(file: CalibrationFile, bulk_tests: Mapping[str, BulkTest]) ->
     bulk_tests : mapping of str to BulkTest
         Its simulated tests by name.
     """
-    conditions = {
-        (t.conditions.gravity, t.conditions.sizes.real.sauter_diameter) for t in bulk_tests.values()
+    largest = {p.name: p.maximum for p in file.parameters}
+    # The most slender clumps have the smallest spheres.
+    aspect_ratio = {**file.fixed, **largest}.get(ASPECT_RATIO)
+    conditions = dict.fromkeys(
+        (t.conditions.gravity, t.conditions.sizes.real.with_aspect_ratio(aspect_ratio))
+        for t in bulk_tests.values()
+    )
+    for gravity, sizes in conditions:
+        sphere = sizes.sphere_diameters[0] / sizes.diameters[0]
+        for particles, diameter in _shown(sizes).items():
+            found = _contacts(file, diameter, sphere * diameter, gravity)
+            for (model, words), contacts in found.items():
+                if any(contact.bond_number > 0 for contact in contacts):
+                    yield f"Cohesion ({model}), {words}, {particles}: {_numbers(contacts)}."
+
+
+def _shown(sizes: ParticleSizes) -> dict[str, float]:
+    """Return the diameters to tell of, by their words."""
+    if len(sizes.diameters) == 1:
+        return {millimetres(sizes.diameters[0]): sizes.diameters[0]}
+    mean, finest = sizes.sauter_diameter, min(sizes.diameters)
+    return {
+        f"{millimetres(mean)} (Sauter diameter)": mean,
+        f"{millimetres(finest)} (finest)": finest,
     }
-    for gravity, diameter in sorted(conditions):
-        found: dict[str, list[CohesiveContact]] = {}
-        model = ""
-        for material in _corners(file):
-            try:
-                law = contact_law(material, file.contact_models)
-            except InputError:
-                return
-            model = law.cohesion.name if law.cohesion is not None else model
-            for words, contact in contacts_of(material, diameter, gravity).items():
-                found.setdefault(words, []).append(cohesive_contact(law, contact))
-        for words, contacts in found.items():
-            if any(contact.bond_number > 0 for contact in contacts):
-                particles = f"{1000 * diameter:g} mm"
-                yield f"Cohesion ({model}), {words}, {particles}: {_numbers(contacts)}."
+
+
+def _contacts(
+    file: CalibrationFile, diameter: float, sphere: float, gravity: float
+) -> dict[tuple[str, str], list[CohesiveContact]]:
+    """Return the contacts at the ends of the intervals, by the model and the bodies in words.
+
+    Attraction is that of spheres of the volume of the particles, the overlap that of their smallest
+    spheres.
+    """
+    found: dict[tuple[str, str], list[CohesiveContact]] = {}
+    for material in _corners(file):
+        try:
+            law = contact_law(material, file.contact_models)
+        except InputError:
+            return {}
+        if law.cohesion is None:
+            continue
+        smallest = contacts_of(material, sphere, gravity)
+        for words, contact in contacts_of(material, diameter, gravity).items():
+            overlap = cohesive_contact(law, smallest[words]).overlap
+            contacts = found.setdefault((law.cohesion.name, words), [])
+            contacts.append(replace(cohesive_contact(law, contact), overlap=overlap))
+    return found
 
 
 def _corners(file: CalibrationFile) -> Iterator[dict[str, float]]:

@@ -10,6 +10,7 @@ from grainfit.calibration.readiness import Obstacle, obstacles
 from grainfit.calibration_file.build import CalibrationSetup
 from grainfit.calibration_file.cohesion_lines import cohesion_lines
 from grainfit.calibration_file.contact_notes import chosen_model_lines
+from grainfit.calibration_file.fault_lines import with_lines
 from grainfit.calibration_file.run_time import (
     ExpectedRuns,
     RunTime,
@@ -23,6 +24,7 @@ from grainfit.campaign.cluster.executor import describe_cluster, executed_by
 from grainfit.curve_target import CurveTarget
 from grainfit.errors import GrainfitError, InputError
 from grainfit.formatting import counted, in_a_row
+from grainfit.materials.particle_shape import ASPECT_RATIO
 from grainfit.problem import Parameter, Problem, Target
 from grainfit.solvers.base import Solver
 
@@ -105,12 +107,14 @@ def describe_plan(setup: CalibrationSetup, *, call_scenes: bool = True) -> Plan:
         executes += [f"cluster: {line}" for line in executed_by(cluster)]
     time: RunTime | None = None
     try:
-        runs = expected_runs(setup)
+        with with_lines(setup.file.path):
+            runs = expected_runs(setup)
         if call_scenes or not any(map(_has_code, setup.solvers.values())):
             time = run_time(setup, runs)
         lines += _run_lines(setup, runs, time)
     except InputError as error:
-        problems += [str(fault) for fault in error.faults]
+        where = f"{error.source}: " if error.source else ""
+        problems += [f"{where}{fault}" for fault in error.faults]
     notes = [*setup.notes()]
     if time is not None:
         notes += [*timeout_notes(setup, time), *shortening_notes(setup, time)]
@@ -153,7 +157,9 @@ def _rayleigh_lines(setup: CalibrationSetup) -> Iterator[str]:
     problem = setup.problem
     if problem.rayleigh is not None:
         smallest, largest = problem.rayleigh.limits(problem.intervals)
-        yield f"Rayleigh time step within the intervals: {smallest:.4g} to {largest:.4g} s."
+        free = ASPECT_RATIO in problem.intervals
+        where = "at the largest aspect ratio" if free else "within the intervals"
+        yield f"Rayleigh time step {where}: {smallest:.4g} to {largest:.4g} s."
     elif missing := setup.missing_for_time_step:
         yield (
             "The Rayleigh time step is not known, so it plays no part in the choice of the answer: "

@@ -158,5 +158,5 @@ def _rayleigh_time_step(
     if sizes is None:
         return None
     values = {parameter.name: parameter.value for parameter in parameters}
-    time_step = RayleighTimeStep(sizes.smallest_radius, values)
+    time_step = RayleighTimeStep(sizes.rayleigh_radius, values)
     return None if time_step.faults({}) else time_step({})

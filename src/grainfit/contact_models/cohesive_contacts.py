@@ -62,7 +62,7 @@ def overlap_faults(
     material : mapping of str to float
         Values by dotted name; of an incomplete material, nothing is known.
     diameters : iterable of float
-        Of the particles, m.
+        Of the particles, or of the smallest spheres of clumps, m.
     gravity : float
         m/s^2.
     """

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +13,12 @@ from numpy.typing import NDArray
 _LINES = 480
 #: Products of inertia below this share of the largest moment are rounding errors.
 _ROUNDING = 1e-4
+#: Overlap at which contacts of two clumps are counted, over the diameter of their largest sphere.
+_OVERLAP = 0.04
+#: Ratio of times, of two smallest spheres and of two clumps in contact, up to which the usual share
+#: of the Rayleigh time is short enough: a third of it changes no bulk density (docs/clumps.md).
+_COVERED = 1.5
+_DIRECTIONS = 400
 #: Volume of a sphere of diameter 1.
 _UNIT_VOLUME = math.pi / 6
 
@@ -47,6 +53,34 @@ class Clump:
     def smallest_radius(self) -> float:
         """Radius of the smallest sphere."""
         return float(self.radii.min())
+
+    @cached_property
+    def rayleigh_radius(self) -> float:
+        """Radius of the sphere whose Rayleigh time limits the time step of the clump.
+
+        It is that of the smallest sphere, or less: spheres that nearly coincide touch at once, so
+        that n of them make two clumps up to n^2 times as stiff as two spheres of their mass.
+        """
+        return self.smallest_radius * min(1.0, _COVERED / self._stiffest())
+
+    def _stiffest(self) -> float:
+        """Return the largest ratio of times: of two smallest spheres, and of two clumps in contact.
+
+        One clump is the mirror image of the other in the plane of contact, for many directions of
+        its normal. The stiffness of Hertz is that of every pair that touches, as its radius and the
+        root of its overlap.
+        """
+        radii, largest = self.radii, float(self.radii.max())
+        along = _directions(_DIRECTIONS) @ self.positions.T
+        behind = (along + radii).max(axis=1, keepdims=True) - (along + radii)
+        apart = ((self.positions[:, None] - self.positions) ** 2).sum(axis=2)
+        beside = apart - (along[:, :, None] - along[:, None, :]) ** 2
+        pair = 2 * radii[:, None] * radii / (radii[:, None] + radii)
+        whole = 2 * largest * _OVERLAP
+        overlap = whole - behind[:, :, None] - behind[:, None, :] - beside / (4 * pair)
+        stiffness = (np.sqrt(np.maximum(overlap, 0.0) / whole) * pair).sum(axis=(1, 2)).max()
+        # A sphere of diameter 1 has the mass of the clump, and a stiffness of 1/2.
+        return self.smallest_radius * math.sqrt(8 * float(stiffness))
 
     @property
     def overlap_factor(self) -> float:
@@ -117,6 +151,15 @@ def body_of(
     squares += np.triu(squares, 1).T
     squares -= volume * np.outer(centre, centre)
     return volume, centre, np.trace(squares) * np.eye(3) - squares
+
+
+def _directions(number: int) -> NDArray[np.float64]:
+    """Return unit vectors spread evenly over a sphere, and the axes, shape (number + 3, 3)."""
+    step = np.arange(number) + 0.5
+    z, turn = 1 - 2 * step / number, math.pi * (1 + math.sqrt(5)) * step
+    across = np.sqrt(1 - z**2)
+    spread = np.column_stack((across * np.cos(turn), across * np.sin(turn), z))
+    return np.vstack((spread, np.eye(3)))
 
 
 def _moments_along(

@@ -13,6 +13,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from itertools import permutations
 from typing import TYPE_CHECKING
 
 from grainfit.errors import Fault, InputError
@@ -226,6 +227,11 @@ def _sphere_faults(spheres: tuple[Sphere, ...]) -> list[Fault]:
         return [Fault(key, "has places or radii that are impossible.", "Radii are above 0.")]
     if min(radii) < _SMALLEST * max(radii):
         return [Fault(key, f"has a sphere below {_SMALLEST:g} of the largest.", "Leave it out.")]
+    for (n, one), (m, other) in permutations(enumerate(spheres, 1), 2):
+        # Of two equal ones, the later.
+        if _is_inside(one, other) and (n > m or not _is_inside(other, one)):
+            message = f"has sphere {n} inside sphere {m}: it never touches anything."
+            return [Fault(key, message, "Leave it out.")]
     apart = set(range(1, len(spheres)))
     reached = [0]
     while reached:
@@ -237,6 +243,10 @@ def _sphere_faults(spheres: tuple[Sphere, ...]) -> list[Fault]:
         message = f"is no body: sphere {min(apart) + 1} is apart from the first."
         return [Fault(key, message, "Let them overlap, or touch.")]
     return []
+
+
+def _is_inside(one: Sphere, other: Sphere) -> bool:
+    return math.dist(one[:3], other[:3]) + one[3] <= other[3] * (1 + 1e-9)
 
 
 def _touch(one: Sphere, other: Sphere) -> bool:

@@ -172,9 +172,24 @@ class ParticleSizes:
 
     @property
     def smallest_radius(self) -> float:
-        """Radius of the smallest sphere, m: it sets the Rayleigh time step."""
+        """Radius of the smallest sphere, m."""
+        return min(self.sphere_diameters) / 2
+
+    @property
+    def sphere_diameters(self) -> tuple[float, ...]:
+        """Diameters of the smallest spheres of the particles, m; of spheres, their own."""
         clump = self.clump
-        return min(self.diameters) * (0.5 if clump is None else clump.smallest_radius)
+        scale = 1.0 if clump is None else 2 * clump.smallest_radius
+        return tuple(scale * diameter for diameter in self.diameters)
+
+    @property
+    def rayleigh_radius(self) -> float:
+        """Radius of the sphere whose Rayleigh time limits the time step, m.
+
+        It is that of the smallest sphere, unless spheres of a clump nearly coincide.
+        """
+        clump = self.clump
+        return min(self.diameters) * (0.5 if clump is None else clump.rayleigh_radius)
 
     @property
     def outer_diameters(self) -> tuple[float, ...]:

@@ -540,7 +540,7 @@ def _is_cylinder(wall: Wall | None) -> bool:
 def time_step(sizes: ParticleSizes, material: Mapping[str, float], fraction: float) -> float:
     """Return a fraction of the Rayleigh time step, s."""
     return fraction * rayleigh_time_step(
-        sizes.smallest_radius,
+        sizes.rayleigh_radius,
         material["particle.density"],
         material["particle.youngs_modulus"],
         material["particle.poissons_ratio"],

@@ -278,7 +278,9 @@ class DeckSolver(Solver):
             values = {name: ends[worse.get(name, end)] for name, ends in intervals.items()}
             material = self._parts.material_of_test({**self.material, **values})
             faults += self.test.material_faults(material)
-        softest = {name: ends[plain_name(name) in COHESION] for name, ends in intervals.items()}
+        # The most slender clumps have the smallest spheres.
+        largest = {*COHESION, ASPECT_RATIO}
+        softest = {name: ends[plain_name(name) in largest] for name, ends in intervals.items()}
         faults += self._cohesion_faults({**self.material, **softest})
         return list(dict.fromkeys(faults))
 
@@ -290,7 +292,8 @@ class DeckSolver(Solver):
     def _cohesion_faults(self, material: Mapping[str, float]) -> list[Fault]:
         values, conditions = with_defaults(material), self.test.conditions
         law = contact_law(values, self.contact_models)
-        return overlap_faults(law, values, conditions.sizes.real.diameters, conditions.gravity)
+        sizes = conditions.sizes.real.with_aspect_ratio(values.get(ASPECT_RATIO))
+        return overlap_faults(law, values, sizes.sphere_diameters, conditions.gravity)
 
     @classmethod
     def concept_faults(cls, type_of_test: str, concepts: Iterable[str]) -> list[Fault]:
