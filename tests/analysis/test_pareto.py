@@ -67,3 +67,18 @@ def test_without_a_time_step_to_trade_there_is_no_front() -> None:
     model = Given(lambda x: 30.0 + x[:, 0])
     assert pareto_front(Metamodels(replace(PROBLEM, rayleigh=None), [model])) is None
     assert pareto_front(Metamodels(replace(PROBLEM, parameters=[FRICTION]), [model])) is None
+
+
+def test_the_longest_time_step_may_be_between_the_bounds_of_an_aspect_ratio() -> None:
+    fixed = {**RAYLEIGH.fixed, "particle.youngs_modulus": 1e6}
+    rayleigh = RayleighTimeStep(0.005, fixed, "grain")
+    ratio = Parameter("particle.aspect_ratio", 1.0, 2.0)
+    problem = Problem([ratio, FRICTION], [Target("angle", 42.0, tolerance=0.5)], rayleigh)
+
+    front = pareto_front(Metamodels(problem, [Given(angle, 0.04)]))
+
+    assert front is not None
+    # Below, spheres of a grain nearly coincide; above, its ends are thin.
+    assert front.parameters[-1][ratio.name] == pytest.approx(1.34, abs=0.03)
+    assert front.time_steps[-1] == pytest.approx(rayleigh.limits(problem.intervals)[1], rel=1e-3)
+    assert front.parameters[0][ratio.name] == pytest.approx(1.7, abs=0.15)

@@ -160,6 +160,13 @@ def test_no_factor_is_named_where_the_real_particles_are_too_large_too():
         Packing(REAL.coarse_grained(2), cylinder_radius=0.009)
 
 
+def test_no_factor_is_named_for_clumps_whose_extent_is_not_known():
+    pairs = ParticleSizes((0.005,), shape=ParticleShape("two_spheres"))
+    with pytest.raises(InputError, match="times as large as the real ones") as refused:
+        Discharge(pairs.coarse_grained(2.4))
+    assert "at most" not in str(refused.value)
+
+
 def test_factor_is_named_where_real_particles_would_be_too_many():
     # The cylinder holds millions of grains of 0.2 mm.
     room = {"cylinder_radius": 0.1, "fill_height": 0.3, "bulk_density_top": 0.2}

@@ -73,7 +73,10 @@ def test_lammps_refuses_a_round_orifice_before_any_run(tmp_path: Path) -> None:
     path = tmp_path / "round.toml"
     path.write_text(text, encoding="utf-8")
     [problem] = describe_plan(gf.load(path)).problems
-    assert problem.startswith(f"{path}: test discharge, solver: lammps cannot simulate")
+    line = next(n for n, row in enumerate(text.splitlines(), 1) if row.startswith("solver"))
+    assert problem.startswith(
+        f"{path}: line {line}, test discharge, solver: lammps cannot simulate"
+    )
 
 
 @pytest.mark.slow

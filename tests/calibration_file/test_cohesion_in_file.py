@@ -8,11 +8,16 @@ from pathlib import Path
 
 import pytest
 
+from grainfit.bulk_tests.heap import Heap
 from grainfit.calibration_file.build import CalibrationSetup, build_calibration
 from grainfit.calibration_file.load import load_calibration_file
 from grainfit.calibration_file.plan import describe_plan
 from grainfit.errors import InputError
+from grainfit.materials.particle_shape import ASPECT_RATIO, ParticleShape
+from grainfit.materials.sizes import ParticleSizes
 from grainfit.options.places import FileFault
+from grainfit.solvers.dem.lammps.program import Lammps
+from grainfit.testing.materials import GLASS_BEADS as BEADS
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 GLASS_BEADS = (EXAMPLES / "glass_beads" / "calibration.toml").read_text(encoding="utf-8")
@@ -119,7 +124,7 @@ def test_the_bond_number_is_that_of_the_intervals(tmp_path: Path) -> None:
 def test_particles_that_are_too_soft_for_their_cohesion_are_refused(tmp_path: Path) -> None:
     problems = describe_plan(setup_of(tmp_path, sticky('{ min = 0, max = "20 J/m^2" }'))).problems
     assert "360000 Pa is too soft for this cohesion (jkr)" in problems[0]
-    assert "particles overlap by 9.4 % of their diameter" in problems[0]
+    assert "spheres overlap by 9.4 % of their diameter" in problems[0]
     assert "Give them at least 9.6e+05 Pa, or less cohesion" in problems[0]
 
     stiff = sticky('{ min = 0, max = "20 J/m^2" }').replace('"0.36 MPa"', '"0.96 MPa"')
@@ -203,3 +208,10 @@ def test_the_example_of_a_cohesive_material_is_ready() -> None:
     )
     assert plan.problems == ()
     assert any("Cohesion (jkr)" in line for line in plan.lines)
+
+
+def test_an_aspect_ratio_that_no_clump_has_is_the_only_fault_of_its_interval() -> None:
+    heap = Heap(ParticleSizes((0.01,), shape=ParticleShape("two_spheres")))
+    material = {**BEADS, "particle_particle.surface_energy": 0.1}
+    [fault] = Lammps(heap, material).interval_faults({ASPECT_RATIO: (1.1, 2.5)})
+    assert fault.key == ASPECT_RATIO

@@ -73,3 +73,45 @@ def test_faults_of_something_else_are_not_those_of_the_file(beads: Path) -> None
     assert raised(beads, fault, besides=("max_runs",)).faults == (fault,)
     assert raised(beads, fault, "other.toml").faults == (fault,)
     assert raised(beads, Fault("store", "is locked.")).source == ""
+
+
+def test_faults_of_the_command_line_are_not_those_of_the_file(beads: Path) -> None:
+    fault = FileFault("max_runs", "is 0.")
+    assert raised(beads, fault, besides=("max_runs",)).source == ""
+
+
+@pytest.mark.parametrize(
+    ("key", "place"),
+    [
+        ("test heap, particle.youngs_modulus", "youngs_modulus"),
+        ("particle.youngs_modulus", "youngs_modulus"),
+        ("test[0].particle.youngs_modulus", "youngs_modulus"),
+        ("test[0].solver", "solver"),
+        ("solver", "solver"),
+    ],
+)
+def test_keys_of_a_test_are_found_as_they_are_told(beads: Path, key: str, place: str) -> None:
+    [fault] = raised(beads, Fault(key, "is wrong."), str(beads)).faults
+
+    text = beads.read_text(encoding="utf-8")
+    assert isinstance(fault, FileFault)
+    assert fault.line is not None
+    assert text.splitlines()[fault.line - 1].startswith(place)
+
+
+def test_a_key_that_a_test_lacks_is_not_that_of_the_file(beads: Path) -> None:
+    [fault] = raised(beads, Fault("test[0].name", "is missing."), str(beads)).faults
+    test = GLASS_BEADS[: GLASS_BEADS.index("[[test]]")].count("\n") + 1
+    assert isinstance(fault, FileFault)
+    assert fault.line == test
+
+
+def test_what_a_test_refuses_of_an_interval_has_its_line(beads: Path) -> None:
+    text = beads.read_text(encoding="utf-8")
+    sticky = "surface_energy = { min = 0, max = 50 }\n"
+    beads.write_text(text.replace("[particle_particle]\n", f"[particle_particle]\n{sticky}"))
+    line = next(n for n, row in enumerate(text.splitlines(), 1) if row.startswith("youngs_modulus"))
+
+    (problem,) = [p for p in describe_plan(load_calibration(beads)).problems if "too soft" in p]
+
+    assert problem.startswith(f"{beads}: line {line}, test heap, particle.youngs_modulus: ")

@@ -82,6 +82,17 @@ def test_calibration_of_days_says_what_would_shorten_it_and_to_what(tmp_path: Pa
     assert f"of that size, it would take {run_time(usual, expected_runs(usual))}" in note
 
 
+def test_timeout_is_noted_beside_a_test_whose_time_is_not_known(tmp_path: Path) -> None:
+    folder = EXAMPLE.parents[1] / "own_model"
+    text = (folder / "heap_and_drop.toml").read_text(encoding="utf-8")
+    path = tmp_path / "two.toml"
+    text = text.replace('type = "heap"', 'type = "heap"\ntimeout = "1 s"')
+    path.write_text(text.replace('folder = "model"', f'folder = "{folder / "model"}"'))
+    assert [
+        n for n in describe_plan(load_calibration(path)).notes if n.startswith("Test heap: time")
+    ]
+
+
 def test_timeout_below_the_time_of_a_run_is_noted(tmp_path: Path) -> None:
     beads = setup(tmp_path, ('type = "heap"', 'type = "heap"\ntimeout = "1 s"'))
     [note] = [note for note in describe_plan(beads).notes if "timeout" in note]

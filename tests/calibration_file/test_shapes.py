@@ -14,7 +14,7 @@ from grainfit.calibration_file.load import load_calibration_file
 from grainfit.calibration_file.plan import describe_plan
 from grainfit.calibration_file.schema import calibration_file_schema
 from grainfit.errors import InputError
-from grainfit.materials.particle_shape import ParticleShape
+from grainfit.materials.particle_shape import ASPECT_RATIO, ParticleShape
 from grainfit.materials.sizes import ParticleSizes
 from grainfit.solvers.dem.liggghts.program import Liggghts
 from grainfit.testing.materials import GLASS_BEADS as BEADS
@@ -92,11 +92,12 @@ def test_a_free_aspect_ratio_is_a_parameter_of_runs_of_clumps(tmp_path: Path) ->
     clump = test.of_shape(values).sizes.clump
     assert clump is not None
     assert len(clump) == 2
-    # The Rayleigh time step is that of the smallest spheres that the interval has.
-    assert free.problem.rayleigh is not None
-    assert spheres.problem.rayleigh is not None
-    smaller = free.problem.rayleigh.radius / spheres.problem.rayleigh.radius
-    assert smaller == pytest.approx(0.5 ** (1 / 3), rel=1e-4)
+    # Two spheres that touch have half the volume each.
+    touching = free.problem.rayleigh_time_step({**values, "particle.aspect_ratio": 2.0})
+    sphere = spheres.problem.rayleigh_time_step(values)
+    assert touching is not None
+    assert sphere is not None
+    assert touching / sphere == pytest.approx(0.5 ** (1 / 3), rel=1e-3)
 
 
 def test_shapes_are_different_runs_and_spheres_are_the_runs_that_they_were(tmp_path: Path) -> None:
@@ -147,22 +148,35 @@ def test_check_tells_the_number_of_spheres(tmp_path: Path) -> None:
     assert any("1500 particles of 7 spheres" in line for line in plan.lines)
 
 
-def test_clumps_that_are_nearly_spheres_are_noted(tmp_path: Path) -> None:
-    def noted(ratio: str) -> list[str]:
-        lines = f'shape = "grain"\naspect_ratio = {ratio}'
+def test_clumps_whose_spheres_nearly_coincide_are_noted(tmp_path: Path) -> None:
+    def noted(shape: str, ratio: str) -> list[str]:
+        lines = f'shape = "{shape}"\naspect_ratio = {ratio}'
         notes = setup_with(tmp_path, lines).notes()
         return [note for note in notes if "nearly coincide" in note]
 
-    [note] = noted("{ min = 1.0, max = 2.0 }")
-    assert note.startswith("particle.aspect_ratio is 1 and more: below 1.1, spheres of the shape")
-    assert noted("1.05")
-    assert not noted("1.0")
-    assert not noted("{ min = 1.1, max = 2.0 }")
+    [note] = noted("grain", "{ min = 1.0, max = 2.0 }")
+    assert note.startswith("particle.aspect_ratio is 1 and more: there, spheres of the shape grain")
+    assert "otherwise than at 1" in note
+    [note] = noted("lens", "1.2")
+    assert "Time steps are 27.9 % of what their smallest sphere allows" in note
+    assert "otherwise than at 1" not in note
+    assert noted("two_spheres", "1.05")
+    assert not noted("two_spheres", "{ min = 1.1, max = 2.0 }")
+    assert not noted("grain", "1.0")
+    assert not noted("grain", "1.5")
 
 
-def test_the_time_step_of_a_free_aspect_ratio_is_said_to_be_that_of_the_largest(
-    tmp_path: Path,
-) -> None:
+def test_the_time_step_follows_a_free_aspect_ratio(tmp_path: Path) -> None:
     lines = 'shape = "grain"\naspect_ratio = { min = 1.2, max = 2.0 }'
-    plan = describe_plan(setup_with(tmp_path, lines))
-    assert any("Rayleigh time step at the largest aspect ratio: " in line for line in plan.lines)
+    setup = setup_with(tmp_path, lines)
+    problem, sizes = setup.problem, setup.file.sizes
+    assert sizes is not None
+
+    for ratio in (1.2, 1.55, 2.0):
+        values = {**problem.middle, ASPECT_RATIO: ratio}
+        whole = {**setup.file.fixed, **values}
+        (heap,) = setup.bulk_tests.values()
+        step = heap.scene(whole, 1).time_step
+        assert problem.rayleigh_time_step(values) * heap.time_step_fraction == (
+            pytest.approx(step, rel=0.01)
+        )

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from grainfit.materials.clumps import body_of
+from grainfit.materials.clumps import body_of, clump_of
 from grainfit.materials.particle_shape import FAMILIES, ParticleShape
 
 
@@ -130,3 +130,16 @@ def test_slender_clumps_have_the_time_step_of_their_smallest_sphere(
     family: str, aspect_ratio: float
 ) -> None:
     assert radius_ratio(family, aspect_ratio) == 1.0
+
+
+def test_small_spheres_about_a_large_one_stiffen_a_clump_by_the_root_of_their_radius() -> None:
+    # On one side, many small spheres nearly coincide and reach as far as the large one.
+    small = [(0.8, 1e-4 * n, 0.0, 0.2) for n in range(1, 21)]
+    nest = clump_of(((0.0, 0.0, 0.0, 1.0), *small))
+
+    # Of two clumps in contact there: 20 x 20 pairs of small spheres (radius 0.2), twice 20 with the
+    # large one (2 * 0.2 / 1.2), and the two large ones, each with the same overlap.
+    stiffness = 400 * math.sqrt(0.2) + 40 * math.sqrt(1 / 3) + 1
+    # At a diameter of 1, stiffness and radii have half of that; a sphere swings with 8 * 0.5.
+    ratio = 0.5 * 0.2 * math.sqrt(8 * 0.5 * stiffness)
+    assert nest.rayleigh_radius / nest.smallest_radius == pytest.approx(1.5 / ratio, rel=0.02)

@@ -6,6 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from grainfit.materials.particle_shape import ASPECT_RATIO, FAMILIES, ParticleShape
 from grainfit.materials.time_step import RayleighTimeStep, rayleigh_time_step
 
 
@@ -73,3 +74,44 @@ def test_criterion_is_zero_when_nothing_free_changes_the_time_step() -> None:
     model = RayleighTimeStep(0.005, fixed)
     intervals = {"particle_particle.rolling_friction": (0.2, 0.9)}
     assert model.criterion({"particle_particle.rolling_friction": 0.5}, intervals) == 0.0
+
+
+BEADS = {
+    "particle.density": 2100.0,
+    "particle.youngs_modulus": 3.6e5,
+    "particle.poissons_ratio": 0.22,
+}
+
+
+@pytest.mark.parametrize("family", FAMILIES)
+@pytest.mark.parametrize("share", [0.003, 0.1, 0.35, 0.72, 1.0])
+def test_the_time_step_of_a_free_aspect_ratio_is_that_of_the_clump(
+    family: str, share: float
+) -> None:
+    ratio = 1 + share * (FAMILIES[family].largest - 1)
+    clump = ParticleShape(family, aspect_ratio=ratio).clump
+    assert clump is not None
+    step = RayleighTimeStep(0.005, BEADS, family)({ASPECT_RATIO: ratio})
+
+    exact = rayleigh_time_step(0.01 * clump.rayleigh_radius, *BEADS.values())
+    assert step == pytest.approx(exact, rel=0.01)
+
+
+@pytest.mark.parametrize("family", FAMILIES)
+def test_limits_enclose_all_aspect_ratios(family: str) -> None:
+    model = RayleighTimeStep(0.005, BEADS, family)
+    largest = FAMILIES[family].largest
+    for interval in [(1.0, largest), (1.1, 1.35), (1.6, 2.0)]:
+        smallest_step, largest_step = model.limits({ASPECT_RATIO: interval})
+        ratios = [interval[0] + n / 200 * (interval[1] - interval[0]) for n in range(201)]
+        steps = [model({ASPECT_RATIO: ratio}) for ratio in ratios]
+        assert smallest_step <= min(steps) * (1 + 1e-12)
+        assert largest_step >= max(steps) * (1 - 1e-12)
+        assert largest_step == pytest.approx(max(steps), rel=0.01)
+
+
+def test_a_shape_without_a_free_aspect_ratio_and_an_unknown_one_are_refused() -> None:
+    (fault,) = RayleighTimeStep(0.005, BEADS, "grain").faults({})
+    assert (fault.key, fault.message) == (ASPECT_RATIO, "is not free, so it needs no shape.")
+    (fault,) = RayleighTimeStep(0.005, BEADS, "egg").faults({ASPECT_RATIO: (1.0, 2.0)})
+    assert "'egg' is no family" in fault.message

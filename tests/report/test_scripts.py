@@ -10,9 +10,11 @@ import pytest
 from scipy.stats import norm, qmc
 
 from grainfit.formatting import number, rounded
+from grainfit.materials.time_step import RayleighTimeStep
 from grainfit.metamodels.kriging import Kriging
 from grainfit.metamodels.metamodels import Metamodels
 from grainfit.report.sections.answer.section import seconds
+from grainfit.report.sections.explorer.section import time_step_data
 
 pytestmark = pytest.mark.skipif(
     contexts.NODE is None, reason="Node.js is not installed: apt-get install nodejs"
@@ -181,7 +183,7 @@ def test_intervals_and_time_steps_are_those_of_the_problem() -> None:
         {"name": p.name, "minimum": p.minimum, "maximum": p.maximum, "scale": p.scale}
         for p in wanted.parameters
     ]
-    rayleigh = {"radius": wanted.rayleigh.radius, "fixed": dict(wanted.rayleigh.fixed)}
+    rayleigh = time_step_data(wanted.rayleigh)
     values, back, step = contexts.in_node(
         """
         const { fromUnit, toUnit, rayleigh } = grainfitQuantities;
@@ -196,6 +198,20 @@ def test_intervals_and_time_steps_are_those_of_the_problem() -> None:
     assert values == pytest.approx(wanted.from_unit(point))
     assert back == pytest.approx(point)
     assert step == pytest.approx(wanted.rayleigh_time_step(wanted.from_unit(point)))
+
+
+def test_time_steps_of_a_free_aspect_ratio_are_those_of_the_problem() -> None:
+    solid = {"particle.youngs_modulus": 1e6, "particle.poissons_ratio": 0.25}
+    step = RayleighTimeStep(0.005, solid, "grain")
+    ratios = [1.0, 1.02, 1.38, 1.7, 2.5, 3.0]
+    points = [{"particle.density": 2500.0, "particle.aspect_ratio": ratio} for ratio in ratios]
+    found = contexts.in_node(
+        "return data.points.map((at) => grainfitQuantities.rayleigh(data.known, at));",
+        {"known": time_step_data(step), "points": points},
+        "quantities.js",
+    )
+
+    assert found == pytest.approx([step(point) for point in points], rel=1e-9)
 
 
 def test_settings_survive_a_shell() -> None:

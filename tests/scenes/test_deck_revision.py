@@ -9,9 +9,10 @@ import pytest
 
 from grainfit.bulk_tests.heap import Heap
 from grainfit.bulk_tests.registry import BUILT_IN, bulk_tests
+from grainfit.materials.particle_shape import CLUMPS_REVISION, ParticleShape
 from grainfit.materials.sizes import ParticleSizes
 from grainfit.scenes.packing import Round, random_column
-from grainfit.scenes.scene import SCENES_REVISION
+from grainfit.scenes.scene import SCENES_REVISION, time_step
 from grainfit.solvers.registry import DEM_PROGRAMS
 from grainfit.testing.decks import write_deck
 from grainfit.testing.materials import GLASS_BEADS
@@ -31,6 +32,12 @@ DEFAULT_DECKS: dict[tuple[str, str], tuple[int, int, str]] = {
     ("draw_down", ""): (1, 1, "d7bcacd59223199c"),
     ("drum", ""): (1, 1, "f8c26efa526d5f0c"),
     ("shear", ""): (1, 1, "c4332ec0561127e1"),
+}
+#: Revision of clumps, and of some of them time step, s, outer and smallest radius, and moments of
+#: inertia over their mass, at a diameter of 1.
+CLUMPS: dict[tuple[str, float], tuple[int, str]] = {
+    ("grain", 1.1): (2, "9.176e-05 0.5333 0.4408 0.09384 0.1037 0.1037"),
+    ("two_spheres", 1.5): (2, "0.000207 0.63 0.42 0.07496 0.1301 0.1301"),
 }
 #: Revision, and decks of YADE: a mixture in every test with its defaults.
 YADE_DECKS = (1, "69e11c5143821f4d")
@@ -68,6 +75,21 @@ def test_default_decks_are_those_of_their_revision(tmp_path: Path, name: str, or
     found = (kind.revision, SCENES_REVISION, digest.hexdigest()[:16])
 
     assert found == DEFAULT_DECKS[name, orifice], f"decks {CHANGED_TEST}"
+
+
+@pytest.mark.parametrize(("family", "aspect_ratio"), CLUMPS)
+def test_clumps_are_those_of_their_revision(family: str, aspect_ratio: float) -> None:
+    sizes = ParticleSizes((0.010,), shape=ParticleShape(family, aspect_ratio=aspect_ratio))
+    clump = sizes.clump
+    assert clump is not None
+    step = time_step(sizes, GLASS_BEADS, 0.12)
+    numbers = (step, clump.outer_radius, clump.smallest_radius, *clump.moments)
+
+    found = (CLUMPS_REVISION, " ".join(f"{number:.4g}" for number in numbers))
+    assert found == CLUMPS[family, aspect_ratio], (
+        "clumps have changed: raise CLUMPS_REVISION in materials/particle_shape.py, and pin the "
+        "new values here"
+    )
 
 
 def test_yade_decks_are_those_of_their_revision(tmp_path: Path) -> None:

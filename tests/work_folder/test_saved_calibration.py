@@ -149,6 +149,25 @@ def test_another_weight_of_the_time_step_is_another_calibration(tmp_path: Path) 
     assert SavedCalibration.open(tmp_path).problem == fast
 
 
+def test_a_work_folder_tells_the_shape_of_a_time_step(tmp_path: Path) -> None:
+    ratio = grainfit.Parameter("particle.aspect_ratio", 1.1, 2.0)
+    rayleigh = grainfit.RayleighTimeStep(
+        0.005,
+        {**PROBLEM.rayleigh.fixed, "particle.density": 2500.0},
+        "two_spheres",
+    )
+    problem = grainfit.Problem([ratio], [grainfit.Target("angle", 25.0, tolerance=0.5)], rayleigh)
+
+    grainfit.calibrate(problem, lambda at, seed: {"angle": 20 * at[ratio.name]}, workdir=tmp_path)
+
+    reading = SavedCalibration.open(tmp_path)
+    assert reading.problem == problem
+    assert reading.result is not None
+    assert reading.result.rayleigh_time_step == pytest.approx(
+        rayleigh({ratio.name: 1.25}), rel=0.02
+    )
+
+
 def test_the_result_of_an_earlier_start_is_not_that_of_the_last(tmp_path: Path) -> None:
     result = grainfit.calibrate(PROBLEM, simulate, workdir=tmp_path)
     replace(result, status="interrupted").to_json(tmp_path / "result.json")

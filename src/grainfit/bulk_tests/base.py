@@ -259,7 +259,12 @@ class BulkTest(ABC):
             raise with_factor(error, self.sizes.coarse_graining, self._is_possible_at) from None
 
     def _is_possible_at(self, factor: float) -> bool:
-        """Return whether the test is possible with the real particles enlarged by a factor."""
+        """Return whether the test is possible with the real particles enlarged by a factor.
+
+        It is not known of clumps whose aspect ratio, and so their extent, is that of a material.
+        """
+        if self.sizes.shape is not None and self.sizes.clump is None:
+            return False
         trial = copy(self)
         object.__setattr__(trial, "sizes", self.sizes.real.coarse_grained(factor))
         try:

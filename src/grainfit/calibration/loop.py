@@ -136,7 +136,7 @@ class CalibrationLoop:
         known = self._problem.rayleigh
         if known is None:
             return {}
-        return {"rayleigh": asdict(known), "rayleigh_weight": self._problem.rayleigh_weight}
+        return {"rayleigh": known.to_json(), "rayleigh_weight": self._problem.rayleigh_weight}
 
     def _about(self, known: Sequence[Evaluation]) -> dict[str, Any]:
         return {

@@ -399,9 +399,11 @@ def _rayleigh(file: CalibrationFile) -> RayleighTimeStep | None:
     if file.sizes is None or not known.issuperset(_RAYLEIGH):
         return None
     fixed = {name: file.fixed[name] for name in _RAYLEIGH if name in file.fixed}
-    # That of the most slender particles, which have the smallest spheres.
-    largest = {parameter.name: parameter.maximum for parameter in file.parameters}
-    sizes = file.sizes.with_aspect_ratio({**file.fixed, **largest}.get(ASPECT_RATIO))
+    shape = file.sizes.shape
+    is_free = any(parameter.name == ASPECT_RATIO for parameter in file.parameters)
+    if is_free and shape is not None and shape.has_aspect_ratio:
+        return RayleighTimeStep(min(file.sizes.diameters) / 2, fixed, shape.family)
+    sizes = file.sizes.with_aspect_ratio(file.fixed.get(ASPECT_RATIO))
     return RayleighTimeStep(sizes.rayleigh_radius, fixed)
 
 

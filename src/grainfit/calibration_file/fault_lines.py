@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -12,6 +12,8 @@ from grainfit.errors import Fault, InputError
 from grainfit.options.places import FileFault, Findings, KeyPath, dotted
 
 _TEST = re.compile(r"test\[(\d+)\](?:\.|$)")
+#: Before the key of a fault of one of several tests.
+_NAME = re.compile(r"test \w+, ")
 
 
 @contextmanager
@@ -30,10 +32,34 @@ def with_lines(path: Path, besides: Collection[str] = ()) -> Iterator[None]:
     except InputError as error:
         if error.source not in ("", str(path)):
             raise
-        located = [_located(fault, _lines(path), besides) for fault in error.faults]
-        if not error.source and not all(isinstance(fault, FileFault) for fault in located):
+        found = faults_with_lines(path, error.faults, besides)
+        if not error.source and not all(map(_has_line, found)):
             raise
-        raise InputError(located, str(path)) from error
+        raise InputError(found, str(path)) from error
+
+
+def faults_with_lines(
+    path: Path, faults: Iterable[Fault], besides: Collection[str] = ()
+) -> list[Fault]:
+    """Return faults with their lines, as far as their keys are in the file.
+
+    Parameters
+    ----------
+    path, besides
+        As in `with_lines`.
+    faults : iterable of Fault
+        Keys are dotted, ``test[0].`` or ``test NAME, `` before them; of an option of the only test
+        or of a strategy, the option alone.
+    """
+    lines = _lines(path)
+    return [
+        fault if _has_line(fault) or fault.key in besides else _located(fault, lines)
+        for fault in faults
+    ]
+
+
+def _has_line(fault: Fault) -> bool:
+    return isinstance(fault, FileFault) and fault.line is not None
 
 
 def _lines(path: Path) -> Mapping[KeyPath, int]:
@@ -43,17 +69,15 @@ def _lines(path: Path) -> Mapping[KeyPath, int]:
         return {}
 
 
-def _located(fault: Fault, lines: Mapping[KeyPath, int], besides: Collection[str]) -> Fault:
-    """Return a fault with its line; unchanged when it has one, or its key is not in the file."""
-    if isinstance(fault, FileFault) or fault.key in besides:
+def _located(fault: Fault, lines: Mapping[KeyPath, int]) -> Fault:
+    """Return a fault with the line of its key; unchanged when the file does not have it."""
+    named = _NAME.match(fault.key)
+    test, rest = _parts(fault.key[named.end() if named else 0 :])
+    exact = next((path for path in _places(test, rest, lines) if path in lines), None)
+    if exact is None and not test:
         return fault
-    test, rest = _parts(fault.key)
-    # A solver knows parameters by the names of its arguments, and a strategy its options.
-    exact = [path for path in ((*test, *rest), rest, ("strategy", *rest)) if path in lines]
-    if not exact and not test:
-        return fault
-    line = lines[exact[0]] if exact else Findings(Path(), lines).line_of(test)
-    key = fault.key if test else dotted(exact[0])
+    line = Findings(Path(), lines).line_of(test) if exact is None else lines[exact]
+    key = fault.key if exact is None or test or named else dotted(exact)
     return FileFault(key, fault.message, fault.remedy, line)
 
 
@@ -63,3 +87,15 @@ def _parts(key: str) -> tuple[KeyPath, KeyPath]:
     test: KeyPath = () if found is None else ("test", int(found[1]))
     rest = key[found.end() if found else 0 :].partition(", ")[0]
     return test, tuple(rest.split(".")) if rest else ()
+
+
+def _places(test: KeyPath, rest: KeyPath, lines: Mapping[KeyPath, int]) -> Iterator[KeyPath]:
+    """Yield where the key of a fault may be in the file."""
+    yield (*test, *rest)
+    if not test:
+        # A strategy and a solver know options by their own names.
+        yield ("strategy", *rest)
+        of_tests = [path for path in lines if path[0] == "test" and path[2:] == rest]
+        yield from of_tests if rest and len(of_tests) == 1 else ()
+    elif rest and str(rest[0]).partition("_")[0] in ("particle", "wall"):
+        yield rest

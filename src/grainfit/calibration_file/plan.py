@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import chain
 
 from grainfit.calibration.readiness import Obstacle, obstacles
 from grainfit.calibration_file.build import CalibrationSetup
 from grainfit.calibration_file.cohesion_lines import cohesion_lines
 from grainfit.calibration_file.contact_notes import chosen_model_lines
-from grainfit.calibration_file.fault_lines import with_lines
+from grainfit.calibration_file.fault_lines import faults_with_lines, with_lines
 from grainfit.calibration_file.run_time import (
     ExpectedRuns,
     RunTime,
@@ -22,9 +22,8 @@ from grainfit.calibration_file.run_time import (
 from grainfit.calibration_file.size_notes import size_lines
 from grainfit.campaign.cluster.executor import describe_cluster, executed_by
 from grainfit.curve_target import CurveTarget
-from grainfit.errors import GrainfitError, InputError
+from grainfit.errors import Fault, GrainfitError, InputError
 from grainfit.formatting import counted, in_a_row
-from grainfit.materials.particle_shape import ASPECT_RATIO
 from grainfit.problem import Parameter, Problem, Target
 from grainfit.solvers.base import Solver
 
@@ -106,18 +105,20 @@ def describe_plan(setup: CalibrationSetup, *, call_scenes: bool = True) -> Plan:
         lines += describe_cluster(cluster)
         executes += [f"cluster: {line}" for line in executed_by(cluster)]
     time: RunTime | None = None
+    late: list[str] = []
     try:
         with with_lines(setup.file.path):
             runs = expected_runs(setup)
         if call_scenes or not any(map(_has_code, setup.solvers.values())):
             time = run_time(setup, runs)
+            late = [*timeout_notes(setup)]
         lines += _run_lines(setup, runs, time)
     except InputError as error:
         where = f"{error.source}: " if error.source else ""
         problems += [f"{where}{fault}" for fault in error.faults]
-    notes = [*setup.notes()]
+    notes = [*setup.notes(), *late]
     if time is not None:
-        notes += [*timeout_notes(setup, time), *shortening_notes(setup, time)]
+        notes += shortening_notes(setup, time)
     problem = setup.problem
     return Plan(
         setup.name,
@@ -133,12 +134,17 @@ def describe_plan(setup: CalibrationSetup, *, call_scenes: bool = True) -> Plan:
 
 
 def _words(setup: CalibrationSetup, obstacle: Obstacle) -> list[str]:
+    if not isinstance(obstacle.error, InputError):
+        return [f"Test {obstacle.test}: {obstacle.error}"]
     test = f"test {obstacle.test}" if obstacle.test else ""
-    if isinstance(obstacle.error, InputError):
-        source = obstacle.error.source or f"{setup.file.path}"
-        where = f"{source}: {test}, " if test else f"{source}: "
-        return [f"{where}{fault}" for fault in obstacle.error.faults]
-    return [f"Test {obstacle.test}: {obstacle.error}"]
+    path, source = setup.file.path, obstacle.error.source
+    faults: Sequence[Fault] = [
+        replace(fault, key=", ".join(filter(None, (test, fault.key))))
+        for fault in obstacle.error.faults
+    ]
+    if not source:
+        faults = faults_with_lines(path, faults)
+    return [f"{source or path}: {fault}" for fault in faults]
 
 
 def _middle(setup: CalibrationSetup) -> dict[str, float]:
@@ -157,9 +163,7 @@ def _rayleigh_lines(setup: CalibrationSetup) -> Iterator[str]:
     problem = setup.problem
     if problem.rayleigh is not None:
         smallest, largest = problem.rayleigh.limits(problem.intervals)
-        free = ASPECT_RATIO in problem.intervals
-        where = "at the largest aspect ratio" if free else "within the intervals"
-        yield f"Rayleigh time step {where}: {smallest:.4g} to {largest:.4g} s."
+        yield f"Rayleigh time step within the intervals: {smallest:.4g} to {largest:.4g} s."
     elif missing := setup.missing_for_time_step:
         yield (
             "The Rayleigh time step is not known, so it plays no part in the choice of the answer: "

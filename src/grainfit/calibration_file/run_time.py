@@ -156,20 +156,18 @@ def run_time(setup: CalibrationSetup, runs: ExpectedRuns) -> RunTime | None:
     return RunTime(runs, per_run, setup.repeats, setup.workers)
 
 
-def timeout_notes(setup: CalibrationSetup, time: RunTime) -> Iterator[str]:
+def timeout_notes(setup: CalibrationSetup) -> Iterator[str]:
     """Yield a note on each test whose runs would be stopped before their estimated end.
 
     Parameters
     ----------
     setup : CalibrationSetup
-        The calibration.
-    time : RunTime
-        Its expected time.
+        The calibration; costs are those in the middle of its intervals, as far as they are known.
     """
-    limits = setup.timeouts
-    for test, seconds in time.per_run.items():
-        limit = limits.get(test, math.inf)
-        if limit < seconds:
+    given = {test.name: test.options.get("timeout", math.inf) for test in setup.file.tests}
+    for test, limit in given.items():
+        seconds = _seconds(setup.solvers[test], setup.problem.middle)
+        if seconds is not None and limit < seconds:
             yield (
                 f"Test {test}: timeout = {duration(limit)}, but a run takes about "
                 f"{duration(seconds)} and would be stopped before its end. Leave timeout out, or "

@@ -5,14 +5,19 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from grainfit.calibration_file.content import CalibrationFile
-from grainfit.materials.particle_shape import ASPECT_RATIO
+from grainfit.formatting import percent
+from grainfit.materials.particle_shape import ASPECT_RATIO, ParticleShape
 
-#: Aspect ratio up to which several spheres of a clump touch the same particle at once.
+#: Aspect ratio below which the responses of soft particles differ from those of spheres (at 1).
 _NEARLY_A_SPHERE = 1.1
+#: Share of the usual time step that is too small to be no surprise.
+_SLOW = 0.8
+#: In place of 1, at which a clump is a sphere.
+_NEAREST = 1.001
 
 
 def shape_notes(file: CalibrationFile) -> Iterator[str]:
-    """Yield a note on clumps of a family that come near a sphere.
+    """Yield a note on clumps of a family whose spheres nearly coincide.
 
     Parameters
     ----------
@@ -24,12 +29,21 @@ def shape_notes(file: CalibrationFile) -> Iterator[str]:
         return
     free = {p.name: p.minimum for p in file.parameters}
     lowest = {**file.fixed, **free}.get(ASPECT_RATIO, 1.0)
-    if lowest >= _NEARLY_A_SPHERE or (lowest == 1 and ASPECT_RATIO not in free):
+    share = _share_of_time_step(shape, lowest)
+    if share >= _SLOW or (lowest == 1 and ASPECT_RATIO not in free):
         return
+    jump = ""
+    if lowest < _NEARLY_A_SPHERE:
+        jump = "Clumps are stiffer than spheres, so soft particles respond otherwise than at 1. "
     yield (
-        f"{ASPECT_RATIO} is {lowest:g}{' and more' if ASPECT_RATIO in free else ''}: below "
-        f"{_NEARLY_A_SPHERE:g}, spheres of the shape {shape.family} nearly coincide and touch at "
-        "once, which makes clumps stiffer than spheres and runs longer, so that the responses of "
-        f"soft particles jump where it becomes 1. Begin at {_NEARLY_A_SPHERE:g} "
-        "(docs/clumps.md)."
+        f"{ASPECT_RATIO} is {lowest:g}{' and more' if ASPECT_RATIO in free else ''}: there, "
+        f"spheres of the shape {shape.family} nearly coincide and touch at once. {jump}Time steps "
+        f"are {percent(share)} of what their smallest sphere allows; larger aspect ratios are "
+        "faster (docs/clumps.md)."
     )
+
+
+def _share_of_time_step(shape: ParticleShape, aspect_ratio: float) -> float:
+    clump = shape.with_aspect_ratio(max(aspect_ratio, _NEAREST)).clump
+    assert clump is not None
+    return clump.rayleigh_radius / clump.smallest_radius

@@ -10,7 +10,7 @@ from grainfit.bulk_tests.registry import recreate_test
 from grainfit.contact_models.registry import in_order, material_parameter
 from grainfit.errors import InputError, StoreError
 from grainfit.materials.card import CardParameter, CardResponse, MaterialCard, Origin, Program
-from grainfit.materials.particle_shape import ASPECT_RATIO
+from grainfit.materials.particle_shape import ASPECT_RATIO, ParticleShape
 from grainfit.materials.sizes import ParticleSizes
 from grainfit.materials.time_step import RayleighTimeStep
 from grainfit.result import ParameterInterval, ResponseResult
@@ -129,7 +129,10 @@ def _sizes(
     if conditions:
         return conditions[0].sizes.with_aspect_ratio(aspect_ratio)
     rayleigh = reading.problem.rayleigh
-    return None if rayleigh is None else ParticleSizes((2 * rayleigh.radius,))
+    if rayleigh is None:
+        return None
+    shape = ParticleShape(rayleigh.shape, aspect_ratio=aspect_ratio) if rayleigh.shape else None
+    return ParticleSizes((2 * rayleigh.radius,), shape=shape)
 
 
 def _programs(reading: SavedCalibration) -> list[Program]:

@@ -206,6 +206,7 @@ def run(
 
     folder = workdir or default_workdir(file)
     given = search_options or {}
+    named = {name for name, value in {"strategy": strategy, "store": store}.items() if value}
     with ExitStack() as stack:
         told = stack.enter_context(notifying(notify, folder))
         setup = replace(_build(file), local=local)
@@ -213,7 +214,7 @@ def run(
             _err.print(f"Cluster: {missing_scheduler(setup.file.cluster)}")
         if watched or open_page or port:
             stack.enter_context(watching(folder, port, open_page))
-        with with_lines(file, besides=given):
+        with with_lines(file, besides={*given, *named}):
             result = _calibrate(
                 setup,
                 folder,

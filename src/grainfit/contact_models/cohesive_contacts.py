@@ -79,7 +79,7 @@ def overlap_faults(
         return []
     message = (
         f"{material[_MODULUS]:g} Pa is too soft for this cohesion ({cohesion.name}): without any "
-        f"load, particles overlap by {100 * largest:.2g} % of their diameter."
+        f"load, spheres overlap by {100 * largest:.2g} % of their diameter."
     )
     moduli = (material[_MODULUS] * _STEP**number for number in range(_STEPS))
     enough = (e for e in moduli if _largest_overlap(law, contacts, e) < LARGEST_OVERLAP)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 
@@ -16,7 +17,7 @@ _ROUNDING = 1e-4
 #: Overlap at which contacts of two clumps are counted, over the diameter of their largest sphere.
 _OVERLAP = 0.04
 #: Ratio of times, of two smallest spheres and of two clumps in contact, up to which the usual share
-#: of the Rayleigh time is short enough: a third of it changes no bulk density (docs/clumps.md).
+#: of the Rayleigh time is short enough: a third changes bulk densities by 1 % (docs/clumps.md).
 _COVERED = 1.5
 _DIRECTIONS = 400
 #: Volume of a sphere of diameter 1.
@@ -67,8 +68,8 @@ class Clump:
         """Return the largest ratio of times: of two smallest spheres, and of two clumps in contact.
 
         One clump is the mirror image of the other in the plane of contact, for many directions of
-        its normal. The stiffness of Hertz is that of every pair that touches, as its radius and the
-        root of its overlap.
+        its normal. The stiffness of Hertz is that of every pair that touches, as the root of its
+        radius and of its overlap.
         """
         radii, largest = self.radii, float(self.radii.max())
         along = _directions(_DIRECTIONS) @ self.positions.T
@@ -78,7 +79,8 @@ class Clump:
         pair = 2 * radii[:, None] * radii / (radii[:, None] + radii)
         whole = 2 * largest * _OVERLAP
         overlap = whole - behind[:, :, None] - behind[:, None, :] - beside / (4 * pair)
-        stiffness = (np.sqrt(np.maximum(overlap, 0.0) / whole) * pair).sum(axis=(1, 2)).max()
+        of_pairs = np.sqrt(np.maximum(overlap, 0.0) * pair / (2 * _OVERLAP))
+        stiffness = of_pairs.sum(axis=(1, 2)).max()
         # A sphere of diameter 1 has the mass of the clump, and a stiffness of 1/2.
         return self.smallest_radius * math.sqrt(8 * float(stiffness))
 
@@ -97,9 +99,16 @@ def clump_of(spheres: tuple[tuple[float, float, float, float], ...]) -> Clump:
     spheres : tuple of tuple of float
         x, y, z and radius of each sphere, in any unit.
     """
+    return build_clump(spheres)
+
+
+def build_clump(
+    spheres: Sequence[tuple[float, float, float, float]], resolution: int = _LINES
+) -> Clump:
+    """Return a clump, as `clump_of`, with so many lines across the union of its spheres."""
     table = np.array(spheres, dtype=float)
     positions, radii = table[:, :3], table[:, 3]
-    volume, centre, inertia = body_of(positions, radii)
+    volume, centre, inertia = body_of(positions, radii, resolution)
     turned = np.eye(3)
     products = inertia - np.diag(np.diag(inertia))
     if np.abs(products).max() > _ROUNDING * np.diag(inertia).max():
@@ -112,7 +121,7 @@ def clump_of(spheres: tuple[tuple[float, float, float, float], ...]) -> Clump:
 
 
 def body_of(
-    positions: NDArray[np.float64], radii: NDArray[np.float64]
+    positions: NDArray[np.float64], radii: NDArray[np.float64], resolution: int = _LINES
 ) -> tuple[float, NDArray[np.float64], NDArray[np.float64]]:
     """Return volume, centre and inertia about it of the union of spheres, at a density of 1.
 
@@ -124,9 +133,11 @@ def body_of(
         Centres.
     radii : ndarray of shape (n,)
         Radii.
+    resolution : int, optional
+        Lines across the larger side.
     """
     low, high = (positions - radii[:, None]).min(axis=0), (positions + radii[:, None]).max(axis=0)
-    step = float((high - low)[1:].max()) / _LINES
+    step = float((high - low)[1:].max()) / resolution
     y, z = (
         np.arange(round((high[axis] - low[axis]) / step)) * step + low[axis] + step / 2
         for axis in (1, 2)

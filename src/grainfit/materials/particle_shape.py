@@ -27,6 +27,8 @@ ASPECT_RATIO = "particle.aspect_ratio"
 #: Distance of spheres in a row over their diameter: the outline dents by 3 % of the diameter.
 _ROW_STEP = 0.5
 _MOST_SPHERES = 50
+#: Raised whenever clumps of one definition become other runs.
+CLUMPS_REVISION = 2
 #: Smallest radius over the largest: the smallest sphere sets the time step.
 _SMALLEST = 0.01
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 from grainfit.errors import Fault, InputError
 from grainfit.formatting import millimetres, percent
-from grainfit.materials.particle_shape import ParticleShape
+from grainfit.materials.particle_shape import CLUMPS_REVISION, ParticleShape
 
 if TYPE_CHECKING:
     from grainfit.materials.clumps import Clump
@@ -118,6 +118,7 @@ class ParticleSizes:
             found["coarse_graining"] = self.coarse_graining
         if self.shape is not None:
             found["shape"] = self.shape.definition()
+            found["clumps"] = CLUMPS_REVISION
         return found
 
     def coarse_grained(self, factor: float) -> ParticleSizes:

@@ -8,7 +8,8 @@ from dataclasses import dataclass
 from numbers import Real
 from typing import Any
 
-from grainfit.errors import Fault
+from grainfit.errors import Fault, InputError
+from grainfit.materials.particle_shape import ASPECT_RATIO, ParticleShape
 
 
 def rayleigh_time_step(
@@ -56,20 +57,37 @@ class RayleighTimeStep:
     Parameters
     ----------
     radius : float
-        Radius of the smallest particle, m.
+        Radius of the smallest particle, m; of a clump, that of its smallest sphere.
     fixed : mapping of str to float
         Values of ``particle.density``, ``particle.youngs_modulus`` and
         ``particle.poissons_ratio`` where they are not free.
+    shape : str, optional
+        Family of clumps whose aspect ratio is free; the radius is then that of a sphere with the
+        volume of the smallest clump. At an aspect ratio of 1, the time step is that of clumps
+        whose spheres nearly coincide, which is shorter than that of a sphere.
+
+    Examples
+    --------
+    >>> fixed = {"particle.density": 2100, "particle.youngs_modulus": 3.6e5}
+    >>> step = RayleighTimeStep(0.005, {**fixed, "particle.poissons_ratio": 0.22}, "grain")
+    >>> step({"particle.aspect_ratio": 1.5}) > step({"particle.aspect_ratio": 2.0})
+    True
     """
 
     radius: float
     fixed: Mapping[str, float]
+    shape: str = ""
 
     def __post_init__(self) -> None:
         # Results are written as JSON, which has no numbers of NumPy.
         object.__setattr__(self, "radius", _plain(self.radius))
         fixed = {name: _plain(value) for name, value in self.fixed.items()}
         object.__setattr__(self, "fixed", fixed)
+
+    def to_json(self) -> dict[str, Any]:
+        """Return the arguments, without a shape that there is not."""
+        shape = {"shape": self.shape} if self.shape else {}
+        return {"radius": self.radius, "fixed": dict(self.fixed), **shape}
 
     def faults(self, intervals: Mapping[str, tuple[float, float]]) -> list[Fault]:
         """Return why the intervals have no Rayleigh time step; empty if they have one."""
@@ -87,28 +105,55 @@ class RayleighTimeStep:
                         "Give its value in RayleighTimeStep, or make it a parameter.",
                     )
                 )
-        return found
+        return found + (self._shape_faults(intervals) if self.shape else [])
+
+    def _shape_faults(self, intervals: Mapping[str, tuple[float, float]]) -> list[Fault]:
+        if ASPECT_RATIO not in intervals:
+            remedy = "Leave shape out: the radius is that of the smallest sphere."
+            return [Fault(ASPECT_RATIO, "is not free, so it needs no shape.", remedy)]
+        try:
+            ParticleShape(self.shape)
+        except InputError as error:
+            return list(error.faults)
+        return []
 
     def __call__(self, parameters: Mapping[str, float]) -> float:
         """Rayleigh time step at these values of the free parameters, s."""
         values = {**self.fixed, **parameters}
-        return rayleigh_time_step(self.radius, *(values[name] for name in _NAMES))
+        radius = self.radius
+        if self.shape:
+            # Imports NumPy, which the state of a calibration does without.
+            from grainfit.materials.clump_radii import rayleigh_radius
+
+            radius *= 2 * rayleigh_radius(self.shape, values[ASPECT_RATIO])
+        return rayleigh_time_step(radius, *(values[name] for name in _NAMES))
 
     def limits(self, intervals: Mapping[str, tuple[float, float]]) -> tuple[float, float]:
-        """Smallest and largest Rayleigh time step that the intervals allow, s.
+        """Smallest and largest Rayleigh time step that the intervals allow, s."""
+        shortest, longest = self.extremes(intervals)
+        return self(shortest), self(longest)
+
+    def extremes(
+        self, intervals: Mapping[str, tuple[float, float]]
+    ) -> tuple[dict[str, float], dict[str, float]]:
+        """Return the values that give the smallest and the largest Rayleigh time step.
 
         The Rayleigh time grows with density and Poisson's ratio (for all ratios in [0, 0.5]) and
-        falls with Young's modulus, so both extremes are corners.
+        falls with Young's modulus, so both extremes of these are corners.
         """
-        slowest = dict(self.fixed)
-        fastest = dict(self.fixed)
+        shortest, longest = dict(self.fixed), dict(self.fixed)
         for name in _NAMES:
             if name in intervals:
                 low, high = intervals[name]
                 if name == "particle.youngs_modulus":
                     low, high = high, low
-                slowest[name], fastest[name] = low, high
-        return self(slowest), self(fastest)
+                shortest[name], longest[name] = low, high
+        if self.shape:
+            from grainfit.materials.clump_radii import extreme_aspect_ratios
+
+            found = extreme_aspect_ratios(self.shape, *intervals[ASPECT_RATIO])
+            shortest[ASPECT_RATIO], longest[ASPECT_RATIO] = found
+        return shortest, longest
 
     def criterion(
         self, parameters: Mapping[str, float], intervals: Mapping[str, tuple[float, float]]

@@ -27,13 +27,11 @@ def with_long_steps(problem: Problem, points: Array) -> Array:
     moved = points.copy()
     if problem.rayleigh is None:
         return moved
-    middle = np.full((1, problem.dimension), 0.5)
-    for axis in range(problem.dimension):
-        low, high = middle.copy(), middle.copy()
-        low[0, axis], high[0, axis] = 0.0, 1.0
-        slow, fast = log_time_steps(problem, np.vstack([low, high]))
-        if slow != fast:
-            moved[:, axis] = float(fast > slow)
+    shortest, longest = problem.rayleigh.extremes(problem.intervals)
+    fastest = problem.to_unit({**problem.middle, **longest})
+    for axis, parameter in enumerate(problem.parameters):
+        if shortest.get(parameter.name) != longest.get(parameter.name):
+            moved[:, axis] = fastest[axis]
     return moved
 
 

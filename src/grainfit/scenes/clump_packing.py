@@ -110,8 +110,8 @@ class _Bed:
     ) -> None:
         self.placed = PlacedClumps(np.empty((0, 3)), np.empty((0, 4)), np.empty(0, dtype=np.int64))
         self._spheres, self._period, self._factor = spheres, period, factor
-        # Several trees, each of them more than twice as large as the next: most of the time, what
-        # is new needs a small one only.
+        # Several trees, each of them more than six times as large as the next: most of the time,
+        # what is new needs a small one only.
         self._outlines: list[_Outlines] = []
 
     def place(self, tried: PlacedClumps, most: int) -> int:

@@ -341,7 +341,7 @@ def _problem(
     problem = Problem(
         [Parameter(**data) for data in definition["parameters"]],
         [Target(**data) for data in definition["targets"]],
-        RayleighTimeStep(rayleigh["radius"], rayleigh["fixed"]) if rayleigh else None,
+        RayleighTimeStep(**rayleigh) if rayleigh else None,
         float(definition.get("rayleigh_weight") or about.get("rayleigh_weight", 0.0)),
         correlations=definition.get("correlations", ()),
         tests=[ScopeOfTest(**data) for data in about.get("tests", [])],

@@ -133,13 +133,24 @@
     }, 1500);
   }
 
+  // Value at a place, linear between points (x, y) with rising x.
+  function interpolated(points, place) {
+    const next = points.findIndex(([x]) => x >= place);
+    if (next <= 0) return points.at(next)[1];
+    const [[x0, y0], [x1, y1]] = points.slice(next - 1, next + 1);
+    return y0 + ((y1 - y0) * (place - x0)) / (x1 - x0);
+  }
+
   // Rayleigh time step, s, see grainfit.materials.time_step.
   function rayleigh(known, values) {
     const all = { ...known.fixed, ...values };
     const ratio = all["particle.poissons_ratio"];
     const shear = all["particle.youngs_modulus"] / (2 * (1 + ratio));
     const wave = 0.1631 * ratio + 0.8766;
-    return (Math.PI * known.radius * Math.sqrt(all["particle.density"] / shear)) / wave;
+    const radius = known.radii
+      ? interpolated(known.radii, all["particle.aspect_ratio"])
+      : known.radius;
+    return (Math.PI * radius * Math.sqrt(all["particle.density"] / shear)) / wave;
   }
 
   globalThis.grainfitQuantities = {

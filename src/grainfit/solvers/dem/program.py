@@ -292,7 +292,10 @@ class DeckSolver(Solver):
     def _cohesion_faults(self, material: Mapping[str, float]) -> list[Fault]:
         values, conditions = with_defaults(material), self.test.conditions
         law = contact_law(values, self.contact_models)
-        sizes = conditions.sizes.real.with_aspect_ratio(values.get(ASPECT_RATIO))
+        sizes, ratio = conditions.sizes.real, values.get(ASPECT_RATIO, 1.0)
+        if law.cohesion is None or aspect_ratio_faults(sizes.shape, ratio):
+            return []
+        sizes = sizes.with_aspect_ratio(ratio)
         return overlap_faults(law, values, sizes.sphere_diameters, conditions.gravity)
 
     @classmethod

@@ -7,6 +7,8 @@ from typing import Any
 
 from markupsafe import escape
 
+from grainfit.materials.clump_radii import rayleigh_radii
+from grainfit.materials.time_step import RayleighTimeStep
 from grainfit.metamodels.metamodels import Metamodels
 from grainfit.problem import Parameter
 from grainfit.report.rendering import render
@@ -63,8 +65,24 @@ def _data(context: ReportContext, metamodels: Metamodels) -> Mapping[str, Any]:
         "responses": [
             _response(context, metamodels, index) for index in range(len(metamodels.models))
         ],
-        "rayleigh": rayleigh and {"radius": rayleigh.radius, "fixed": dict(rayleigh.fixed)},
+        "rayleigh": rayleigh and time_step_data(rayleigh),
     }
+
+
+def time_step_data(known: RayleighTimeStep) -> Mapping[str, Any]:
+    """Return what the page needs to compute Rayleigh time steps, as JSON.
+
+    Parameters
+    ----------
+    known : RayleighTimeStep
+        Of the calibration.
+    """
+    data = {"radius": known.radius, "fixed": dict(known.fixed)}
+    if not known.shape:
+        return data
+    ratios, radii = rayleigh_radii(known.shape)
+    by_ratio = zip(ratios.tolist(), (2 * known.radius * radii).tolist(), strict=True)
+    return {**data, "radii": [*by_ratio]}
 
 
 def _parameter(context: ReportContext, parameter: Parameter, held: float) -> Mapping[str, Any]:
