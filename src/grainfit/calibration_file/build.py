@@ -18,6 +18,7 @@ from grainfit.calibration.timeouts import default_timeouts
 from grainfit.calibration_file.bulk_test_notes import bulk_test_notes
 from grainfit.calibration_file.contact_notes import contact_notes
 from grainfit.calibration_file.content import CalibrationFile, SearchOptions, TestSpecification
+from grainfit.calibration_file.fault_lines import faults_with_lines, with_lines
 from grainfit.calibration_file.load import load_calibration_file
 from grainfit.calibration_file.number_notes import number_notes
 from grainfit.calibration_file.same_simulation import same_simulation_notes
@@ -88,8 +89,7 @@ class CalibrationSetup:
         A bulk test has one even when the file gives none: a solver that hangs must not stop the
         calibration for ever.
         """
-        given = {t.name: t.options["timeout"] for t in self.file.tests if "timeout" in t.options}
-        return default_timeouts(self.problem, self.solvers) | given
+        return default_timeouts(self.problem, self.solvers) | self.file.timeouts
 
     @property
     def repeats(self) -> dict[str, int]:
@@ -343,9 +343,10 @@ def build_calibration(file: CalibrationFile) -> CalibrationSetup:
     InputError
         A test cannot be simulated; lists all faults of all tests.
     """
-    solvers = build_solvers(file)
-    problem = with_scopes(_problem(file), solvers, file.repeats)
-    return CalibrationSetup(file, problem, restricted(problem, solvers))
+    with with_lines(file.path):
+        solvers = build_solvers(file)
+        problem = with_scopes(_problem(file), solvers, file.repeats)
+        return CalibrationSetup(file, problem, restricted(problem, solvers))
 
 
 def build_solvers(file: CalibrationFile) -> dict[str, Solver]:
@@ -364,7 +365,7 @@ def build_solvers(file: CalibrationFile) -> dict[str, Solver]:
         except InputError as error:
             faults += _faults_of_test(test.number, error)
     if faults:
-        raise InputError(faults, str(file.path))
+        raise InputError(faults_with_lines(file.path, faults), str(file.path))
     return solvers
 
 

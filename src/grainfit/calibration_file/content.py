@@ -148,6 +148,11 @@ class CalibrationFile:
         return max(int(test.options.get("ranks", 1)) for test in self.tests)
 
     @property
+    def timeouts(self) -> dict[str, float]:
+        """Longest wall time of a run by name of the test, s, where the file gives one."""
+        return {t.name: t.options["timeout"] for t in self.tests if "timeout" in t.options}
+
+    @property
     def repeats(self) -> dict[str, int]:
         """Runs with different seeds whose mean is one evaluation, by name of the test."""
         return {test.name: test.repeats for test in self.tests}

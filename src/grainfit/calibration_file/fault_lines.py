@@ -73,11 +73,11 @@ def _located(fault: Fault, lines: Mapping[KeyPath, int]) -> Fault:
     """Return a fault with the line of its key; unchanged when the file does not have it."""
     named = _NAME.match(fault.key)
     test, rest = _parts(fault.key[named.end() if named else 0 :])
-    exact = next((path for path in _places(test, rest, lines) if path in lines), None)
-    if exact is None and not test:
+    place = next((path for path in _places(test, rest, lines) if path in lines), test)
+    if not place:
         return fault
-    line = Findings(Path(), lines).line_of(test) if exact is None else lines[exact]
-    key = fault.key if exact is None or test or named else dotted(exact)
+    key = fault.key if test or named else dotted(place)
+    line = Findings(Path(), lines).line_of(place)
     return FileFault(key, fault.message, fault.remedy, line)
 
 

@@ -12,7 +12,6 @@ from grainfit.bulk_tests.base import ResponseInfo
 from grainfit.calibration_file.accuracies import Accuracies, accuracy_of
 from grainfit.calibration_file.build import build_solvers
 from grainfit.calibration_file.content import CalibrationFile, PlannedTarget
-from grainfit.calibration_file.fault_lines import with_lines
 from grainfit.calibration_file.load import load_calibration_file
 from grainfit.calibration_file.targets import TargetTable
 from grainfit.errors import InputError
@@ -80,7 +79,8 @@ def load_planned_file(path: str | Path) -> PlannedFile:
     InputError
         With every fault of the file, its key and its line.
     """
-    return _built(load_calibration_file(Path(path), planned=True))
+    file = load_calibration_file(Path(path), planned=True)
+    return PlannedFile(file, build_solvers(file))
 
 
 def load_tests(path: str | Path) -> PlannedFile:
@@ -104,12 +104,7 @@ def load_tests(path: str | Path) -> PlannedFile:
         except InputError as planned:
             # The other reading has faults that are none, such as missing values or a curve.
             raise min(measured, planned, key=lambda error: len(error.faults)) from None
-    return _built(file)
-
-
-def _built(file: CalibrationFile) -> PlannedFile:
-    with with_lines(file.path):
-        return PlannedFile(file, build_solvers(file))
+    return PlannedFile(file, build_solvers(file))
 
 
 def typical_value(name: str, info: ResponseInfo) -> float:

@@ -164,8 +164,7 @@ def timeout_notes(setup: CalibrationSetup) -> Iterator[str]:
     setup : CalibrationSetup
         The calibration; costs are those in the middle of its intervals, as far as they are known.
     """
-    given = {test.name: test.options.get("timeout", math.inf) for test in setup.file.tests}
-    for test, limit in given.items():
+    for test, limit in setup.file.timeouts.items():
         seconds = _seconds(setup.solvers[test], setup.problem.middle)
         if seconds is not None and limit < seconds:
             yield (

@@ -29,8 +29,10 @@ def shape_notes(file: CalibrationFile) -> Iterator[str]:
         return
     free = {p.name: p.minimum for p in file.parameters}
     lowest = {**file.fixed, **free}.get(ASPECT_RATIO, 1.0)
+    if lowest == 1 and ASPECT_RATIO not in free:
+        return
     share = _share_of_time_step(shape, lowest)
-    if share >= _SLOW or (lowest == 1 and ASPECT_RATIO not in free):
+    if share >= _SLOW:
         return
     jump = ""
     if lowest < _NEARLY_A_SPHERE:

@@ -739,11 +739,9 @@ def _report_if_possible(workdir: Path) -> None:
 
 def _build(file: Path) -> CalibrationSetup:
     from grainfit.calibration_file.build import build_calibration
-    from grainfit.calibration_file.fault_lines import with_lines
     from grainfit.calibration_file.load import load_calibration_file
 
-    with with_lines(file):
-        return build_calibration(load_calibration_file(file))
+    return build_calibration(load_calibration_file(file))
 
 
 def main() -> None:

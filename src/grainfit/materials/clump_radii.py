@@ -34,10 +34,10 @@ def rayleigh_radius(family: str, aspect_ratio: float) -> float:
 
 def extreme_aspect_ratios(family: str, low: float, high: float) -> tuple[float, float]:
     """Return the aspect ratios from a lower to a higher one of smallest and of largest radius."""
-    ratios, _ = rayleigh_radii(family)
-    within = [low, *ratios[(ratios > low) & (ratios < high)].tolist(), high]
-    radii = [rayleigh_radius(family, ratio) for ratio in within]
-    return within[int(np.argmin(radii))], within[int(np.argmax(radii))]
+    ratios, radii = rayleigh_radii(family)
+    within = np.hstack((low, ratios[(ratios > low) & (ratios < high)], high))
+    found = np.interp(within, ratios, radii)
+    return float(within[found.argmin()]), float(within[found.argmax()])
 
 
 @lru_cache

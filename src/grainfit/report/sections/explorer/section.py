@@ -77,12 +77,11 @@ def time_step_data(known: RayleighTimeStep) -> Mapping[str, Any]:
     known : RayleighTimeStep
         Of the calibration.
     """
-    data = {"radius": known.radius, "fixed": dict(known.fixed)}
     if not known.shape:
-        return data
+        return known.to_json()
     ratios, radii = rayleigh_radii(known.shape)
     by_ratio = zip(ratios.tolist(), (2 * known.radius * radii).tolist(), strict=True)
-    return {**data, "radii": [*by_ratio]}
+    return {**known.to_json(), "radii": [*by_ratio]}
 
 
 def _parameter(context: ReportContext, parameter: Parameter, held: float) -> Mapping[str, Any]:
