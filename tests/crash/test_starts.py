@@ -80,7 +80,8 @@ def test_a_second_start_in_the_same_folder_says_who_is_at_work_and_disturbs_noth
     work = tmp_path / "beads.grainfit"
     first = start(file, seconds=60)
     try:
-        while not list(work.glob("runs/*.partial/solver.log")):
+        # The last file of a start, which the first one may be about to write.
+        while not any(path.stat().st_size for path in work.glob("runs/*.partial/.session")):
             assert first.poll() is None, first.communicate()
             time.sleep(0.05)
         before = files(work)
