@@ -20,6 +20,7 @@ PACKAGE = "grainfit"
 #: of the package; rooms of one floor do not know each other.
 FLOORS: tuple[tuple[str, ...], ...] = (
     ("errors",),
+    ("messages",),
     ("checks", "extras", "units", "formatting", "files"),
     ("options", "tables", "correlations"),
     ("materials", "curve_target"),

@@ -33,6 +33,9 @@ class Fault:
     message: str
     remedy: str = ""
 
+    def __post_init__(self) -> None:
+        assert self.message.strip(), "a fault without words"
+
     @property
     def place(self) -> str:
         """The key for readers, who count tests from one: ``test 1, targets.angle``."""

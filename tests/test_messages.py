@@ -1,0 +1,86 @@
+"""Catalogues of messages: every text is filled in as it is written, and none is left over."""
+
+import ast
+from collections.abc import Iterator
+from importlib import import_module
+from pathlib import Path
+
+import pytest
+
+from grainfit.messages import Message
+
+SOURCE = Path(__file__).parents[1] / "src"
+CATALOGUES = sorted((SOURCE / "grainfit").rglob("*messages.py"))
+
+
+def messages_of(catalogue: Path) -> dict[str, Message]:
+    name = ".".join(catalogue.relative_to(SOURCE).with_suffix("").parts)
+    found = vars(import_module(name))
+    return {key: value for key, value in found.items() if isinstance(value, Message)}
+
+
+ALL = {(str(path), name): found for path in CATALOGUES for name, found in messages_of(path).items()}
+
+
+def catalogue_of(tree: ast.Module, alias: str) -> str | None:
+    """Return the file of a catalogue that a module imports under a name."""
+    for node in ast.walk(tree):
+        if isinstance(node, ast.ImportFrom) and node.module:
+            for one in node.names:
+                if (one.asname or one.name) == alias:
+                    path = SOURCE / Path(*node.module.split("."), f"{one.name}.py")
+                    return str(path) if path in CATALOGUES else None
+    return None
+
+
+def uses(path: Path) -> Iterator[tuple[tuple[str, str], ast.Call | None, int]]:
+    """Yield each message that a module of the package uses: its key, the call, and the line."""
+    tree = ast.parse(path.read_text(encoding="utf-8"))
+    called = {id(node.func): node for node in ast.walk(tree) if isinstance(node, ast.Call)}
+    faults = {
+        id(node.value): called.get(id(node))
+        for node in ast.walk(tree)
+        if isinstance(node, ast.Attribute) and node.attr == "fault"
+    }
+    for node in ast.walk(tree):
+        if not (isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name)):
+            continue
+        key = (str(catalogue_of(tree, node.value.id)), node.attr)
+        if key in ALL:
+            yield key, called.get(id(node)) or faults.get(id(node)), node.lineno
+
+
+def modules_with_messages() -> list[Path]:
+    found = sorted((SOURCE / "grainfit").rglob("*.py"))
+    return [path for path in found if "messages" in path.read_text(encoding="utf-8")]
+
+
+def test_every_message_is_filled_in_with_the_fields_that_it_has() -> None:
+    wrong = []
+    for path in modules_with_messages():
+        for key, call, line in uses(path):
+            if call is None or any(keyword.arg is None for keyword in call.keywords):
+                continue  # Passed on as a whole, or filled in from a mapping.
+            given = {keyword.arg for keyword in call.keywords}
+            if given != ALL[key].fields:
+                wrong.append(f"{path.name}:{line} {key[1]}: {given ^ ALL[key].fields}")
+    assert not wrong
+
+
+def test_every_message_of_a_catalogue_is_used() -> None:
+    used = {key for path in modules_with_messages() for key, _, _ in uses(path)}
+    assert not [name for (path, name) in ALL.keys() - used]
+
+
+def test_a_message_is_found_whatever_fills_it_in() -> None:
+    message = Message("{name} is {value:g} mm (a+b).", "Give {limit}.")
+    assert message.is_in("1: " + message(name="x\ny", value=3, limit=2))
+    assert message.is_in("x is\n  3 mm (a+b).")
+    assert not message.is_in("x is 3 cm (a+b).")
+    with pytest.raises(ValueError, match=message.pattern):
+        raise ValueError("radius is 3 mm (a+b).")
+
+
+def test_a_message_without_text_cannot_be_made() -> None:
+    with pytest.raises(AssertionError):
+        Message(" ")
