@@ -14,6 +14,7 @@ from grainfit.analysis.analysis import analyse_parameters
 from grainfit.errors import InputError
 from grainfit.evaluation import Evaluation, Proposal, Response
 from grainfit.problem import Parameter, Problem, ScopeOfTest, Target
+from grainfit.strategies import messages
 from grainfit.strategies.base import Search
 from grainfit.strategies.sequential.strategy import Sequential
 from grainfit.testing.strategy_contract import converse, failed, heap_problem, nearly_quiet
@@ -156,7 +157,7 @@ def test_a_finished_calibration_goes_on_with_all_its_runs(tmp_path: Path) -> Non
     second = gf.calibrate(ridge(), model, workdir=tmp_path, strategy=wanted, seed=1)
 
     assert second.runs.warm_start_runs == first.runs.total
-    assert any("All are within the wanted ±28 %" in notice for notice in second.notices)
+    assert any(messages.HALF_WIDTHS_REACHED.is_in(notice) for notice in second.notices)
     assert second.status == "calibrated"
 
 
@@ -189,8 +190,8 @@ def test_a_bound_in_the_way_is_moved_before_the_intervals_are_narrowed() -> None
     runs = converse(search, nearly_quiet)
 
     assert search.current_problem.intervals["density"][1] > 2326.0
-    assert any("has been moved" in notice for notice in search.notices)
-    assert "All are within the wanted ±20 %" in search.notices[-1]
+    assert any(messages.BOUND_MOVED.is_in(notice) for notice in search.notices)
+    assert messages.HALF_WIDTHS_REACHED.is_in(search.notices[-1])
     assert all(evaluation.proposal.parameters["density"] > 1400.0 for evaluation in runs)
 
 

@@ -43,9 +43,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, fields
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from grainfit.errors import Fault, InputError
+from grainfit.errors import InputError
 from grainfit.evaluation import Evaluation, Outcome, Proposal
 from grainfit.options.fields import option_keys, read_options
+from grainfit.strategies import messages
 
 if TYPE_CHECKING:
     # Every command line reads the options, and must not wait for numerical packages to load.
@@ -111,13 +112,7 @@ class Strategy(ABC):
     def check_rayleigh_weight(self, weight: float) -> None:
         """Raise InputError when a weight is given that the search would not take into account."""
         if weight > 0 and not self.uses_rayleigh_weight:
-            raise InputError(
-                Fault(
-                    "rayleigh_weight",
-                    f"has no meaning for the {self.name} strategy.",
-                    'Leave it out, or use a strategy that takes it into account, such as "staged".',
-                )
-            )
+            raise InputError(messages.FOREIGN_WEIGHT.fault("rayleigh_weight", strategy=self.name))
 
 
 class Search(ABC):
@@ -265,12 +260,9 @@ class Search(ABC):
         names = self.problem.responses
         if isinstance(outcome, Mapping) and not any(name in outcome for name in names):
             given = ", ".join(map(repr, outcome)) or "nothing"
+            known = ", ".join(names)
             raise InputError(
-                Fault(
-                    "outcome",
-                    f"has {given}, which is no target.",
-                    f"The targets are: {', '.join(names)}.",
-                )
+                messages.NO_TARGET_IN_OUTCOME.fault("outcome", given=given, targets=known)
             )
         self.note(evaluation)
 

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from grainfit.errors import Fault, InputError
+from grainfit.errors import InputError
 from grainfit.problem import Problem
+from grainfit.strategies import messages
 from grainfit.strategies.base import Search, Strategy
 
 
@@ -44,11 +45,7 @@ def start_search(
     smallest = (strategy.fewest_evaluations(problem) + verification_runs) * tests
     if max_runs < smallest:
         raise InputError(
-            Fault(
-                "max_runs",
-                f"{max_runs} runs are too few for the design and the verification.",
-                f"Allow at least {smallest}.",
-            )
+            messages.BUDGET_TOO_SMALL.fault("max_runs", runs=max_runs, fewest=smallest)
         )
     return strategy.start(problem, seed, max_runs // tests - verification_runs)
 
@@ -64,10 +61,8 @@ def smallest_design(dimension: int, wanted: int | None = None) -> int:
     smallest = dimension + 3
     if wanted is not None and wanted < smallest:
         raise InputError(
-            Fault(
-                "design_runs",
-                f"{wanted} runs are too few for metamodels of {dimension} parameters.",
-                f"Give at least {smallest}.",
+            messages.DESIGN_TOO_SMALL.fault(
+                "design_runs", runs=wanted, dimension=dimension, fewest=smallest
             )
         )
     return wanted or smallest
@@ -97,10 +92,8 @@ def design_size(dimension: int, wanted: int | None, usual: int, max_evaluations:
         return wanted or usual
     if max_evaluations < smallest:
         raise InputError(
-            Fault(
-                "max_evaluations",
-                f"{max_evaluations} are too few for the design.",
-                f"Allow at least {smallest}.",
+            messages.DESIGN_OVER_BUDGET.fault(
+                "max_evaluations", runs=max_evaluations, fewest=smallest
             )
         )
     return wanted or min(usual, max(smallest, (2 * max_evaluations) // 3))

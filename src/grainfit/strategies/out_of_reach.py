@@ -17,6 +17,7 @@ from grainfit.metamodels.designs import maximin_latin_hypercube
 from grainfit.metamodels.metamodels import Metamodels
 from grainfit.problem import Parameter, Problem
 from grainfit.result import CurveMiss, OutOfReach
+from grainfit.strategies import messages
 
 #: Standard errors by which a target must be missed beyond its tolerance to be out of reach.
 STANDARD_ERRORS = 2.0
@@ -261,7 +262,7 @@ def _with_bounds(parameter: Parameter, low: float, high: float) -> Parameter:
 def widenings(before: Problem, after: Problem) -> list[str]:
     """Say in words which bounds were moved."""
     return [
-        f"{old.name}.{key} = {was:g} was in the way and has been moved to {now:g}."
+        messages.BOUND_MOVED(bound=f"{old.name}.{key}", was=was, now=now)
         for old, new in zip(before.parameters, after.parameters, strict=True)
         for key, was, now in (
             ("min", old.minimum, new.minimum),

@@ -22,6 +22,7 @@ from grainfit.errors import Fault, InputError
 from grainfit.options.fields import option_keys
 from grainfit.options.kinds import suggest
 from grainfit.options.tables import Key
+from grainfit.strategies import messages
 from grainfit.strategies.base import Strategy
 
 GROUP = "grainfit.strategies"
@@ -71,8 +72,8 @@ def strategy_named(name: str) -> type[Strategy]:
         There is no strategy of this name.
     """
     if name not in strategies():
-        remedy = f"Use one of: {', '.join(strategies())}."
-        raise InputError(Fault("strategy", f"{name!r} is unknown.", remedy))
+        known = ", ".join(strategies())
+        raise InputError(messages.UNKNOWN_STRATEGY.fault("strategy", name=name, known=known))
     return strategies()[name]
 
 
@@ -95,7 +96,7 @@ def option_faults(name: str, options: Mapping[str, Any]) -> list[Fault]:
     """Return a fault for every option that a strategy does not have."""
     own = [known.name for known in option_keys(strategy_named(name))]
     return [
-        Fault(key, f"has no meaning for the {name} strategy.", _instead(key, own))
+        messages.FOREIGN_OPTION.fault(key, strategy=name, instead=_instead(key, own))
         for key in options
         if key not in own
     ]
@@ -108,7 +109,7 @@ def _instead(key: str, own: list[str]) -> str:
         if key in (known.name for known in option_keys(strategy))
     ]
     if others:
-        return f"Leave it out, or use strategy {' or '.join(others)}."
+        return messages.OPTION_OF_OTHERS(others=" or ".join(others))
     return suggest(key, own, "Its options")
 
 
@@ -125,8 +126,7 @@ def as_strategy(strategy: object) -> Strategy:
     if isinstance(strategy, str):
         return make_strategy(strategy, {})
     names = " or ".join(f'"{name}"' for name in strategies())
-    remedy = f"Give {names}, or an object such as grainfit.Sequential()."
-    raise InputError(Fault("strategy", f"is {strategy!r}.", remedy))
+    raise InputError(messages.NO_STRATEGY.fault("strategy", given=strategy, names=names))
 
 
 def changed(strategy: Strategy, name: str | None, options: Mapping[str, Any]) -> Strategy:

@@ -1,4 +1,4 @@
-"""Cost of an evaluation of each test over the free parameters, learnt from the runs so far."""
+"""Cost of an evaluation of each test over the free parameters, estimated from the runs so far."""
 
 from __future__ import annotations
 

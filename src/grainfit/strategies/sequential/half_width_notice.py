@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 
 from grainfit.formatting import in_a_row, number
+from grainfit.strategies import messages
 from grainfit.strategies.sequential.parameter_knowledge import ParameterKnowledge
 
 #: Share of the parameter sets that agree at which runs fail, above which that is said.
@@ -28,22 +29,21 @@ def about_half_widths(
     wanted = f"±{_percent(knowledge.wanted)}"
     widths, missed = knowledge.half_widths, knowledge.too_wide
     if not missed:
-        return f"Half of the 95 % intervals: {_listed(widths)}. All are within the wanted {wanted}."
-    short = f"Half of the 95 % interval is {_listed(widths, missed)}, where {wanted} was wanted. "
+        return messages.HALF_WIDTHS_REACHED(reached=_listed(widths), wanted=wanted)
+    reached = _listed(widths, missed)
+    sentences = [messages.HALF_WIDTHS_MISSED(reached=reached, wanted=wanted)]
     if not is_answered:
-        return f"{short}Runs for it are made only once the answer agrees with all measurements."
-    best = _listed(knowledge.at_best, missed)
+        return " ".join([*sentences, messages.NO_RUNS_BEFORE_ANSWER()])
     if knowledge.share_of_failures > _MANY_FAILURES:
         share = _percent(knowledge.share_of_failures)
-        short += f"Runs fail at {share} of the parameter sets that agree with the measurements. "
+        sentences.append(messages.FAILURES_AMONG_ANSWERS(share=share))
+    best = _listed(knowledge.at_best, missed)
     if knowledge.is_worth_runs and is_budget_used:
-        return f"{short}More runs would narrow it, to {best} at best; a larger budget allows them."
+        return " ".join([*sentences, messages.MORE_RUNS_NARROW(best=best)])
     # The verification may have changed a little what is worth runs.
-    limit = "" if knowledge.is_worth_runs else "The measurements limit it. "
-    return (
-        f"{short}{limit}Any number of runs would leave {best}. More accurate measurements or "
-        "another test would narrow it; `grainfit advise` says which."
-    )
+    if not knowledge.is_worth_runs:
+        sentences.append(messages.MEASUREMENTS_LIMIT())
+    return " ".join([*sentences, messages.MORE_MEASUREMENTS_NARROW(best=best)])
 
 
 def _listed(half_widths: Mapping[str, float], names: Iterable[str] | None = None) -> str:

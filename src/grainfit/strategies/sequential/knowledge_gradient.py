@@ -94,15 +94,15 @@ class KnowledgeGradient:
 
     def _of_block(self, points: Array, yields: NDArray[np.bool_] | None) -> tuple[Array, Array]:
         covariance, variance = self._covariance(points)
-        learnt = covariance / np.sqrt(variance + self._scatter_at(points).T)[:, None, :]
+        shifts = covariance / np.sqrt(variance + self._scatter_at(points).T)[:, None, :]
         if yields is not None:
-            learnt = np.where(yields[:, None, None], learnt, 0.0)
-        settled = self._now[:, None] - (learnt**2 * self._precisions[:, None, None]).sum(axis=0)
-        linear = 2.0 * self._pull.T[:, :, None] * learnt
-        first, second = np.triu_indices(len(learnt))
+            shifts = np.where(yields[:, None, None], shifts, 0.0)
+        settled = self._now[:, None] - (shifts**2 * self._precisions[:, None, None]).sum(axis=0)
+        linear = 2.0 * self._pull.T[:, :, None] * shifts
+        first, second = np.triu_indices(len(shifts))
         twice = np.where(first == second, 1.0, 2.0)[:, None, None]
         quadratic = twice * self._follows[:, first, second].T[:, :, None]
-        quadratic = quadratic * learnt[first] * learnt[second]
+        quadratic = quadratic * shifts[first] * shifts[second]
         terms = np.concatenate([linear, quadratic])
         outcomes = self._outcomes
         factors = np.hstack([outcomes, outcomes[:, first] * outcomes[:, second]])

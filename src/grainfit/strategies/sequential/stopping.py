@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from grainfit.metamodels.time_steps import EQUAL_TIME_STEPS
+from grainfit.strategies import messages
 from grainfit.strategies.sequential.belief import Belief
 
 #: Smallest expected gain of the time step that justifies further runs.
@@ -16,10 +17,6 @@ _NARROWING_WORTH_RUNS = 0.3
 _LEFT_TO_VERIFICATION = 3
 #: Last runs of the usual budget, per free parameter, that only a likely answer is worth.
 _RUNS_OF_HOPE = 4
-_LARGEST_TIME_STEP = (
-    "Of the parameter sets that agree with the measurements, the one with the largest Rayleigh "
-    "time step was taken:"
-)
 
 
 @dataclass(frozen=True)
@@ -72,7 +69,7 @@ class StoppingRule:
         if self.is_out_of_reach(belief):
             return [str(miss) for miss in belief.misses]
         if (gained := belief.time_step_gained) > EQUAL_TIME_STEPS:
-            return [f"{_LARGEST_TIME_STEP} {gained:+.1%} against the closest one."]
+            return [messages.LARGEST_TIME_STEP(gained=gained)]
         return []
 
     def _is_left_to_verification(self, belief: Belief) -> bool:
