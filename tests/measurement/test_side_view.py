@@ -6,8 +6,7 @@ import numpy as np
 from synthetic_heaps import heap
 
 from grainfit.measurement.angle_of_repose import Flank
-from grainfit.measurement.flow_rate import flow_rate
-from grainfit.measurement.side_view import SideView, flow_panel
+from grainfit.measurement.side_view import SideView
 
 FLANK = np.array([0xD5, 0x5E, 0x00])
 WALL = np.array([0x61, 0x6E, 0x7C])
@@ -38,14 +37,3 @@ def test_view_without_particles_is_empty() -> None:
     panel = SideView(nothing, (-0.1, 0.0, 0.1, 0.1), []).panel(200)
 
     assert (np.asarray(panel) == 255).all()
-
-
-def test_mass_over_time_shows_the_fitted_part() -> None:
-    time = np.linspace(0, 2, 400)
-    mass = np.maximum(2 - 1.2 * time, 0.1)
-    fitted = flow_panel(time, mass, flow_rate(time, mass), (600, 400))
-    plain = flow_panel(time, mass, None, (600, 400))
-
-    assert share(fitted, FLANK) > 0.003
-    assert share(plain, FLANK) == 0
-    assert share(plain, WALL) > 0.003

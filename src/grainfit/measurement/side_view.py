@@ -1,4 +1,4 @@
-"""Pictures of particles from the side: shaded discs, walls, fitted lines, a mass over time."""
+"""Pictures of particles from the side: shaded discs, walls, fitted lines."""
 
 from __future__ import annotations
 
@@ -8,22 +8,11 @@ from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
-from numpy.typing import NDArray
 from PIL import Image, ImageDraw
 
 from grainfit.measurement.angle_of_repose import Flank
-from grainfit.measurement.flow_rate import FlowRate
 from grainfit.measurement.particles import Particles
-from grainfit.measurement.sheet import (
-    FLANK,
-    INK,
-    OVERSAMPLING,
-    PAPER,
-    QUIET_INK,
-    TEXT_SIZE,
-    draw_flank,
-    font,
-)
+from grainfit.measurement.sheet import FLANK, OVERSAMPLING, PAPER, QUIET_INK, draw_flank
 
 #: Largest height of a view, pixels.
 _HIGHEST = 640 * OVERSAMPLING
@@ -34,7 +23,6 @@ _GREY = -1
 _STOPS = np.array(
     [[53, 85, 143], [93, 115, 150], [139, 141, 140], [194, 171, 112], [254, 232, 56]], dtype=float
 )
-_MARGIN = 60 * OVERSAMPLING
 
 Point = tuple[float, float]
 Rectangle = tuple[float, float, float, float]
@@ -140,46 +128,3 @@ def _disc(number: int, size: int) -> tuple[Image.Image, Image.Image]:
     image = np.clip(colour * shade[..., None], 0, 255).astype(np.uint8)
     mask = np.clip((1 - radius) * size / 2 * 255, 0, 255).astype(np.uint8)
     return Image.fromarray(image), Image.fromarray(mask)
-
-
-def flow_panel(
-    time: NDArray[np.float64], mass: NDArray[np.float64], flow: FlowRate | None, size: Point
-) -> Image.Image:
-    """Draw the mass in a container over time, and the part that the flow was fitted to.
-
-    Parameters
-    ----------
-    time, mass : ndarray of shape (n,)
-        s and kg.
-    flow : FlowRate, optional
-        The measured flow.
-    size : tuple of float
-        Width and height, pixels.
-    """
-    width, height = (round(side) for side in size)
-    panel = Image.new("RGB", (width, height), PAPER)
-    draw = ImageDraw.Draw(panel)
-    duration = max(float(time[-1] - time[0]), 1e-30)
-    full = max(float(mass.max()), 1e-30)
-
-    def place(when: float, kilograms: float) -> Point:
-        across = _MARGIN + (when - time[0]) / duration * (width - 1.5 * _MARGIN)
-        return float(across), height - _MARGIN - kilograms / full * (height - 2 * _MARGIN)
-
-    corners = [place(time[0], full), place(time[0], 0.0), place(time[-1], 0.0)]
-    draw.line(corners, fill=INK, width=OVERSAMPLING)
-    points = [place(float(t), float(m)) for t, m in zip(time, mass, strict=True)]
-    draw.line(points, fill=QUIET_INK, width=2 * OVERSAMPLING)
-    used = font(TEXT_SIZE)
-    below = height - _MARGIN + TEXT_SIZE / 3
-    draw.text((corners[2][0], below), f"{duration:.3g} s", fill=QUIET_INK, font=used, anchor="ra")
-    draw.text((corners[1][0], below), "0", fill=QUIET_INK, font=used, anchor="ma")
-    label = f"mass in the container, {full:.3g} kg at first"
-    draw.text((_MARGIN, _MARGIN - TEXT_SIZE), label, fill=QUIET_INK, font=used, anchor="ls")
-    if flow is not None:
-        ends = [place(when, float(mass[0]) - gone) for when, gone in (flow.start, flow.end)]
-        draw.line(ends, fill=FLANK, width=4 * OVERSAMPLING)
-        middle = (ends[0][0] + ends[1][0]) / 2 + TEXT_SIZE, (ends[0][1] + ends[1][1]) / 2
-        text = f"{flow.value:.3g} kg/s"
-        draw.text(middle, text, fill=FLANK, font=used, anchor="ls")
-    return panel

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
+from PIL import Image
 
 from grainfit.bulk_tests.discharge.setup import DischargeSetup
 from grainfit.bulk_tests.shared.slot_box import SlotBox
@@ -18,12 +19,13 @@ from grainfit.evaluation import Response
 from grainfit.measurement.drawing import Drawing, Line, surface_path, wall_line
 from grainfit.measurement.flow_rate import FlowRate, flow_rate, stopped_flow
 from grainfit.measurement.height_map import height_map
+from grainfit.measurement.line_panel import PlottedLine, line_panel
 from grainfit.measurement.particles import Particles
-from grainfit.measurement.sheet import OVERSAMPLING, sheet
-from grainfit.measurement.side_view import Rectangle, SideView, flow_panel
+from grainfit.measurement.sheet import FLANK, OVERSAMPLING, sheet
+from grainfit.measurement.side_view import Rectangle, SideView
 
 _PANEL_WIDTH = 560 * OVERSAMPLING
-_FLOW_SIZE = (_PANEL_WIDTH, 420 * OVERSAMPLING)
+_MASS_SIZE = (_PANEL_WIDTH, 420 * OVERSAMPLING)
 #: Half the width and the height of the drawing of the mass over time, pixels.
 _HALF_WIDTH, _HEIGHT = 400, 400
 #: Drawings of the container have this many pixels in a particle diameter.
@@ -122,9 +124,19 @@ class DischargeView(RunView):
             )
         panels = [
             SideView(self._shown, self._extent, self._walls).panel(_PANEL_WIDTH),
-            flow_panel(self.time, self.mass, flow, _FLOW_SIZE),
+            self._mass_panel(flow),
         ]
         sheet(title, subtitle, panels, _PANEL_WIDTH).save(path)
+
+    def _mass_panel(self, flow: FlowRate | None) -> Image.Image:
+        """Draw the mass in the container over time, and the part that the flow was fitted to."""
+        lines = [PlottedLine(self.time - self.time[0], self.mass)]
+        if flow is not None:
+            times, left = zip(flow.start, flow.end, strict=True)
+            masses = float(self.mass[0]) - np.array(left)
+            label = f"fitted: {flow.value:.3g} kg/s"
+            lines.append(PlottedLine(times - self.time[0], masses, label, FLANK, 4))
+        return line_panel(lines, "time, s", "mass in the container, kg", _MASS_SIZE)
 
     @property
     def _shown(self) -> Particles:

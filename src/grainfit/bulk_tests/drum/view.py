@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
-from PIL import Image, ImageDraw
+from PIL import Image
 
 from grainfit.bulk_tests.drum.angles import DrumAngles
 from grainfit.bulk_tests.drum.setup import DrumSetup
@@ -19,21 +19,12 @@ from grainfit.errors import NotMeasurableError
 from grainfit.evaluation import Response
 from grainfit.measurement.angle_of_repose import Flank
 from grainfit.measurement.drawing import Drawing, Line, fitted_lines, wall_line
+from grainfit.measurement.line_panel import PlottedLine, line_panel
 from grainfit.measurement.particles import Particles
-from grainfit.measurement.sheet import (
-    FLANK,
-    INK,
-    OVERSAMPLING,
-    PAPER,
-    QUIET_INK,
-    TEXT_SIZE,
-    font,
-    sheet,
-)
+from grainfit.measurement.sheet import FLANK, INK, OVERSAMPLING, sheet
 from grainfit.measurement.side_view import SideView
 
 _PANEL_WIDTH = 640 * OVERSAMPLING
-_MARGIN = 60 * OVERSAMPLING
 #: Drawings have this many pixels in a particle diameter.
 _PIXELS = 20
 _CORNERS = 72
@@ -87,8 +78,8 @@ def _words(angles: DrumAngles, measured: Mapping[str, Response] | str) -> tuple[
     return (
         f"Dynamic angle of repose {mean.value:.1f}° ± {mean.standard_error:.1f}°",
         f"{', '.join(others)} (± standard error), wall slip {100 * angles.slip:.0f} %; "
-        f"{len(angles.avalanches)} whole avalanches in {angles.bed.turns:.2g} turns, the last "
-        "frame is shown",
+        f"{len(angles.avalanches)} whole avalanches, which begin at the lines, in "
+        f"{angles.bed.turns:.2g} turns; the last frame is shown",
     )
 
 
@@ -113,32 +104,18 @@ def _circle(setup: DrumSetup) -> list[tuple[float, float]]:
 
 def _series_panel(angles: DrumAngles) -> Image.Image:
     """Draw the inclination over time, and the whole avalanches that were averaged."""
-    width, height = _PANEL_WIDTH, round(0.6 * _PANEL_WIDTH)
-    panel = Image.new("RGB", (width, height), PAPER)
-    draw, used = ImageDraw.Draw(panel), font(TEXT_SIZE)
-    series = angles.bed.inclinations
-    low, high = math.floor(series.min() - 1), math.ceil(series.max() + 1)
-
-    def place(frame: float, angle: float) -> tuple[float, float]:
-        across = _MARGIN + frame / (len(series) - 1) * (width - 1.5 * _MARGIN)
-        return across, height - _MARGIN - (angle - low) / (high - low) * (height - 2 * _MARGIN)
-
-    end = len(series) - 1
-    draw.line([place(0, high), place(0, low), place(end, low)], fill=INK, width=OVERSAMPLING)
+    series, turns = angles.bed.inclinations, angles.bed.turns
+    places = np.linspace(0, turns, len(series))
+    marks: list[float] = []
     with suppress(NotMeasurableError):
-        for bound in angles.avalanches.bounds:
-            draw.line([place(bound, low), place(bound, high)], QUIET_INK, OVERSAMPLING)
-    draw.line([place(0, angles.mean), place(end, angles.mean)], FLANK, 4 * OVERSAMPLING)
-    draw.line([place(*point) for point in enumerate(series)], fill=INK, width=2 * OVERSAMPLING)
-    below = height - _MARGIN + TEXT_SIZE / 3
-    turns = f"{angles.bed.turns:.2g} turns"
-    draw.text((place(end, low)[0], below), turns, fill=QUIET_INK, font=used, anchor="ra")
-    for angle in (low, high):
-        x, y = place(0, angle)
-        draw.text((x - TEXT_SIZE / 3, y), f"{angle}°", fill=QUIET_INK, font=used, anchor="rm")
-    words = "inclination of the bed by its centre of mass; avalanches begin at the lines"
-    draw.text((_MARGIN, _MARGIN - TEXT_SIZE), words, fill=QUIET_INK, font=used, anchor="ls")
-    return panel
+        marks = [bound / (len(series) - 1) * turns for bound in angles.avalanches.bounds]
+    lines = [
+        PlottedLine([0, turns], 2 * [angles.mean], f"mean {angles.mean:.1f}°", FLANK, 4),
+        PlottedLine(places, series, colour=INK),
+    ]
+    labels = "turns of the drum", "inclination of the bed by its centre of mass, °"
+    size = _PANEL_WIDTH, 0.6 * _PANEL_WIDTH
+    return line_panel(lines, *labels, size, from_zero=False, marks=marks)
 
 
 @dataclass(frozen=True)
