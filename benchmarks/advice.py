@@ -21,9 +21,6 @@ from pathlib import Path
 
 import numpy as np
 
-from grainfit.analysis.advice import CandidateTest
-from grainfit.analysis.information import Knowledge
-from grainfit.analysis.slopes import Cloud, corners
 from grainfit.bulk_tests.accuracy import Accuracy, usual_accuracy
 from grainfit.bulk_tests.base import ResponseInfo
 from grainfit.bulk_tests.registry import bulk_tests
@@ -39,7 +36,10 @@ from grainfit.problem import Parameter
 from grainfit.solvers.base import Solver
 from grainfit.solvers.dem.lammps.program import Lammps
 from grainfit.testing.materials import ROUGH_SPHERES
-from grainfit.work_folder.candidates import Simulation, candidate_tests
+from grainfit.which_test.candidate import Candidate
+from grainfit.which_test.knowledge import Knowledge
+from grainfit.which_test.simulation import Simulation, candidates_from_runs
+from grainfit.which_test.slopes import Cloud, corners
 
 #: The material of the trials: value, factor of the corners, standard deviation of the logarithm
 #: before any test.
@@ -65,7 +65,7 @@ def solver(name: str) -> Solver:
     return Lammps(bulk_tests()[name](diameter="10 mm"), fixed)
 
 
-def simulated(names: Sequence[str], simulation: Simulation) -> list[CandidateTest]:
+def simulated(names: Sequence[str], simulation: Simulation) -> list[Candidate]:
     """Return the tests with their slopes, from new and known runs."""
     free = [
         Parameter(n, value / factor, value * factor, "log")
@@ -80,7 +80,7 @@ def simulated(names: Sequence[str], simulation: Simulation) -> list[CandidateTes
     solvers = {name: solver(name) for name in names}
     evaluations = simulation.run(solvers, points)
     cloud = Cloud.of(free, values)
-    found, failed = candidate_tests(solvers, cloud, points, evaluations, accuracy)
+    found, failed = candidates_from_runs(solvers, cloud, points, evaluations, accuracy)
     for name, why in failed.items():
         print(f"{name}: {why}", file=sys.stderr)
     return found
@@ -106,17 +106,18 @@ class Deviations:
     known: str
 
 
-def deviations(tests: Sequence[CandidateTest]) -> Deviations:
+def deviations(tests: Sequence[Candidate]) -> Deviations:
     """Return those with the particle density free, and known."""
-    seen = [r.observation() for test in tests for r in test.responses]
+    seen = [r for test in tests for r in test.responses]
+    errors = np.diag([r.variance() for r in seen])
     cells = []
     for density in (PARAMETERS[DENSITY][2], DENSITY_KNOWN):
-        then = before(density).after(seen)
+        then = before(density).after([r.slopes for r in seen], errors)
         cells.append(" / ".join(f"{100 * then.deviation(n):.0f}" for n in (SLIDING, ROLLING)))
     return Deviations(tuple(test.name for test in tests), *cells)
 
 
-def table(tests: Sequence[CandidateTest]) -> str:
+def table(tests: Sequence[Candidate]) -> str:
     """Return slopes and standard deviations as tables in Markdown."""
     slopes = [
         f"| {r.name} | {r.value:.4g} | {100 * r.scatter:.1f} % | "

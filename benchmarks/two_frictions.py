@@ -24,10 +24,11 @@ from collections.abc import Iterator, Mapping
 
 import numpy as np
 
-from grainfit.analysis.information import NORMAL_QUANTILE, RUNS, Knowledge, Observation
 from grainfit.bulk_tests.registry import bulk_tests
 from grainfit.formatting import percent
 from grainfit.testing.materials import ROUGH_SPHERES
+from grainfit.which_test.candidate import RUNS
+from grainfit.which_test.knowledge import NORMAL_QUANTILE, Knowledge
 from random_materials import (
     DENSITY,
     DIAMETER,
@@ -120,18 +121,21 @@ def _after(each: Study, number: int, runs: float) -> Knowledge:
     ]
     spreads += [it.uncertainty for it in each.measured.values()]
     before = Knowledge((*UNKNOWN, *each.measured), np.diag(spreads) ** 2)
-    return before.after([*_observations(each, {**each.fixed, **truth, **known}, runs)])
+    measured = list(_measured(each, {**each.fixed, **truth, **known}, runs))
+    return before.after([slopes for slopes, _ in measured], np.diag([v for _, v in measured]))
 
 
-def _observations(each: Study, material: Mapping[str, float], runs: float) -> Iterator[Observation]:
-    for test, simulated in each.tests.items():
+def _measured(
+    each: Study, material: Mapping[str, float], runs: float
+) -> Iterator[tuple[Mapping[str, float], float]]:
+    """Yield slopes and relative variance of each measured response."""
+    for simulated in each.tests.values():
         for name, info in simulated.responses.items():
             if name in LABORATORY and info.sensitivities is not None:
                 value = TYPICAL.get(name, 1.0)
                 relative = absolute_uncertainty(LABORATORY[name], value) / value
                 scatter = info.sensitivities.scatter**2 * (1 / MEASURED_SEEDS + 1 / runs)
-                slopes = info.sensitivities.at(material)
-                yield Observation(f"{test}.{name}", slopes, relative**2 + scatter)
+                yield info.sensitivities.at(material), relative**2 + scatter
 
 
 def main() -> None:

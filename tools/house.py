@@ -32,6 +32,7 @@ FLOORS: tuple[tuple[str, ...], ...] = (
     ("bulk_tests", "metamodels"),
     ("solvers", "strategies", "tests"),
     ("campaign",),
+    ("which_test",),
     ("analysis",),
     ("calibration",),
     ("calibration_file",),

@@ -9,11 +9,8 @@ if TYPE_CHECKING:
     from grainfit import solvers as solvers
     from grainfit import tests as tests
     from grainfit.analysis import Analysis, analyse
-    from grainfit.analysis.advice import Advice
-    from grainfit.analysis.expected import ExpectedNarrowing, expected_narrowing
     from grainfit.analysis.modulus_study import ModulusStudy
     from grainfit.analysis.scatter import RepeatedRuns
-    from grainfit.analysis.test_plan import TestPlan
     from grainfit.calibration.calibrate import calibrate
     from grainfit.calibration.progress import Progress
     from grainfit.calibration_file.build import CalibrationSetup
@@ -44,6 +41,9 @@ if TYPE_CHECKING:
     from grainfit.strategies.base import Search, Strategy
     from grainfit.strategies.sequential.strategy import Sequential
     from grainfit.strategies.staged.strategy import Staged
+    from grainfit.which_test.measurement_plan import MeasurementPlan
+    from grainfit.which_test.narrowing import ExpectedNarrowing, expected_narrowing
+    from grainfit.which_test.next_test import Advice
     from grainfit.work_folder.analyse_runs import RunsAnalysis, analyse_runs
     from grainfit.work_folder.design import design
     from grainfit.work_folder.repeat_runs import repeat_runs
@@ -61,6 +61,7 @@ __all__ = [
     "GrainfitError",
     "InputError",
     "LogNormal",
+    "MeasurementPlan",
     "ModulusStudy",
     "NotMeasurableError",
     "OpenedCalibration",
@@ -86,7 +87,6 @@ __all__ = [
     "StoreError",
     "Strategy",
     "Target",
-    "TestPlan",
     "Workspace",
     "analyse",
     "analyse_runs",
@@ -108,7 +108,7 @@ __all__ = [
 # Imported when first used: the command line does without most of it, and SciPy takes a second.
 _HOMES = {
     **dict.fromkeys(("Analysis", "analyse"), "analysis.analysis"),
-    **dict.fromkeys(("ExpectedNarrowing", "expected_narrowing"), "analysis.expected"),
+    **dict.fromkeys(("ExpectedNarrowing", "expected_narrowing"), "which_test.narrowing"),
     "calibrate": "calibration.calibrate",
     **dict.fromkeys(("CalibrationSetup", "load"), "calibration_file.build"),
     "ParticleSizes": "materials.sizes",
@@ -120,8 +120,8 @@ _HOMES = {
     "Result": "result",
     "open": "opened",
     "ModulusStudy": "analysis.modulus_study",
-    "Advice": "analysis.advice",
-    "TestPlan": "analysis.test_plan",
+    "Advice": "which_test.next_test",
+    "MeasurementPlan": "which_test.measurement_plan",
     "design": "work_folder.design",
     **dict.fromkeys(("RunsAnalysis", "analyse_runs"), "work_folder.analyse_runs"),
     "RepeatedRuns": "analysis.scatter",

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 from grainfit.work_folder.saved_calibration import SavedCalibration
 
 if TYPE_CHECKING:
-    from grainfit.analysis.advice import Advice
     from grainfit.cards import WritableCard
+    from grainfit.which_test.next_test import Advice
 
 
 @dataclass(frozen=True)

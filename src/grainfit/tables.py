@@ -77,3 +77,17 @@ def as_html(parts: Iterable[str | TextTable]) -> str:
     if shown and shown[0].startswith("<p>"):
         shown[0] = f"<p><b>{shown[0][3:-4]}</b></p>"
     return f"<div>{''.join(shown)}</div>"
+
+
+class Summary:
+    """Shows tables and sentences by `print` and in a notebook."""
+
+    def summary(self) -> tuple[str | TextTable, ...]:
+        """Return the tables and the sentences that `print` and a notebook show."""
+        raise NotImplementedError
+
+    def __str__(self) -> str:
+        return as_text(self.summary())
+
+    def _repr_html_(self) -> str:
+        return as_html(self.summary())

@@ -10,7 +10,6 @@ from pathlib import Path
 import jsonschema
 import pytest
 
-from grainfit.analysis.expected import expected_narrowing
 from grainfit.calibration.scopes import used_parameters
 from grainfit.calibration_file.build import CalibrationSetup, build_calibration
 from grainfit.calibration_file.load import load_calibration_file
@@ -22,6 +21,7 @@ from grainfit.preview.words import wall_words
 from grainfit.run_definition import RunDefinition
 from grainfit.solvers.base import Solver
 from grainfit.solvers.own_model.command import Command
+from grainfit.which_test.narrowing import expected_narrowing
 from grainfit.work_folder.design import design
 
 EXAMPLES = Path(__file__).parents[2] / "examples"

@@ -47,7 +47,7 @@ def test_help_of_command_leaves_out_no_bracket_of_its_texts(command: list[str]) 
         (["run"], "--workdir", WORK_FOLDER),
         (["run"], "--design-runs", r"1\.5 \(d \+ 1\).*"),
         (["new"], "--test", "heap; on a terminal it asks"),
-        (["advise"], "--test", "all of the bench"),
+        (["advise"], "--test", "all bulk tests"),
         (["advise"], "--seeds", "2"),
         (["export"], "--output", "standard output"),
         (["preview"], "--set", "the middle of its interval"),

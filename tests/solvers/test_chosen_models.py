@@ -2,7 +2,6 @@
 
 import pytest
 
-from grainfit.analysis.bench import other_tests
 from grainfit.bulk_tests.heap import Heap
 from grainfit.bulk_tests.packing import Packing
 from grainfit.errors import InputError
@@ -13,6 +12,7 @@ from grainfit.solvers.dem.lammps.program import Lammps
 from grainfit.solvers.dem.liggghts.program import Liggghts
 from grainfit.solvers.registry import DEM_PROGRAMS
 from grainfit.testing.materials import GLASS_BEADS
+from grainfit.which_test.available import available_tests
 
 FILLED = "bed"
 UNDAMPED = {n: v for n, v in GLASS_BEADS.items() if not n.endswith("rolling_damping")}
@@ -74,7 +74,7 @@ def test_a_run_of_the_usual_model_keeps_its_definition() -> None:
 def test_candidates_for_further_tests_have_the_chosen_model() -> None:
     heap = Lammps(Heap(diameter="10 mm"), UNDAMPED, contact_models=["epsd2"])
     free = Parameter("particle_particle.rolling_friction", 0.1, 1.0)
-    found = other_tests([free], {"heap": heap}, UNDAMPED, wanted=["packing"])
+    found = available_tests([free], {"heap": heap}, UNDAMPED, wanted=["packing"])
 
     run = found.solvers["packing"].definition({free.name: 0.5}, 1)
     assert run.model["contact_models"] == ["epsd2"]

@@ -11,14 +11,14 @@ import pytest
 from typer.testing import CliRunner
 
 import grainfit as gf
-from grainfit.analysis.bench import material_of, other_tests
-from grainfit.analysis.information import Knowledge
-from grainfit.analysis.test_plan import plan_tests
 from grainfit.bulk_tests.accuracy import Accuracy
 from grainfit.calibration_file.planned import load_planned_file
 from grainfit.cli.app import app
 from grainfit.evaluation import Evaluation, Proposal
-from grainfit.work_folder.candidates import failure_remarks
+from grainfit.which_test.available import available_tests, material_of
+from grainfit.which_test.knowledge import Knowledge
+from grainfit.which_test.measurement_plan import rank_combinations
+from grainfit.which_test.simulation import failure_remarks
 
 SLIDING, ROLLING = "particle_particle.sliding_friction", "particle_particle.rolling_friction"
 ENERGY = "particle_particle.surface_energy"
@@ -175,7 +175,7 @@ def test_tests_that_are_not_those_of_the_file_are_sized_for_enlarged_particles(p
 
     setup = load_planned_file(plan)
     material = material_of(setup.solvers, {p.name: p.minimum for p in setup.file.parameters})
-    bench = other_tests(setup.file.parameters, setup.solvers, material)
+    bench = available_tests(setup.file.parameters, setup.solvers, material)
     discharge = bench.solvers["discharge"].bulk_test
     large = gf.tests.Discharge(diameter="25 mm").definition()
     assert discharge is not None
@@ -263,6 +263,6 @@ def test_runs_that_failed_are_said_of_a_test_that_is_compared_without_them() -> 
 
 def test_a_plan_without_any_usable_test_says_nothing_about_the_tests() -> None:
     before = Knowledge((SLIDING,), np.array([[0.1]]))
-    plan = plan_tests([], before, 0.2, ["Not compared: heap. Too few."], "")
+    plan = rank_combinations([], before, 0.2, ["Not compared: heap. Too few."], "")
     assert str(plan).split("\n")[0] == "No test could be compared."
     assert "settles" not in str(plan)

@@ -11,12 +11,14 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import rankdata
 
-from grainfit.analysis.further_tests import to_settle, to_tell_apart
-from grainfit.analysis.intervals import DETERMINED, narrowing, parameter_intervals
+from grainfit.analysis.intervals import parameter_intervals
 from grainfit.analysis.posterior import Posterior
 from grainfit.formatting import ends, number, unit_for_people, with_unit
 from grainfit.problem import Parameter, Problem
 from grainfit.result import ParameterInterval
+from grainfit.which_test.determination import DETERMINED, narrowing
+from grainfit.which_test.determining_tests import determining_tests, separating_tests
+from grainfit.which_test.slopes import nearest_to_median
 
 Array = NDArray[np.float64]
 
@@ -114,7 +116,7 @@ def assess_identifiability(
         directions=directions,
         narrowing=narrowing,
         verdicts=tuple(verdicts),
-        further_tests=(*map(to_tell_apart, groups), *map(to_settle, is_open)),
+        further_tests=(*map(separating_tests, groups), *map(determining_tests, is_open)),
     )
 
 
@@ -203,16 +205,11 @@ def _stops(posterior: Posterior, group: Sequence[str]) -> NDArray[np.intp]:
     size = max(int(_END * len(order)), 1)
     middle = (len(order) - size) // 2
     slices = (order[:size], order[middle : middle + size], order[-size:])
-    start, between, end = (_nearest_to_median(cloud, members) for members in slices)
+    start, between, end = (nearest_to_median(cloud, members) for members in slices)
     way = cloud[end] - cloud[start]
     share = (cloud[between] - cloud[start]) @ way / max(float(way @ way), 1e-300)
     aside = np.abs(cloud[between] - cloud[start] - share * way).max()
     return np.array([start, between, end] if aside > _BENT else [start, end])
-
-
-def _nearest_to_median(cloud: Array, members: NDArray[np.intp]) -> int:
-    part = cloud[members]
-    return int(members[((part - np.median(part, axis=0)) ** 2).sum(axis=1).argmin()])
 
 
 # Words --------------------------------------------------------------------------------------

@@ -1,19 +1,14 @@
-"""95 % intervals of the parameters that hold the answer, and whether the runs determine it."""
+"""95 % intervals of the parameters that hold the answer."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 
 from grainfit.analysis.posterior import Posterior
-from grainfit.materials.card import Determination
-from grainfit.metamodels.likelihood import NORMAL_QUANTILE
 from grainfit.problem import Parameter, Problem
 from grainfit.result import ParameterInterval
+from grainfit.which_test.determination import interval_of
 
-#: Width of a 95 % interval over that before the tests: up to the first determined, from the second
-#: on not determined.
-DETERMINED = 0.25
-OPEN = 0.9
 _LEVEL = 0.95
 
 
@@ -54,31 +49,3 @@ def _interval(
     if answer is not None:
         low, high = min(low, answer), max(high, answer)
     return interval_of(parameter, low, high)
-
-
-def interval_of(parameter: Parameter, low: float, high: float) -> ParameterInterval:
-    """Return a 95 % interval with the word for its width.
-
-    A parameter with a measurement of its own is determined by it.
-    """
-    if parameter.measured is not None:
-        return ParameterInterval(low, high, "determined")
-    return ParameterInterval(low, high, determination(narrowing(parameter, low, high)))
-
-
-def narrowing(parameter: Parameter, low: float, high: float) -> float:
-    """Return the width of a 95 % interval over that before the tests, 0 to 1.
-
-    The width of logarithms for a parameter with ``scale="log"``.
-    """
-    if parameter.uncertainty is not None:
-        return min(max(high - low, 0.0) / (2 * NORMAL_QUANTILE * parameter.uncertainty), 1.0)
-    width = parameter.to_unit(high) - parameter.to_unit(low)
-    return min(max(width, 0.0) / _LEVEL, 1.0)
-
-
-def determination(narrowing: float) -> Determination:
-    """Return the word for a parameter whose interval was narrowed to a share of its width."""
-    if narrowing <= DETERMINED:
-        return "determined"
-    return "narrowed" if narrowing <= OPEN else "not determined"

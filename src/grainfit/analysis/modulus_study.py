@@ -20,7 +20,7 @@ from grainfit.formatting import (
     with_unit,
 )
 from grainfit.problem import Target
-from grainfit.tables import TextTable, as_html, as_text
+from grainfit.tables import Summary, TextTable
 
 #: Half-width of a 95 % interval, in standard errors.
 _NORMAL_QUANTILE = 1.96
@@ -69,7 +69,7 @@ class ModulusRow:
 
 
 @dataclass(frozen=True)
-class ModulusStudy:
+class ModulusStudy(Summary):
     """Responses of a material at several Young's moduli.
 
     Parameters
@@ -142,12 +142,6 @@ class ModulusStudy:
         failures = dict.fromkeys(reason for row in self.rows for reason in row.failures)
         failed = (f"A run failed: {why}" for why in failures)
         return (self._table(), *self._verdict(), *self._left_out(), *failed)
-
-    def __str__(self) -> str:
-        return as_text(self.summary())
-
-    def _repr_html_(self) -> str:
-        return as_html(self.summary())
 
     def _left_out(self) -> Iterator[str]:
         if self.curves:

@@ -30,7 +30,7 @@ from grainfit.formatting import (
     with_unit,
 )
 from grainfit.problem import Target
-from grainfit.tables import TextTable, as_html, as_text
+from grainfit.tables import Summary, TextTable
 
 #: Scatter of single runs, in tolerances, from which one run tells nothing.
 _USELESS = 3.0
@@ -100,7 +100,7 @@ class ResponseScatter:
 
 
 @dataclass(frozen=True)
-class RepeatedRuns:
+class RepeatedRuns(Summary):
     """Runs of every test at one parameter set with several seeds.
 
     Parameters
@@ -141,12 +141,6 @@ class RepeatedRuns:
         failed = (f"Seed {seed}: {test} failed: {reason}" for seed, test, reason in self.failures)
         curves = (part for curve in self.curves for part in curve.parts())
         return (*table, *self.remarks, *self._advice(), *curves, *self._other_curves(), *failed)
-
-    def __str__(self) -> str:
-        return as_text(self.summary())
-
-    def _repr_html_(self) -> str:
-        return as_html(self.summary())
 
     def _table(self) -> TextTable:
         header = ("response", "mean", "standard deviation", "target", "runs")

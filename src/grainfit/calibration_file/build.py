@@ -159,8 +159,8 @@ class CalibrationSetup:
         """
         # SciPy, which takes a second, is needed for this only.
         from grainfit.analysis.coarse_graining_notes import coarse_graining_notes
-        from grainfit.analysis.expected import expected_narrowing
         from grainfit.analysis.stiffness_notes import stiffness_notes
+        from grainfit.which_test.narrowing import expected_narrowing
 
         return (
             *expected_narrowing(self.problem, self.solvers).notes,

@@ -19,7 +19,7 @@ Tests = Annotated[
     typer.Option(
         "--test",
         metavar="NAME",
-        help=f"Test to compare. Repeat as needed. {shown_default('all of the bench')}",
+        help=f"Test to compare. Repeat as needed. {shown_default('all bulk tests')}",
         show_default=False,
     ),
 ]

@@ -24,8 +24,8 @@ def shown_default(words: str) -> str:
 
     Examples
     --------
-    >>> shown_default("all of the bench")
-    '\\[default: all of the bench]'
+    >>> shown_default("all bulk tests")
+    '\\[default: all bulk tests]'
     """
     return escaped(f"[default: {words}]")
 

@@ -8,15 +8,16 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from grainfit.analysis.advice import Advice, OpenParameters, advice
-from grainfit.analysis.bench import material_of, other_tests
-from grainfit.analysis.information import Knowledge
-from grainfit.analysis.slopes import Cloud
 from grainfit.calibration_file.accuracies import accuracy_of, read_accuracies
 from grainfit.campaign.batch import ExpectedWork
-from grainfit.errors import Fault, InputError
+from grainfit.errors import InputError
 from grainfit.solvers.base import Solver
-from grainfit.work_folder.candidates import Simulation, seconds_of
+from grainfit.which_test import messages
+from grainfit.which_test.available import available_tests, material_of
+from grainfit.which_test.knowledge import Knowledge
+from grainfit.which_test.next_test import Advice, OpenParameters, rank_tests
+from grainfit.which_test.simulation import Simulation, seconds_of
+from grainfit.which_test.slopes import Cloud
 from grainfit.work_folder.saved_calibration import SavedCalibration
 from grainfit.work_folder.solvers_of_runs import solvers_of
 
@@ -45,7 +46,7 @@ def advise(
     saved : SavedCalibration
         A calibration, finished or not.
     tests : sequence of str
-        Types of test to compare; by default all of the bench.
+        Types of test to compare; by default all bulk tests.
     accuracies : mapping of str to str or float, optional
         Accuracies of measurements that replace the usual ones, by name of the response.
     seeds : int, optional
@@ -93,27 +94,26 @@ def advise(
     if not today.parameters:
         return Advice(today)
     material = material_of(solvers, medians)
-    bench = other_tests(saved.problem.parameters, solvers, material, tests)
-    if not bench.solvers:
-        return Advice(today, remarks=tuple(bench.remarks()))
+    others = available_tests(saved.problem.parameters, solvers, material, tests)
+    if not others.solvers:
+        return Advice(today, remarks=tuple(others.remarks()))
     points = [dict(zip(cloud.names, values[i].tolist(), strict=True)) for i in cloud.spread()]
-    compared = simulation.compare(
-        bench, cloud, points, lambda test, name, info: accuracy_of(test, name, info.unit, given)
+    found = simulation.candidates(
+        others, cloud, points, lambda test, name, info: accuracy_of(test, name, info.unit, given)
     )
-    return advice(today, compared.candidates, compared.remarks, len(points), compared.seeds)
+    return rank_tests(today, found.candidates, found.remarks, len(points), found.seeds)
 
 
 def _posterior_values(saved: SavedCalibration) -> NDArray[np.float64]:
     """Return a sample of the parameter sets that agree with the measurements."""
     folder = str(saved.folder)
     if saved.why_nothing_agrees:
-        raise InputError(
-            Fault("", saved.why_nothing_agrees, "Widen an interval first: see the report."), folder
-        )
+        fault = messages.NOTHING_AGREES.fault("", why=saved.why_nothing_agrees)
+        raise InputError(fault, folder)
     analysis = saved.analyse()
     if analysis.posterior is None:
-        why = " ".join(analysis.notes) or "There are too few runs."
-        raise InputError(Fault("", why, "Let the calibration make more runs first."), folder)
+        why = " ".join(analysis.notes) or messages.TOO_FEW_RUNS_YET()
+        raise InputError(messages.NO_POSTERIOR.fault("", why=why), folder)
     return analysis.posterior.values
 
 

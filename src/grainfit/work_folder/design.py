@@ -1,4 +1,4 @@
-"""Design of a laboratory programme: which tests would settle the free parameters."""
+"""Plan of laboratory measurements: which tests would settle the free parameters."""
 
 from __future__ import annotations
 
@@ -9,33 +9,33 @@ from pathlib import Path
 import numpy as np
 from scipy.stats import qmc
 
-from grainfit.analysis.advice import CandidateTest
-from grainfit.analysis.bench import Bench, material_of, other_tests
-from grainfit.analysis.further_tests import without_the_bench
-from grainfit.analysis.information import Knowledge, recorded_measurable
-from grainfit.analysis.limits_of_trials import are_dry_spheres, unrecorded_effects
-from grainfit.analysis.slopes import Cloud, corners
-from grainfit.analysis.test_plan import TestPlan, plan_tests
-from grainfit.analysis.wall_sensitivities import on_walls
 from grainfit.calibration_file.accuracies import read_accuracies
 from grainfit.calibration_file.planned import PlannedFile, load_planned_file
 from grainfit.campaign.batch import ExpectedWork
 from grainfit.campaign.work_folder import default_workdir
 from grainfit.checks import as_number
-from grainfit.errors import Fault, InputError
+from grainfit.errors import InputError
 from grainfit.formatting import counted
 from grainfit.problem import Parameter
-from grainfit.work_folder.candidates import AccuracyOf, Simulation, seconds_of
+from grainfit.which_test import messages
+from grainfit.which_test.available import AvailableTests, available_tests, material_of
+from grainfit.which_test.candidate import Candidate
+from grainfit.which_test.determining_tests import other_measurement
+from grainfit.which_test.knowledge import Knowledge
+from grainfit.which_test.measurement_plan import MeasurementPlan, rank_combinations
+from grainfit.which_test.recorded import (
+    are_dry_spheres,
+    recorded_response,
+    unrecorded_effects,
+    wall_most_touched,
+)
+from grainfit.which_test.simulation import AccuracyOf, Simulation, seconds_of
+from grainfit.which_test.slopes import Cloud, corners
 
 #: Positions in the intervals that are simulated, on each side of the middle.
 _SIDE = 0.35
 #: Members of an even spread over the intervals.
 _SPREAD = 1024
-_FAR_FROM_THE_TRIALS = (
-    "The recorded slopes are those of spheres without cohesion; --simulate finds those of this "
-    "material."
-)
-_RECORDED = "Slopes are recorded ones, see docs/choosing_tests.md."
 
 
 def design(
@@ -51,7 +51,7 @@ def design(
     workdir: str | Path | None = None,
     on_start: Callable[[ExpectedWork], None] | None = None,
     on_progress: Callable[[int, int], None] | None = None,
-) -> TestPlan:
+) -> MeasurementPlan:
     """Rank combinations of tests by whether they would settle the free parameters, and by cost.
 
     Nothing is simulated unless asked for: slopes of the responses are the recorded sensitivities
@@ -61,11 +61,11 @@ def design(
     ----------
     source : path or PlannedFile
         Calibration file; measured values may be missing. Its tests are compared with the options
-        and accuracies that it gives, all others of the bench with the usual ones.
+        and accuracies that it gives, all others with the usual ones.
     wanted : float
         Wanted half-width of the 95 % interval of every free parameter, a share of its value.
     tests : sequence of str
-        Types of test to compare; by default all of the bench.
+        Types of test to compare; by default all bulk tests.
     accuracies : mapping of str to str or float, optional
         Accuracies of measurements that replace those of the file and the usual ones.
     simulate : bool
@@ -76,7 +76,7 @@ def design(
 
     Returns
     -------
-    TestPlan
+    MeasurementPlan
         `print` shows it as a table and in words.
 
     Raises
@@ -95,79 +95,89 @@ def design(
     """
     given = read_accuracies(accuracies or {})
     if not as_number(wanted) > 0:
-        raise InputError(Fault("wanted", f"is {wanted!r}.", "Give a share above 0, such as 0.2."))
+        raise InputError(messages.NO_SHARE.fault("wanted", given=wanted))
     planned = source if isinstance(source, PlannedFile) else load_planned_file(source)
-    parameters = planned.file.parameters
-    middle = {p.name: p.from_unit(0.5) for p in parameters}
-    bench = _bench(planned, middle, tests)
+    compared = _tests(planned, tests)
     accuracy = partial(planned.accuracy, given)
     if not simulate:
-        found, missing = _recorded(planned, bench, middle, accuracy)
-        without = unrecorded_effects(bench.solvers, middle)
-        nowhere = [name for name, tests in without.items() if tests == list(bench.solvers)]
-        before = Knowledge.of_intervals(parameters).without(nowhere)
-        is_recorded = are_dry_spheres(bench.solvers, material_of(bench.solvers, middle))
-        remarks = [
-            *bench.without(missing).remarks(),
-            *(() if is_recorded else (_FAR_FROM_THE_TRIALS,)),
-            *_remarks_on_unrecorded(without, nowhere),
-        ]
-        recorded = found if before.names else []
-        return plan_tests(recorded, before, wanted, remarks, _RECORDED, taken_as_known=nowhere)
-    cloud = _even_spread(parameters)
-    points = _points(parameters)
+        return _by_recorded_slopes(planned, compared, accuracy, wanted)
+    parameters = planned.file.parameters
     folder = Path(workdir or default_workdir(planned.file.path))
     number = planned.workers if workers is None else workers
     simulation = Simulation(folder, number, seeds, max_seconds, on_start, on_progress)
-    compared = simulation.compare(bench, cloud, points, accuracy)
-    seeds_of_each = counted(compared.seeds, "seed")
-    source_words = f"Slopes from {len(points)} points of the intervals, {seeds_of_each} each."
-    return plan_tests(compared.candidates, cloud.knowledge, wanted, compared.remarks, source_words)
+    cloud, points = _even_spread(parameters), _points(parameters)
+    found = simulation.candidates(compared, cloud, points, accuracy)
+    seeds_of_each = counted(found.seeds, "seed")
+    slopes = f"Slopes from {len(points)} points of the intervals, {seeds_of_each} each."
+    return rank_combinations(found.candidates, cloud.knowledge, wanted, found.remarks, slopes)
 
 
-def _bench(planned: PlannedFile, middle: Mapping[str, float], tests: Sequence[str]) -> Bench:
-    """Return the tests of the file, then the others of the bench."""
+def _middle(planned: PlannedFile) -> dict[str, float]:
+    return {p.name: p.from_unit(0.5) for p in planned.file.parameters}
+
+
+def _tests(planned: PlannedFile, tests: Sequence[str]) -> AvailableTests:
+    """Return the tests of the file, then all other bulk tests."""
     own = {name: s for name, s in planned.solvers.items() if s.bulk_test is not None}
-    material = material_of(own, middle)
-    others = other_tests(planned.file.parameters, planned.solvers, material, tests)
-    models = dict.fromkeys(
-        planned.solvers.keys() - own.keys(),
-        "It is a model of your own, whose sensitivities are not known.",
-    )
+    material = material_of(own, _middle(planned))
+    others = available_tests(planned.file.parameters, planned.solvers, material, tests)
+    models = dict.fromkeys(planned.solvers.keys() - own.keys(), messages.OWN_MODEL())
     kept = {
         name: solver
         for name, solver in own.items()
         if not tests or (solver.bulk_test and solver.bulk_test.type in tests)
     }
-    return Bench(
-        {**kept, **others.solvers}, {**models, **others.refused}, others.options, others.enlarged
+    return others.beside(kept, models)
+
+
+def _by_recorded_slopes(
+    planned: PlannedFile, compared: AvailableTests, accuracy_of: AccuracyOf, wanted: float
+) -> MeasurementPlan:
+    middle, solvers = _middle(planned), compared.solvers
+    found, missing = _recorded(planned, compared, middle, accuracy_of)
+    without = unrecorded_effects(solvers, middle)
+    nowhere = [name for name, tests in without.items() if tests == list(solvers)]
+    before = Knowledge.of_intervals(planned.file.parameters).without(nowhere)
+    is_recorded = are_dry_spheres(solvers, material_of(solvers, middle))
+    remarks = [
+        *compared.without(missing).remarks(),
+        *(() if is_recorded else (messages.RECORDED_FOR_DRY_SPHERES(),)),
+        *_remarks_on_unrecorded(without, nowhere),
+    ]
+    slopes = "Slopes are recorded ones, see docs/choosing_tests.md."
+    return rank_combinations(
+        found if before.names else [], before, wanted, remarks, slopes, taken_as_known=nowhere
     )
 
 
 def _recorded(
-    planned: PlannedFile, bench: Bench, middle: Mapping[str, float], accuracy_of: AccuracyOf
-) -> tuple[list[CandidateTest], dict[str, str]]:
+    planned: PlannedFile,
+    compared: AvailableTests,
+    middle: Mapping[str, float],
+    accuracy_of: AccuracyOf,
+) -> tuple[list[Candidate], dict[str, str]]:
     """Return tests with their recorded slopes, and those that have none."""
     found, missing = [], {}
-    for test, solver in bench.solvers.items():
-        material = solver.run_parameters(middle)
-        assert solver.bulk_test is not None, "the bench has bulk tests only"
+    for test, solver in compared.solvers.items():
+        material, wall = solver.run_parameters(middle), wall_most_touched(solver)
+        assert solver.bulk_test is not None, "only bulk tests are available"
         responses = [
-            recorded_measurable(
+            recorded_response(
                 f"{test}.{name}",
-                on_walls(info, solver),
+                info,
                 material,
                 planned.value(test, name, info),
                 accuracy,
+                wall,
             )
             for name, info in solver.bulk_test.responses.items()
             if (accuracy := accuracy_of(test, name, info)) is not None
         ]
         known = tuple(response for response in responses if response is not None)
         if known:
-            found.append(CandidateTest(test, seconds_of(solver, middle), known))
+            found.append(Candidate(test, seconds_of(solver, middle), known))
         else:
-            missing[test] = "Its sensitivities are not recorded; --simulate finds them."
+            missing[test] = messages.NO_SENSITIVITIES()
     return found, missing
 
 
@@ -177,13 +187,11 @@ def _remarks_on_unrecorded(
     """Yield sentences on parameters whose effect is not recorded: on any test, or on some."""
     for name, tests in without.items():
         if name in nowhere:
-            yield (
-                f"The effect of {name} is not recorded: it counts as known. --simulate finds it. "
-                f"{without_the_bench(name)}".rstrip()
-            )
+            otherwise = other_measurement(name)
+            yield messages.COUNTS_AS_KNOWN(name=name, otherwise=otherwise).rstrip()
             continue
         for test in tests:
-            yield f"The effect of {name} on {test} is not recorded; --simulate finds it."
+            yield messages.EFFECT_ON_TEST_NOT_RECORDED(name=name, test=test)
 
 
 def _points(parameters: Sequence[Parameter]) -> list[dict[str, float]]:

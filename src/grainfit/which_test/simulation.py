@@ -1,28 +1,39 @@
-"""Candidate tests: simulated at a few parameter sets, with the slopes of their responses."""
+"""Simulate candidate tests at a few parameter sets, and find the slopes of their responses."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
+from typing import NamedTuple
 
-from grainfit.analysis.advice import CandidateTest
-from grainfit.analysis.bench import Bench
-from grainfit.analysis.slopes import Cloud, Run, simulated_measurable
 from grainfit.bulk_tests.accuracy import Accuracy
 from grainfit.bulk_tests.base import ResponseInfo
 from grainfit.campaign.batch import ExpectedWork, simulate_batch
 from grainfit.campaign.campaign import CampaignOptions
 from grainfit.checks import as_number, count_faults
-from grainfit.errors import Fault, InputError
+from grainfit.errors import InputError
 from grainfit.evaluation import Evaluation, Proposal, response_name
 from grainfit.formatting import counted
 from grainfit.solvers.base import Solver
+from grainfit.which_test import messages
+from grainfit.which_test.available import AvailableTests
+from grainfit.which_test.candidate import Candidate
+from grainfit.which_test.slopes import Cloud, Run, simulated_response
 
 #: Seeds of each parameter set: by default, and most where the time allows more.
 SEEDS, MOST_SEEDS = 2, 4
+Points = Sequence[Mapping[str, float]]
 #: Returns the accuracy of a response of a test, by their names; None if it is not measured.
 AccuracyOf = Callable[[str, str, ResponseInfo], Accuracy | None]
+
+
+class Simulated(NamedTuple):
+    """Simulated candidate tests, sentences about them, and the seeds of each parameter set."""
+
+    candidates: list[Candidate]
+    remarks: list[str]
+    seeds: int
 
 
 @dataclass(frozen=True)
@@ -33,16 +44,8 @@ class Simulation:
     ----------
     folder : Path
         Work folder that keeps the runs.
-    workers : int
-        Runs at a time.
-    seeds : int, optional
-        Seeds of each parameter set; by default 2, or as many as ``max_seconds`` allows.
-    max_seconds : float, optional
-        Wall time after which no more is simulated, s.
-    on_start : callable, optional
-        Called with the expected work before the first run; it may raise to stop.
-    on_progress : callable, optional
-        Called with the numbers of finished and of all parameter sets.
+    workers, seeds, max_seconds, on_start, on_progress
+        As for `grainfit.work_folder.advice.advise`.
 
     Raises
     ------
@@ -58,19 +61,14 @@ class Simulation:
     on_progress: Callable[[int, int], None] | None = None
 
     def __post_init__(self) -> None:
-        counts = {"workers": self.workers}
-        if self.seeds is not None:
-            counts = {"seeds": self.seeds, **counts}
-        faults = count_faults(counts)
+        counts = {} if self.seeds is None else {"seeds": self.seeds}
+        faults = count_faults({**counts, "workers": self.workers})
         if self.max_seconds is not None and not as_number(self.max_seconds) > 0:
-            words = f"is {self.max_seconds!r}."
-            faults.append(Fault("max_seconds", words, "Give a time above 0 s."))
+            faults.append(messages.NO_TIME.fault("max_seconds", given=self.max_seconds))
         if faults:
             raise InputError(faults)
 
-    def seeds_for(
-        self, solvers: Mapping[str, Solver], points: Sequence[Mapping[str, float]]
-    ) -> int:
+    def seeds_for(self, solvers: Mapping[str, Solver], points: Points) -> int:
         """Return the seeds of each parameter set: as given, or as many as the time allows."""
         if self.seeds is not None or self.max_seconds is None:
             return self.seeds or SEEDS
@@ -78,9 +76,7 @@ class Simulation:
         affordable = self.max_seconds * self.workers / max(seconds, 1e-9)
         return int(min(max(affordable, 1), MOST_SEEDS))
 
-    def run(
-        self, solvers: Mapping[str, Solver], points: Sequence[Mapping[str, float]]
-    ) -> list[Evaluation]:
+    def run(self, solvers: Mapping[str, Solver], points: Points) -> list[Evaluation]:
         """Simulate parameter sets in every test, with the same seeds at all of them."""
         seeds = range(1, self.seeds_for(solvers, points) + 1)
         # All points with one seed first: when the time is over, every direction has been seen.
@@ -97,64 +93,37 @@ class Simulation:
             self.max_seconds,
         )
 
-    def compare(
-        self,
-        bench: Bench,
-        cloud: Cloud,
-        points: Sequence[Mapping[str, float]],
-        accuracy_of: AccuracyOf,
-    ) -> Compared:
-        """Simulate the tests of a bench and find the slopes of their responses.
+    def candidates(
+        self, tests: AvailableTests, cloud: Cloud, points: Points, accuracy_of: AccuracyOf
+    ) -> Simulated:
+        """Simulate tests and find the slopes of their responses.
 
         Parameters
         ----------
-        bench : Bench
+        tests : AvailableTests
             The tests.
-        cloud : Cloud
-            Parameter sets among which they are to decide.
-        points : sequence of mapping of str to float
-            Parameter sets to simulate.
-        accuracy_of : callable
-            Accuracies of the responses.
+        cloud, points, accuracy_of
+            As for `candidates_from_runs`.
         """
-        evaluations = self.run(bench.solvers, points)
-        found, failed = candidate_tests(bench.solvers, cloud, points, evaluations, accuracy_of)
-        usable = bench.without(failed)
+        evaluations = self.run(tests.solvers, points)
+        found, failed = candidates_from_runs(tests.solvers, cloud, points, evaluations, accuracy_of)
+        usable = tests.without(failed)
         remarks = [*usable.remarks(), *failure_remarks(usable.solvers, evaluations)]
-        return Compared(found, remarks, self.seeds_for(bench.solvers, points))
+        return Simulated(found, remarks, self.seeds_for(tests.solvers, points))
 
 
-@dataclass(frozen=True)
-class Compared:
-    """Simulated tests with their slopes.
-
-    Parameters
-    ----------
-    candidates : list of CandidateTest
-        The tests.
-    remarks : list of str
-        Sentences about other options than the usual ones, refused tests and failed runs.
-    seeds : int
-        Seeds of each parameter set.
-    """
-
-    candidates: list[CandidateTest]
-    remarks: list[str]
-    seeds: int
-
-
-def _timeout(solver: Solver, points: Sequence[Mapping[str, float]]) -> float | None:
+def _timeout(solver: Solver, points: Points) -> float | None:
     found = [solver.default_timeout(point) for point in points]
     return max((seconds for seconds in found if seconds is not None), default=None)
 
 
-def candidate_tests(
+def candidates_from_runs(
     solvers: Mapping[str, Solver],
     cloud: Cloud,
-    points: Sequence[Mapping[str, float]],
+    points: Points,
     evaluations: Sequence[Evaluation],
     accuracy_of: AccuracyOf,
-) -> tuple[list[CandidateTest], dict[str, str]]:
+) -> tuple[list[Candidate], dict[str, str]]:
     """Return the simulated tests with their slopes, and reasons for those that have none.
 
     Parameters
@@ -174,26 +143,21 @@ def candidate_tests(
     where = cloud.relative(points)
     found, failed = [], {}
     for test, solver in solvers.items():
-        assert solver.bulk_test is not None, "the bench has bulk tests only"
+        assert solver.bulk_test is not None, "only bulk tests are available"
         responses = []
         for name, info in solver.bulk_test.responses.items():
-            accuracy = accuracy_of(test, name, info)
-            if accuracy is None:
-                continue
             key = response_name(test, name, len(solvers))
             runs = [
-                Run(
-                    numbers[tuple(evaluation.proposal.parameters.values())],
-                    evaluation.proposal.seed,
-                    evaluation.responses[key].value,
-                )
-                for evaluation in evaluations
-                if key in evaluation.responses
+                Run(numbers[tuple(made.parameters.values())], made.seed, e.responses[key].value)
+                for e in evaluations
+                if key in e.responses and (made := e.proposal)
             ]
-            seen = simulated_measurable(f"{test}.{name}", accuracy, cloud, where, runs)
-            responses += [replace(seen, unit=info.unit)] if seen is not None else []
-        if responses:
-            found.append(CandidateTest(test, seconds_of(solver, points[0]), tuple(responses)))
+            if (accuracy := accuracy_of(test, name, info)) is not None:
+                full = f"{test}.{name}"
+                responses.append(simulated_response(full, accuracy, cloud, where, runs, info.unit))
+        known = tuple(response for response in responses if response is not None)
+        if known:
+            found.append(Candidate(test, seconds_of(solver, points[0]), known))
         else:
             failed[test] = _why_failed(test, evaluations)
     return found, failed
@@ -215,14 +179,13 @@ def failure_remarks(tests: Collection[str], evaluations: Sequence[Evaluation]) -
         reasons = [e.failures[test] for e in evaluations if test in e.failures]
         if reasons:
             share = f"{len(reasons)} of {counted(len(evaluations), 'run')}"
-            remarks.append(
-                f"{test}: {share} failed and do not count. The first: {reasons[0].rstrip('.')}."
-            )
+            reason = reasons[0].rstrip(".")
+            remarks.append(messages.RUNS_DO_NOT_COUNT(test=test, share=share, reason=reason))
     return remarks
 
 
 def _why_failed(test: str, evaluations: Sequence[Evaluation]) -> str:
-    reasons = dict.fromkeys(e.failures[test] for e in evaluations if test in e.failures)
-    if reasons:
-        return f"Its runs failed: {next(iter(reasons)).rstrip('.')}."
-    return "Too few of its runs ended in time."
+    reasons = [e.failures[test] for e in evaluations if test in e.failures]
+    return (
+        messages.RUNS_FAILED(reason=reasons[0].rstrip(".")) if reasons else messages.TOO_FEW_RUNS()
+    )

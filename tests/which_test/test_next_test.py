@@ -8,12 +8,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from grainfit.analysis.advice import Advice, CandidateTest, OpenParameters, advice
-from grainfit.analysis.information import Measurable
-from grainfit.analysis.intervals import interval_of
-from grainfit.analysis.slopes import Cloud, Run, corners, simulated_measurable
 from grainfit.bulk_tests.accuracy import Accuracy
 from grainfit.problem import Parameter
+from grainfit.which_test.candidate import Candidate, CandidateResponse
+from grainfit.which_test.determination import interval_of
+from grainfit.which_test.next_test import Advice, OpenParameters, rank_tests
+from grainfit.which_test.slopes import Cloud, Run, corners, simulated_response
 
 SLIDING, ROLLING, RESTITUTION = (
     f"particle_particle.{name}" for name in ("sliding_friction", "rolling_friction", "restitution")
@@ -51,7 +51,7 @@ def measured(
     seeds: int = 2,
     random_seed: int = 0,
     of_seed: float = 0.0,
-) -> Measurable:
+) -> CandidateResponse:
     """Fit a response whose logarithm is linear, with noise of runs and an offset of each seed."""
     random = np.random.default_rng(random_seed)
     runs = [
@@ -59,7 +59,7 @@ def measured(
         for s in range(seeds)
         for i, p in enumerate(POINTS)
     ]
-    found = simulated_measurable("test.response", ACCURACY, CLOUD, POINTS, runs)
+    found = simulated_response("test.response", ACCURACY, CLOUD, POINTS, runs)
     assert found is not None
     return found
 
@@ -96,7 +96,7 @@ def test_slopes_of_a_response_without_noise_are_exact() -> None:
 
 def test_what_a_test_leaves_is_the_closed_form() -> None:
     slopes = np.array([0.5, -0.1, 0.0])
-    test = CandidateTest("slide", 5.0, (measured(slopes.tolist()),))
+    test = Candidate("slide", 5.0, (measured(slopes.tolist()),))
     left = today(SLIDING, ROLLING).after([test])
     precision = np.linalg.inv(CLOUD.knowledge.covariance) + np.outer(slopes, slopes) / 0.02**2
     expected = np.sqrt(np.diag(np.linalg.inv(precision)) / np.diag(CLOUD.knowledge.covariance))
@@ -111,7 +111,7 @@ def test_an_interval_that_is_left_lies_within_that_of_today() -> None:
     now = today(SLIDING, ROLLING)
     assert now.after([]).intervals == now.intervals
     at_an_end = replace(now, values={SLIDING: 0.201, ROLLING: 0.4})
-    test = CandidateTest("slide", 5.0, (measured((1.0, 0.0, 0.0)),))
+    test = Candidate("slide", 5.0, (measured((1.0, 0.0, 0.0)),))
     middle, end = (known.after([test]).intervals[SLIDING] for known in (now, at_an_end))
     assert end.low == pytest.approx(0.2)
     assert end.high / end.low == pytest.approx(middle.high / middle.low)
@@ -119,9 +119,9 @@ def test_an_interval_that_is_left_lies_within_that_of_today() -> None:
 
 def test_a_response_along_the_ridge_is_recommended_and_one_across_it_is_not() -> None:
     # Across it, the heap has measured already; along it, sliding and rolling friction part.
-    across = CandidateTest("across", 1.0, (measured((0.6, 0.5, 0.0), noise=0.01),))
-    along = CandidateTest("along", 10.0, (measured((0.6, -0.5, 0.0), noise=0.01),))
-    found = advice(today(SLIDING, ROLLING), [across, along], [], 7, 2)
+    across = Candidate("across", 1.0, (measured((0.6, 0.5, 0.0), noise=0.01),))
+    along = Candidate("along", 10.0, (measured((0.6, -0.5, 0.0), noise=0.01),))
+    found = rank_tests(today(SLIDING, ROLLING), [across, along], [], 7, 2)
     assert [prospect.name for prospect in found.prospects] == ["along", "across"]
     assert found.best is found.prospects[0]
     assert found.best.settled == (SLIDING, ROLLING)
@@ -137,7 +137,7 @@ def test_noise_is_not_taken_for_information() -> None:
         responses = tuple(
             measured((0, 0, 0), noise=0.05, random_seed=5 * number + i) for i in range(5)
         )
-        found = today(SLIDING, ROLLING, RESTITUTION).after([CandidateTest("none", 1.0, responses)])
+        found = today(SLIDING, ROLLING, RESTITUTION).after([Candidate("none", 1.0, responses)])
         shares += list(found.shares.values())
     assert np.mean(shares) > 0.97
     assert np.quantile(shares, 0.05) > 0.8
@@ -146,8 +146,8 @@ def test_noise_is_not_taken_for_information() -> None:
 def test_uncertain_slopes_promise_less_and_more_seeds_more() -> None:
     slopes = (0.3, -0.3, 0.0)
 
-    def left_by(response: Measurable) -> float:
-        return today(SLIDING).after([CandidateTest("t", 1.0, (response,))]).shares[SLIDING]
+    def left_by(response: CandidateResponse) -> float:
+        return today(SLIDING).after([Candidate("t", 1.0, (response,))]).shares[SLIDING]
 
     left = {
         seeds: np.mean(
@@ -156,7 +156,7 @@ def test_uncertain_slopes_promise_less_and_more_seeds_more() -> None:
         for seeds in (1, 2, 8)
     }
     assert left[1] > left[2] > left[8]
-    exact = left_by(Measurable("t", 10.0, ACCURACY, {SLIDING: 0.3, ROLLING: -0.3}, 0.1))
+    exact = left_by(CandidateResponse("t", 10.0, ACCURACY, {SLIDING: 0.3, ROLLING: -0.3}, 0.1))
     assert exact < left[8] < 1.2 * exact
 
 
@@ -171,7 +171,7 @@ def test_what_a_seed_does_at_all_points_is_no_scatter_of_slopes() -> None:
 def test_a_response_that_changes_its_sign_is_fitted_as_it_is() -> None:
     values = 1.0 + 4 * (POINTS[:, 0] - np.log(0.4))
     runs = [Run(i, 1, float(value)) for i, value in enumerate(values)]
-    found = simulated_measurable("y", Accuracy(0.1), CLOUD, POINTS, runs)
+    found = simulated_response("y", Accuracy(0.1), CLOUD, POINTS, runs)
     assert found is not None
     assert (values < 0).any()
     assert found.slopes[SLIDING] == pytest.approx(4 / abs(values.mean()))
@@ -179,24 +179,24 @@ def test_a_response_that_changes_its_sign_is_fitted_as_it_is() -> None:
 
 def test_too_few_runs_tell_nothing() -> None:
     few = [Run(i, 1, 10.0 + i) for i in range(4)]
-    assert simulated_measurable("y", ACCURACY, CLOUD, POINTS, few) is None
-    assert simulated_measurable("y", ACCURACY, CLOUD, POINTS, []) is None
+    assert simulated_response("y", ACCURACY, CLOUD, POINTS, few) is None
+    assert simulated_response("y", ACCURACY, CLOUD, POINTS, []) is None
     zeros = [Run(i, s, 0.0) for i in range(7) for s in range(2)]
-    assert simulated_measurable("y", ACCURACY, CLOUD, POINTS, zeros) is None
+    assert simulated_response("y", ACCURACY, CLOUD, POINTS, zeros) is None
 
 
 def test_two_tests_that_settle_more_together_are_named() -> None:
-    slide = CandidateTest("slide", 5.0, (measured((0.0, 0.0, 1.0)),))
-    roll = CandidateTest("roll", 5.0, (measured((1.0, 0.0, 0.0)),))
-    found = advice(today(SLIDING, RESTITUTION), [slide, roll], [], 7, 2)
+    slide = Candidate("slide", 5.0, (measured((0.0, 0.0, 1.0)),))
+    roll = Candidate("roll", 5.0, (measured((1.0, 0.0, 0.0)),))
+    found = rank_tests(today(SLIDING, RESTITUTION), [slide, roll], [], 7, 2)
     assert found.best_pair is not None
     assert set(found.best_pair.settled) == {SLIDING, RESTITUTION}
     assert "leave" in str(found)
 
 
 def test_what_no_test_settles_is_said_with_another_way() -> None:
-    test = CandidateTest("draw_down", 5.0, (measured((0.6, -0.5, 0.0)),))
-    found = advice(
+    test = Candidate("draw_down", 5.0, (measured((0.6, -0.5, 0.0)),))
+    found = rank_tests(
         today(SLIDING, RESTITUTION), [test], ["Not compared: compression. Too soft."], 7, 2
     )
     assert found.unsettled == (RESTITUTION,)
@@ -208,8 +208,8 @@ def test_what_no_test_settles_is_said_with_another_way() -> None:
 
 
 def test_nothing_is_recommended_where_no_test_tells_more() -> None:
-    useless = CandidateTest("packing", 1.0, (measured((0, 0, 0), noise=0.01),))
-    found = advice(today(SLIDING), [useless], [], 7, 2)
+    useless = Candidate("packing", 1.0, (measured((0, 0, 0), noise=0.01),))
+    found = rank_tests(today(SLIDING), [useless], [], 7, 2)
     assert found.best is None
     assert "None of these tests tells noticeably more than the runs do." in str(found)
     assert str(Advice(today())) == "Every parameter is determined: no further test is needed."

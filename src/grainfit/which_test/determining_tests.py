@@ -1,6 +1,6 @@
-"""Recommend bulk tests that determine a material parameter.
+"""Tests that determine a material parameter, for the sentences that recommend them.
 
-The words follow measured sensitivities (docs/choosing_tests.md): heap, rotating drum and angle of
+The texts follow measured sensitivities (docs/choosing_tests.md): heap, rotating drum and angle of
 internal friction depend on both frictions of the particles in nearly the same way, so none of them
 tells sliding from rolling friction beside another; bulk densities, a draw-down test and uniaxial
 compression do.
@@ -35,6 +35,7 @@ from grainfit.bulk_tests.sensitivities import (
 from grainfit.formatting import in_a_row
 from grainfit.materials.particle_shape import ASPECT_RATIO
 from grainfit.materials.walls import plain_name
+from grainfit.which_test import messages
 
 _ENERGY_DENSITY = "particle_particle.cohesion_energy_density"
 _DROP_TEST = "fix it from a drop test (height to which a particle rebounds"
@@ -92,12 +93,8 @@ TESTS: Mapping[str, str] = {
     ),
 }
 
-#: Laboratory measurements that give a parameter its value, so that it need not be free.
-DIRECT: Mapping[str, str] = {
-    DENSITY: "a pycnometer",
-    ASPECT_RATIO: "photographs of particles",
-    WALL_SLIDING: "an inclined plane",
-}
+#: Parameters that a laboratory measures on their own, so that they need not be free.
+DIRECT = frozenset({DENSITY, ASPECT_RATIO, WALL_SLIDING})
 
 #: Values for parameters that hardly change any common bulk test and are better fixed.
 BETTER_FIXED: Mapping[str, str] = {
@@ -116,57 +113,49 @@ _FRICTIONS = frozenset({SLIDING, ROLLING})
 _FROM_BULK_TESTS = _FRICTIONS | {MODULUS}
 
 
-def to_settle(name: str) -> str:
+def determining_tests(name: str) -> str:
     """Return sentences with a test that would determine an open parameter."""
     if plain_name(name) in BETTER_FIXED:
         return better_fixed(name)
-    return f"To determine {name}: {how_to_determine(name)}"
+    return messages.TO_DETERMINE(name=name, how=how_to_determine(name))
 
 
-def without_the_bench(name: str) -> str:
+def other_measurement(name: str) -> str:
     """Return sentences on an open parameter that no bulk test settles; "" if nothing is known."""
     plain = plain_name(name)
     is_known = plain in {*TESTS, *BETTER_FIXED} and plain not in _FROM_BULK_TESTS
-    return to_settle(name) if is_known else ""
+    return determining_tests(name) if is_known else ""
 
 
-def to_tell_apart(names: tuple[str, ...]) -> str:
+def separating_tests(names: tuple[str, ...]) -> str:
     """Return sentences with tests that would tell parameters apart."""
-    return f"To tell {in_a_row(names)} apart: {how_to_tell_apart(names)}"
+    return messages.TO_TELL_APART(names=in_a_row(names), how=how_to_tell_apart(names))
 
 
 def better_fixed(name: str) -> str:
     """Return a sentence about a parameter of `BETTER_FIXED`."""
-    return (
-        f"{name} hardly changes any common bulk test: take it out of the free parameters and "
-        f"fix it {BETTER_FIXED[plain_name(name)]}."
-    )
+    return messages.BETTER_FIXED(name=name, where=BETTER_FIXED[plain_name(name)])
 
 
 def how_to_determine(name: str) -> str:
     """Return the tests that determine a parameter, up to the end of a sentence."""
-    words = TESTS.get(plain_name(name))
-    if words is None:
-        return "add a target of a test that responds to it."
-    return f"{_with_types(words)}."
+    tests = TESTS.get(plain_name(name))
+    return messages.ADD_A_TARGET() if tests is None else f"{_with_types(tests)}."
 
 
 def how_to_tell_apart(names: tuple[str, ...]) -> str:
     """Return the tests that tell parameters apart, up to the end of a sentence."""
     if set(names) >= _FRICTIONS and set(names) <= {*_FRICTIONS, DENSITY}:
-        return (
-            f"{_with_types(f'{_bulk_density(names)}; {_DRAW_DOWN}; or {_COMPRESSION}')}. Another "
-            "angle does not help: heap, rotating drum and angle of internal friction depend on "
-            "both frictions in nearly the same way."
-        )
+        tests = f"{_bulk_density(names)}; {_DRAW_DOWN}; or {_COMPRESSION}"
+        return messages.ANGLES_DO_NOT_HELP(tests=_with_types(tests))
     known = [
-        f"for {name}, {_with_types(words)}"
+        f"for {name}, {_with_types(own)}"
         for name in names
-        if (words := TESTS.get(plain_name(name))) is not None
+        if (own := TESTS.get(plain_name(name))) is not None
     ]
     if not known:
-        return "add a target of a test that responds to one of them only."
-    return f"determine one of them; {'; '.join(known)}."
+        return messages.ADD_A_TARGET_OF_ONE()
+    return messages.DETERMINE_ONE(tests="; ".join(known))
 
 
 def _bulk_density(names: tuple[str, ...]) -> str:
@@ -175,8 +164,8 @@ def _bulk_density(names: tuple[str, ...]) -> str:
     return "the bulk density ({packing}at a particle density that a pycnometer has determined)"
 
 
-def _with_types(words: str) -> str:
-    """Return words with the types of tests that are installed; the others are left out."""
+def _with_types(tests: str) -> str:
+    """Return a text with the types of tests that are installed; the others are left out."""
     known = bulk_tests()
     types = {name: f'type = "{name}": ' if name in known else "" for name in _TYPES}
-    return words.format(**types)
+    return tests.format(**types)

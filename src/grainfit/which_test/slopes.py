@@ -10,9 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import hadamard
 
-from grainfit.analysis.information import Knowledge, Measurable, in_relative_units
 from grainfit.bulk_tests.accuracy import Accuracy
 from grainfit.problem import Parameter
+from grainfit.which_test.candidate import CandidateResponse
+from grainfit.which_test.knowledge import Knowledge, in_relative_units
 
 Array = NDArray[np.float64]
 
@@ -78,12 +79,12 @@ class Cloud:
         scaled = (self.points - self.points.mean(axis=0)) / np.where(scale > 0, scale, 1.0)
         _, vectors = np.linalg.eigh(np.atleast_2d(np.cov(scaled, rowvar=False)))
         size = max(int(_END * len(scaled)), 1)
-        chosen = [_nearest_to_median(scaled, np.arange(len(scaled)))]
+        chosen = [nearest_to_median(scaled, np.arange(len(scaled)))]
         # The widest direction first: it is the most open one.
         for vector in vectors.T[::-1]:
             order = np.argsort(scaled @ vector, kind="stable")
-            chosen += [_nearest_to_median(scaled, order[:size])]
-            chosen += [_nearest_to_median(scaled, order[-size:])]
+            chosen += [nearest_to_median(scaled, order[:size])]
+            chosen += [nearest_to_median(scaled, order[-size:])]
         return list(dict.fromkeys(chosen))
 
 
@@ -104,14 +105,20 @@ def _relative(parameters: Sequence[Parameter], values: Array) -> Array:
     return np.stack(columns, axis=1)
 
 
-def _nearest_to_median(cloud: Array, members: NDArray[np.intp]) -> int:
+def nearest_to_median(cloud: Array, members: NDArray[np.intp]) -> int:
+    """Return the one of some members of a cloud that is nearest to their medians."""
     part = cloud[members]
     return int(members[((part - np.median(part, axis=0)) ** 2).sum(axis=1).argmin()])
 
 
-def simulated_measurable(
-    name: str, accuracy: Accuracy, cloud: Cloud, points: Array, runs: Sequence[Run]
-) -> Measurable | None:
+def simulated_response(
+    name: str,
+    accuracy: Accuracy,
+    cloud: Cloud,
+    points: Array,
+    runs: Sequence[Run],
+    unit: str = "",
+) -> CandidateResponse | None:
     """Fit the dependence of a response on the parameters, by least squares.
 
     All responses are fitted as logarithms where they are above zero, with a constant for each
@@ -121,10 +128,8 @@ def simulated_measurable(
 
     Parameters
     ----------
-    name : str
-        Name of the response, with that of its test.
-    accuracy : Accuracy
-        Of its measurement.
+    name, accuracy, unit
+        As for `CandidateResponse`.
     cloud : Cloud
         Parameter sets among which the measurement is to decide.
     points : ndarray, shape (m, d)
@@ -134,7 +139,7 @@ def simulated_measurable(
 
     Returns
     -------
-    Measurable or None
+    CandidateResponse or None
         None if there are too few runs to know their scatter, or the mean is zero.
     """
     values = np.array([run.value for run in runs], dtype=float)
@@ -147,15 +152,10 @@ def simulated_measurable(
     if fit is None:
         return None
     kept = _beyond_chance(fit.slopes, fit.errors)
+    slopes = dict(zip(cloud.names, (whiten.T @ kept).tolist(), strict=True))
     repeated = _scatter(relative, runs)
-    return Measurable(
-        name,
-        mean,
-        accuracy,
-        dict(zip(cloud.names, (whiten.T @ kept).tolist(), strict=True)),
-        math.sqrt(fit.noise) if repeated is None else repeated,
-        float(fit.errors.sum()),
-    )
+    scatter = math.sqrt(fit.noise) if repeated is None else repeated
+    return CandidateResponse(name, mean, accuracy, slopes, scatter, float(fit.errors.sum()), unit)
 
 
 @dataclass(frozen=True)

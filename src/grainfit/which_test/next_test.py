@@ -1,4 +1,4 @@
-"""Advice: which further test would settle the parameters that the runs leave open."""
+"""Advice: the next test, for the parameters that the runs leave open."""
 
 from __future__ import annotations
 
@@ -9,15 +9,6 @@ from itertools import combinations
 
 import numpy as np
 
-from grainfit.analysis.further_tests import without_the_bench
-from grainfit.analysis.information import (
-    Knowledge,
-    Measurable,
-    Observation,
-    in_relative_units,
-    in_si_units,
-)
-from grainfit.analysis.intervals import interval_of
 from grainfit.bulk_tests.registry import bulk_tests
 from grainfit.formatting import (
     counted,
@@ -31,7 +22,12 @@ from grainfit.formatting import (
 )
 from grainfit.problem import Parameter
 from grainfit.result import ParameterInterval
-from grainfit.tables import TextTable, as_html, as_text
+from grainfit.tables import Summary, TextTable
+from grainfit.which_test import messages
+from grainfit.which_test.candidate import Candidate, knowledge_after, names_of
+from grainfit.which_test.determination import interval_of
+from grainfit.which_test.determining_tests import other_measurement
+from grainfit.which_test.knowledge import Knowledge, in_relative_units, in_si_units
 
 #: A test is worth doing if it narrows an open parameter at least to this share.
 _WORTH_DOING = 0.9
@@ -40,44 +36,12 @@ _NAMED = 3
 
 
 @dataclass(frozen=True)
-class CandidateTest:
-    """A test that could be measured, with what it tells.
-
-    Parameters
-    ----------
-    name : str
-        Its type, or its name in the file.
-    seconds : float
-        Estimated wall time of a run, s.
-    responses : tuple of Measurable
-        What it measures, and how that depends on the parameters.
-    """
-
-    name: str
-    seconds: float
-    responses: tuple[Measurable, ...]
-
-    def by_signal(self, before: Knowledge) -> list[Measurable]:
-        """Return the responses by span over error, the most telling one first."""
-        return sorted(self.responses, key=lambda response: -response.signal(before))
-
-    def observations(self, before: Knowledge, coarser: float = 1.0) -> list[Observation]:
-        """Return what the test tells, with accuracies that are coarser by a factor.
-
-        Of responses in one unit only the most telling one counts: angles of one surface say nearly
-        the same, and slopes are not known well enough to make use of their differences.
-        """
-        ranked = reversed(self.by_signal(before))
-        return [r.observation(coarser) for r in {r.unit: r for r in ranked}.values()]
-
-
-@dataclass(frozen=True)
 class Prospect:
     """The parameters as they would be known after one or more further tests.
 
     Parameters
     ----------
-    tests : tuple of CandidateTest
+    tests : tuple of Candidate
         Tests to measure.
     intervals : mapping of str to ParameterInterval
         95 % interval of each open parameter, as wide as it is expected to be.
@@ -87,7 +51,7 @@ class Prospect:
         Wall time of one parameter set in all tests, those of today included, s.
     """
 
-    tests: tuple[CandidateTest, ...]
+    tests: tuple[Candidate, ...]
     intervals: Mapping[str, ParameterInterval]
     shares: Mapping[str, float]
     seconds: float
@@ -95,7 +59,7 @@ class Prospect:
     @property
     def name(self) -> str:
         """Names of the tests."""
-        return " + ".join(test.name for test in self.tests)
+        return names_of(self.tests)
 
     @property
     def settled(self) -> tuple[str, ...]:
@@ -140,10 +104,9 @@ class OpenParameters:
     knowledge: Knowledge
     seconds: float
 
-    def after(self, tests: Sequence[CandidateTest]) -> Prospect:
+    def after(self, tests: Sequence[Candidate]) -> Prospect:
         """Return the parameters as they would be known after further tests."""
-        observations = [seen for test in tests for seen in test.observations(self.knowledge)]
-        then = self.knowledge.after(observations)
+        then = knowledge_after(self.knowledge, tests)
         shares = {
             p.name: _share(then.deviation(p.name), self.knowledge.deviation(p.name))
             for p in self.parameters
@@ -166,8 +129,8 @@ def _share(then: float, now: float) -> float:
     return then / now if now > 0 else 1.0
 
 
-@dataclass(frozen=True)
-class Advice:
+@dataclass(frozen=True, repr=False)
+class Advice(Summary):
     """Further tests, ranked by what they would settle.
 
     Parameters
@@ -191,6 +154,10 @@ class Advice:
     points: int = 0
     seeds: int = 0
 
+    def __repr__(self) -> str:
+        best = self.best.name if self.best else None
+        return f"Advice(best={best!r}, unsettled={self.unsettled})"
+
     @property
     def best(self) -> Prospect | None:
         """The test to do next; None if none is worth it."""
@@ -207,15 +174,10 @@ class Advice:
     def summary(self) -> tuple[str | TextTable, ...]:
         """Return the table and the sentences that `print` and a notebook show."""
         if not self.today.parameters:
-            return ("Every parameter is determined: no further test is needed.",)
-        table = (self._table(),) if self.prospects else ()
-        return (*table, *self._words(), *self.remarks)
-
-    def __str__(self) -> str:
-        return as_text(self.summary())
-
-    def _repr_html_(self) -> str:
-        return as_html(self.summary())
+            return (messages.ALL_DETERMINED(),)
+        if not self.prospects:
+            return (messages.NO_FURTHER_TEST_COMPARED(), *self.remarks)
+        return (self._table(), *self._sentences(), *self.remarks)
 
     def _table(self) -> TextTable:
         names = [p.name for p in self.today.parameters]
@@ -224,7 +186,7 @@ class Advice:
             (
                 prospect.name,
                 *(_between(prospect.intervals[name]) for name in names),
-                *_most_telling(prospect.tests[0], self.today.knowledge),
+                *self._most_telling(prospect.tests[0]),
                 duration(prospect.tests[0].seconds),
             )
             for prospect in self.prospects
@@ -238,35 +200,57 @@ class Advice:
             f"{self.points} parameter sets, {counted(self.seeds, 'seed')} each.",
         )
 
-    def _words(self) -> list[str]:
-        if not self.prospects:
-            return ["No further test could be compared."]
-        words = [self._recommendation()]
+    def _most_telling(self, test: Candidate) -> tuple[str, str]:
+        best = test.by_signal(self.today.knowledge)[0]
+        return best.short_name, number(best.signal_to_noise(self.today.knowledge), 2)
+
+    def _sentences(self) -> list[str]:
+        sentences = [self._recommendation()]
         if self.best_pair is not None:
-            left = _left_by(self.best_pair, self.today)
-            words.append(f"{in_a_row([t.name for t in self.best_pair.tests])} leave {left}.")
-        words += [
-            f"None of these tests settles {name}. {without_the_bench(name)}".rstrip()
+            tests = in_a_row([t.name for t in self.best_pair.tests])
+            sentences.append(messages.PAIR_LEAVES(tests=tests, left=self._left_by(self.best_pair)))
+        sentences += [
+            messages.NOT_SETTLED_BY_ANY(name=name, otherwise=other_measurement(name)).rstrip()
             for name in self.unsettled
         ]
-        return words
+        return sentences
 
     def _recommendation(self) -> str:
         best = self.best
         if best is None:
-            return "None of these tests tells noticeably more than the runs do."
+            return messages.NOTHING_WORTH_DOING()
         test = best.tests[0]
         title = bulk_tests()[test.name].title if test.name in bulk_tests() else ""
-        shown = f"{test.name} ({title})" if title else test.name
-        return (
-            f"Do next: {shown}. It would leave {_left_by(best, self.today)}. Measure "
-            f"{in_a_row(_measured(test, self.today.knowledge))}."
+        return messages.DO_NEXT(
+            test=f"{test.name} ({title})" if title else test.name,
+            left=self._left_by(best),
+            responses=in_a_row(self._named(test)),
+        )
+
+    def _named(self, test: Candidate) -> list[str]:
+        """Name the most telling responses with the accuracy that is assumed."""
+        infos = bulk_tests()[test.name].responses if test.name in bulk_tests() else {}
+        return [
+            f"{r.short_name} to "
+            + r.accuracy.in_words(infos[r.short_name].unit if r.short_name in infos else "")
+            for r in test.by_signal(self.today.knowledge)[:_NAMED]
+        ]
+
+    def _left_by(self, prospect: Prospect) -> str:
+        """Say what would be left of every open parameter, with the word for it."""
+        left = [(p, prospect.intervals[p.name]) for p in self.today.parameters]
+        return in_a_row(
+            [
+                f"{p.name} {with_unit(_between(found), unit_for_people(p.unit))} "
+                f"({found.determination})"
+                for p, found in left
+            ]
         )
 
 
-def advice(
+def rank_tests(
     today: OpenParameters,
-    candidates: Sequence[CandidateTest],
+    candidates: Sequence[Candidate],
     remarks: Sequence[str],
     points: int,
     seeds: int,
@@ -275,55 +259,20 @@ def advice(
 
     Parameters
     ----------
-    today : OpenParameters
-        The parameters that the runs leave open.
-    candidates : sequence of CandidateTest
+    today, remarks, points, seeds
+        As for `Advice`.
+    candidates : sequence of Candidate
         Tests that were simulated.
-    remarks : sequence of str
-        Sentences about tests that were not, or with other options than the usual ones.
-    points, seeds : int
-        Parameter sets that were simulated, and seeds of each.
-
-    Returns
-    -------
-    Advice
     """
-    single = ranked([today.after([test]) for test in candidates])
-    pairs = ranked([today.after(pair) for pair in combinations(candidates, 2)])
+    single = _ranked([today.after([test]) for test in candidates])
+    pairs = _ranked([today.after(pair) for pair in combinations(candidates, 2)])
     pair = pairs[0] if pairs and len(pairs[0].settled) > len(single[0].settled) else None
     return Advice(today, single, pair, tuple(remarks), points, seeds)
 
 
-def ranked(prospects: Sequence[Prospect]) -> tuple[Prospect, ...]:
-    """Return prospects by merit, best first."""
+def _ranked(prospects: Sequence[Prospect]) -> tuple[Prospect, ...]:
     return tuple(sorted(prospects, key=lambda prospect: prospect.merit, reverse=True))
 
 
 def _between(interval: ParameterInterval) -> str:
     return ends(interval.low, interval.high)
-
-
-def _most_telling(test: CandidateTest, before: Knowledge) -> tuple[str, str]:
-    best = test.by_signal(before)[0]
-    return best.name.rpartition(".")[2], number(best.signal(before), 2)
-
-
-def _measured(test: CandidateTest, before: Knowledge) -> list[str]:
-    """Name the most telling responses with the accuracy that is assumed."""
-    infos = bulk_tests()[test.name].responses if test.name in bulk_tests() else {}
-    words = []
-    for response in test.by_signal(before)[:_NAMED]:
-        short = response.name.rpartition(".")[2]
-        unit = infos[short].unit if short in infos else ""
-        words.append(f"{short} to {response.accuracy.in_words(unit)}")
-    return words
-
-
-def _left_by(prospect: Prospect, today: OpenParameters) -> str:
-    """Say what would be left of every open parameter, with the word for it."""
-    words = []
-    for parameter in today.parameters:
-        left = prospect.intervals[parameter.name]
-        between = with_unit(_between(left), unit_for_people(parameter.unit))
-        words.append(f"{parameter.name} {between} ({left.determination})")
-    return in_a_row(words)

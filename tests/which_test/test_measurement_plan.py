@@ -7,9 +7,6 @@ import math
 import numpy as np
 import pytest
 
-from grainfit.analysis.advice import CandidateTest
-from grainfit.analysis.information import Knowledge, Measurable, recorded_measurable
-from grainfit.analysis.test_plan import plan_tests
 from grainfit.bulk_tests.accuracy import Accuracy, usual_accuracy
 from grainfit.bulk_tests.registry import BUILT_IN
 from grainfit.bulk_tests.sensitivities import (
@@ -20,6 +17,10 @@ from grainfit.bulk_tests.sensitivities import (
     WALL_SLIDING,
 )
 from grainfit.calibration_file.planned import typical_value
+from grainfit.which_test.candidate import Candidate, CandidateResponse
+from grainfit.which_test.knowledge import Knowledge
+from grainfit.which_test.measurement_plan import rank_combinations
+from grainfit.which_test.recorded import recorded_response
 
 #: Known before any test in the trials, as a standard deviation of the logarithm.
 BEFORE = {DENSITY: 1.0, SLIDING: 1.0, ROLLING: 1.5, RESTITUTION: 0.17, WALL_SLIDING: 0.03}
@@ -32,10 +33,10 @@ def known(**changed: float) -> Knowledge:
     return Knowledge(tuple(before), np.diag([d**2 for d in before.values()]))
 
 
-def recorded(name: str) -> CandidateTest:
+def recorded(name: str) -> Candidate:
     """Return a test with its recorded slopes at the material of the trials."""
     responses = [
-        recorded_measurable(
+        recorded_response(
             f"{name}.{key}",
             info,
             {SLIDING: 0.5, ROLLING: 0.2},
@@ -45,7 +46,7 @@ def recorded(name: str) -> CandidateTest:
         for key, info in BUILT_IN[name].responses.items()
         if key not in LEFT_OUT
     ]
-    return CandidateTest(name, 5.0, tuple(r for r in responses if r is not None))
+    return Candidate(name, 5.0, tuple(r for r in responses if r is not None))
 
 
 @pytest.mark.parametrize(
@@ -64,14 +65,16 @@ def test_a_heap_and_another_test_leave_what_the_trials_found(
 ) -> None:
     # Fisher information of 291 trial runs, docs/choosing_tests.md; each figure +-30 %.
     tests = [recorded(name) for name in ("heap", other) if name]
-    after = known().after([r.observation() for test in tests for r in test.responses])
+    responses = [r for test in tests for r in test.responses]
+    errors = np.diag([r.variance() for r in responses])
+    after = known().after([r.slopes for r in responses], errors)
     assert 100 * after.deviation(SLIDING) == pytest.approx(sliding, rel=0.3)
     assert 100 * after.deviation(ROLLING) == pytest.approx(rolling, rel=0.3)
 
 
 def test_a_plan_for_two_frictions_begins_with_a_pair_that_tells_them_apart() -> None:
     names = ("heap", "discharge", "packing", "compression", "draw_down")
-    plan = plan_tests(
+    plan = rank_combinations(
         [recorded(name) for name in names], known().without([RESTITUTION]), 0.41, {}, ""
     )
     assert plan.best is not None
@@ -83,14 +86,16 @@ def test_a_plan_for_two_frictions_begins_with_a_pair_that_tells_them_apart() -> 
     assert f"{plan.best.name} + packing" not in by_name
 
 
-def one(slope: float, accuracy: float, name: str = "t", scatter: float = 0.0) -> CandidateTest:
+def one(slope: float, accuracy: float, name: str = "t", scatter: float = 0.0) -> Candidate:
     share = Accuracy(accuracy, is_share=True)
-    return CandidateTest(name, 1.0, (Measurable(f"{name}.y", 1.0, share, {"a": slope}, scatter),))
+    return Candidate(
+        name, 1.0, (CandidateResponse(f"{name}.y", 1.0, share, {"a": slope}, scatter),)
+    )
 
 
 def test_the_accuracy_that_is_needed_is_the_closed_form() -> None:
     before = Knowledge(("a",), np.array([[0.25]]))
-    plan = plan_tests([one(2.0, 0.01)], before, 0.1, [], "")
+    plan = rank_combinations([one(2.0, 0.01)], before, 0.1, [], "")
     # 1 / (1 / 0.25 + 4 / u^2) = (0.1 / 1.96)^2
     needed = math.sqrt(4 / ((1.96 / 0.1) ** 2 - 4))
     assert plan.combinations[0].coarser == pytest.approx(needed / 0.01, rel=1e-4)
@@ -99,7 +104,7 @@ def test_the_accuracy_that_is_needed_is_the_closed_form() -> None:
 
 def test_scatter_of_the_runs_is_not_measured_away() -> None:
     before = Knowledge(("a",), np.array([[0.25]]))
-    plan = plan_tests([one(1.0, 0.01, scatter=0.5)], before, 0.1, [], "")
+    plan = rank_combinations([one(1.0, 0.01, scatter=0.5)], before, 0.1, [], "")
     assert plan.combinations[0].coarser == 0.0
     assert plan.best is None
     assert plan.out_of_reach() == ("a",)
@@ -110,7 +115,7 @@ def test_scatter_of_the_runs_is_not_measured_away() -> None:
 
 def test_a_finer_accuracy_that_would_do_is_named() -> None:
     before = Knowledge(("a",), np.array([[0.25]]))
-    plan = plan_tests([one(1.0, 0.1)], before, 0.1, [], "")
+    plan = rank_combinations([one(1.0, 0.1)], before, 0.1, [], "")
     assert 0 < plan.combinations[0].coarser < 1
     assert "At these accuracies no combination settles" in str(plan)
     assert "t (y to 5.1 %) would." in str(plan)
@@ -119,8 +124,8 @@ def test_a_finer_accuracy_that_would_do_is_named() -> None:
 def test_the_cheapest_combination_that_is_enough_comes_first() -> None:
     before = Knowledge(("a",), np.array([[0.25]]))
     cheap, dear = one(1.0, 0.01, "cheap"), one(1.0, 0.001, "dear")
-    dear = CandidateTest("dear", 9.0, dear.responses)
-    plan = plan_tests([dear, cheap], before, 0.1, ["Not compared: other. Too soft."], "")
+    dear = Candidate("dear", 9.0, dear.responses)
+    plan = rank_combinations([dear, cheap], before, 0.1, ["Not compared: other. Too soft."], "")
     assert [c.name for c in plan.combinations] == ["cheap", "dear"]
     assert "Measure cheap (y to 1 %): that settles every free parameter to ± 10 %." in str(plan)
     assert "Not compared: other. Too soft." in str(plan)

@@ -1,4 +1,4 @@
-"""Plan of a laboratory: combinations of tests that settle the free parameters."""
+"""Plan of laboratory measurements: combinations of tests that determine the free parameters."""
 
 from __future__ import annotations
 
@@ -7,12 +7,13 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import chain, combinations
 
-from grainfit.analysis.advice import CandidateTest
-from grainfit.analysis.further_tests import without_the_bench
-from grainfit.analysis.information import Knowledge
 from grainfit.bulk_tests.registry import response_info
 from grainfit.formatting import duration, in_a_row, number, short_names
-from grainfit.tables import TextTable, as_html, as_text
+from grainfit.tables import Summary, TextTable
+from grainfit.which_test import messages
+from grainfit.which_test.candidate import Candidate, knowledge_after, names_of
+from grainfit.which_test.determining_tests import other_measurement
+from grainfit.which_test.knowledge import Knowledge
 
 #: Most tests of a combination.
 MOST_TESTS = 3
@@ -28,7 +29,7 @@ class Combination:
 
     Parameters
     ----------
-    tests : tuple of CandidateTest
+    tests : tuple of Candidate
         One to three tests.
     half_widths : mapping of str to float
         Half the width of the 95 % interval of each free parameter, a share of its value.
@@ -37,14 +38,14 @@ class Combination:
         is fine enough.
     """
 
-    tests: tuple[CandidateTest, ...]
+    tests: tuple[Candidate, ...]
     half_widths: Mapping[str, float]
     coarser: float
 
     @property
     def name(self) -> str:
         """Names of the tests."""
-        return " + ".join(test.name for test in self.tests)
+        return names_of(self.tests)
 
     @property
     def seconds(self) -> float:
@@ -52,9 +53,9 @@ class Combination:
         return sum(test.seconds for test in self.tests)
 
 
-@dataclass(frozen=True)
-class TestPlan:
-    """Combinations of tests, ranked by whether they settle the parameters, and by cost.
+@dataclass(frozen=True, repr=False)
+class MeasurementPlan(Summary):
+    """Combinations of tests, ranked by whether they determine the parameters, and by cost.
 
     Parameters
     ----------
@@ -73,15 +74,16 @@ class TestPlan:
         Free parameters that are not counted, because nothing is known of their effect.
     """
 
-    # Keeps pytest from taking it for a class of tests.
-    __test__ = False
-
     wanted: float
     before: Knowledge
     combinations: tuple[Combination, ...]
     remarks: tuple[str, ...] = ()
     source: str = ""
     taken_as_known: tuple[str, ...] = ()
+
+    def __repr__(self) -> str:
+        best = self.best.name if self.best else None
+        return f"MeasurementPlan(wanted={self.wanted}, best={best!r})"
 
     @property
     def best(self) -> Combination | None:
@@ -90,7 +92,7 @@ class TestPlan:
         return first if first is not None and first.coarser >= 1 else None
 
     def out_of_reach(self) -> tuple[str, ...]:
-        """Return the parameters that no combination settles."""
+        """Return the parameters that no combination determines as wanted."""
         return tuple(
             name
             for name in self.before.names
@@ -99,14 +101,14 @@ class TestPlan:
 
     def summary(self) -> tuple[str | TextTable, ...]:
         """Return the table and the sentences that `print` and a notebook show."""
-        table = (self._table(),) if self.combinations else ()
-        return (*table, *self._words(), *self.remarks)
-
-    def __str__(self) -> str:
-        return as_text(self.summary())
-
-    def _repr_html_(self) -> str:
-        return as_html(self.summary())
+        if not self.combinations:
+            return (messages.NO_TEST_COMPARED(), *self.remarks)
+        wanted = _share(self.wanted)
+        missed = [
+            messages.NOT_SETTLED_TO(name=name, wanted=wanted, otherwise=other_measurement(name))
+            for name in self.out_of_reach()
+        ]
+        return (self._table(), self._recommendation(), *map(str.rstrip, missed), *self.remarks)
 
     def _table(self) -> TextTable:
         names = self.before.names
@@ -128,60 +130,35 @@ class TestPlan:
             f"finer. {self.source}",
         )
 
-    def _words(self) -> list[str]:
-        if not self.combinations:
-            return ["No test could be compared."]
-        return [
-            self._recommendation(),
-            *(
-                f"None of these tests settles {name} to ± {_share(self.wanted)}. "
-                f"{without_the_bench(name)}".rstrip()
-                for name in self.out_of_reach()
-            ),
-        ]
-
     def _recommendation(self) -> str:
         every = f"every {'other ' if self.taken_as_known else ''}free parameter"
         wanted = f"{every} to ± {_share(self.wanted)}"
         if self.best is not None:
             tests = in_a_row([_with_accuracies(test) for test in self.best.tests])
-            return f"Measure {tests}: that settles {wanted}."
-        finer = [c for c in self.combinations if c.coarser > 0]
-        if finer:
-            first = max(finer, key=lambda c: c.coarser)
+            return messages.SETTLED_BY(tests=tests, wanted=wanted)
+        first = max(self.combinations, key=lambda c: c.coarser)
+        if first.coarser > 0:
             tests = in_a_row([_with_accuracies(test, first.coarser) for test in first.tests])
-            return f"At these accuracies no combination settles {wanted}. {tests} would."
-        return f"No combination of these tests settles {wanted}."
+            return messages.SETTLED_IF_FINER(wanted=wanted, tests=tests)
+        return messages.NOT_SETTLED(wanted=wanted)
 
 
-def plan_tests(
-    candidates: Sequence[CandidateTest],
+def rank_combinations(
+    candidates: Sequence[Candidate],
     before: Knowledge,
     wanted: float,
     remarks: Sequence[str],
     source: str,
     taken_as_known: Sequence[str] = (),
-) -> TestPlan:
+) -> MeasurementPlan:
     """Rank combinations of one to three tests by what they leave and what they cost.
 
     Parameters
     ----------
-    candidates : sequence of CandidateTest
+    candidates : sequence of Candidate
         Tests that could be measured.
-    before : Knowledge
-        The parameters before any test.
-    wanted : float
-        Wanted half-width of 95 % intervals, a share of the value.
-    remarks : sequence of str
-        Sentences about tests that were not compared, or with other options than the usual ones.
-    source : str
-        Origin of the slopes, for readers.
-    taken_as_known : sequence of str
-        Free parameters that are not counted.
-
-    Returns
-    -------
-    TestPlan
+    before, wanted, remarks, source, taken_as_known
+        As for `MeasurementPlan`.
     """
     sizes = range(1, min(MOST_TESTS, len(candidates)) + 1)
     chosen = chain.from_iterable(combinations(candidates, size) for size in sizes)
@@ -189,21 +166,21 @@ def plan_tests(
     enough = [{t.name for t in c.tests} for c in found if c.coarser >= 1]
     found = [c for c in found if not any(tests < {t.name for t in c.tests} for tests in enough)]
     found.sort(key=lambda c: _order(c, wanted))
-    return TestPlan(wanted, before, tuple(found), tuple(remarks), source, tuple(taken_as_known))
+    return MeasurementPlan(
+        wanted, before, tuple(found), tuple(remarks), source, tuple(taken_as_known)
+    )
 
 
-def _combination(tests: tuple[CandidateTest, ...], before: Knowledge, wanted: float) -> Combination:
+def _combination(tests: tuple[Candidate, ...], before: Knowledge, wanted: float) -> Combination:
     return Combination(tests, _half_widths(tests, before, 1.0), _coarsest(tests, before, wanted))
 
 
-def _half_widths(
-    tests: Sequence[CandidateTest], before: Knowledge, coarser: float
-) -> dict[str, float]:
-    then = before.after([seen for t in tests for seen in t.observations(before, coarser)])
+def _half_widths(tests: Sequence[Candidate], before: Knowledge, coarser: float) -> dict[str, float]:
+    then = knowledge_after(before, tests, coarser)
     return {name: then.half_width(name) for name in before.names}
 
 
-def _coarsest(tests: Sequence[CandidateTest], before: Knowledge, wanted: float) -> float:
+def _coarsest(tests: Sequence[Candidate], before: Knowledge, wanted: float) -> float:
     """Return the largest factor on the accuracies at which every interval is as wanted."""
 
     def is_reached(factor: float) -> bool:
@@ -241,11 +218,10 @@ def _factor(coarser: float) -> str:
     return f"> {_COARSEST:.0f}" if coarser >= _COARSEST else number(coarser, 2)
 
 
-def _with_accuracies(test: CandidateTest, factor: float = 1.0) -> str:
-    words = []
+def _with_accuracies(test: Candidate, factor: float = 1.0) -> str:
+    parts = []
     for response in test.responses:
-        short = response.name.rpartition(".")[2]
-        info = response_info(short)
+        info = response_info(response.short_name)
         accuracy = response.accuracy.times(factor).in_words(info.unit if info else "")
-        words.append(f"{short} to {accuracy}")
-    return f"{test.name} ({', '.join(words)})"
+        parts.append(f"{response.short_name} to {accuracy}")
+    return f"{test.name} ({', '.join(parts)})"

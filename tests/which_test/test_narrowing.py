@@ -10,12 +10,13 @@ import numpy as np
 import pytest
 
 import grainfit as gf
-from grainfit.analysis import further_tests
-from grainfit.analysis.expected import ExpectedNarrowing
 from grainfit.bulk_tests.registry import BUILT_IN
 from grainfit.materials.particle_shape import ParticleShape
 from grainfit.materials.sizes import ParticleSizes
 from grainfit.testing.materials import GLASS_BEADS
+from grainfit.which_test import determining_tests as further
+from grainfit.which_test import messages
+from grainfit.which_test.narrowing import ExpectedNarrowing
 
 DENSITY = gf.Parameter("particle.density", 1400, 2800, unit="kg/m^3")
 SLIDING = gf.Parameter("particle_particle.sliding_friction", 0.1, 0.8)
@@ -119,9 +120,7 @@ def test_a_parameter_whose_effect_is_not_recorded_does_not_count_as_known(
     limits, unrecorded, frictions = expected(DENSITY, SLIDING, ROLLING, parameter, test=test).notes
 
     assert "recorded slopes, which are those of dry spheres" in limits
-    assert (
-        f"not recorded how the tests respond to {parameter.name}, so nothing is known" in unrecorded
-    )
+    assert messages.EFFECT_NOT_RECORDED(names=parameter.name, them="it") in unrecorded
     assert "Even if it was known, " in unrecorded
     assert f"% of the interval of {SLIDING.name}" in unrecorded
     assert f"To determine {parameter.name}: {remedy}" in unrecorded
@@ -133,7 +132,9 @@ def test_a_parameter_whose_effect_is_not_recorded_does_not_count_as_known(
 
 def test_several_parameters_whose_effects_are_not_recorded_are_said_together() -> None:
     _, note = expected(ROLLING, ENERGY, RATIO, test=CLUMPS).notes
-    assert f"respond to {ENERGY.name} and {RATIO.name}, so nothing" in note
+    assert (
+        messages.EFFECT_NOT_RECORDED(names=f"{ENERGY.name} and {RATIO.name}", them="them") in note
+    )
     assert "Even if they were known, " in note
 
 
@@ -162,12 +163,12 @@ def test_nothing_is_said_about_models_of_the_user_and_responses_that_were_not_st
 
 def test_further_tests_recommend_a_shear_test_for_cohesion_alone_and_no_drum() -> None:
     cohesion = "particle_particle.surface_energy"
-    assert "a shear test" in further_tests.to_settle(cohesion)
-    said = [further_tests.to_settle(name) for name in further_tests.TESTS if name != cohesion]
+    assert "a shear test" in further.determining_tests(cohesion)
+    said = [further.determining_tests(name) for name in further.TESTS if name != cohesion]
     said += [
-        further_tests.to_tell_apart((SLIDING.name, ROLLING.name)),
-        further_tests.to_tell_apart((DENSITY.name, SLIDING.name, ROLLING.name)),
-        further_tests.to_tell_apart((DENSITY.name, MODULUS.name)),
+        further.separating_tests((SLIDING.name, ROLLING.name)),
+        further.separating_tests((DENSITY.name, SLIDING.name, ROLLING.name)),
+        further.separating_tests((DENSITY.name, MODULUS.name)),
     ]
     for sentence in said:
         recommended = sentence.partition("Another angle does not help")[0]
@@ -180,13 +181,15 @@ def test_a_test_is_named_as_one_that_grainfit_runs_only_if_it_is_installed(
 ) -> None:
     frictions = (SLIDING.name, ROLLING.name)
     heap = BUILT_IN["heap"]
-    monkeypatch.setattr(further_tests, "bulk_tests", lambda: {"heap": heap})
-    assert "type =" not in further_tests.to_tell_apart(frictions)
-    assert 'a heap (type = "heap": at a sliding' in further_tests.to_settle(ROLLING.name)
+    monkeypatch.setattr(further, "bulk_tests", lambda: {"heap": heap})
+    assert "type =" not in further.separating_tests(frictions)
+    assert 'a heap (type = "heap": at a sliding' in further.determining_tests(ROLLING.name)
     monkeypatch.setattr(
-        further_tests, "bulk_tests", lambda: {"heap": heap, "draw_down": heap, "compression": heap}
+        further,
+        "bulk_tests",
+        lambda: {"heap": heap, "draw_down": heap, "compression": heap},
     )
-    said = further_tests.to_tell_apart(frictions)
+    said = further.separating_tests(frictions)
     assert 'draw-down test (type = "draw_down": angle of repose, mass flow)' in said
     assert 'uniaxial compression (type = "compression": lateral stress ratio)' in said
     assert "the bulk density (at a particle density" in said

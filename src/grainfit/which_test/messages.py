@@ -1,0 +1,88 @@
+"""Messages of check, design and advise: what tests leave open, and what determines it."""
+
+from grainfit.messages import Message
+
+# Tests that determine a parameter.
+TO_DETERMINE = Message("To determine {name}: {how}")
+TO_TELL_APART = Message("To tell {names} apart: {how}")
+BETTER_FIXED = Message(
+    "{name} hardly changes any common bulk test:",
+    "take it out of the free parameters and fix it {where}.",
+)
+ADD_A_TARGET = Message("add a target of a test that responds to it.")
+ADD_A_TARGET_OF_ONE = Message("add a target of a test that responds to one of them only.")
+DETERMINE_ONE = Message("determine one of them; {tests}.")
+ANGLES_DO_NOT_HELP = Message(
+    "{tests}. Another angle does not help: heap, rotating drum and angle of internal friction "
+    "depend on both frictions in nearly the same way."
+)
+
+# What stays open.
+SLOPES_OF_DRY_SPHERES = Message(
+    "What the tests leave open is estimated with recorded slopes, which are those of dry spheres: "
+    "those of clumps and of cohesive materials are not recorded.",
+    "'grainfit design --simulate' finds them.",
+)
+EFFECT_NOT_RECORDED = Message(
+    "It is not recorded how the tests respond to {names}, so it is not known how far they "
+    "determine {them}."
+)
+OPEN_EVEN_SO = Message("Even if {they_were} known, {kept} would stay open.")
+SHARE_KEPT = Message("{share:.0f} % of the interval of {name}")
+NOT_DETERMINED = Message("{name} will not be determined by {tests}. To determine it: {how}")
+HARDLY_DETERMINED = Message(
+    "{name} will hardly be determined by {tests}{while_free}: {about} {share:.0f} % of its "
+    "interval stays open. To determine it: {how}"
+)
+HARDLY_TOLD_APART = Message(
+    "{names} can hardly be told apart by {tests} alone{while_free}: {about} {kept} stays open. "
+    "To tell them apart: {how}"
+)
+
+# Tests that are compared.
+UNKNOWN_TEST = Message("{name!r} is not a bulk test.", "{known}")
+ONLY_OWN_MODELS = Message(
+    "all tests are simulated by models of your own.",
+    "Only bulk tests on a DEM program can be compared with others.",
+)
+OTHER_DEFAULT = Message("{test} has {key} = {value} here: its default does not suit the material.")
+SIZED_FOR_PARTICLES = Message(
+    "{tests}: their apparatus is sized for the simulated particles, {factor:g} times as large as "
+    "the real ones (particle.coarse_graining)."
+)
+NOT_COMPARED = Message("Not compared: {test}. {why}")
+RUNS_DO_NOT_COUNT = Message("{test}: {share} failed and do not count. The first: {reason}.")
+RUNS_FAILED = Message("Its runs failed: {reason}.")
+TOO_FEW_RUNS = Message("Too few of its runs ended in time.")
+NO_TIME = Message("is {given!r}.", "Give a time above 0 s.")
+NO_SENSITIVITIES = Message("Its sensitivities are not recorded; --simulate finds them.")
+OWN_MODEL = Message("It is a model of your own, whose sensitivities are not known.")
+NO_TEST_COMPARED = Message("No test could be compared.")
+NO_FURTHER_TEST_COMPARED = Message("No further test could be compared.")
+
+# Which set of tests.
+NO_SHARE = Message("is {given!r}.", "Give a share above 0, such as 0.2.")
+RECORDED_FOR_DRY_SPHERES = Message(
+    "The recorded slopes are those of spheres without cohesion; --simulate finds those of this "
+    "material."
+)
+COUNTS_AS_KNOWN = Message(
+    "The effect of {name} is not recorded: it counts as known. --simulate finds it. {otherwise}"
+)
+EFFECT_ON_TEST_NOT_RECORDED = Message(
+    "The effect of {name} on {test} is not recorded; --simulate finds it."
+)
+SETTLED_BY = Message("Measure {tests}: that settles {wanted}.")
+SETTLED_IF_FINER = Message("At these accuracies no combination settles {wanted}. {tests} would.")
+NOT_SETTLED = Message("No combination of these tests settles {wanted}.")
+NOT_SETTLED_TO = Message("None of these tests settles {name} to ± {wanted}. {otherwise}")
+
+# Which test next.
+NOTHING_AGREES = Message("{why}", "Widen an interval first: see the report.")
+NO_POSTERIOR = Message("{why}", "Let the calibration make more runs first.")
+TOO_FEW_RUNS_YET = Message("There are too few runs.")
+ALL_DETERMINED = Message("Every parameter is determined: no further test is needed.")
+DO_NEXT = Message("Do next: {test}. It would leave {left}. Measure {responses}.")
+NOTHING_WORTH_DOING = Message("None of these tests tells noticeably more than the runs do.")
+PAIR_LEAVES = Message("{tests} leave {left}.")
+NOT_SETTLED_BY_ANY = Message("None of these tests settles {name}. {otherwise}")
