@@ -13,6 +13,7 @@ from grainfit.errors import InputError, NotMeasurableError, RunFailedError
 from grainfit.materials.sizes import ParticleSizes
 from grainfit.scenes.packing import Round, random_column
 from grainfit.scenes.run_output import STAGES, STAGES_HEADER, RunOutput, snapshot_file
+from grainfit.solvers.dem.lammps.program import Lammps
 from grainfit.testing.decks import write_deck
 
 MONOSIZE = ParticleSizes((0.010,))
@@ -315,21 +316,21 @@ class TestMeasure:
 
 class TestCost:
     def test_time_step_is_the_stated_share_of_the_rayleigh_time_step(self, glass_beads):
-        cost = Heap(MONOSIZE).estimate_cost("lammps", glass_beads)
-        assert cost.time_step == pytest.approx(0.12 * 0.002054, rel=1e-3)
+        workload = Heap(MONOSIZE).workload(glass_beads)
+        assert workload.time_step == pytest.approx(0.12 * 0.002054, rel=1e-3)
 
     def test_stiffer_particles_cost_more(self, glass_beads):
         stiff = {**glass_beads, "particle.youngs_modulus": 100 * 3.6e5}
         test = Heap(MONOSIZE)
         soft_cost, stiff_cost = (
-            test.estimate_cost("lammps", material) for material in (glass_beads, stiff)
+            Lammps.speed.cost(test.workload(material)) for material in (glass_beads, stiff)
         )
         assert stiff_cost.steps == pytest.approx(10 * soft_cost.steps, rel=0.01)
         assert stiff_cost.wall_seconds == pytest.approx(10 * soft_cost.wall_seconds, rel=0.01)
 
     def test_each_of_very_many_particles_costs_more(self, glass_beads):
         few, more, most = (
-            Heap(MONOSIZE, particle_count=count).estimate_cost("liggghts", glass_beads)
+            Lammps.speed.cost(Heap(MONOSIZE, particle_count=count).workload(glass_beads))
             for count in (1500, 9000, 90_000)
         )
         each = [cost.wall_seconds / cost.steps / cost.particles for cost in (few, more, most)]

@@ -224,7 +224,7 @@ def test_a_fault_of_the_scene_has_file_and_line_and_no_line_of_grainfit(
     assert "beads.py" in caught.value.reason
     assert "grainfit/bulk_tests" not in caught.value.log_tail
     with pytest.raises(InputError, match=r"^scene: "):
-        test.estimate_cost("lammps", GLASS_BEADS)
+        test.workload(GLASS_BEADS)
 
 
 def finished(beads: Path, folder: Path) -> OwnScene:

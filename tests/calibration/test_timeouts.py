@@ -83,14 +83,14 @@ def test_a_heap_test_has_one_and_so_has_one_among_own_parameters() -> None:
     }
 
 
-class Impatient(Heap):
-    """A heap test of which a run seems to hang after a second."""
+class Impatient(Lammps):
+    """LAMMPS, of which a run seems to hang after a second."""
 
-    def default_timeout(self, cost: object) -> float:
+    def default_timeout(self, parameters: Mapping[str, float]) -> float:
         return 1.0
 
 
 def test_a_heap_test_that_hangs_is_ended_when_started_from_python() -> None:
-    solver = Lammps(Impatient(diameter="10 mm", settling_time_limit="1000 s"), FIXED)
+    solver = Impatient(Heap(diameter="10 mm", settling_time_limit="1000 s"), FIXED)
     with pytest.raises(RunFailedError, match="time-out of 1 s"):
         gf.calibrate(problem(), solver, max_runs=12)

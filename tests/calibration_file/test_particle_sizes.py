@@ -14,6 +14,7 @@ from grainfit.calibration_file.load import load_calibration_file
 from grainfit.calibration_file.plan import describe_plan
 from grainfit.materials.size_classes import MOST_CLASSES
 from grainfit.options.places import FileFault
+from grainfit.solvers.dem.lammps.program import Lammps
 from tests.calibration_file.conftest import GLASS_BEADS
 
 DIAMETER = 'diameter = "10 mm"'
@@ -358,7 +359,7 @@ def seconds_of(sizes: gf.ParticleSizes) -> float:
         "particle.youngs_modulus": 1e7,
         "particle.poissons_ratio": 0.22,
     }
-    return gf.tests.Packing(sizes).estimate_cost("lammps", material).wall_seconds
+    return Lammps.speed.cost(gf.tests.Packing(sizes).workload(material)).wall_seconds
 
 
 def test_a_fine_class_of_a_list_has_its_price_too(written: Callable[..., Path]) -> None:

@@ -48,7 +48,7 @@ def _note(name: str, solvers: Mapping[str, Solver], problem: Problem) -> str:
     larger = _shorter(name, solvers, problem)
     if larger is None:
         return words
-    faster = larger[name].estimate_cost(solver.name, solver.run_parameters(middle))
+    faster = solver.estimate_cost_of(larger[name], solver.run_parameters(middle))
     return (
         f"{words} With {factor_words(larger)} it takes about "
         f"{duration(faster.wall_seconds)} ({faster.particles} particles). Larger particles in the "
@@ -70,7 +70,7 @@ def _shorter(
         except InputError:
             break
         larger = candidates
-        if candidates[name].estimate_cost(solver.name, material).wall_seconds <= _SHORT:
+        if solver.estimate_cost_of(candidates[name], material).wall_seconds <= _SHORT:
             break
     return larger
 

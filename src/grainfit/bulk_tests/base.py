@@ -20,10 +20,10 @@ from typing import Any, ClassVar, Self
 import numpy as np
 
 from grainfit.bulk_tests.refused_factor import with_factor
-from grainfit.bulk_tests.run_cost import RunCost
 from grainfit.bulk_tests.sensitivities import DENSITY, MODULUS, Sensitivities
 from grainfit.bulk_tests.stiffness import UNDER_OWN_WEIGHT, OverlapLaw
 from grainfit.bulk_tests.view import RunView, Shown
+from grainfit.bulk_tests.workload import Workload
 from grainfit.contact_models.registry import MATERIAL_PARAMETERS
 from grainfit.errors import Fault, InputError
 from grainfit.evaluation import Measured
@@ -43,16 +43,6 @@ GRAVITY = 9.81
 LOWEST_GRAVITY = 1e-3
 #: Share of the Rayleigh time step at which beds come to rest.
 TIME_STEP_FRACTION = 0.12
-#: A run that takes this much longer than estimated hangs, even on a slow and busy machine.
-_PATIENCE = 100.0
-_PATIENCE_SECONDS = 600.0
-#: Spheres times time steps per second on one core of a current processor, as long as they fit into
-#: its cache; with more of them, the speed falls by this power of their number.
-_SPEED = {"lammps": 2.2e6, "liggghts": 2.5e6, "yade": 0.4e6}
-_CACHED_SPHERES = 10_000
-_CACHE_EXPONENT = 0.15
-#: Two ranks are about 15 % faster than one: a bulk test is too small to share.
-_RANKS_EXPONENT = 0.2
 #: A material to build a scene with when only its concepts matter: they follow from the options.
 _ANY_MATERIAL: Mapping[str, float] = {
     "particle.density": 2500.0,
@@ -525,42 +515,23 @@ class BulkTest(ABC):
     def simulated_time(self, material: Mapping[str, float]) -> float:
         """Estimate the simulated time of a run, s."""
 
-    def estimate_cost(self, solver: str, material: Mapping[str, float], ranks: int = 1) -> RunCost:
-        """Estimate the cost of one run.
+    def workload(self, material: Mapping[str, float]) -> Workload:
+        """Estimate the amount of computation in one run.
 
         Parameters
         ----------
-        solver : str
-            Name of the DEM program.
         material : mapping of str to float
             At least density, Young's modulus and Poisson's ratio of the particles.
-        ranks : int
-            MPI ranks of the run.
         """
-        duration = self.simulated_time(material)
-        return self._cost(solver, material, ranks, duration, self.number_of_particles)
-
-    def _cost(
-        self,
-        solver: str,
-        material: Mapping[str, float],
-        ranks: int,
-        duration: float,
-        particles: int,
-    ) -> RunCost:
         step = self.time_step(material)
-        steps = math.ceil(duration / step)
-        speed = _SPEED.get(solver, min(_SPEED.values())) * ranks**_RANKS_EXPONENT
         clump = self._sizes_of(material).clump
-        spheres = 1 if clump is None else len(clump)
-        speed *= min(_CACHED_SPHERES / (particles * spheres), 1.0) ** _CACHE_EXPONENT
-        seconds = steps * particles * spheres / speed
-        fraction = self.conditions.time_step_fraction
-        return RunCost(step, steps, seconds, particles, fraction, spheres)
-
-    def default_timeout(self, cost: RunCost) -> float:
-        """Return the wall time after which a run of this cost hangs, s."""
-        return _PATIENCE_SECONDS + _PATIENCE * cost.wall_seconds
+        return Workload(
+            time_step=step,
+            steps=math.ceil(self.simulated_time(material) / step),
+            particles=self.number_of_particles,
+            spheres=1 if clump is None else len(clump),
+            time_step_fraction=self.conditions.time_step_fraction,
+        )
 
     def view(self, run: RunOutput) -> RunView:
         """Read the end of a run, to be drawn; for tests that have `shown`.

@@ -205,7 +205,7 @@ def _usual_size(setup: CalibrationSetup) -> Iterator[tuple[str, Mapping[str, flo
     for name, solver, test in _known_tests(setup):
         try:
             usual = sized_for(type(test), test.sizes)
-            seconds = usual.estimate_cost(solver.name, _material(setup, solver)).wall_seconds
+            seconds = solver.estimate_cost_of(usual, _material(setup, solver)).wall_seconds
         except (InputError, TypeError):
             continue
         if seconds > _WORTH_IT * time_of(setup, solver):
@@ -233,8 +233,8 @@ def _softer(setup: CalibrationSetup) -> Iterator[tuple[str, Mapping[str, float]]
         if needed >= _WORTH_IT * modulus or any(_refuses(setup, needed, *one) for one in tests):
             return
         seconds = {
-            name: test.estimate_cost(
-                solver.name, {**_material(setup, solver), MODULUS: needed}
+            name: solver.estimate_cost_of(
+                test, {**_material(setup, solver), MODULUS: needed}
             ).wall_seconds
             for name, solver, test in tests
         }
@@ -255,7 +255,7 @@ def _coarser(setup: CalibrationSetup) -> Iterator[tuple[str, Mapping[str, float]
         try:
             material = _material(setup, solver)
             coarser[name] = coarse_grained(test, _COARSER, material)
-            cost = coarser[name].estimate_cost(solver.name, material)
+            cost = solver.estimate_cost_of(coarser[name], material)
         except InputError:
             # All tests have the same particles.
             return

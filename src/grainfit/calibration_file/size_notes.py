@@ -9,11 +9,14 @@ from grainfit.errors import InputError
 from grainfit.formatting import counted, millimetres, percent
 from grainfit.materials.sizes import ParticleSizes
 from grainfit.scenes.packing import particle_numbers
+from grainfit.solvers.speed import Speed
 
 #: Share of the time of a run above which leaving something out is not worth a word.
 _HARDLY_FASTER = 0.8
 #: Finest share of the mass whose price is told for a distribution.
 _FINEST = 0.05
+#: Only ratios of times are shown, which are the same at any speed.
+_ANY_SPEED = Speed(1.0)
 #: Particles of a diameter below which their share of the mass is a matter of chance.
 _FEW = 10
 
@@ -76,7 +79,7 @@ def _with_sizes(tests: list[BulkTest], sizes: ParticleSizes) -> list[BulkTest]:
 
 def _seconds(tests: list[BulkTest], material: Mapping[str, float]) -> float:
     """Return the estimated time of a run of each test; only ratios have a meaning."""
-    return sum(test.estimate_cost("", material).wall_seconds for test in tests)
+    return sum(_ANY_SPEED.cost(test.workload(material)).wall_seconds for test in tests)
 
 
 def size_notes(bulk_tests: Mapping[str, BulkTest]) -> Iterator[str]:

@@ -49,6 +49,10 @@ class SolverWords:
     solver: ClassVar[str]
     #: Parameters of the model that the solver has no place for, by dotted name.
     unused: tuple[str, ...] = ()
+    #: Sentences on how far its contacts differ from those of the other solvers.
+    difference: str = ""
+    #: Sentences on how far they differ while one of the model's dashpots acts.
+    dashpot_difference: str = ""
 
 
 @dataclass(frozen=True)
@@ -88,10 +92,6 @@ class ContactModel:
     dashpots : tuple of str
         Names of parameters of rolling dashpots, which limit the time step, and which solvers
         implement in different ways.
-    solver_difference : str
-        Sentences on how far LAMMPS and LIGGGHTS differ while one of the dashpots acts.
-    yade_difference : str
-        Sentence on how YADE differs from the other solvers.
     safe_time_step : callable, optional
         Largest safe share of the Rayleigh time step for a material, apart from rolling dashpots.
     attraction : callable, optional
@@ -103,8 +103,6 @@ class ContactModel:
     parameters: tuple[MaterialParameter, ...]
     words: tuple[SolverWords, ...]
     dashpots: tuple[str, ...] = ()
-    solver_difference: str = ""
-    yade_difference: str = ""
     safe_time_step: Callable[[Mapping[str, float]], float] | None = None
     attraction: Callable[[Contact], Attraction] | None = None
 
@@ -194,10 +192,11 @@ class ContactLaw:
         solvers : collection of str
             Names of two solvers or more.
         """
-        if "yade" in solvers:
-            found = [model.yade_difference for model in self.models]
-        else:
-            found = [m.solver_difference for m in self.models if m.is_damped(material)]
+        found = [words.difference for words in self.words if words.solver in solvers]
+        if not any(found):
+            damped = [model for model in self.models if model.is_damped(material)]
+            used = (words for m in damped for words in m.words if words.solver in solvers)
+            found = [words.dashpot_difference for words in used]
         return " ".join(filter(None, found))
 
     def needs(self, solver: str) -> set[str]:

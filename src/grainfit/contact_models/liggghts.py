@@ -22,12 +22,15 @@ class LiggghtsWords(SolverWords):
     body_properties, pair_properties : mapping of str to str
         ``property/global`` of type ``peratomtype`` and ``peratomtypepair``, with the key of its
         parameter in the sections of bodies and of contacts.
+    dashpot_difference : str
+        See `SolverWords`.
     """
 
     solver: ClassVar[str] = "liggghts"
     model: str
     body_properties: Mapping[str, str] = field(default_factory=dict)
     pair_properties: Mapping[str, str] = field(default_factory=dict)
+    dashpot_difference: str = ""
 
 
 def liggghts_words(law: ContactLaw) -> list[LiggghtsWords]:

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from grainfit.bulk_tests.run_cost import RunCost
 from grainfit.preview.geometry import Geometry
 from grainfit.scenes.scene import Scene
+from grainfit.solvers.run_cost import RunCost
 
 
 @dataclass(frozen=True)

@@ -18,12 +18,13 @@ from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Self
+from typing import TYPE_CHECKING, Any, ClassVar, Self
 
-from grainfit.bulk_tests.run_cost import RunCost
 from grainfit.errors import Fault
 from grainfit.evaluation import Measured
 from grainfit.run_definition import RunDefinition, without_defaults
+from grainfit.solvers.run_cost import RunCost
+from grainfit.solvers.speed import Speed
 
 if TYPE_CHECKING:
     # Imports NumPy, which the state of a calibration does without.
@@ -57,6 +58,8 @@ class Solver(ABC):
     name: str
     #: Whether runs need their own folder; in-process functions and tables do not.
     uses_folder: bool = True
+    #: Speed that run times of bulk tests are estimated from; that of a slow program by default.
+    speed: ClassVar[Speed] = Speed(0.4e6)
 
     @property
     @abstractmethod
@@ -209,6 +212,18 @@ class Solver(ABC):
     def estimate_cost(self, parameters: Mapping[str, float]) -> RunCost | None:  # noqa: ARG002
         """Estimate the cost of a run; None if it is unknown."""
         return None
+
+    def estimate_cost_of(self, test: BulkTest, material: Mapping[str, float]) -> RunCost:
+        """Estimate the cost of a run of any bulk test.
+
+        Parameters
+        ----------
+        test : BulkTest
+            The test.
+        material : mapping of str to float
+            At least density, Young's modulus and Poisson's ratio of the particles.
+        """
+        return self.speed.cost(test.workload(material))
 
     def default_timeout(self, parameters: Mapping[str, float]) -> float | None:  # noqa: ARG002
         """Return the default time-out of a run, s; None for no time-out."""

@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING, Any
 
 from typing_extensions import override
 
-from grainfit.bulk_tests.run_cost import RunCost
 from grainfit.contact_models.registry import is_material_parameter
 from grainfit.errors import Fault
 from grainfit.evaluation import Measured
 from grainfit.solvers.base import Solver, Workspace
+from grainfit.solvers.run_cost import RunCost
 
 if TYPE_CHECKING:
     # Imports NumPy, which the state of a calibration does without.
@@ -155,6 +155,11 @@ class ParametersFor(Solver):
     def estimate_cost(self, parameters: Mapping[str, float]) -> RunCost | None:
         """Estimate the cost of a run."""
         return self.solver.estimate_cost(self._taken(parameters))
+
+    @override
+    def estimate_cost_of(self, test: BulkTest, material: Mapping[str, float]) -> RunCost:
+        """Estimate the cost of a run of any bulk test."""
+        return self.solver.estimate_cost_of(test, material)
 
     @override
     def default_timeout(self, parameters: Mapping[str, float]) -> float | None:

@@ -21,8 +21,8 @@ from grainfit.bulk_tests.base import (
 from grainfit.bulk_tests.own_scene.options import OptionValue
 from grainfit.bulk_tests.own_scene.picture import ParticlesView, draw_particles
 from grainfit.bulk_tests.own_scene.user_function import call
-from grainfit.bulk_tests.run_cost import RunCost
 from grainfit.bulk_tests.view import Shown
+from grainfit.bulk_tests.workload import Workload
 from grainfit.contact_models.registry import with_defaults
 from grainfit.errors import Fault, InputError, NotMeasurableError, RunFailedError
 from grainfit.evaluation import Measured, scalars
@@ -357,17 +357,16 @@ class OwnScene(BulkTest):
         """Return every wall of the scene as a part; none as long as the material is unknown."""
         return {} if material is None else parts_of(self.planned(material))
 
-    def estimate_cost(self, solver: str, material: Mapping[str, float], ranks: int = 1) -> RunCost:
-        """Estimate the cost of one run from its scene.
+    def workload(self, material: Mapping[str, float]) -> Workload:
+        """Estimate the amount of computation in one run from its scene.
 
         Raises
         ------
         InputError
             See `planned`.
         """
-        scene = self.planned(material)
-        duration = expected_duration(scene)
-        return self._cost(solver, material, ranks, duration, scene.number_of_particles)
+        self.planned(material)
+        return super().workload(material)
 
     def simulated_time(self, material: Mapping[str, float]) -> float:
         """Estimate the simulated time of a run, s."""

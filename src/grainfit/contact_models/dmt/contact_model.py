@@ -14,8 +14,4 @@ DMT = ContactModel(
     parameters=SURFACE_ENERGY,
     words=(DmtLammps(), DmtYade()),
     attraction=attraction,
-    yade_difference=(
-        "YADE limits the friction of cohesive contacts by the normal force plus the pull-off "
-        "force, LAMMPS plus twice the pull-off force: cohesive beds do not agree."
-    ),
 )

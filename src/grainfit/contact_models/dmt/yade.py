@@ -21,6 +21,11 @@ that of two particles.
 class DmtYade(YadeWords):
     """One surface energy for all contacts of the functor."""
 
+    difference = (
+        "YADE limits the friction of cohesive contacts by the normal force plus the pull-off "
+        "force, LAMMPS plus twice the pull-off force: cohesive beds do not agree."
+    )
+
     def physics(self, contact: Contact) -> Sequence[YadeArgument]:
         """Return the surface energy of two particles."""
         return (YadeArgument("gamma", f"{contact.value('surface_energy')}", "J/m^2"),)

@@ -38,13 +38,4 @@ EPSD = ContactModel(
     ),
     words=(EpsdLammps(), EPSD_LIGGGHTS, EpsdYade()),
     dashpots=tuple(parameter.name for parameter in _ROLLING_DAMPING),
-    solver_difference=(
-        "LAMMPS limits the rolling dashpot, and LIGGGHTS does not. At a rolling damping of 0.25, "
-        "angles of repose of LIGGGHTS are 0.5° (glass beads) to 2° (sliding friction 0.5, rolling "
-        "friction 0.2) larger, bulk densities up to 1.1 % and mass flows 6 % smaller; without "
-        "rolling damping, and with the rolling model epsd2, they agree."
-    ),
-    yade_difference=(
-        "Rolling friction is not quite the same in YADE, which has no rolling dashpot."
-    ),
 )

@@ -24,6 +24,7 @@ ROLLING FRICTION DOES NOT: repeat the bulk test in YADE before you rely on the v
 class EpsdYade(YadeWords):
     """One rolling stiffness and one limit of the moment, those of two equal particles."""
 
+    difference = "Rolling friction is not quite the same in YADE, which has no rolling dashpot."
     remarks: ClassVar[str] = _NOTES
     unused: tuple[str, ...] = (
         "particle_particle.rolling_damping",

@@ -13,5 +13,4 @@ EPSD2 = ContactModel(
     kind="rolling",
     parameters=ROLLING_FRICTION,
     words=(Epsd2Lammps(), EPSD2_LIGGGHTS, Epsd2Yade()),
-    yade_difference="Rolling friction is not quite the same in YADE.",
 )

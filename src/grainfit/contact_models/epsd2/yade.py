@@ -22,6 +22,7 @@ ROLLING FRICTION DOES NOT: repeat the bulk test in YADE before you rely on the v
 class Epsd2Yade(EpsdYade):
     """One rolling stiffness and one limit of the moment, those of two equal particles."""
 
+    difference = "Rolling friction is not quite the same in YADE."
     remarks: ClassVar[str] = _NOTES
     unused = ("particle_wall.rolling_friction",)
 

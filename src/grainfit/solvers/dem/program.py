@@ -19,7 +19,6 @@ from typing import Any, ClassVar, Self
 from typing_extensions import override
 
 from grainfit.bulk_tests.base import BulkTest
-from grainfit.bulk_tests.run_cost import RunCost
 from grainfit.contact_models.cohesive_contacts import overlap_faults
 from grainfit.contact_models.registry import (
     COHESION,
@@ -53,9 +52,13 @@ from grainfit.solvers.base import Solver, Workspace
 from grainfit.solvers.dem.deck import SceneDeck
 from grainfit.solvers.dem.parts import PartsOnWalls
 from grainfit.solvers.process.process import LOG_NAME, recorded_faults, run_process
+from grainfit.solvers.run_cost import RunCost
 from grainfit.units import UnitError, to_unit
 
 _HELP_SECONDS = 60.0
+#: A run that takes this much longer than estimated hangs, even on a slow and busy machine, s.
+_LEAST_TIMEOUT = 600.0
+_PATIENCE = 100.0
 
 
 class DeckSolver(Solver):
@@ -388,7 +391,12 @@ class DeckSolver(Solver):
         self._parts.require_parts(values)
         if self.missing:
             self._require_concepts(self.test.concepts(material))
-        return self.test.estimate_cost(self.name, material, self.ranks)
+        return self.estimate_cost_of(self.test, material)
+
+    @override
+    def estimate_cost_of(self, test: BulkTest, material: Mapping[str, float]) -> RunCost:
+        """Estimate the cost of a run of any bulk test."""
+        return self.speed.cost(test.workload(material), self.ranks)
 
     @override
     def experiment(self, parameters: Mapping[str, float], seed: int) -> Scene:
@@ -414,7 +422,7 @@ class DeckSolver(Solver):
     @override
     def default_timeout(self, parameters: Mapping[str, float]) -> float:
         """Return the default time-out of a run, s."""
-        return self.test.default_timeout(self.estimate_cost(parameters))
+        return _LEAST_TIMEOUT + _PATIENCE * self.estimate_cost(parameters).wall_seconds
 
     @override
     @abstractmethod

@@ -16,6 +16,7 @@ from grainfit.extras import how_to_install
 from grainfit.solvers.dem.deck import SceneDeck
 from grainfit.solvers.dem.lammps.scene_deck import MISSING, LammpsSceneDeck
 from grainfit.solvers.dem.program import DeckSolver, program_help
+from grainfit.solvers.speed import Speed
 
 _INSTALL = how_to_install("lammps")
 
@@ -32,6 +33,7 @@ class Lammps(DeckSolver):
     _install: ClassVar[str] = _INSTALL
     _own_log: ClassVar[str] = "log.lammps"
     deck: ClassVar[type[SceneDeck]] = LammpsSceneDeck
+    speed: ClassVar[Speed] = Speed(2.2e6)
     missing: ClassVar[Mapping[str, str]] = MISSING
 
     @override

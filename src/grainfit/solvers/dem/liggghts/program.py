@@ -17,6 +17,7 @@ from grainfit.materials.walls import plain_name
 from grainfit.solvers.dem.deck import SceneDeck
 from grainfit.solvers.dem.liggghts.scene_deck import MISSING, LiggghtsSceneDeck
 from grainfit.solvers.dem.program import DeckSolver, program_help
+from grainfit.solvers.speed import Speed
 
 _INSTALL = "Install it with: apt-get install liggghts"
 _RESTITUTIONS = ("particle_particle.restitution", "particle_wall.restitution")
@@ -32,6 +33,7 @@ class Liggghts(DeckSolver):
     _install: ClassVar[str] = _INSTALL
     _own_log: ClassVar[str] = "log.liggghts"
     deck: ClassVar[type[SceneDeck]] = LiggghtsSceneDeck
+    speed: ClassVar[Speed] = Speed(2.5e6)
     missing: ClassVar[Mapping[str, str]] = MISSING
 
     def __init__(

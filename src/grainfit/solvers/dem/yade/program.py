@@ -15,6 +15,7 @@ from grainfit.materials.walls import plain_name
 from grainfit.solvers.dem.deck import SceneDeck
 from grainfit.solvers.dem.program import DeckSolver, program_help
 from grainfit.solvers.dem.yade.scene_deck import MISSING, YadeSceneDeck
+from grainfit.solvers.speed import Speed
 
 _INSTALL = "Install it with: apt-get install yade"
 
@@ -33,6 +34,7 @@ class Yade(DeckSolver):
     _usual: ClassVar[str] = "yade"
     _install: ClassVar[str] = _INSTALL
     deck: ClassVar[type[SceneDeck]] = YadeSceneDeck
+    speed: ClassVar[Speed] = Speed(0.4e6)
     missing: ClassVar[Mapping[str, str]] = MISSING
     absent_parameters: ClassVar[tuple[str, ...]] = (
         "particle_particle.rolling_damping",

@@ -1,0 +1,42 @@
+"""Speed of a DEM program on one core of a current processor."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from grainfit.bulk_tests.workload import Workload
+from grainfit.solvers.run_cost import RunCost
+
+#: Spheres that fit into the cache; with more, the speed falls by this power of their number.
+_CACHED_SPHERES = 10_000
+_CACHE_EXPONENT = 0.15
+#: Two ranks are about 15 % faster than one: a bulk test is too small to share.
+_RANKS_EXPONENT = 0.2
+
+
+@dataclass(frozen=True)
+class Speed:
+    """Speed of a DEM program.
+
+    Parameters
+    ----------
+    sphere_steps : float
+        Spheres times time steps per second, as long as they fit into the cache of the processor.
+    """
+
+    sphere_steps: float
+
+    def cost(self, workload: Workload, ranks: int = 1) -> RunCost:
+        """Estimate the cost of a run.
+
+        Parameters
+        ----------
+        workload : Workload
+            What is computed.
+        ranks : int
+            MPI ranks of the run.
+        """
+        spheres = workload.particles * workload.spheres
+        speed = self.sphere_steps * ranks**_RANKS_EXPONENT
+        speed *= min(_CACHED_SPHERES / spheres, 1.0) ** _CACHE_EXPONENT
+        return RunCost(**vars(workload), wall_seconds=workload.steps * spheres / speed)
