@@ -15,7 +15,6 @@ if TYPE_CHECKING:
     from grainfit.calibration.progress import Progress
     from grainfit.calibration_file.build import CalibrationSetup
     from grainfit.calibration_file.build import load_calibration as load
-    from grainfit.curve_target import CurveTarget
     from grainfit.errors import (
         GrainfitError,
         InputError,
@@ -33,7 +32,7 @@ if TYPE_CHECKING:
     from grainfit.materials.wall_friction import friction_of_angle
     from grainfit.opened import OpenedCalibration
     from grainfit.opened import open_calibration as open  # noqa: A004
-    from grainfit.problem import Parameter, Problem, ScopeOfTest, Target
+    from grainfit.problem import CurveTarget, Parameter, Problem, Target, TestScope
     from grainfit.report.page import write_report
     from grainfit.result import Result
     from grainfit.solvers.base import Solver, Workspace
@@ -77,7 +76,6 @@ __all__ = [
     "RosinRammler",
     "RunFailedError",
     "RunsAnalysis",
-    "ScopeOfTest",
     "Search",
     "Sequential",
     "SieveCurve",
@@ -87,6 +85,7 @@ __all__ = [
     "StoreError",
     "Strategy",
     "Target",
+    "TestScope",
     "Workspace",
     "analyse",
     "analyse_runs",
@@ -128,9 +127,8 @@ _HOMES = {
     "repeat_runs": "work_folder.repeat_runs",
     "stiffness_study": "work_folder.stiffness_study",
     "write_report": "report.page",
-    **dict.fromkeys(("Parameter", "Problem", "ScopeOfTest", "Target"), "problem"),
+    **dict.fromkeys(("CurveTarget", "Parameter", "Problem", "Target", "TestScope"), "problem"),
     **dict.fromkeys(("Curve", "Evaluation", "Proposal", "Response"), "evaluation"),
-    "CurveTarget": "curve_target",
     "Answer": "strategies.answer",
     **dict.fromkeys(("Search", "Strategy"), "strategies.base"),
     "Sequential": "strategies.sequential.strategy",

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Sequence
+from dataclasses import fields
 from math import floor, inf, isfinite, log10
+from typing import Any
 
 _SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 #: Numbers between these are written without a power of ten.
@@ -342,3 +344,22 @@ def short_names(names: Sequence[str]) -> list[str]:
 def variable_name(name: str) -> str:
     """Return a parameter's name as a solver's variable: ``particle_density``."""
     return re.sub(r"\W", "_", name, flags=re.ASCII)
+
+
+def short_repr(owner: Any, *first: str) -> str:
+    """Return a dataclass in one line: some arguments by position, others unless they are defaults.
+
+    Examples
+    --------
+    >>> from grainfit.evaluation import Response
+    >>> short_repr(Response(2.0), "value"), short_repr(Response(2.0, 0.5), "value")
+    ('Response(2.0)', 'Response(2.0, standard_error=0.5)')
+    """
+    parts = [repr(getattr(owner, key)) for key in first]
+    values = {f.name: (getattr(owner, f.name), f.default) for f in fields(owner)}
+    parts += [
+        f"{name}={value!r}"
+        for name, (value, default) in values.items()
+        if name not in first and value != default
+    ]
+    return f"{type(owner).__name__}({', '.join(parts)})"

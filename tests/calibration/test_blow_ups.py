@@ -43,8 +43,8 @@ def test_blow_ups_in_a_part_of_the_intervals_do_not_hide_the_answer(blown: float
 
 def test_blow_up_takes_all_responses_of_its_test_with_it() -> None:
     scopes = [
-        gf.ScopeOfTest("heap", ["heap.angle", "heap.density"], ["x"]),
-        gf.ScopeOfTest("drum", ["drum.angle"], ["y"]),
+        gf.TestScope("heap", ["heap.angle", "heap.density"], ["x"]),
+        gf.TestScope("drum", ["drum.angle"], ["y"]),
     ]
     targets = [gf.Target(n, 30.0) for n in ("heap.angle", "heap.density", "drum.angle")]
     problem = gf.Problem(PARAMETERS, targets, tests=scopes)

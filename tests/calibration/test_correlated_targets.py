@@ -11,9 +11,9 @@ import grainfit as gf
 from grainfit.analysis.posterior import sample_posterior
 from grainfit.calibration_file.build import load_calibration
 from grainfit.calibration_file.plan import describe_plan
-from grainfit.correlations import correlated_groups, correlation_matrix
 from grainfit.metamodels.metamodels import Metamodels
 from grainfit.metamodels.unit_cube import gauss_newton
+from grainfit.problem.correlations import correlated_groups, correlation_matrix
 from grainfit.strategies.sequential.knowledge_gradient import KnowledgeGradient, _normal_outcomes
 from grainfit.strategies.staged.least_squares import _jacobian
 from grainfit.strategies.staged.residuals import residuals, residuals_at

@@ -279,8 +279,8 @@ def test_curve_and_number_of_two_tests_calibrate_together() -> None:
         [gf.Target("weighing.density", 1560.0, uncertainty=5.0)],
         curves=[gf.CurveTarget(**{**measured().to_json(), "name": "pressing.stress"})],
         tests=[
-            gf.ScopeOfTest("pressing", ["pressing.stress"], ["modulus", "stiffening"], 10.0),
-            gf.ScopeOfTest("weighing", ["weighing.density"], ["stiffening"], 1.0),
+            gf.TestScope("pressing", ["pressing.stress"], ["modulus", "stiffening"], 10.0),
+            gf.TestScope("weighing", ["weighing.density"], ["stiffening"], 1.0),
         ],
     )
     solvers = {

@@ -24,7 +24,7 @@ from grainfit.campaign.store.records import RunRecord
 from grainfit.campaign.store.store import RunStore
 from grainfit.errors import InputError, RunFailedError
 from grainfit.evaluation import Curve, Proposal, Response
-from grainfit.problem import ScopeOfTest
+from grainfit.problem import TestScope
 from grainfit.run_definition import RunDefinition
 from grainfit.solvers.own_model.python_callable import PythonCallable
 from grainfit.strategies.run_costs import RunCosts
@@ -262,8 +262,8 @@ def test_interrupted_between_the_seeds_of_an_evaluation_it_repeats_no_run(
 
 def test_an_evaluation_of_several_seeds_costs_as_much_as_its_runs() -> None:
     scopes = [
-        ScopeOfTest("heap", ["heap.angle"], ["friction"], 60.0, repeats=4),
-        ScopeOfTest("drum", ["drum.angle"], ["friction"], 60.0),
+        TestScope("heap", ["heap.angle"], ["friction"], 60.0, repeats=4),
+        TestScope("drum", ["drum.angle"], ["friction"], 60.0),
     ]
     targets = [gf.Target(name, 20.0) for name in ("heap.angle", "drum.angle")]
     two = replace(problem(), targets=targets, tests=scopes)
@@ -280,8 +280,8 @@ def test_a_search_counts_the_runs_of_tests_with_unequal_repeats() -> None:
             gf.Target("drop.rebound", 20.0, tolerance=4.0),
         ],
         tests=[
-            ScopeOfTest("heap", ["heap.angle"], ["friction"], repeats=4),
-            ScopeOfTest("drop", ["drop.rebound"], ["bounce"]),
+            TestScope("heap", ["heap.angle"], ["friction"], repeats=4),
+            TestScope("drop", ["drop.rebound"], ["bounce"]),
         ],
     )
     search = gf.Sequential().start(two, seed=1, max_evaluations=10)

@@ -77,8 +77,8 @@ def scoped(**seconds: float) -> gf.Problem:
     return replace(
         problem(),
         tests=[
-            gf.ScopeOfTest("heap", ["heap.angle"], ["friction", "bounce"], seconds.get("heap")),
-            gf.ScopeOfTest("drop", ["drop.rebound"], ["bounce"], seconds.get("drop")),
+            gf.TestScope("heap", ["heap.angle"], ["friction", "bounce"], seconds.get("heap")),
+            gf.TestScope("drop", ["drop.rebound"], ["bounce"], seconds.get("drop")),
         ],
     )
 

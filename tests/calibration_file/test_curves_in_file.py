@@ -15,8 +15,8 @@ from grainfit.calibration_file.build import CalibrationSetup, load_calibration
 from grainfit.calibration_file.load import load_calibration_file
 from grainfit.calibration_file.plan import describe_plan
 from grainfit.cli.console import print_plan
-from grainfit.curve_target import CurveTarget
 from grainfit.errors import InputError
+from grainfit.problem import CurveTarget
 from grainfit.work_folder.analyse_runs import analyse_runs
 from grainfit.work_folder.repeat_runs import repeat_runs
 from grainfit.work_folder.stiffness_study import stiffness_study

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from grainfit.curve_target import CurveTarget
 from grainfit.evaluation import Curve, Evaluation, Proposal
 from grainfit.metamodels.curve_reduction import (
     CurveBasis,
@@ -17,7 +16,7 @@ from grainfit.metamodels.curve_reduction import (
 )
 from grainfit.metamodels.metamodels import Metamodels, can_be_fitted
 from grainfit.metamodels.predictor import Component, Hyperparameters, Trend
-from grainfit.problem import Parameter, Problem, Target
+from grainfit.problem import CurveTarget, Parameter, Problem, Target
 
 Array = NDArray[np.float64]
 

@@ -82,8 +82,8 @@ def test_an_expected_response_has_the_jams_of_the_laboratory_in_it() -> None:
     at = [[0.5, 0.5]]
     assert mean.predict(at)[0] == pytest.approx(median.predict(at)[0] - 1.0, abs=0.2)
     assert mean.predict(at)[1] > median.predict(at)[1]
-    assert mean.is_torn
-    assert not median.is_torn
+    assert mean.outliers_decide
+    assert not median.outliers_decide
 
 
 def test_without_outliers_the_probability_is_that_of_the_median() -> None:

@@ -13,7 +13,7 @@ import grainfit as gf
 from grainfit.analysis.analysis import analyse_parameters
 from grainfit.errors import InputError
 from grainfit.evaluation import Evaluation, Proposal, Response
-from grainfit.problem import Parameter, Problem, ScopeOfTest, Target
+from grainfit.problem import Parameter, Problem, Target, TestScope
 from grainfit.strategies import messages
 from grainfit.strategies.base import Search
 from grainfit.strategies.sequential.strategy import Sequential
@@ -216,8 +216,8 @@ def test_of_two_tests_it_runs_the_one_whose_metamodel_limits_the_intervals() -> 
     problem = replace(
         ridge(),
         tests=[
-            ScopeOfTest("heap", ["sum"], ["x", "y"], seconds=10.0),
-            ScopeOfTest("shear", ["difference"], ["x", "y"], seconds=10.0),
+            TestScope("heap", ["sum"], ["x", "y"], seconds=10.0),
+            TestScope("shear", ["difference"], ["x", "y"], seconds=10.0),
         ],
     )
 

@@ -9,10 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from grainfit.analysis.scatter_statistics import MANY_RUNS, half_interval_of_mean, runs_within
-from grainfit.curve_target import CurveTarget
 from grainfit.evaluation import Evaluation
 from grainfit.formatting import counted, in_unit, number, on_curve, plain_interval
 from grainfit.metamodels.curve_reduction import about_short_curves, values_at
+from grainfit.problem import CurveTarget
 from grainfit.tables import TextTable
 
 Array = NDArray[np.float64]

@@ -16,7 +16,6 @@ from grainfit.analysis.scatter_statistics import (
     half_interval_of_mean,
     runs_within,
 )
-from grainfit.curve_target import CurveTarget
 from grainfit.errors import Fault, InputError
 from grainfit.evaluation import Evaluation
 from grainfit.formatting import (
@@ -29,7 +28,7 @@ from grainfit.formatting import (
     unit_for_people,
     with_unit,
 )
-from grainfit.problem import Target
+from grainfit.problem import CurveTarget, Target
 from grainfit.tables import Summary, TextTable
 
 #: Scatter of single runs, in tolerances, from which one run tells nothing.

@@ -41,7 +41,7 @@ def with_intervals(
 
     try:
         found = analyse_parameters(
-            problem.holding([evaluation.proposal.parameters for evaluation in evaluations]),
+            problem.widened_to([evaluation.proposal.parameters for evaluation in evaluations]),
             distinct_runs([*evaluations, *learnt]),
             seed=result.seed,
             answer=result.parameters,

@@ -6,11 +6,10 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 
 from grainfit.bulk_tests.base import CurveRange
-from grainfit.curve_target import CurveTarget
 from grainfit.errors import Fault, GrainfitError, InputError
 from grainfit.evaluation import response_name
 from grainfit.formatting import in_a_row, unit_for_people, with_unit
-from grainfit.problem import Problem
+from grainfit.problem import CurveTarget, Problem
 from grainfit.solvers.base import Solver
 
 

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from grainfit.errors import Fault, GrainfitError, InputError
 from grainfit.evaluation import response_name
-from grainfit.problem import Problem, ScopeOfTest
+from grainfit.problem import Problem, TestScope
 from grainfit.solvers.base import Solver
 from grainfit.solvers.parameters_for import AllBut, ParametersFor
 
@@ -50,7 +50,7 @@ def with_scopes(
     return replace(
         problem,
         tests=[
-            ScopeOfTest(
+            TestScope(
                 test, targets[test], used[test], _seconds(problem, solver), repeats.get(test, 1)
             )
             for test, solver in solvers.items()
@@ -75,7 +75,7 @@ def _require_scopes(problem: Problem, solvers: Mapping[str, Solver]) -> None:
     known = {target for scope in problem.tests for target in scope.targets}
     missing = [name for name in problem.responses if name not in known]
     if missing:
-        remedy = "Name every target in the ScopeOfTest of its test."
+        remedy = "Name every target in the TestScope of its test."
         raise InputError([Fault(name, "is a target of no test.", remedy) for name in missing])
 
 

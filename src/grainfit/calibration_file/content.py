@@ -11,10 +11,9 @@ from typing import Any, ClassVar
 from grainfit.bulk_tests.accuracy import Accuracy
 from grainfit.calibration.options import CalibrationOptions
 from grainfit.campaign.cluster.options import ClusterOptions
-from grainfit.correlations import Correlation
-from grainfit.curve_target import CurveTarget
 from grainfit.materials.sizes import ParticleSizes
-from grainfit.problem import Parameter, Target
+from grainfit.problem import CurveTarget, Parameter, Target
+from grainfit.problem.correlations import Correlation
 from grainfit.strategies.base import Strategy
 from grainfit.strategies.sequential.strategy import Sequential
 

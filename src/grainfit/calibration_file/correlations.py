@@ -6,10 +6,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from grainfit.correlations import Correlation, correlation_faults
 from grainfit.options.kinds import Kind, ListOf, Quantity, Schema, Text, note_wrong_kind
 from grainfit.options.places import Place
 from grainfit.options.tables import Key
+from grainfit.problem.correlations import Correlation, correlation_faults
 
 #: Its limits, which are no coefficients, are those of every interface: see `correlation_faults`.
 _COEFFICIENT = Quantity("")

@@ -6,7 +6,6 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from grainfit.calibration_file.targets import Deviation, TargetTable
-from grainfit.curve_target import MOST_POINTS, CurveTarget
 from grainfit.errors import InputError
 from grainfit.options.csv_points import Column, Points, read_covariance, read_points
 from grainfit.options.kinds import Kind, Schema, Text, note_wrong_kind
@@ -14,6 +13,7 @@ from grainfit.options.paths import Located
 from grainfit.options.places import Place, show
 from grainfit.options.tables import Key, Table, Values
 from grainfit.problem import Target
+from grainfit.problem.curve_target import MOST_POINTS, CurveTarget
 from grainfit.units import UnitError, how_to_write, is_unit, to_si, to_unit
 
 #: Key that makes a target a curve.

@@ -21,10 +21,9 @@ from grainfit.calibration_file.run_time import (
 )
 from grainfit.calibration_file.size_notes import size_lines
 from grainfit.campaign.cluster.executor import describe_cluster, executed_by
-from grainfit.curve_target import CurveTarget
 from grainfit.errors import Fault, GrainfitError, InputError
 from grainfit.formatting import counted, in_a_row
-from grainfit.problem import Parameter, Problem, Target
+from grainfit.problem import CurveTarget, Parameter, Problem, Target
 from grainfit.solvers.base import Solver
 
 

@@ -16,7 +16,9 @@ from grainfit.formatting import plain
 from grainfit.options.kinds import Choice, Kind, ListOf, Quantity, Schema, Text, note_wrong_kind
 from grainfit.options.places import Place, show
 from grainfit.options.tables import Key, Table, Values
-from grainfit.problem import NO_DEFAULT_TOLERANCE, SHARE_OF_ZERO, Statistic, Target
+from grainfit.problem import Target
+from grainfit.problem.messages import NO_DEFAULT_TOLERANCE, SHARE_OF_ZERO
+from grainfit.problem.target import Statistic
 from grainfit.units import percentage
 
 #: Longer texts are not repeated in a remedy.
@@ -196,9 +198,9 @@ def _note_relative_to_zero(values: Values, value: float, place: Place) -> bool:
     widths = {key: values[key] for key in ("uncertainty", "tolerance") if key in values}
     for key, (number, is_share) in widths.items():
         if is_share:
-            place.at(key).fault(f"is {100 * number:g} %.", SHARE_OF_ZERO)
+            place.at(key).fault(f"is {100 * number:g} %.", SHARE_OF_ZERO.remedy)
     if not widths and "measurements" not in values:
-        place.at("tolerance").fault(*NO_DEFAULT_TOLERANCE)
+        place.at("tolerance").fault(NO_DEFAULT_TOLERANCE.text, NO_DEFAULT_TOLERANCE.remedy)
         return True
     return any(is_share for _, is_share in widths.values())
 

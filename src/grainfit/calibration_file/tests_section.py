@@ -21,11 +21,11 @@ from grainfit.calibration_file.curves import (
     RefusedCurve,
 )
 from grainfit.calibration_file.targets import PlannedTargetTable, TargetTable
-from grainfit.curve_target import CurveTarget
 from grainfit.formatting import in_a_row
 from grainfit.options.kinds import Choice, Kind, Name, Schema, Whole, note_wrong_kind
 from grainfit.options.places import Place, show
 from grainfit.options.tables import Key, Named, Table, Values
+from grainfit.problem import CurveTarget
 from grainfit.solvers.registry import types_of_test
 from grainfit.solvers.type_of_test import TypeOfTest
 

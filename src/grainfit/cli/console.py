@@ -21,9 +21,9 @@ if TYPE_CHECKING:
     from grainfit.analysis.scatter import RepeatedRuns
     from grainfit.animation.animation import Animation
     from grainfit.calibration_file.plan import Plan
-    from grainfit.curve_target import CurveTarget
     from grainfit.materials.starting_materials import StartingMaterial
     from grainfit.preview.previewed_test import PreviewedTest
+    from grainfit.problem import CurveTarget
     from grainfit.result import Result
     from grainfit.tables import TextTable
     from grainfit.work_folder.status import WorkdirStatus

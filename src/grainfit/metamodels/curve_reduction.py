@@ -25,11 +25,11 @@ from scipy import linalg
 from scipy.stats import chi2
 from typing_extensions import override
 
-from grainfit.curve_target import CurveTarget
 from grainfit.errors import Fault
 from grainfit.evaluation import Curve, Evaluation, Response
 from grainfit.formatting import on_curve
-from grainfit.problem import DEFAULT_RELATIVE_TOLERANCE, Problem, ScopeOfTest, Target
+from grainfit.problem import CurveTarget, Problem, Target, TestScope
+from grainfit.problem.target import DEFAULT_RELATIVE_TOLERANCE
 
 Array = NDArray[np.float64]
 
@@ -338,6 +338,6 @@ def _basis(problem: Problem, target: CurveTarget, evaluations: Sequence[Evaluati
     return CurveBasis.of(target, np.array(found), parameters)
 
 
-def _with_components(scope: ScopeOfTest, names: Mapping[str, Sequence[str]]) -> ScopeOfTest:
+def _with_components(scope: TestScope, names: Mapping[str, Sequence[str]]) -> TestScope:
     targets = [part for target in scope.targets for part in names.get(target, [target])]
     return replace(scope, targets=targets)

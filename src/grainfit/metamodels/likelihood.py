@@ -76,7 +76,7 @@ def log_prior(problem: Problem, points: Array) -> Array:
 
     It is even over the cube; a parameter with a measurement of its own is normal about it.
     """
-    return np.asarray(-0.5 * (problem.off_measured(points) ** 2).sum(axis=1))
+    return np.asarray(-0.5 * (problem.standardised_residuals(points) ** 2).sum(axis=1))
 
 
 def log_density(metamodels: Metamodels) -> Callable[[Array], Array]:

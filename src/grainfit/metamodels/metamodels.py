@@ -11,7 +11,6 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.special import ndtr, ndtri
 from scipy.stats import qmc
 
-from grainfit.correlations import correlated_groups
 from grainfit.errors import RunFailedError
 from grainfit.evaluation import Evaluation
 from grainfit.formatting import counted
@@ -19,13 +18,14 @@ from grainfit.metamodels.blow_ups import without_blow_ups
 from grainfit.metamodels.curve_reduction import Reduction, about_short_curves, runs_with_curve
 from grainfit.metamodels.kriging import Kriging
 from grainfit.metamodels.outliers import NO_OUTLIERS, Outliers, fit_without_outliers
-from grainfit.problem import Problem, ScopeOfTest
+from grainfit.problem import Problem, TestScope
+from grainfit.problem.correlations import correlated_groups
 
 Array = NDArray[np.float64]
 
 _NO_NOISE = 1e-12
 #: A single outlying run may be the only one for long.
-_FEWEST_TORN = 2
+_FEWEST_THAT_DECIDE = 2
 #: Largest effort of `Metamodels.reduced`: squared numbers of runs, times sets of hyperparameters,
 #: summed over the responses.
 _LARGEST_EFFORT = 400_000
@@ -117,11 +117,11 @@ class Metamodels:
         return Metamodels(self.problem, models, self.outliers, self.reduction)
 
     @property
-    def is_torn(self) -> bool:
+    def outliers_decide(self) -> bool:
         """Whether some target cannot be met both with its outlying runs and without them."""
         return any(
             target.statistic == "mean"
-            and len(found.indices) >= _FEWEST_TORN
+            and len(found.indices) >= _FEWEST_THAT_DECIDE
             and abs(found.shift) > target.tolerance
             for found, target in zip(self.outliers, self.problem.targets, strict=True)
         )
@@ -198,7 +198,7 @@ class Metamodels:
         measurement of their own add the squares of their deviations from it.
         """
         means, variances = self.deviations(points)
-        own = (self.problem.off_measured(points) ** 2).sum(axis=1)
+        own = (self.problem.standardised_residuals(points) ** 2).sum(axis=1)
         squares = self.decorrelated(means) ** 2
         return np.asarray((squares + variances * self.precisions).sum(axis=1) + own)
 
@@ -211,12 +211,12 @@ class Metamodels:
         at = np.atleast_2d(points)
         means = np.column_stack([model.mean(at) for model in self.models]) + self._shifts
         responses = self.decorrelated((means - self._targets) / self._units)
-        return np.hstack([responses, self.problem.off_measured(points)])
+        return np.hstack([responses, self.problem.standardised_residuals(points)])
 
     def residual_slopes(self, points: ArrayLike) -> Array:
         """Slopes of the residuals, shape (m, k, d)."""
         responses = self.decorrelated(self.slopes(points).transpose(0, 2, 1)).transpose(0, 2, 1)
-        own = self.problem.off_measured_slopes(points)
+        own = self.problem.standardised_residual_slopes(points)
         return np.concatenate([responses, own], axis=1)
 
     def shortfall(self, points: ArrayLike, standard_errors: float) -> Array:
@@ -405,11 +405,11 @@ def can_be_fitted(
     )
 
 
-def _fewest_places(scope: ScopeOfTest) -> int:
+def _fewest_places(scope: TestScope) -> int:
     return len(scope.parameters) + 2
 
 
-def _places(scope: ScopeOfTest, evaluations: Sequence[Evaluation]) -> int:
+def _places(scope: TestScope, evaluations: Sequence[Evaluation]) -> int:
     return len({tuple(e.proposal.parameters[n] for n in scope.parameters) for e in evaluations})
 
 

@@ -10,12 +10,12 @@ from numpy.typing import NDArray
 
 from grainfit.analysis import Analysis
 from grainfit.bulk_tests.registry import curve_info
-from grainfit.curve_target import CurveTarget
 from grainfit.formatting import plain, unit_for_people
 from grainfit.metamodels.likelihood import NORMAL_QUANTILE
 from grainfit.plots.arrange import arrange
 from grainfit.plots.figure import Figure, no_figure
 from grainfit.plots.style import BLUE, GREEN, PURPLE, QUIET
+from grainfit.problem import CurveTarget
 from grainfit.work_folder.saved_calibration import SavedCalibration
 
 if TYPE_CHECKING:

@@ -11,11 +11,10 @@ from numpy.typing import NDArray
 from scipy.optimize import minimize
 
 from grainfit.contact_models.registry import material_parameter
-from grainfit.curve_target import CurveTarget
 from grainfit.metamodels.curve_reduction import CurveBasis
 from grainfit.metamodels.designs import maximin_latin_hypercube
 from grainfit.metamodels.metamodels import Metamodels
-from grainfit.problem import Parameter, Problem
+from grainfit.problem import CurveTarget, Parameter, Problem
 from grainfit.result import CurveMiss, OutOfReach
 from grainfit.strategies import messages
 

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from grainfit.evaluation import Evaluation
-from grainfit.problem import Problem, ScopeOfTest
+from grainfit.problem import Problem, TestScope
 
 Array = NDArray[np.float64]
 
@@ -46,7 +46,7 @@ class RunCosts:
             for scope in problem.scopes
         }
 
-    def _trend(self, scope: ScopeOfTest, runs: Sequence[tuple[Evaluation, float]]) -> Array:
+    def _trend(self, scope: TestScope, runs: Sequence[tuple[Evaluation, float]]) -> Array:
         """Return the logarithm at the centre and its slopes along the axes of the test."""
         axes = self._problem.axes_of(scope)
         if not runs:
@@ -60,7 +60,7 @@ class RunCosts:
         found = np.linalg.lstsq(matrix.T @ matrix + ridge, matrix.T @ (logarithms - middle))[0]
         return np.asarray(found + np.array([middle, *np.zeros(len(axes))]))
 
-    def seconds(self, scope: ScopeOfTest, points: Array) -> Array:
+    def seconds(self, scope: TestScope, points: Array) -> Array:
         """Cost of an evaluation of a test at points of the unit cube, s, shape (m,).
 
         Runs count alike while the time of some test is not known at all.

@@ -19,9 +19,8 @@ from typing import Any
 from grainfit.calibration.calibrate import calibrate
 from grainfit.campaign.store.store import STORE_NAME
 from grainfit.cli.app import app
-from grainfit.curve_target import CurveTarget
 from grainfit.errors import GrainfitError
-from grainfit.problem import Parameter, Problem, Target
+from grainfit.problem import CurveTarget, Parameter, Problem, Target
 from grainfit.report.page import write_report
 from grainfit.result import Result
 from grainfit.work_folder.saved_calibration import SavedCalibration

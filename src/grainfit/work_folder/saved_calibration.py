@@ -16,12 +16,11 @@ from grainfit.campaign.store.records import CalibrationRecord, RequestRecord, Ru
 from grainfit.campaign.store.store import STORE_NAME, UNUSABLE
 from grainfit.campaign.work_folder import RESULT_NAME, read_record, run_folder
 from grainfit.contact_models.registry import material_parameter
-from grainfit.curve_target import CurveTarget
 from grainfit.errors import Fault, GrainfitError, InputError, StoreError
 from grainfit.evaluation import ERROR_SUFFIX, Evaluation, names_of_tests, response_name
 from grainfit.formatting import counted
 from grainfit.materials.time_step import RayleighTimeStep
-from grainfit.problem import Parameter, Problem, ScopeOfTest, Target
+from grainfit.problem import CurveTarget, Parameter, Problem, Target, TestScope
 from grainfit.result import (
     ParameterInterval,
     Result,
@@ -344,11 +343,11 @@ def _problem(
         RayleighTimeStep(**rayleigh) if rayleigh else None,
         float(definition.get("rayleigh_weight") or about.get("rayleigh_weight", 0.0)),
         correlations=definition.get("correlations", ()),
-        tests=[ScopeOfTest(**data) for data in about.get("tests", [])],
+        tests=[TestScope(**data) for data in about.get("tests", [])],
         curves=[CurveTarget(**data) for data in definition.get("curves", [])],
     )
     # A strategy may move a bound that is in the way.
-    return problem.holding([evaluation.proposal.parameters for evaluation in evaluations])
+    return problem.widened_to([evaluation.proposal.parameters for evaluation in evaluations])
 
 
 def _material(runs: Iterable[RunRecord], free: Iterable[str]) -> dict[str, float]:

@@ -197,5 +197,5 @@ class AnswerSearch:
     def _probability_all_met(self, points: Array) -> Array:
         likely = self._feasibility.success_probability(points) > LIKELY_TO_SUCCEED
         # A larger time step is not bought with a value that a measurement rules out.
-        likely &= (np.abs(self.problem.off_measured(points)) <= 1.0).all(axis=1)
+        likely &= (np.abs(self.problem.standardised_residuals(points)) <= 1.0).all(axis=1)
         return np.asarray(self.metamodels.probability_all_met(points) * likely)

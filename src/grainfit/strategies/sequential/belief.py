@@ -132,7 +132,7 @@ class Belief:
 
     def handicaps(self, points: Array) -> Array:
         """Penalties of possible answers: a small time step, and what was measured otherwise."""
-        own = (self.problem.off_measured(points) ** 2).sum(axis=1)
+        own = (self.problem.standardised_residuals(points) ** 2).sum(axis=1)
         if self._options.prefer == "accuracy":
             return np.asarray(own)
         return np.asarray(handicaps(self.problem, points) + own)

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from scipy.spatial.distance import cdist
 
 from grainfit.evaluation import Evaluation
-from grainfit.problem import Problem, ScopeOfTest
+from grainfit.problem import Problem, TestScope
 
 Array = NDArray[np.float64]
 
@@ -63,7 +63,7 @@ class _TestFeasibility:
     """The same of one test."""
 
     def __init__(
-        self, problem: Problem, scope: ScopeOfTest, evaluations: Sequence[Evaluation]
+        self, problem: Problem, scope: TestScope, evaluations: Sequence[Evaluation]
     ) -> None:
         self.name = scope.name
         self._axes = problem.axes_of(scope)

@@ -13,7 +13,7 @@ from scipy.spatial.distance import cdist
 from grainfit.evaluation import Evaluation
 from grainfit.metamodels.metamodels import Metamodels
 from grainfit.metamodels.unit_cube import points_about, shrinking_search, spread_points
-from grainfit.problem import Problem, ScopeOfTest
+from grainfit.problem import Problem, TestScope
 from grainfit.strategies.run_costs import RunCosts
 from grainfit.strategies.sequential.belief import Belief
 from grainfit.strategies.sequential.feasibility import FeasibilityModel
@@ -60,7 +60,7 @@ class NextRun:
     """Place of a run in the unit cube, and the test that is run there."""
 
     point: Array
-    scope: ScopeOfTest
+    scope: TestScope
 
 
 def next_run(
@@ -94,14 +94,14 @@ def next_run(
 
 
 def _most_telling(
-    point: Array, conditioned: Metamodels, costs: RunCosts, scopes: Sequence[ScopeOfTest]
+    point: Array, conditioned: Metamodels, costs: RunCosts, scopes: Sequence[TestScope]
 ) -> NextRun:
     """Choose the test that narrows the expected deviations at a point most per second."""
     variances = conditioned.deviations(point)[1][0]
     narrowed = variances**2 / (variances + conditioned.scatter_at(point)[0])
     narrowed = narrowed * conditioned.precisions
 
-    def worth(scope: ScopeOfTest) -> float:
+    def worth(scope: TestScope) -> float:
         gain = float(narrowed[conditioned.yields([scope.name])].sum())
         return gain / float(costs.seconds(scope, point[None])[0])
 
@@ -118,7 +118,7 @@ def _most_improving(
     starts = np.vstack([possible, near, everywhere])
     several = len(belief.problem.scopes) > 1
 
-    def best_of(scope: ScopeOfTest) -> tuple[float, NextRun]:
+    def best_of(scope: TestScope) -> tuple[float, NextRun]:
         yields = conditioned.yields([scope.name]) if several else None
 
         def lack(points: Array) -> Array:

@@ -54,7 +54,7 @@ class StoppingRule:
         """Whether no further run could decide the answer."""
         if self.is_out_of_reach(belief) or self._is_at_noise_floor(belief):
             return True
-        return belief.metamodels.is_torn
+        return belief.metamodels.outliers_decide
 
     def is_answered(self, belief: Belief) -> bool:
         """Whether the answer is known but for its verification."""

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from grainfit.metamodels.metamodels import Metamodels
 from grainfit.metamodels.unit_cube import points_about, shrinking_search, spread_points
-from grainfit.problem import ScopeOfTest
+from grainfit.problem import TestScope
 from grainfit.strategies.run_costs import RunCosts
 from grainfit.strategies.sequential.feasibility import LIKELY_TO_SUCCEED, FeasibilityModel
 from grainfit.strategies.sequential.next_run import NextRun
@@ -89,7 +89,7 @@ def most_narrowing_run(
     everywhere = spread_points(_GLOBAL_CANDIDATES, conditioned.problem.dimension, random)
     starts = np.vstack([points, near, everywhere])
 
-    def best_of(scope: ScopeOfTest) -> tuple[float, NextRun]:
+    def best_of(scope: TestScope) -> tuple[float, NextRun]:
         yields = conditioned.yields([scope.name])
 
         def lack(points: Array) -> Array:

@@ -73,7 +73,7 @@ def _jacobian(metamodels: Metamodels, point: Array) -> Array:
         for axis in range(problem.dimension)
     ]
     shares = [relative_uncertainty(p) for p in problem.measured]
-    own = problem.off_measured_slopes(point)[0] * np.reshape(shares, (-1, 1))
+    own = problem.standardised_residual_slopes(point)[0] * np.reshape(shares, (-1, 1))
     slopes = decorrelated(problem, metamodels.gradients(point)[0] * scale[:, None])
     return np.vstack([slopes, criterion, own])
 

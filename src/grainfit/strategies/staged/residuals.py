@@ -45,7 +45,7 @@ def residuals(problem: Problem, parameters: Mapping[str, float], responses: Vect
     deviations = decorrelated(problem, deviations)
     criterion = problem.rayleigh_weight * problem.rayleigh_criterion(parameters)
     own = [
-        p.off_measured(p.to_unit(parameters[p.name])) * relative_uncertainty(p)
+        p.standardised_residual(p.to_unit(parameters[p.name])) * relative_uncertainty(p)
         for p in problem.measured
     ]
     return np.array([*deviations, criterion, *own])

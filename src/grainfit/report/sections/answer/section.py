@@ -13,7 +13,6 @@ from typing import Any, Literal
 from grainfit.analysis.stiffness_notes import stiffness_notes
 from grainfit.bulk_tests.base import BulkTest
 from grainfit.bulk_tests.registry import recreate_test
-from grainfit.curve_target import CurveTarget
 from grainfit.errors import InputError
 from grainfit.formatting import (
     counted,
@@ -28,7 +27,7 @@ from grainfit.formatting import (
 )
 from grainfit.materials.card import Determination
 from grainfit.plots.labels import Label
-from grainfit.problem import Parameter, Target
+from grainfit.problem import CurveTarget, Parameter, Target
 from grainfit.report.rendering import render
 from grainfit.report.section import ReportContext, Section
 from grainfit.report.sections.answer.next_step import next_step

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from grainfit.curve_target import CurveTarget
 from grainfit.formatting import counted, number, plain, plain_probability
 from grainfit.plots.curves_figures import curve_figures
+from grainfit.problem import CurveTarget
 from grainfit.report.rendering import render
 from grainfit.report.section import ReportContext, Section
 

@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
-from typing import Any
+from typing import Any, NoReturn
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from grainfit.checks import NOT_COMPUTABLE, SMALLEST_SHARE, as_number, is_computable
-from grainfit.correlations import symmetric_matrix
 from grainfit.errors import Fault, InputError
+from grainfit.messages import Message
+from grainfit.problem import messages
+from grainfit.problem.correlations import symmetric_matrix
 from grainfit.units import percentage
 
 Array = NDArray[np.float64]
@@ -81,10 +83,11 @@ class CurveTarget:
 
     def __post_init__(self) -> None:
         if not self.name or not isinstance(self.name, str):
-            raise InputError(Fault("curve", "has no name.", "Give it the name of its response."))
+            raise InputError(messages.NO_TARGET_NAME.fault("curve"))
         for key in ("coordinates", "values"):
             object.__setattr__(self, key, self._numbers(key, getattr(self, key)))
-        self._raise(self._point_faults())
+        if fault := self._point_fault():
+            raise InputError(fault)
         if self.covariance is not None:
             self._read_covariance(self.covariance)
             self._require_invertible("covariance")
@@ -93,15 +96,16 @@ class CurveTarget:
         for key in _ERRORS:
             object.__setattr__(self, key, self._read_error(key))
         if not (self._deviations("uncertainty", np.asarray(self.values)) > 0).all():
-            remedy = 'Give a number above 0, or a percentage such as "2 %" where no value is 0.'
-            self._raise([Fault(f"{self.name}.uncertainty", "is not above 0 everywhere.", remedy)])
+            self._refuse("uncertainty", messages.NOT_ABOVE_ZERO_EVERYWHERE)
         self._require_invertible("uncertainty")
         for key in _ERRORS:
             self._require_computable(key, self._deviations(key, np.asarray(self.values)))
 
-    def _raise(self, faults: Sequence[Fault]) -> None:
-        if faults:
-            raise InputError(faults)
+    def __repr__(self) -> str:
+        return f"CurveTarget({self.name!r}, {len(self.values)} points, unit={self.unit!r})"
+
+    def _refuse(self, key: str, message: Message, **values: Any) -> NoReturn:
+        raise InputError(message.fault(f"{self.name}.{key}", **values))
 
     def _numbers(self, key: str, given: Any) -> tuple[float, ...]:
         try:
@@ -109,43 +113,36 @@ class CurveTarget:
         except TypeError:
             numbers = (math.nan,)
         if not all(map(math.isfinite, numbers)):
-            words = "are not all finite numbers."
-            self._raise([Fault(f"{self.name}.{key}", words, "Give a list of finite numbers.")])
+            self._refuse(key, messages.NOT_ALL_FINITE)
         for position, number in enumerate(numbers, 1):
             if not is_computable(number):
-                words = f"has {number!r} at position {position}."
-                self._raise([Fault(f"{self.name}.{key}", words, NOT_COMPUTABLE)])
+                given, remedy = repr(number), NOT_COMPUTABLE
+                self._refuse(key, messages.BAD_POINT, given=given, position=position, remedy=remedy)
         return numbers
 
-    def _point_faults(self) -> list[Fault]:
-        places, count = self.coordinates, len(self.coordinates)
-        if count != len(self.values):
-            words = f"has {count} coordinates and {len(self.values)} values."
-            return [Fault(self.name, words, "Give one value for each coordinate.")]
+    def _point_fault(self) -> Fault | None:
+        places, count, values = self.coordinates, len(self.coordinates), len(self.values)
+        if count != values:
+            return messages.UNEQUAL_NUMBERS.fault(self.name, count=count, values=values)
         if not 2 <= count <= MOST_POINTS:
-            remedy = f"Give 2 to {MOST_POINTS}; average neighbours of a longer curve."
-            return [Fault(self.name, f"has {count} points.", remedy)]
+            return messages.BAD_NUMBER_OF_POINTS.fault(self.name, count=count, most=MOST_POINTS)
         if any(later <= earlier for earlier, later in pairwise(places)):
-            remedy = "Sort the points, and keep one for each coordinate."
-            return [Fault(f"{self.name}.coordinates", "do not increase.", remedy)]
-        return []
+            return messages.NOT_INCREASING.fault(f"{self.name}.coordinates")
+        return None
 
     def _read_error(self, key: str) -> str | tuple[float, ...]:
         """Return an uncertainty as a percentage, or as one number for each point."""
         given = getattr(self, key)
         if given is None:
-            remedy = 'Give the standard uncertainty of the values, such as "2 %", or a covariance.'
-            self._raise([Fault(f"{self.name}.{key}", "is missing.", remedy)])
+            self._refuse(key, messages.NO_UNCERTAINTY)
         if isinstance(given, str):
             if percentage(given) is None:
-                remedy = 'Give a number in the unit of the values, or a percentage such as "2 %".'
-                self._raise([Fault(f"{self.name}.{key}", f"is {given!r}.", remedy)])
+                self._refuse(key, messages.NO_PERCENTAGE, given=given)
             return given
-        numbers = self._numbers(key, [given] if np.ndim(given) == 0 else given)
+        numbers = self._numbers(key, given if isinstance(given, Iterable) else [given])
         numbers = numbers * len(self.values) if len(numbers) == 1 else numbers
         if len(numbers) != len(self.values) or min(numbers) < 0:
-            remedy = "Give one number for all points, or one of at least 0 for each."
-            self._raise([Fault(f"{self.name}.{key}", "does not fit the points.", remedy)])
+            self._refuse(key, messages.DOES_NOT_FIT_POINTS)
         return numbers
 
     def _deviations(self, key: str, values: Array) -> Array:
@@ -158,8 +155,7 @@ class CurveTarget:
     def _read_covariance(self, given: ArrayLike) -> None:
         key, count = f"{self.name}.covariance", len(self.values)
         if self.uncertainty is not None or np.any(np.asarray(self.common_uncertainty) != 0):
-            remedy = "The covariance says it: remove the uncertainties."
-            self._raise([Fault(key, "is given beside uncertainties.", remedy)])
+            self._refuse("covariance", messages.COVARIANCE_AND_UNCERTAINTIES)
         matrix = symmetric_matrix(given, count, key, "point")
         object.__setattr__(self, "uncertainty", None)
         object.__setattr__(self, "common_uncertainty", 0.0)
@@ -169,12 +165,10 @@ class CurveTarget:
         """Raise `InputError` if standard uncertainties are of no size to compute with."""
         largest, size = float(np.max(errors)), float(np.max(np.abs(self.values)))
         if not all(map(is_computable, errors.tolist())):
-            words = f"is {largest:g} at most."
-            self._raise([Fault(f"{self.name}.{key}", words, NOT_COMPUTABLE)])
+            self._refuse(key, messages.BAD_LARGEST, largest=largest, remedy=NOT_COMPUTABLE)
         if 0 < largest < SMALLEST_SHARE * size:
-            words = f"is {largest:g} at most, and the largest value {size:g}."
-            remedy = f"Give at least {SMALLEST_SHARE:g} times as much; no measurement is as exact."
-            self._raise([Fault(f"{self.name}.{key}", words, remedy)])
+            least = SMALLEST_SHARE
+            self._refuse(key, messages.CURVE_TOO_EXACT, largest=largest, size=size, least=least)
 
     def _require_invertible(self, key: str) -> None:
         """Raise `InputError` unless the covariance of the errors can be inverted."""
@@ -186,15 +180,14 @@ class CurveTarget:
             scaled = matrix / np.outer(deviations, deviations)
             if float(np.linalg.eigvalsh(scaled).min()) >= _SMALLEST_EIGENVALUE:
                 return
-        remedy = "Errors that differ from point to point must not be tiny beside those in common."
-        self._raise([Fault(f"{self.name}.{key}", "is not positive definite.", remedy)])
+        self._refuse(key, messages.NOT_POSITIVE_DEFINITE)
 
     def to_json(self) -> dict[str, Any]:
         """Return plain data, from which the constructor makes the same curve."""
         keys = ("covariance",) if self.covariance is not None else _ERRORS
         data = {key: _plain(getattr(self, key)) for key in ("coordinates", "values", *keys)}
-        words = ("name", "unit", "coordinate_unit", "coordinate")
-        return {**{key: getattr(self, key) for key in words}, **data}
+        texts = ("name", "unit", "coordinate_unit", "coordinate")
+        return {**{key: getattr(self, key) for key in texts}, **data}
 
     def covariance_about(self, values: ArrayLike) -> Array:
         """Return the covariance of the errors if the true values are these, shape (n, n).

@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from grainfit.curve_target import CurveTarget
 from grainfit.errors import InputError
 from grainfit.evaluation import Curve
+from grainfit.problem import CurveTarget
 
 POINTS: dict[str, Any] = {"coordinates": [0.1, 0.2, 0.3], "values": [1.0, 2.0, 4.0]}
 

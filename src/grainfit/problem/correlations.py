@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from grainfit.checks import as_number
 from grainfit.errors import Fault, InputError
+from grainfit.problem import messages
 
 #: Two names and the coefficient between them.
 Correlation: TypeAlias = tuple[str, str, float]
@@ -38,32 +39,23 @@ def correlation_faults(
     for index, (first, second, coefficient) in enumerate(correlations):
         where, pair = f"{key}[{index}]", frozenset((first, second))
         faults += [
-            Fault(where, f"{name!r} has no target here.", f"Use two of {', '.join(names)}.")
+            messages.NO_TARGET_HERE.fault(where, name=name, known=", ".join(names))
             for name in (first, second)
             if name not in names
         ]
         if first == second:
-            faults.append(Fault(where, f"names {first!r} twice.", "Name two responses."))
+            faults.append(messages.NAMED_TWICE.fault(where, name=first))
         elif pair in seen:
-            words = f"is a second coefficient of {first!r} and {second!r}."
-            faults.append(Fault(where, words, "Keep one of them."))
+            faults.append(messages.SECOND_COEFFICIENT.fault(where, first=first, second=second))
         if not -1 < as_number(coefficient) < 1:
-            words = f"has the coefficient {coefficient!r}."
-            faults.append(Fault(where, words, "It must be above -1 and below 1."))
+            faults.append(messages.BAD_COEFFICIENT.fault(where, given=coefficient))
         seen.add(pair)
     if faults or not correlations:
         return faults
     smallest = float(np.linalg.eigvalsh(correlation_matrix(names, correlations)).min())
     if smallest >= _SMALLEST_EIGENVALUE:
         return []
-    return [
-        Fault(
-            key,
-            f"contradict each other: their matrix has the eigenvalue {smallest:.2g}, and all must "
-            "be above 0.",
-            "Quantities that both go with a third one go together as well: correct a coefficient.",
-        )
-    ]
+    return [messages.CONTRADICTION.fault(key, smallest=smallest)]
 
 
 def correlation_matrix(names: Sequence[str], correlations: Sequence[Correlation]) -> Array:
@@ -112,10 +104,10 @@ def symmetric_matrix(given: ArrayLike, size: int, key: str, row: str) -> Array:
         matrix = np.empty(0)
     wanted = (size, size)
     if matrix.shape != wanted:
-        words = f"has the shape {matrix.shape}."
-        raise InputError(Fault(key, words, f"Give {wanted}: a row for each {row}."))
+        shape = matrix.shape
+        raise InputError(messages.BAD_SHAPE.fault(key, shape=shape, wanted=wanted, row=row))
     if not np.isfinite(matrix).all() or not np.allclose(matrix, matrix.T, rtol=1e-9, atol=0.0):
-        raise InputError(Fault(key, "is not symmetric.", "Row i, column j is that of j, i."))
+        raise InputError(messages.NOT_SYMMETRIC.fault(key))
     return matrix
 
 
@@ -139,7 +131,7 @@ def split_covariance(
     matrix = symmetric_matrix(covariance, len(names), "covariance", "target")
     deviations = np.sqrt(np.maximum(np.diagonal(matrix), 0.0))
     if not (deviations > 0).all():
-        raise InputError(Fault("covariance", "has a variance that is not above 0."))
+        raise InputError(messages.BAD_VARIANCE.fault("covariance"))
     scaled = matrix / np.outer(deviations, deviations)
     found = tuple(
         (names[i], names[j], float(scaled[i, j]))

@@ -1,0 +1,206 @@
+"""Targets: measured values that simulated responses have to meet."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import asdict, dataclass
+from typing import Any, Literal, get_args
+
+from grainfit.checks import NOT_COMPUTABLE, SMALLEST_SHARE, as_number, is_computable
+from grainfit.errors import Fault, InputError
+from grainfit.formatting import short_repr
+from grainfit.problem import messages
+from grainfit.problem.quantities import make_plain, read_quantities, share_of, shown
+from grainfit.units import percentage
+
+#: Relative tolerance of a target for which neither an uncertainty nor a tolerance is given.
+DEFAULT_RELATIVE_TOLERANCE = 0.02
+#: Largest weight of a target; the smallest is its inverse.
+LARGEST_WEIGHT = 1e6
+#: Half the width of a 95 % interval in standard deviations.
+NORMAL_QUANTILE = 1.96
+
+Statistic = Literal["mean", "median"]
+_TARGET_WIDTHS = ("uncertainty", "tolerance")
+
+
+@dataclass(frozen=True)
+class Target:
+    """A measured value that the simulated response of the same name has to meet.
+
+    Parameters
+    ----------
+    name : str
+        Name of the response.
+    value : float or str
+        Measured value, of any sign: a number in SI units, angles in degrees, or a quantity such as
+        ``"22 deg"``.
+    uncertainty : float or str, optional
+        Standard uncertainty of the measured value, same unit; ``"1 %"`` is a share of the value,
+        unless that is zero.
+    tolerance : float or str, optional
+        Largest accepted deviation of the expected response, same unit; by default the uncertainty,
+        or 2 % of the value if that is not given either. A value of zero needs one of them.
+    weight : float
+        Factor on this target's deviation in the misfit (equation 1 of the method has equal
+        weights).
+    unit : str
+        SI unit, for display; by default that of the quantities.
+    statistic : {"mean", "median"}
+        Expected response: the mean over seeds, with jams and other outlying runs, or the median,
+        which these do not move.
+
+    Examples
+    --------
+    >>> Target("angle_of_repose", "22 deg", uncertainty="2 %").tolerance
+    0.44
+    >>> Target("dilatancy", "-0.1 mm", tolerance="0.2 mm").is_relative
+    False
+    """
+
+    name: str
+    value: float
+    uncertainty: float | None = None
+    # None until `__post_init__` computes the default: the attribute is always a float.
+    tolerance: float = None  # type: ignore[assignment]
+    weight: float = 1.0
+    unit: str = ""
+    statistic: Statistic = "mean"
+
+    def __post_init__(self) -> None:
+        read_quantities(self, {"value": "value"})
+        _require_shares(self)
+        shares = {key: share_of(getattr(self, key), self.value) for key in _TARGET_WIDTHS}
+        for key, share in shares.items():
+            object.__setattr__(self, key, share)
+        read_quantities(self, {key: key for key in _TARGET_WIDTHS})
+        faults = list(_target_faults(self)) or self._faults_of_size()
+        if faults:
+            raise InputError(faults)
+        if self.tolerance is None:
+            object.__setattr__(self, "tolerance", self._usual_tolerance)
+        make_plain(self, "value", "uncertainty", "tolerance", "weight")
+
+    def _faults_of_size(self) -> list[Fault]:
+        return _faults_of_size(self)
+
+    @property
+    def _usual_tolerance(self) -> float:
+        if self.uncertainty is not None:
+            return self.uncertainty
+        return DEFAULT_RELATIVE_TOLERANCE * abs(self.value)
+
+    def __repr__(self) -> str:
+        return short_repr(self, "name", "value")
+
+    def to_json(self) -> dict[str, Any]:
+        """Return plain data of the target, without a tolerance that equals the default.
+
+        So the identity of a calibration does not depend on whether the default was given.
+        """
+        data = asdict(self)
+        if self.statistic == "mean":
+            del data["statistic"]
+        return {**data, "tolerance": None} if self.tolerance == self._usual_tolerance else data
+
+    @property
+    def is_relative(self) -> bool:
+        """Whether deviations relative to the value make sense.
+
+        They do not if zero is within the tolerance: responses that meet the target may then have
+        either sign, and be any multiple of the value.
+        """
+        return abs(self.value) > self.tolerance
+
+    @property
+    def misfit_unit(self) -> float:
+        """Deviation that counts as 1 in the misfit, in the unit of the target.
+
+        It is the absolute value where deviations are relative; elsewhere the value of which the
+        tolerance would be 2 %, so that targets of both kinds have similar weights.
+        """
+        return abs(self.value) if self.is_relative else self.tolerance / DEFAULT_RELATIVE_TOLERANCE
+
+    @property
+    def standard_uncertainty(self) -> float:
+        """Standard uncertainty of the measured value, in its unit.
+
+        If none is given, the tolerance is read as a 95 % interval.
+        """
+        return self.tolerance / NORMAL_QUANTILE if self.uncertainty is None else self.uncertainty
+
+    def misfit(self, response: float) -> float:
+        """Return the deviation of a response from the target in units of `misfit_unit`.
+
+        References
+        ----------
+        Rackl, Görnig, Hanley & Günthner (ECCOMAS 2016), equation 1, for relative deviations.
+        """
+        return (response - self.value) / self.misfit_unit
+
+    def relative_deviation(self, response: float) -> float | None:
+        """Return the deviation of a response from the target as a share of the absolute value.
+
+        None where that makes no sense, see `is_relative`.
+        """
+        return self.misfit(response) if self.is_relative else None
+
+    def is_met_by(self, response: float) -> bool:
+        """Return True if a response deviates from the target by at most its tolerance."""
+        return abs(response - self.value) <= self.tolerance
+
+
+def _require_shares(target: Target) -> None:
+    """Raise `InputError` if an uncertainty or a tolerance is a percentage of zero."""
+    given = {key: getattr(target, key) for key in _TARGET_WIDTHS}
+    faults = [
+        messages.SHARE_OF_ZERO.fault(f"{target.name}.{key}", given=shown(text))
+        for key, text in given.items()
+        if target.value == 0 and isinstance(text, str) and percentage(text) is not None
+    ]
+    if faults:
+        raise InputError(faults)
+
+
+def _target_faults(target: Target) -> Iterator[Fault]:
+    name = target.name
+    if not name or not isinstance(name, str):
+        yield messages.NO_TARGET_NAME.fault("target")
+        return
+    known = get_args(Statistic)
+    if target.statistic not in known:
+        given = shown(target.statistic)
+        yield messages.NO_STATISTIC.fault(f"{name}.statistic", given=given, known=", ".join(known))
+    if not math.isfinite(as_number(target.value)):
+        yield messages.NO_NUMBER.fault(f"{name}.value", given=shown(target.value))
+    elif target.value == 0 and target.tolerance is None and target.uncertainty is None:
+        yield messages.NO_DEFAULT_TOLERANCE.fault(f"{name}.tolerance")
+    for key in (*_TARGET_WIDTHS, "weight"):
+        number = getattr(target, key)
+        left_out = number is None and key != "weight"
+        if not left_out and not 0 < as_number(number) < math.inf:
+            yield messages.NOT_ABOVE_ZERO.fault(f"{name}.{key}", given=shown(number))
+
+
+def _faults_of_size(target: Target) -> list[Fault]:
+    """Return the faults of numbers that are too large or too small, alone or beside others."""
+    given = {key: getattr(target, key) for key in ("value", *_TARGET_WIDTHS)}
+    sizes = {key: abs(float(number)) for key, number in given.items() if number is not None}
+    faults = [
+        messages.BAD_SIZE.fault(f"{target.name}.{key}", given=given[key], remedy=NOT_COMPUTABLE)
+        for key, size in sizes.items()
+        if not is_computable(size)
+    ]
+    if not 1 / LARGEST_WEIGHT <= target.weight <= LARGEST_WEIGHT:
+        key = f"{target.name}.weight"
+        least, most = 1 / LARGEST_WEIGHT, LARGEST_WEIGHT
+        faults.append(messages.BAD_WEIGHT.fault(key, given=target.weight, least=least, most=most))
+    return faults or [
+        messages.TOO_EXACT.fault(
+            f"{target.name}.{key}", width=width, other=other, size=size, least=SMALLEST_SHARE
+        )
+        for key, width in sizes.items()
+        for other, size in sizes.items()
+        if key != "value" and width < SMALLEST_SHARE * size
+    ]

@@ -1,0 +1,86 @@
+"""Scopes of tests: the targets of each of several tests, its parameters, and its cost."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+from grainfit.checks import as_number, count_faults
+from grainfit.errors import Fault, InputError
+from grainfit.formatting import short_repr
+from grainfit.problem import messages
+from grainfit.problem.quantities import make_plain
+
+
+@dataclass(frozen=True)
+class TestScope:
+    """One of several tests of a problem: its targets, the parameters it depends on, and its cost.
+
+    Parameters
+    ----------
+    name : str
+        Name of the test.
+    targets : sequence of str
+        Names of the targets that its runs yield.
+    parameters : sequence of str
+        Names of the free parameters that it depends on. Its metamodels have only these.
+    seconds : float, optional
+        Estimated wall time of a run, s; None if it is not known.
+    repeats : int
+        Runs with different seeds whose mean is one evaluation.
+
+    Examples
+    --------
+    >>> TestScope("drop", ["drop.rebound"], ["restitution"], seconds=2.0).parameters
+    ('restitution',)
+    """
+
+    name: str
+    targets: Sequence[str]
+    parameters: Sequence[str]
+    seconds: float | None = None
+    repeats: int = 1
+
+    # Keeps pytest from taking it for a class of tests.
+    __test__ = False
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.name, str):
+            raise InputError(messages.NO_TEST_NAME.fault("test", given=self.name))
+        if faults := count_faults({f"{self.name}.repeats": self.repeats}):
+            raise InputError(faults)
+        for key in ("targets", "parameters"):
+            names = getattr(self, key)
+            is_list = isinstance(names, Sequence) and not isinstance(names, str)
+            if not is_list or not names or not all(isinstance(name, str) for name in names):
+                raise InputError(messages.NO_LIST_OF_NAMES.fault(f"{self.name}.{key}", given=names))
+            object.__setattr__(self, key, tuple(names))
+        if self.seconds is not None and not 0 < as_number(self.seconds) < math.inf:
+            raise InputError(
+                messages.NOT_ABOVE_ZERO.fault(f"{self.name}.seconds", given=repr(self.seconds))
+            )
+        make_plain(self, "seconds")
+
+    def __repr__(self) -> str:
+        return short_repr(self, "name", "targets", "parameters")
+
+
+def scope_faults(tests: Sequence[TestScope], parameters: Sequence[str]) -> Iterator[Fault]:
+    """Yield the faults of the tests of a problem with these parameters."""
+    for test in tests:
+        for name in test.parameters:
+            if name not in parameters:
+                known = ", ".join(parameters)
+                key = f"{test.name}.parameters"
+                yield messages.NOT_A_PARAMETER.fault(key, name=name, known=known)
+    yield from repeated_names("test", [test.name for test in tests])
+    yield from repeated_names("target of a test", [name for test in tests for name in test.targets])
+
+
+def repeated_names(kind: str, names: Sequence[str]) -> list[Fault]:
+    """Return a fault for every name that is given more than once."""
+    return [
+        messages.GIVEN_TWICE.fault(name, kind=kind)
+        for name in sorted({name for name in names if names.count(name) > 1})
+    ]
