@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from grainfit.preview.geometry import DrawnWall, Geometry, geometry_of
 from grainfit.preview.picture import AZIMUTH, COLOURS
-from grainfit.report.packing import LARGEST, packed
+from grainfit.report.drawing_data import LARGEST, DrawingScale, packed
 from grainfit.scenes.film import Film, FilmFrame
 from grainfit.scenes.run_output import RunOutput
 from grainfit.scenes.scene import Rotation, Scene
@@ -97,12 +97,12 @@ def draw_film(scene: Scene, run: RunOutput, film: Film, most: int) -> DrawnFilm:
     spans = stage_spans(scene, run.ends)
     # Those after the first stage, which fills an apparatus.
     settled = times > (spans[0].end if len(spans) > 1 else -1.0)
-    step = _step(geometry, cast)
+    scale = DrawingScale.of(cast.farthest, geometry.corners)
     data = {
-        **cast.data(step),
-        "walls": [_wall(wall, geometry, travels[wall.name], step) for wall in geometry.walls],
+        **cast.data(scale),
+        "walls": [_wall(wall, geometry, travels[wall.name], scale) for wall in geometry.walls],
         "outlines": [],
-        **_view(cast.seen(settled), geometry, step),
+        **_view(cast.seen(settled), geometry, scale.step),
         "times": [float(f"{time:.6g}") for time in times],
         "stages": [
             {
@@ -169,10 +169,15 @@ class _Cast:
         total = scene.number_of_particles
         return cls(places[:, kept], radii[kept], glued[kept], colours, total)
 
-    def data(self, step: float) -> dict[str, Any]:
+    @property
+    def farthest(self) -> float:
+        """Distance that no particle exceeds along an axis, m."""
+        return float(np.nanmax(np.abs(self.places), initial=0.0) + self.radii.max())
+
+    def data(self, scale: DrawingScale) -> dict[str, Any]:
         """Return the particles as small whole numbers."""
-        whole = np.where(np.isnan(self.places), _GONE, np.round(self.places / step))
-        begin = np.column_stack((np.maximum(whole[0], -LARGEST), self.radii / step))
+        whole = np.where(np.isnan(self.places), _GONE, np.round(self.places / scale.step))
+        begin = np.column_stack((np.maximum(whole[0], -LARGEST), self.radii / scale.step))
         loose = self.glued == 0
         heights = np.argsort(np.argsort(begin[loose, 2], kind="stable"))
         shares = (255 * heights / max(1, len(heights) - 1)).astype(np.uint8)
@@ -243,25 +248,18 @@ def _view(points: Array, geometry: Geometry, step: float) -> dict[str, Any]:
     }
 
 
-def _step(geometry: Geometry, cast: _Cast) -> float:
-    """Return the length of a step, m: all lengths become small whole numbers."""
-    farthest = float(np.nanmax(np.abs(cast.places), initial=0.0) + cast.radii.max())
-    return max(farthest, float(np.abs(geometry.corners).max())) / LARGEST
-
-
-def _wall(wall: DrawnWall, geometry: Geometry, travel: WallTravel, step: float) -> dict[str, Any]:
+def _wall(
+    wall: DrawnWall, geometry: Geometry, travel: WallTravel, scale: DrawingScale
+) -> dict[str, Any]:
     motion = travel.motion
-    turns = isinstance(motion, Rotation)
-    places = travel.travels if turns else travel.travels / step
-    through = np.zeros(3)
+    places, through = travel.travels / scale.step, np.zeros(3)
     if isinstance(motion, Rotation):
-        through = (np.array(motion.through) + geometry.shift) / step
+        places, through = travel.travels, np.array(motion.through) + geometry.shift
     return {
-        "triangles": packed(wall.triangles / step),
-        "edges": packed(wall.edges / step),
-        "colour": COLOURS[wall.state],
+        **scale.wall(wall.triangles, COLOURS[wall.state]),
+        "edges": scale.packed(wall.edges),
         "axis": "xyz".index(motion.along) if motion is not None else 2,
-        "turns": turns,
-        "through": through.round().tolist(),
+        "turns": isinstance(motion, Rotation),
+        "through": scale.listed(through),
         "places": [float(f"{place:.6g}") for place in places],
     }

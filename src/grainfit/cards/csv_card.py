@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import io
 from collections.abc import Iterator
+from typing import Any
 
 from grainfit.formatting import plain, spreadsheet_text
 from grainfit.materials.card import MaterialCard
@@ -40,41 +41,36 @@ def render_csv(card: MaterialCard) -> str:
     return file.getvalue()
 
 
-def _lines(card: MaterialCard) -> Iterator[dict[str, Cell]]:
+def _lines(card: MaterialCard) -> Iterator[dict[str, Any]]:
     simulated = simulated_card(card).values
     factor = None if card.sizes is None else card.sizes.coarse_graining
+    common = {"verdict": card.verdict, "coarse_graining": factor}
     for parameter in card.parameters:
         low, high = parameter.interval or (None, None)
-        yield {
-            "kind": "parameter",
-            "name": parameter.name,
-            "symbol": parameter.symbol,
-            "unit": parameter.unit,
-            "value": parameter.value,
-            "low_95": low,
-            "high_95": high,
-            "origin": parameter.origin,
-            "verdict": card.verdict,
-            "determination": parameter.determination,
-            "simulated_value": simulated[parameter.name],
-            "coarse_graining": factor,
-        }
+        yield (
+            vars(parameter)
+            | common
+            | {
+                "kind": "parameter",
+                "low_95": low,
+                "high_95": high,
+                "simulated_value": simulated[parameter.name],
+            }
+        )
     for response in card.responses:
-        yield {
-            "kind": "response",
-            "name": response.name,
-            "unit": response.unit,
-            "value": response.expected,
-            "low_95": response.interval[0],
-            "high_95": response.interval[1],
-            "origin": "expected by all runs",
-            "target": response.target,
-            "tolerance": response.tolerance,
-            "deviation_percent": response.deviation_percent,
-            "met": response.verdict == "met",
-            "verdict": card.verdict,
-            "coarse_graining": factor,
-        }
+        low, high = response.interval
+        yield (
+            vars(response)
+            | common
+            | {
+                "kind": "response",
+                "value": response.expected,
+                "low_95": low,
+                "high_95": high,
+                "origin": "expected by all runs",
+                "met": response.verdict == "met",
+            }
+        )
 
 
 def _as_text(cell: Cell) -> str:

@@ -11,6 +11,8 @@ from grainfit.solvers.dem.card_parts import simulated_card
 
 #: Raised when a key gets another meaning or is removed; keys may be added.
 FORMAT_VERSION = 2
+#: Keys that are not the names of the fields.
+_KEYS = {"interval": "interval_95"}
 
 
 def render_json(card: MaterialCard) -> str:
@@ -23,8 +25,10 @@ def render_json(card: MaterialCard) -> str:
         "calibrated": card.calibrated,
         "status": card.status,
         "verdict": card.verdict,
-        "parameters": [_parameter(p, simulated[p.name]) for p in card.parameters],
-        "responses": [_response(response) for response in card.responses],
+        "parameters": [
+            _fields(p) | {"simulated_value": simulated[p.name]} for p in card.parameters
+        ],
+        "responses": [_fields(response) for response in card.responses],
         "time_step": {
             "rayleigh": card.rayleigh_time_step,
             "recommended": card.recommended_time_step,
@@ -37,7 +41,7 @@ def render_json(card: MaterialCard) -> str:
         "provenance": {
             "calibration_file": card.calibration_file,
             "identity": card.identity,
-            "programs": [{"name": p.name, "version": p.version} for p in card.programs],
+            "programs": [vars(program) for program in card.programs],
             "runs": card.runs,
             "failed_runs": card.failed_runs,
             "date": card.date,
@@ -72,29 +76,5 @@ def _shape(card: MaterialCard) -> dict[str, Any] | None:
     }
 
 
-def _parameter(parameter: CardParameter, simulated: float) -> dict[str, Any]:
-    return {
-        "name": parameter.name,
-        "symbol": parameter.symbol,
-        "unit": parameter.unit,
-        "description": parameter.description,
-        "value": parameter.value,
-        "simulated_value": simulated,
-        "interval_95": parameter.interval,
-        "determination": parameter.determination,
-        "origin": parameter.origin,
-    }
-
-
-def _response(response: CardResponse) -> dict[str, Any]:
-    return {
-        "name": response.name,
-        "unit": response.unit,
-        "target": response.target,
-        "tolerance": response.tolerance,
-        "expected": response.expected,
-        "interval_95": response.interval,
-        "deviation_percent": response.deviation_percent,
-        "verdict": response.verdict,
-        "verified_mean": response.verified_mean,
-    }
+def _fields(part: CardParameter | CardResponse) -> dict[str, Any]:
+    return {_KEYS.get(key, key): value for key, value in vars(part).items()}

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+from numpy.typing import NDArray
 from PIL import Image, ImageDraw, ImageFont
 
 from grainfit.measurement.angle_of_repose import Flank
@@ -22,6 +24,18 @@ QUIET_INK = "#616e7c"
 # Vermilion: distinct from grey and all other colours in any kind of colour blindness
 # (Okabe & Ito, Color Universal Design).
 FLANK = "#d55e00"
+#: From low to high, lighter and lighter (after cividis, Nuñez, Anderton & Renslow 2018).
+_HEIGHTS = np.array(
+    [[53, 85, 143], [93, 115, 150], [139, 141, 140], [194, 171, 112], [254, 232, 56]], dtype=float
+)
+
+
+def height_colour(share: float) -> NDArray[np.float64]:
+    """Return the colour of a height, 0 to 255, by its share of the largest height."""
+    place = min(max(share, 0.0), 1.0) * (len(_HEIGHTS) - 1)
+    low = min(int(place), len(_HEIGHTS) - 2)
+    found: NDArray[np.float64] = _HEIGHTS[low] + (place - low) * (_HEIGHTS[low + 1] - _HEIGHTS[low])
+    return found
 
 
 def draw_flank(

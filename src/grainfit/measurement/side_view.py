@@ -12,17 +12,20 @@ from PIL import Image, ImageDraw
 
 from grainfit.measurement.angle_of_repose import Flank
 from grainfit.measurement.particles import Particles
-from grainfit.measurement.sheet import FLANK, OVERSAMPLING, PAPER, QUIET_INK, draw_flank
+from grainfit.measurement.sheet import (
+    FLANK,
+    OVERSAMPLING,
+    PAPER,
+    QUIET_INK,
+    draw_flank,
+    height_colour,
+)
 
 #: Largest height of a view, pixels.
 _HIGHEST = 640 * OVERSAMPLING
 _BINS = 24
 #: Instead of a bin: glued particles.
 _GREY = -1
-#: From low to high, lighter and lighter (after cividis, Nuñez, Anderton & Renslow 2018).
-_STOPS = np.array(
-    [[53, 85, 143], [93, 115, 150], [139, 141, 140], [194, 171, 112], [254, 232, 56]], dtype=float
-)
 
 Point = tuple[float, float]
 Rectangle = tuple[float, float, float, float]
@@ -115,11 +118,7 @@ class SideView:
 @cache
 def _disc(number: int, size: int) -> tuple[Image.Image, Image.Image]:
     """A shaded disc in the colour of a bin, or grey, and its mask."""
-    place = max(number, 0) / (_BINS - 1) * (len(_STOPS) - 1)
-    low = min(int(place), len(_STOPS) - 2)
-    colour = _STOPS[low] + (place - low) * (_STOPS[low + 1] - _STOPS[low])
-    if number == _GREY:
-        colour = np.full(3, 190.0)
+    colour = np.full(3, 190.0) if number == _GREY else height_colour(number / (_BINS - 1))
     middle = (size - 1) / 2
     y, x = np.mgrid[:size, :size]
     radius = np.hypot(x - middle, y - middle) / (size / 2)

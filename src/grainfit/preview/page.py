@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from importlib.metadata import version
 from typing import Any
 
 import numpy as np
@@ -13,17 +12,13 @@ from grainfit.preview.geometry import Geometry, State
 from grainfit.preview.picture import COLOURS
 from grainfit.preview.previewed_test import PreviewedTest
 from grainfit.preview.words import box_words, stage_words, wall_words
-from grainfit.report.packing import LARGEST, packed
-from grainfit.report.page import element_text, page_part, valid_text
-from grainfit.report.rendering import render, script_json
+from grainfit.report.drawing_data import DrawingScale
+from grainfit.report.package_page import package_page
+from grainfit.report.rendering import script_json
 
 #: Particles above this number are left out of the drawing, evenly.
 _MOST_PARTICLES = 20_000
 _STATES: Mapping[State, str] = {"still": "stand still", "moving": "move", "later": "put later"}
-_STYLE = """
-.preview { max-width: 72rem; margin: 0 auto; padding: 0 1rem; }
-.preview-key { display: inline-block; width: 0.9em; height: 0.9em; border-radius: 2px; }
-"""
 
 
 def preview_page(name: str, tests: Sequence[PreviewedTest], values: Mapping[str, float]) -> str:
@@ -39,19 +34,13 @@ def preview_page(name: str, tests: Sequence[PreviewedTest], values: Mapping[str,
         Values of the free parameters.
     """
     keyed = {f"test-{number}": test for number, test in enumerate(tests, 1)}
-    styles = [page_part("styles/report.css"), page_part("sections/particles/style.css"), _STYLE]
-    scripts = [page_part("scripts/page.js"), page_part("sections/particles/script.js")]
-    page = render(
-        "preview",
+    return package_page(
+        "grainfit.preview",
         name=plain(name),
-        version=version("grainfit"),
         values=in_a_row(f"{key} = {value:.4g}" for key, value in values.items()),
         tests=[_described(key, test) for key, test in keyed.items()],
         data=script_json({key: _scene(test.geometry) for key, test in keyed.items()}),
-        styles=[element_text(text) for text in styles],
-        scripts=[element_text(text) for text in scripts],
     )
-    return valid_text(page)
 
 
 def _described(key: str, test: PreviewedTest) -> dict[str, Any]:
@@ -82,28 +71,16 @@ def _walls(test: PreviewedTest) -> Iterator[tuple[str, str]]:
 
 
 def _scene(geometry: Geometry) -> dict[str, Any]:
-    """Data of the drawing in three dimensions: lengths as small whole numbers."""
-    step = float(np.abs(geometry.corners).max()) / LARGEST
+    """Return the data of the drawing in three dimensions."""
+    scale = DrawingScale.of(geometry.corners)
     table = np.column_stack([geometry.positions, geometry.radii])
     every = -(-len(table) // (_MOST_PARTICLES * geometry.each))
     shown = table.reshape(-1, geometry.each, 4)[::every].reshape(-1, 4)
+    walls, glued = geometry.walls, geometry.glued
     return {
-        "particles": packed(shown / step),
-        "outlines": [
-            np.round(edge / step).tolist() for wall in geometry.walls for edge in wall.edges
-        ],
-        "walls": [
-            {"triangles": packed(wall.triangles / step), "colour": COLOURS[wall.state]}
-            for wall in geometry.walls
-        ],
-        "glued": [
-            {
-                "particles": packed(np.column_stack([body.positions, body.radii]) / step),
-                "colour": COLOURS[body.state],
-            }
-            for body in geometry.glued
-        ],
-        "arrows": [
-            [*np.round(arrow / step).tolist(), COLOURS["moving"]] for arrow in geometry.arrows
-        ],
+        "particles": scale.packed(shown),
+        "outlines": scale.outlines(edge for wall in walls for edge in wall.edges),
+        "walls": [scale.wall(wall.triangles, COLOURS[wall.state]) for wall in walls],
+        "glued": [scale.glued(b.positions, b.radii, COLOURS[b.state]) for b in glued],
+        "arrows": [[*scale.listed(arrow), COLOURS["moving"]] for arrow in geometry.arrows],
     }

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image, ImageDraw
 
-from grainfit.measurement.sheet import OVERSAMPLING
+from grainfit.measurement.sheet import OVERSAMPLING, height_colour
 from grainfit.preview.geometry import Array, DrawnWall, Geometry, State
 
 #: Directions of view, as in the report: radians about the z axis, and above the horizon.
@@ -30,10 +30,6 @@ _FRONT, _BACK = 0.16, 0.34
 _EDGE = 0.75
 _MARGIN = 8 * OVERSAMPLING
 _LIGHT = np.array([-0.35, -0.55, 0.76])
-#: From low to high, lighter and lighter (after cividis, Nuñez, Anderton & Renslow 2018).
-_STOPS = np.array(
-    [[53, 85, 143], [93, 115, 150], [139, 141, 140], [194, 171, 112], [254, 232, 56]], dtype=float
-)
 
 
 @dataclass(frozen=True)
@@ -134,7 +130,7 @@ def _particles(
         ):
             colour = np.array(COLOURS[state], dtype=float) if state else None
             if colour is None:
-                colour = _height_colour(float(height) / highest)
+                colour = height_colour(float(height) / highest)
             _draw_sphere(colours, depth, place, (radius, radius * camera.scale), colour)
     return colours, depth
 
@@ -156,13 +152,6 @@ def _draw_sphere(
     depth[where][better] = z[better]
     shade = np.clip(0.45 + 0.75 * (bulge * 0.75 - 0.4 * u * 0.6 - 0.6 * v * 0.7), 0.35, 1.2)
     colours[where][better] = shade[better][:, None] * colour
-
-
-def _height_colour(share: float) -> Array:
-    place = min(max(share, 0.0), 1.0) * (len(_STOPS) - 1)
-    low = min(int(place), len(_STOPS) - 2)
-    found: Array = _STOPS[low] + (place - low) * (_STOPS[low + 1] - _STOPS[low])
-    return found
 
 
 def _window(left: float, right: float, top: float, bottom: float, shape: tuple[int, int]) -> Window:

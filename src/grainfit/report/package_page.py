@@ -18,25 +18,17 @@ def package_page(package: str, **values: Any) -> str:
     Parameters
     ----------
     package : str
-        Its ``page.html.jinja`` is filled in; its ``style.css`` and ``script.js`` follow those of
-        the report and of its drawings in three dimensions.
+        Its ``page.html.jinja`` is filled in; its ``style.css`` and ``script.js``, if it has them,
+        follow those of the report and of its drawings in three dimensions.
     **values
         Values of the other variables of the template.
     """
-
-    def own(file: str) -> str:
-        return (files(package) / file).read_text(encoding="utf-8")
-
-    styles = [
-        page_part("styles/report.css"),
-        page_part("sections/particles/style.css"),
-        own("style.css"),
-    ]
-    scripts = [
-        page_part("scripts/page.js"),
-        page_part("sections/particles/script.js"),
-        own("script.js"),
-    ]
+    own = files(package)
+    styles = [page_part("styles/report.css"), page_part("sections/particles/style.css")]
+    scripts = [page_part("scripts/page.js"), page_part("sections/particles/script.js")]
+    for texts, name in ((styles, "style.css"), (scripts, "script.js")):
+        if (own / name).is_file():
+            texts.append((own / name).read_text(encoding="utf-8"))
     template = environment(PackageLoader(package, "")).get_template("page.html.jinja")
     page = template.render(
         version=version("grainfit"),

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from grainfit.bulk_tests.view import RunView
-from grainfit.report.packing import LARGEST, packed
+from grainfit.report.drawing_data import DrawingScale
 from grainfit.report.sections.particles.shown_runs import visible
 
 #: Particles of each of several drawings that are small.
@@ -25,7 +25,7 @@ _NO_EDGE = np.empty((0, 3))
 def scene_of(view: RunView) -> dict[str, Any]:
     """Return the data of one drawing."""
     table = _table(view)
-    return _scene(view, table, _step([table]))
+    return _scene(view, table, DrawingScale.of(table))
 
 
 def scenes_of_one_scale(views: Sequence[RunView]) -> list[dict[str, Any]]:
@@ -33,11 +33,12 @@ def scenes_of_one_scale(views: Sequence[RunView]) -> list[dict[str, Any]]:
     if not views:
         return []
     tables = [_table(view, _MOST_OF_SEVERAL) for view in views]
-    step = _step(tables)
+    scale = DrawingScale.of(*tables)
     edges = [np.reshape(line, (-1, 3)) for view in views for line in view.outlines()]
-    extent = _extent(np.concatenate(tables) / step, np.concatenate([*edges, _NO_EDGE]) / step)
+    places, corners = np.concatenate(tables), np.concatenate([*edges, _NO_EDGE])
+    extent = _extent(places / scale.step, corners / scale.step)
     drawn = zip(views, tables, strict=True)
-    return [{**_scene(view, table, step), "extent": extent} for view, table in drawn]
+    return [{**_scene(view, table, scale), "extent": extent} for view, table in drawn]
 
 
 def _extent(places: NDArray[np.float64], edges: NDArray[np.float64]) -> dict[str, int]:
@@ -64,12 +65,5 @@ def _table(view: RunView, *most: int) -> NDArray[np.float64]:
     return np.column_stack([shown.positions, shown.radii])
 
 
-def _step(tables: Sequence[NDArray[np.float64]]) -> float:
-    return max(float(np.abs(table).max()) for table in tables) / LARGEST
-
-
-def _scene(view: RunView, table: NDArray[np.float64], step: float) -> dict[str, Any]:
-    return {
-        "particles": packed(table / step),
-        "outlines": [np.round(np.array(line) / step).tolist() for line in view.outlines()],
-    }
+def _scene(view: RunView, table: NDArray[np.float64], scale: DrawingScale) -> dict[str, Any]:
+    return {"particles": scale.packed(table), "outlines": scale.outlines(view.outlines())}
