@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from grainfit.errors import InputError
 from grainfit.materials.particle_shape import ParticleShape
 from grainfit.materials.sizes import ParticleSizes
+from grainfit.scenes import messages
 from grainfit.scenes.clump_packing import place_clumps
 from grainfit.scenes.packing import (
     Column,
@@ -124,5 +125,5 @@ def test_a_tube_takes_clumps_up_to_what_it_holds() -> None:
 
     assert smallest_gap(column, (length, 0.0, 0.0)) > 0
     assert (np.hypot(places[:, 1], places[:, 2]) + radii < radius).all()
-    with pytest.raises(InputError, match="find no room"):
+    with pytest.raises(InputError, match=messages.NO_ROOM.pattern):
         random_in_tube(SIZES, 4 * count, radius, length, seed=3)

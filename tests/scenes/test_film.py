@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from grainfit.errors import NotMeasurableError
+from grainfit.scenes import messages
 from grainfit.scenes.conditions import AtRest, Elapsed, Loaded
 from grainfit.scenes.film import FILM, Film, filmed
 from grainfit.scenes.records import Series, Travel
@@ -57,16 +58,16 @@ def test_of_a_run_that_was_stopped_the_frames_before_are_left(tmp_path: Path, cu
 
 
 def test_a_film_that_is_missing_or_damaged_is_said(tmp_path: Path) -> None:
-    with pytest.raises(NotMeasurableError, match="cannot be read"):
+    with pytest.raises(NotMeasurableError, match=messages.UNREADABLE.pattern):
         Film(tmp_path / FILM)
     (tmp_path / "empty").write_text("")
-    with pytest.raises(NotMeasurableError, match="cannot be read"):
+    with pytest.raises(NotMeasurableError, match=messages.UNREADABLE.pattern):
         Film(tmp_path / "empty")
     (tmp_path / "begun").write_text(frame(0, [bead(1, 0.1)])[:-5])
-    with pytest.raises(NotMeasurableError, match="no complete frame"):
+    with pytest.raises(NotMeasurableError, match=messages.NO_FRAME.pattern):
         Film(tmp_path / "begun")
     (tmp_path / "other").write_text(frame(0, ["1 1 a 0 0 0 0"]))
-    with pytest.raises(NotMeasurableError, match="time step 0"):
+    with pytest.raises(NotMeasurableError, match=messages.BAD_FRAME.pattern):
         Film(tmp_path / "other").read([0])
 
 

@@ -8,7 +8,7 @@ import pytest
 
 from grainfit import scenes
 from grainfit.errors import InputError
-from grainfit.scenes import conditions, packing, records, scene, shapes
+from grainfit.scenes import conditions, messages, packing, records, scene, shapes
 from grainfit.scenes.conditions import Clear, Elapsed, Loaded
 from grainfit.scenes.glued import Glued
 from grainfit.scenes.records import Force, Frames, KineticEnergy, RadialForce, Series, Travel
@@ -34,39 +34,91 @@ def test_all_words_of_a_scene_are_in_one_place(module):
     assert words <= vars(scenes).keys()
 
 
+DRUM = Wall(Cylinder(0.1, -0.1, 0.1, "y"))
+PRESS, PUSH = Load("z", -1.0, 0.1, 0.1), Load("x", 1.0, 0.1, 0.1)
+
+
+def stage(until=None, name="go", **given):
+    return Stage(name, until or Elapsed(1.0), **given)
+
+
+def recorded(name, quantity):
+    return stage(series=Series({name: quantity}, 0.1))
+
+
+def turning(motion):
+    return [stage(motions={"drum": Rotation("y", 1.0)}), stage(name="on", motions={"drum": motion})]
+
+
+def no_wall(does, name, known):
+    return messages.NO_WALL.fault("stage go", does=does, name=name, known=known)
+
+
 @pytest.mark.parametrize(
-    ("walls", "stage", "key", "message"),
+    ("stages", "fault"),
     [
-        ({"front wall": FLOOR}, Stage("fall", Elapsed(1.0)), "walls", "'front wall' is not one"),
-        ({}, Stage("fall down", Elapsed(1.0)), "stages", "'fall down' is not one word"),
-        ({}, Stage("fall", Elapsed(1.0), snapshot="../x"), "snapshots", "'../x' is not one word"),
+        ([stage(put={"front wall": FLOOR})], messages.NOT_A_WORD.fault("walls", name="front wall")),
+        ([stage(name="fall down")], messages.NOT_A_WORD.fault("stages", name="fall down")),
+        ([stage(snapshot="../x")], messages.NOT_A_WORD.fault("snapshots", name="../x")),
+        ([recorded("a,b", KineticEnergy())], messages.NOT_A_WORD.fault("columns", name="a,b")),
+        ([stage(put={"floor": FLOOR})], messages.NAME_TWICE.fault("walls", name="floor")),
+        ([stage(put={"plate": FLOOR})], messages.NAME_TWICE.fault("walls", name="plate")),
+        ([stage(), stage()], messages.NAME_TWICE.fault("stages", name="go")),
         (
-            {},
-            Stage("fall", Elapsed(1.0), series=Series({"a,b": KineticEnergy()}, 0.1)),
-            "columns",
-            "'a,b' is not one word",
+            [stage(frames=Frames("end", 0.1), snapshot="end")],
+            messages.NAME_TWICE.fault("snapshots", name="end"),
         ),
-        ({"floor": FLOOR}, Stage("fall", Elapsed(1.0), put={"floor": FLOOR}), "walls", "twice"),
+        ([stage(take_away=("door",))], no_wall("takes away", "door", "floor, drum")),
+        ([stage(take_away=("plate",))], no_wall("takes away", "plate", "floor, drum")),
+        ([stage(motions={"door": LIFT})], no_wall("moves", "door", "floor, drum, plate")),
         (
-            {},
-            Stage("fall", Elapsed(1.0), frames=Frames("end", 0.1), snapshot="end"),
-            "snapshots",
-            "'end' is there twice",
+            [stage(take_away=("floor",), motions={"floor": LIFT})],
+            no_wall("moves", "floor", "drum, plate"),
+        ),
+        ([recorded("f", Force("door", "z"))], no_wall("records", "door", "floor, drum, plate")),
+        ([recorded("f", RadialForce("plate"))], no_wall("records", "plate", "floor, drum")),
+        (
+            [recorded("way", Travel("plate"))],
+            messages.TRAVEL_WITHOUT_AXIS.fault("stage go", name="plate"),
+        ),
+        *(
+            ([stage(Clear(wall, 1.0))], messages.NOT_CLEARED.fault("stage go", wall=wall))
+            for wall in ("floor", "tube", "drum")
+        ),
+        (
+            [stage(Loaded("floor", 0.1, 1.0))],
+            messages.NOT_LOADED.fault("stage go", wall="floor"),
+        ),
+        (
+            [stage(Loaded("plate", 0.1, 1.0), motions={"plate": LIFT})],
+            messages.NOT_LOADED.fault("stage go", wall="plate"),
+        ),
+        (turning(Velocity("y", 0.1)), messages.TURNS_AND_MOVES.fault("drum")),
+        (turning(Rotation("y", 1.0, (0.1, 0.0, 0.0))), messages.TURNS_AND_MOVES.fault("drum")),
+        (turning(Rotation("y", 0.0)), messages.NO_TURN.fault("drum")),
+        (
+            [stage(motions={"floor": (LIFT, PUSH)})],
+            messages.SEVERAL_MOTIONS.fault("stage go", name="floor", count=2),
+        ),
+        (
+            [stage(motions={"plate": (LIFT, PRESS)})],
+            messages.MOVED_TWICE.fault("stage go", name="plate"),
+        ),
+        (
+            [stage(motions={"plate": (PRESS, PUSH)})],
+            messages.TWO_LOADS.fault("stage go", name="plate"),
         ),
     ],
 )
-def test_a_name_that_a_deck_would_misread_is_refused(walls, stage, key, message):
+def test_a_stage_that_a_deck_would_misread_is_refused(stages, fault):
     with pytest.raises(InputError) as caught:
-        scene_of(ONE, walls, [stage])
-    (fault,) = caught.value.faults
-    assert fault.key == key
-    assert message in fault.message
-    assert fault.remedy
+        scene_of(ONE, {"floor": FLOOR, "drum": DRUM}, stages, glued={"plate": PLATE})
+    assert caught.value.faults == (fault,)
 
 
 def test_the_name_of_a_surface_is_one_word():
     stage = Stage("fall", Elapsed(1.0))
-    with pytest.raises(InputError, match=r"surfaces: 'a \"b\"' is not one word"):
+    with pytest.raises(InputError, match=messages.NOT_A_WORD.pattern):
         replace(scene_of(ONE, {}, [stage]), surfaces={'a "b"': {}})
 
 
@@ -87,66 +139,12 @@ def test_a_name_that_decks_use_themselves_is_refused(key, name):
     with pytest.raises(InputError) as caught:
         scene_of(ONE, walls, [stage])
     (fault,) = caught.value.faults
-    assert fault.key == key
-    assert f"'{name}' has another meaning in decks" in fault.message
+    assert fault == messages.TAKEN_NAME.fault(key, name=name)
 
 
-@pytest.mark.parametrize(
-    ("stage", "message"),
-    [
-        (Stage("open", Elapsed(1.0), take_away=("door",)), "takes away the wall 'door'"),
-        (
-            Stage("open", Elapsed(1.0), motions={"door": Velocity("z", 1.0)}),
-            "moves the wall 'door'",
-        ),
-        (
-            Stage(
-                "open", Elapsed(1.0), take_away=("floor",), motions={"floor": Velocity("z", 1.0)}
-            ),
-            "moves the wall 'floor', which is not there",
-        ),
-        (
-            Stage("open", Elapsed(1.0), series=Series({"force": Force("door", "z")}, 0.1)),
-            "records the wall 'door'",
-        ),
-        (Stage("open", Clear("floor", 1.0)), "'floor' is clear, which is no upright Cylinder"),
-        (Stage("open", Clear("tube", 1.0)), "'tube' is clear, which is no upright Cylinder"),
-        (Stage("open", Loaded("floor", 0.1, 1.0)), "puts no load on it"),
-    ],
-)
-def test_a_stage_without_the_wall_that_it_needs_is_refused(stage, message):
-    with pytest.raises(InputError) as caught:
-        scene_of(ONE, {"floor": FLOOR}, [stage])
-    (fault,) = caught.value.faults
-    assert fault.key == "stage open"
-    assert message in fault.message
-    assert fault.remedy
-
-
-@pytest.mark.parametrize(
-    ("others", "message"),
-    [
-        (Velocity("y", 0.1), "turns about an axis, and moves in another way"),
-        (Rotation("y", 1.0, (0.1, 0.0, 0.0)), "turns about an axis, and moves in another way"),
-        (Rotation("y", 0.0), "turns with a speed of 0"),
-    ],
-)
-def test_a_wall_turns_about_one_axis_and_does_nothing_else(others, message):
-    turned = Stage("turn", Elapsed(1.0), motions={"drum": Rotation("y", 1.0)})
-    other = Stage("other", Elapsed(1.0), motions={"drum": others})
-    drum = {"drum": Wall(Cylinder(0.1, -0.1, 0.1, "y"))}
-    assert scene_of(ONE, drum, [turned]).concepts() == {"cylinder", "lying cylinder", "rotation"}
-    with pytest.raises(InputError) as caught:
-        scene_of(ONE, drum, [turned, other])
-    (fault,) = caught.value.faults
-    assert fault.key == "drum"
-    assert message in fault.message
-
-
-def test_only_an_upright_tube_is_lifted_clear():
-    lift = Stage("lift", Clear("drum", 1.0))
-    with pytest.raises(InputError, match="'drum' is clear, which is no upright Cylinder"):
-        scene_of(ONE, {"drum": Wall(Cylinder(0.1, -0.1, 0.1, "y"))}, [lift])
+def test_a_drum_is_a_lying_cylinder_that_rotates():
+    turned = scene_of(ONE, {"drum": DRUM}, [stage(motions={"drum": Rotation("y", 1.0)})])
+    assert turned.concepts() == {"cylinder", "lying cylinder", "rotation"}
 
 
 @pytest.mark.parametrize("axis", ["x", "y", "z"])
@@ -169,53 +167,10 @@ def test_triangles_of_a_tube_are_about_its_axis(axis, is_periodic):
         assert np.ptp(along, axis=1).max() < 0.3 * length
 
 
-PRESS, PUSH = Load("z", -1.0, 0.1, 0.1), Load("x", 1.0, 0.1, 0.1)
-
-
-@pytest.mark.parametrize(
-    ("stage", "message"),
-    [
-        (Stage("go", Elapsed(1.0), motions={"floor": (LIFT, PUSH)}), "by 2 motions"),
-        (Stage("go", Elapsed(1.0), motions={"plate": (LIFT, PRESS)}), "twice along one axis"),
-        (
-            Stage("go", Elapsed(1.0), motions={"plate": (PRESS, PUSH)}),
-            "two loads on 'plate'",
-        ),
-        (Stage("go", Elapsed(1.0), motions={"lid": LIFT}), "'lid', which is not there"),
-        (Stage("go", Elapsed(1.0), take_away=("plate",)), "takes away the wall 'plate'"),
-        (
-            Stage("go", Elapsed(1.0), series=Series({"way": Travel("plate")}, 0.1)),
-            "along no axis",
-        ),
-        (
-            Stage("go", Elapsed(1.0), series=Series({"out": RadialForce("plate")}, 0.1)),
-            "records the wall 'plate'",
-        ),
-        (
-            Stage("go", Loaded("plate", 0.1, 1.0), motions={"plate": LIFT}),
-            "puts no load on it",
-        ),
-    ],
-)
-def test_a_motion_or_record_that_a_glued_set_or_wall_cannot_have_is_refused(stage, message):
-    with pytest.raises(InputError) as caught:
-        scene_of(ONE, {"floor": FLOOR}, [stage], glued={"plate": PLATE})
-    (fault,) = caught.value.faults
-    assert fault.key == "stage go"
-    assert message in fault.message
-    assert fault.remedy
-
-
-def test_a_glued_set_and_a_wall_of_one_name_are_refused():
-    with pytest.raises(InputError, match="'floor' is there twice"):
-        scene_of(ONE, {"floor": FLOOR}, frames(0.1), glued={"floor": PLATE})
-
-
 def test_glued_particles_need_a_size_each():
-    with pytest.raises(ValueError, match="1 sizes and positions of shape"):
-        Glued(np.zeros((2, 3)), np.array([0]))
-    with pytest.raises(ValueError, match="0 sizes"):
-        Glued(np.zeros((0, 3)), np.array([], dtype=int))
+    for count, sizes in ((2, 1), (0, 0)):
+        with pytest.raises(ValueError, match=messages.GLUED_COUNT.pattern):
+            Glued(np.zeros((count, 3)), np.zeros(sizes, dtype=int))
 
 
 def test_glued_sets_add_their_work_and_no_mass():
@@ -227,11 +182,6 @@ def test_glued_sets_add_their_work_and_no_mass():
     # A load of 1 N across 0.3 m, and the particle at three times 1 m/s.
     assert moved.energy_limit == pytest.approx(0.3 + 9 * MASS / 2)
     assert moved.concepts() == {"velocity", "load", "glued"}
-
-
-def test_two_stages_of_one_name_are_refused():
-    with pytest.raises(InputError, match="'fall' is there twice"):
-        scene_of(ONE, {}, [Stage("fall", Elapsed(1.0)), Stage("fall", Elapsed(1.0))])
 
 
 def test_the_energy_limit_is_that_of_the_fall_and_of_the_start():

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from grainfit.errors import Fault
+from grainfit.scenes import messages
 from grainfit.scenes.conditions import AtRest, Elapsed
 from grainfit.scenes.glued import Glued
 from grainfit.scenes.packing import Column
@@ -60,17 +61,17 @@ def _number_faults(scene: Scene) -> Iterator[Fault]:
     for key in ("time_step", "quiet_speed", "check_interval", "typical_load"):
         value = getattr(scene, key)
         if not (_is_number(value) and value > 0):
-            yield Fault(key, f"is {value!r}.", "Give a number above 0.")
+            yield messages.NOT_ABOVE_ZERO.fault(key, value=value)
     if not (_is_number(scene.gravity) and scene.gravity >= 0):
-        yield Fault("gravity", f"is {scene.gravity!r}.", "Give a number in m/s^2, at least 0.")
+        yield messages.NO_GRAVITY.fault("gravity", value=scene.gravity)
 
 
 def _box_faults(box: Box) -> Iterator[Fault]:
     for axis, low, high in zip(_AXES, box.low, box.high, strict=True):
         if not (_is_number(low) and _is_number(high) and low < high):
-            yield Fault("box", f"goes from {low!r} to {high!r} along {axis}.", "low is below high.")
+            yield messages.BOX_SIDES.fault("box", low=low, high=high, axis=axis)
     if not set(box.periodic) <= set(_AXES) or len(set(box.periodic)) < len(box.periodic):
-        yield Fault("box", f"is periodic along {box.periodic!r}.", 'Write axes, such as "y".')
+        yield messages.BOX_PERIODS.fault("box", axes=box.periodic)
 
 
 def _period_faults(scene: Scene) -> Iterator[Fault]:
@@ -78,31 +79,22 @@ def _period_faults(scene: Scene) -> Iterator[Fault]:
     largest = max(scene.sizes.outer_diameters)
     for axis, low, high in zip(_AXES, scene.box.low, scene.box.high, strict=True):
         if axis in scene.box.periodic and high - low < 2 * largest:
-            yield Fault(
-                "box",
-                f"repeats along {axis} every {high - low:.3g} m, which is less than two diameters "
-                f"of the largest particles ({largest:.3g} m).",
-                "Use a longer period; five diameters are usual.",
-            )
+            yield messages.SHORT_PERIOD.fault("box", axis=axis, period=high - low, diameter=largest)
 
 
 def _particle_faults(scene: Scene) -> Iterator[Fault]:
     column, sizes = scene.particles, scene.sizes
     shape, count = column.positions.shape, len(column.size_indices)
     if count == 0 or shape != (count, 3) or not np.isfinite(column.positions).all():
-        message = f"positions have the shape {shape} for {count} particles, or are no numbers."
-        yield Fault("particles", message, "Give one place for each particle.")
+        yield messages.POSITIONS.fault("particles", shape=shape, count=count)
         return
-    if column.size_indices.min() < 0 or column.size_indices.max() >= len(sizes.diameters):
-        message = f"size_indices go from {column.size_indices.min()} to {column.size_indices.max()}"
-        remedy = f"Use 0 to {len(sizes.diameters) - 1}, one for each diameter."
-        yield Fault("particles", f"{message}.", remedy)
+    wrong_sizes = [*_size_faults("particles", column.size_indices, len(sizes.diameters))]
+    if wrong_sizes:
+        yield from wrong_sizes
         return
     velocities = column.velocities
     if velocities is not None and (velocities.shape != shape or not np.isfinite(velocities).all()):
-        yield Fault(
-            "particles", "velocities are not one for each particle.", "Give (n, 3) of them."
-        )
+        yield messages.VELOCITIES.fault("particles")
     turned = [*_clump_faults(scene)]
     if turned:
         yield from turned
@@ -111,16 +103,20 @@ def _particle_faults(scene: Scene) -> Iterator[Fault]:
     outside = _outside(column, clumps, scene.box)
     if outside.any():
         lost, first = int(outside.sum()), column.positions[outside][0].tolist()
-        message = f"{lost} of {count} begin outside of the box, the first at {first} m."
-        yield Fault("particles", message, "Make the box larger, or move them.")
+        yield messages.OUTSIDE.fault("particles", outside=lost, count=count, first=first)
         return
     if clumps is None:
         overlaps = _overlaps(column, sizes.diameters)
     else:
         overlaps = _clump_overlaps(*column.outlines(clumps), len(clumps.clump))
     if overlaps:
-        message = f"{overlaps} pairs overlap at the beginning, and would burst apart."
-        yield Fault("particles", message, "Use random_column(), or place them farther apart.")
+        yield messages.OVERLAPS.fault("particles", pairs=overlaps)
+
+
+def _size_faults(key: str, indices: NDArray[np.int64], sizes: int) -> Iterator[Fault]:
+    low, high = int(indices.min()), int(indices.max())
+    if low < 0 or high >= sizes:
+        yield messages.SIZE_INDICES.fault(key, low=low, high=high, last=sizes - 1)
 
 
 def _outside(column: Column, clumps: ClumpSpheres | None, box: Box) -> NDArray[np.bool_]:
@@ -151,26 +147,23 @@ def _clump_faults(scene: Scene) -> Iterator[Fault]:
         if values is None:
             continue
         if scene.clumps is None:
-            remedy = "Leave them out: spheres look the same from all sides, and begin without spin."
-            yield Fault("particles", f"have {name}, and are spheres.", remedy)
+            yield messages.SPHERES_TURN.fault("particles", name=name)
         elif values.shape != (count, width) or not np.isfinite(values).all():
-            message = f"{name} are not one for each clump."
-            yield Fault("particles", message, f"Give ({count}, {width}) of them.")
+            yield messages.ONE_FOR_EACH_CLUMP.fault(
+                "particles", name=name, count=count, width=width
+            )
 
 
 def _glued_faults(name: str, body: Glued, scene: Scene) -> Iterator[Fault]:
-    key, sizes = f"glued {name}", len(scene.sizes.diameters)
-    if body.size_indices.min() < 0 or body.size_indices.max() >= sizes:
-        message = f"size_indices go from {body.size_indices.min()} to {body.size_indices.max()}."
-        yield Fault(key, message, f"Use 0 to {sizes - 1}, one for each diameter.")
+    key = f"glued {name}"
+    yield from _size_faults(key, body.size_indices, len(scene.sizes.diameters))
     if not np.isfinite(body.positions).all():
-        yield Fault(key, "has positions that are no numbers.", "Give finite numbers, m.")
+        yield messages.GLUED_POSITIONS.fault(key)
         return
     outside = _beyond(body.positions, scene.box).any(axis=1)
     if outside.any():
         first = body.positions[outside][0].tolist()
-        message = f"begins outside of the box with {outside.sum()} particles, the first at {first}"
-        yield Fault(key, f"{message} m.", "Make the box larger, or move them.")
+        yield messages.GLUED_OUTSIDE.fault(key, count=outside.sum(), first=first)
 
 
 def _overlaps(column: Column, diameters: Iterable[float]) -> int:
@@ -204,21 +197,19 @@ def _wall_faults(name: str, wall: Wall, scene: Scene) -> Iterator[Fault]:
     shape = wall.shape
     lengths = _lengths(shape)
     if not all(_is_number(value) for value in lengths):
-        yield Fault(key, f"{shape!r} has lengths that are no numbers.", "Give finite numbers, m.")
+        yield messages.NO_NUMBERS.fault(key, shape=shape)
         return
     if isinstance(shape, Plane) and shape.axis not in _AXES:
-        yield Fault(key, f"has the axis {shape.axis!r}.", "Use x, y or z.")
+        yield messages.WALL_AXIS.fault(key, axis=shape.axis)
     if isinstance(shape, Block) and not all(a < b for a, b in _sides(shape, scene.box)):
-        yield Fault(key, f"goes from {shape.low} to {shape.high}.", "low is below high.")
+        yield messages.BLOCK_SIDES.fault(key, low=shape.low, high=shape.high)
     if isinstance(shape, Cylinder | Cone) and not shape.bottom < shape.top:
-        yield Fault(key, f"goes from {shape.bottom} up to {shape.top} m.", "bottom is below top.")
+        yield messages.WALL_ENDS.fault(key, bottom=shape.bottom, top=shape.top)
     if any(radius <= 0 for radius in _radii(shape)):
-        yield Fault(key, f"{shape!r} has no radius above 0.", "Give one in m.")
+        yield messages.NO_RADIUS.fault(key, shape=shape)
     if wall.surface != "wall" and wall.surface not in scene.surfaces:
-        remedy = f"Surfaces: {', '.join(('wall', *scene.surfaces))}."
-        yield Fault(
-            key, f"has the surface {wall.surface!r}, which the scene does not have.", remedy
-        )
+        known = ", ".join(("wall", *scene.surfaces))
+        yield messages.NO_SURFACE.fault(key, surface=wall.surface, known=known)
     yield from mesh_faults(key, shape, scene.box)
 
 
@@ -249,33 +240,32 @@ def _stage_faults(stage: Stage) -> Iterator[Fault]:
     times = {"time": until.time} if isinstance(until, Elapsed) else {"limit": until.limit}
     for name, value in times.items():
         if not (_is_number(value) and value > 0):
-            yield Fault(key, f"has the {name} {value!r}.", "Give a time in s, above 0.")
+            yield messages.NO_TIME.fault(key, name=name, value=value)
     for name in stage.motions:
         for motion in stage.motions_of(name):
             yield from _motion_faults(key, name, motion)
     if stage.frames is not None and not _is_interval(stage.frames.every):
-        yield Fault(key, f"has frames every {stage.frames.every!r} s.", "Give a time above 0.")
+        yield messages.NO_FRAME_INTERVAL.fault(key, value=stage.frames.every)
     if stage.series is not None:
         if not _is_interval(stage.series.every):
-            yield Fault(key, f"records every {stage.series.every!r} s.", "Give a time above 0.")
+            yield messages.NO_RECORD_INTERVAL.fault(key, value=stage.series.every)
         for column, quantity in stage.series.columns.items():
             if isinstance(quantity, Force) and quantity.along not in _AXES:
-                yield Fault(key, f"records {column} along {quantity.along!r}.", "Use x, y or z.")
+                yield messages.RECORD_AXIS.fault(key, column=column, axis=quantity.along)
 
 
 def _motion_faults(key: str, name: str, motion: Motion) -> Iterator[Fault]:
     if motion.along not in _AXES:
-        yield Fault(key, f"moves {name} along {motion.along!r}.", "Use x, y or z.")
+        yield messages.MOTION_AXIS.fault(key, name=name, axis=motion.along)
     numbers = [value for field, value in vars(motion).items() if field not in ("along", "through")]
     if not all(_is_number(value) for value in (*numbers, *getattr(motion, "through", ()))):
-        yield Fault(key, f"moves {name} by {motion!r}.", "Give finite numbers.")
+        yield messages.MOTION_NUMBERS.fault(key, name=name, motion=motion)
 
 
 def _order_faults(scene: Scene) -> Iterator[Fault]:
     if not scene.stages:
-        yield Fault("stages", "are missing.", "Give at least one Stage.")
+        yield messages.NO_STAGES.fault("stages")
     for stage in scene.stages[1:]:
         changes = stage.take_away or stage.put or stage.strike_off is not None or stage.motions
         if isinstance(stage.until, AtRest) and changes and not stage.until.at_least > 0:
-            message = "ends at rest: a bed that is at rest when it begins ends it at once."
-            yield Fault(f"stage {stage.name}", message, "Give AtRest an at_least, s.")
+            yield messages.ENDS_AT_ONCE.fault(f"stage {stage.name}")

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from grainfit.errors import NotMeasurableError
+from grainfit.scenes import messages
 from grainfit.scenes.scene import Scene
 
 #: File in the folder of a run: a text dump, for OVITO, too.
@@ -88,7 +89,7 @@ class Film:
         #: Time step, beginning and end of each complete frame.
         self._places = _places(path)
         if not self._places:
-            raise NotMeasurableError(f"{path}: has no complete frame.")
+            raise NotMeasurableError(messages.NO_FRAME(path=path))
 
     @cached_property
     def steps(self) -> NDArray[np.int64]:
@@ -125,7 +126,8 @@ class Film:
         try:
             return _parse(step, content)
         except ValueError as error:
-            raise NotMeasurableError(f"{self.path}: time step {step}: {error}") from None
+            shown = messages.BAD_FRAME(path=self.path, step=step, error=error)
+            raise NotMeasurableError(shown) from None
 
 
 def _places(path: Path) -> list[tuple[int, int, int]]:
@@ -136,7 +138,7 @@ def _places(path: Path) -> list[tuple[int, int, int]]:
             if found:
                 ends += _end_of_last(text[found[-1][2] :], *found[-1][1:])
     except (OSError, ValueError) as error:
-        raise NotMeasurableError(f"{path}: cannot be read ({error}).") from error
+        raise NotMeasurableError(messages.UNREADABLE(path=path, error=error)) from error
     frames = [(step, start, end) for (step, _, start), end in zip(found, ends, strict=False)]
     # A program that pauses at a step of a frame may write it twice.
     return [one for one, later in pairwise([*frames, (-1, 0, 0)]) if one[0] != later[0]]
@@ -154,12 +156,12 @@ def _end_of_last(frame: bytes, count: int, start: int) -> list[int]:
 def _parse(step: int, content: bytes) -> FilmFrame:
     header = _COLUMNS.search(content)
     if header is None:
-        raise ValueError("has no columns")
+        raise ValueError(messages.NO_COLUMNS())
     columns = header[1].decode("ascii", errors="replace").split()
     wanted = [*_NEEDED, *([_GLUED] if _GLUED in columns else [])]
     missing = [name for name in wanted if name not in columns]
     if missing:
-        raise ValueError(f"has no column {' and no column '.join(missing)}")
+        raise ValueError(messages.NO_COLUMN(names=" and no column ".join(missing)))
     rows = content[header.end() :].decode("ascii", errors="replace").splitlines()
     if not rows:
         nothing = np.empty(0)

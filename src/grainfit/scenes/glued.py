@@ -7,6 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from grainfit.scenes import messages
+
 
 @dataclass(frozen=True)
 class Glued:
@@ -35,4 +37,4 @@ class Glued:
     def __post_init__(self) -> None:
         n = len(self.size_indices)
         if n == 0 or self.positions.shape != (n, 3):
-            raise ValueError(f"{n} sizes and positions of shape {self.positions.shape}")
+            raise ValueError(messages.GLUED_COUNT(count=n, shape=self.positions.shape))

@@ -14,8 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from grainfit.errors import Fault, InputError
+from grainfit.errors import InputError
 from grainfit.materials.sizes import ParticleSizes
+from grainfit.scenes import messages
 from grainfit.scenes.clump_packing import place_clumps
 from grainfit.scenes.spheres import ClumpSpheres, random_orientations
 
@@ -167,12 +168,7 @@ class PeriodicRectangle:
 def _require_lengths(**lengths: float) -> None:
     wrong = {name: value for name, value in lengths.items() if not 0 < value < math.inf}
     if wrong:
-        raise InputError(
-            [
-                Fault(name, f"is {value!r}.", "Give a length above 0, in m.")
-                for name, value in wrong.items()
-            ]
-        )
+        raise InputError([messages.NO_LENGTH.fault(n, value=value) for n, value in wrong.items()])
 
 
 @dataclass(frozen=True)
@@ -352,13 +348,7 @@ def random_in_tube(
         The seed is negative, or the particles find no room.
     """
     random = np.random.default_rng(_valid(seed))
-    no_room = InputError(
-        Fault(
-            "particle_count",
-            f"{count} particles find no room in a tube of {radius:g} m radius.",
-            "Use fewer, or a larger tube.",
-        )
-    )
+    no_room = InputError(messages.NO_ROOM.fault("particle_count", count=count, radius=radius))
     if count * mean_particle_volume(sizes) > _JAMMED * math.pi * radius**2 * length:
         raise no_room
     numbers = particle_numbers(sizes, count)
@@ -454,28 +444,18 @@ def _push_apart(
 
 def _require_room(sizes: ParticleSizes, count: int, footprint: Footprint) -> None:
     if not 0 < count <= MOST_PARTICLES:
-        raise InputError(
-            Fault(
-                "particles",
-                f"a column of {count} particles is impossible: 1 to {MOST_PARTICLES} are accepted.",
-                "Check the lengths that the number follows from, and their units.",
-            )
-        )
+        fault = messages.TOO_MANY_PARTICLES.fault("particles", count=count, most=MOST_PARTICLES)
+        raise InputError(fault)
     largest = max(sizes.outer_diameters)
     if footprint.area_of_centres((1 + _CLEARANCE) * largest / 2) <= 0:
         raise InputError(
-            Fault(
-                "particles",
-                f"a container of {footprint.area:.3g} m^2 is narrower than a particle of "
-                f"{largest:.3g} m.",
-                "Use a wider container, or smaller particles.",
-            )
+            messages.NARROW_CONTAINER.fault("particles", area=footprint.area, diameter=largest)
         )
 
 
 def _valid(seed: int) -> int:
     if seed < 0:
-        raise InputError(Fault("seed", f"{seed} is negative.", "Use 0 or a positive number."))
+        raise InputError(messages.NEGATIVE_SEED.fault("seed", seed=seed))
     return seed
 
 

@@ -24,16 +24,12 @@ from numpy.typing import NDArray
 from grainfit.errors import NotMeasurableError, RunFailedError
 from grainfit.files import LARGEST_SERIES, LARGEST_TABLE, log_tail, read_within
 from grainfit.measurement.particles import Frame, Particles, read_dump, read_frames
+from grainfit.scenes import messages
 
 SNAPSHOTS = "snapshots"
 STAGES = "stages.csv"
 STAGES_HEADER = "stage,end,step,time,particles,kinetic_energy"
 _LOGS = ("log.lammps", "log.liggghts", "solver.log")
-_REMEDY = "a smaller time_step_fraction or more dissipative contacts may help"
-_REMEDY_OF_RESTLESS = (
-    "see what moves with 'grainfit simulate --animate'; more rolling friction of the walls, a "
-    "longer settling_time_limit, more dissipative contacts or a smaller time_step_fraction may help"
-)
 
 
 def series_file(stage: str) -> str:
@@ -97,21 +93,18 @@ class RunOutput:
         """
         path = self.folder / STAGES
         if not path.exists():
-            raise NotMeasurableError(
-                f"{path} is missing: the simulation did not begin, or was made by version 0.1.0, "
-                "whose dumps can be measured one by one."
-            )
+            raise NotMeasurableError(messages.NO_STAGES_FILE(path=path))
         try:
             content = read_within(path, LARGEST_TABLE).decode("utf-8")
             rows = list(csv.reader(io.StringIO(content, newline="")))
         except (OSError, UnicodeDecodeError, csv.Error) as error:
-            raise NotMeasurableError(f"{path}: cannot be read ({error}).") from error
+            raise NotMeasurableError(messages.UNREADABLE(path=path, error=error)) from error
         if not rows or ",".join(rows[0]) != STAGES_HEADER:
-            raise NotMeasurableError(f"{path}: does not begin with {STAGES_HEADER}.")
+            raise NotMeasurableError(messages.OTHER_HEADER(path=path, header=STAGES_HEADER))
         try:
             return tuple(_stage_end(row) for row in rows[1:])
         except (ValueError, IndexError) as error:
-            raise NotMeasurableError(f"{path}: is damaged ({error}).") from error
+            raise NotMeasurableError(messages.DAMAGED(path=path, error=error)) from error
 
     @property
     def ends(self) -> tuple[StageEnd, ...]:
@@ -179,17 +172,18 @@ class RunOutput:
             text = read_within(path, LARGEST_SERIES).decode("utf-8")
             header, *lines = text.splitlines()
             if not text.endswith("\n"):
-                raise ValueError("its last line has no end")
+                raise ValueError(messages.NO_LINE_END())
             names = header.split(",")
             table = np.array([[float(v) for v in line.split(",")] for line in lines])
             table = table.reshape(len(lines), len(names))
         except (OSError, ValueError) as error:
-            raise NotMeasurableError(f"{path}: cannot be read ({error}).") from error
+            raise NotMeasurableError(messages.UNREADABLE(path=path, error=error)) from error
         if not np.isfinite(table).all():
-            raise NotMeasurableError(f"{path}: has values that are no numbers.")
+            raise NotMeasurableError(messages.NOT_FINITE(path=path))
         missing = [name for name in ("time", *(columns or ())) if name not in names]
         if missing:
-            raise NotMeasurableError(f"{path}: has no column {' and no column '.join(missing)}.")
+            names_of_missing = " and no column ".join(missing)
+            raise NotMeasurableError(f"{path}: {messages.NO_COLUMN(names=names_of_missing)}.")
         # A solver that pauses at a step that it records there records it twice.
         table = table[np.append(True, np.diff(table[:, 0]) > 0)[: len(table)]]
         return dict(zip(names, table.T, strict=True))
@@ -205,8 +199,7 @@ class RunOutput:
         for stage in self.stages:
             reason = _what_went_wrong(stage, container)
             if reason:
-                remedy = _REMEDY_OF_RESTLESS if stage.end == "restless" else _REMEDY
-                raise RunFailedError(f"{reason}: {remedy}", self.log_tail())
+                raise RunFailedError(reason, self.log_tail())
         return self.stages
 
     def require_complete(self, names: Sequence[str], container: str) -> tuple[StageEnd, ...]:
@@ -221,10 +214,8 @@ class RunOutput:
         """
         done = [stage.name for stage in self.require_good(container)]
         if done != list(names):
-            words = ", ".join(done) or "none"
-            raise RunFailedError(
-                f"the simulation ended early (stages done: {words})", self.log_tail()
-            )
+            stages = ", ".join(done) or "none"
+            raise RunFailedError(messages.ENDED_EARLY(stages=stages), self.log_tail())
         return self.stages
 
     def log_tail(self) -> str:
@@ -240,27 +231,14 @@ def _stage_end(row: Sequence[str]) -> StageEnd:
 
 
 def _what_went_wrong(stage: StageEnd, container: str) -> str:
-    energy = f"(kinetic energy {stage.kinetic_energy:.3g} J)"
-    if not math.isfinite(stage.kinetic_energy):
-        return f"the simulation became unstable in the {stage.name} stage {energy}"
+    """Return why a stage did not end as it should, with what may help; empty if it did."""
+    name, energy, time = stage.name, stage.kinetic_energy, stage.time
+    if not math.isfinite(energy):
+        return messages.NOT_FINITE_ENERGY(stage=name, energy=energy)
     if stage.end == "restless":
-        return (
-            f"the bed did not come to rest in the {stage.name} stage within {stage.time:.3g} s of "
-            f"simulated time {energy}"
-        )
+        return messages.RESTLESS(stage=name, time=time, energy=energy)
     if stage.end == "unloaded":
-        return (
-            f"the load was not reached and held by a bed at rest in the {stage.name} stage within "
-            f"{stage.time:.3g} s of simulated time"
-        )
+        return messages.UNLOADED(stage=name, time=time)
     if stage.end == "unstable":
-        return (
-            f"the simulation became unstable in the {stage.name} stage (kinetic energy "
-            f"{stage.kinetic_energy:.3g} J, more than gravity can give)"
-        )
-    if stage.end == "broken":
-        return (
-            f"the simulation became unstable in the {stage.name} stage: particles broke out of "
-            f"the {container}"
-        )
-    return ""
+        return messages.UNSTABLE(stage=name, energy=energy)
+    return messages.BROKEN(stage=name, container=container) if stage.end == "broken" else ""

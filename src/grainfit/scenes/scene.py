@@ -22,6 +22,7 @@ from grainfit.errors import Fault, InputError
 from grainfit.materials.sizes import ParticleSizes
 from grainfit.materials.time_step import rayleigh_time_step
 from grainfit.materials.walls import on_wall
+from grainfit.scenes import messages
 from grainfit.scenes.conditions import Clear, Condition, Loaded
 from grainfit.scenes.glued import Glued
 from grainfit.scenes.packing import Column
@@ -363,9 +364,12 @@ class Scene:
     def energy_limit(self) -> float:
         """Kinetic energy that is out of reach, J.
 
-        It is that of all loose particles falling from top to bottom, or thrown by a wall, a little
-        more than the energy that they have at the beginning, the work of the largest load on each
-        wall and glued set across the box, and that of all particles thrown by a glued set.
+        It is the sum of these energies:
+
+        - All loose particles fall from top to bottom, or a wall throws them.
+        - They have a little more than their energy at the beginning.
+        - The largest load on each wall and glued set acts across the box.
+        - A glued set throws all particles.
         """
         fall = self.mass * self.gravity * (self.particles.height - self.box.low[2])
         work = sum(self._largest_work(name) for name in (*self.all_walls(), *self.glued))
@@ -443,14 +447,13 @@ def _name_faults(scene: Scene) -> Iterator[Fault]:
     for key, names in {**kinds, "columns": columns, "surfaces": [*scene.surfaces]}.items():
         for name in dict.fromkeys(names):
             if not (name.isidentifier() and name.isascii()):
-                remedy = "Use letters, digits and underscores, a letter first."
-                yield Fault(key, f"{name!r} is not one word.", remedy)
+                yield messages.NOT_A_WORD.fault(key, name=name)
             if name in _TAKEN.get(key, ()):
-                yield Fault(key, f"{name!r} has another meaning in decks.", "Use another name.")
+                yield messages.TAKEN_NAME.fault(key, name=name)
     for key, names in kinds.items():
         for name in dict.fromkeys(names):
             if names.count(name) > 1:
-                yield Fault(key, f"{name!r} is there twice.", "Give each a name of its own.")
+                yield messages.NAME_TWICE.fault(key, name=name)
 
 
 def _wall_faults(scene: Scene) -> Iterator[Fault]:
@@ -469,13 +472,9 @@ def _wall_faults(scene: Scene) -> Iterator[Fault]:
         yield from _record_faults(scene, stage, there)
         until = stage.until
         if isinstance(until, Clear) and not _is_cylinder(there.get(until.wall)):
-            remedy = "Clear is for lifted tubes: name a wall that is an upright Cylinder."
-            yield Fault(
-                key, f"ends when {until.wall!r} is clear, which is no upright Cylinder.", remedy
-            )
+            yield messages.NOT_CLEARED.fault(key, wall=until.wall)
         if isinstance(until, Loaded) and load_on(stage, until.wall) is None:
-            remedy = "Give the wall a Load among the motions of the stage."
-            yield Fault(key, f"ends when {until.wall!r} is loaded, but puts no load on it.", remedy)
+            yield messages.NOT_LOADED.fault(key, wall=until.wall)
 
 
 def _rotation_faults(scene: Scene) -> Iterator[Fault]:
@@ -486,10 +485,9 @@ def _rotation_faults(scene: Scene) -> Iterator[Fault]:
         turns = {rotation.axis for rotation in rotations}
         others = [motion for motion in motions if not isinstance(motion, Rotation)]
         if any(rotation.speed == 0 for rotation in rotations):
-            yield Fault(name, "turns with a speed of 0.", "Give it no rotation then.")
+            yield messages.NO_TURN.fault(name)
         if turns and (len(turns) > 1 or others):
-            remedy = "Let it turn about one axis in all stages, and move something else."
-            yield Fault(name, "turns about an axis, and moves in another way.", remedy)
+            yield messages.TURNS_AND_MOVES.fault(name)
 
 
 def _record_faults(scene: Scene, stage: Stage, there: Mapping[str, Wall]) -> Iterator[Fault]:
@@ -501,8 +499,7 @@ def _record_faults(scene: Scene, stage: Stage, there: Mapping[str, Wall]) -> Ite
         if isinstance(quantity, RadialForce) and quantity.wall not in there:
             yield _no_wall(key, "records", quantity.wall, there)
         if isinstance(quantity, Travel) and quantity.wall in scene.glued and not quantity.along:
-            remedy = 'Name the axis: Travel("plate", "z").'
-            yield Fault(key, f"records the travel of {quantity.wall!r} along no axis.", remedy)
+            yield messages.TRAVEL_WITHOUT_AXIS.fault(key, name=quantity.wall)
 
 
 def _motion_faults(scene: Scene) -> Iterator[Fault]:
@@ -512,15 +509,12 @@ def _motion_faults(scene: Scene) -> Iterator[Fault]:
         for name in stage.motions:
             motions = stage.motions_of(name)
             if name not in scene.glued and len(motions) != 1:
-                remedy = "Give it one motion in each stage; only a glued set has several."
-                yield Fault(key, f"moves the wall {name!r} by {len(motions)} motions.", remedy)
+                yield messages.SEVERAL_MOTIONS.fault(key, name=name, count=len(motions))
             axes = [motion.along for motion in motions] if len(motions) > 1 else []
             if len(set(axes)) < len(axes):
-                remedy = "Give it one motion along each axis."
-                yield Fault(key, f"moves {name!r} twice along one axis.", remedy)
+                yield messages.MOVED_TWICE.fault(key, name=name)
             if sum(isinstance(motion, Load) for motion in motions) > 1:
-                remedy = "Give it one load; a velocity of 0 holds it along another axis."
-                yield Fault(key, f"puts two loads on {name!r}.", remedy)
+                yield messages.TWO_LOADS.fault(key, name=name)
 
 
 def load_on(stage: Stage, name: str) -> Load | None:
@@ -529,8 +523,8 @@ def load_on(stage: Stage, name: str) -> Load | None:
 
 
 def _no_wall(stage: str, does: str, name: str, there: Mapping[str, object]) -> Fault:
-    remedy = f"Walls of that stage: {', '.join(there) or 'none'}."
-    return Fault(stage, f"{does} the wall {name!r}, which is not there.", remedy)
+    known = ", ".join(there) or "none"
+    return messages.NO_WALL.fault(stage, does=does, name=name, known=known)
 
 
 def _is_cylinder(wall: Wall | None) -> bool:

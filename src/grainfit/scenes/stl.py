@@ -14,6 +14,8 @@ from numpy.typing import NDArray
 
 from grainfit.errors import Fault, InputError
 from grainfit.files import LARGEST_MESH, TooLargeError, read_within
+from grainfit.messages import Message
+from grainfit.scenes import messages
 from grainfit.scenes.scene import Box
 from grainfit.scenes.shapes import Mesh, Shape
 
@@ -84,10 +86,9 @@ def read_stl(path: Path) -> StlContent:
         found = path.stat()
         return _read(path, found.st_mtime_ns, found.st_size)
     except TooLargeError as error:
-        raise _fault(path, f"cannot be read: {error.strerror}.", "Simplify the mesh.") from error
+        raise _error(path, messages.MESH_TOO_LARGE, reason=error.strerror) from error
     except OSError as error:
-        remedy = "Give the path of an STL file."
-        raise _fault(path, f"cannot be read: {error.strerror or error}.", remedy) from error
+        raise _error(path, messages.MESH_UNREADABLE, reason=error.strerror or error) from error
 
 
 @lru_cache(maxsize=8)
@@ -97,15 +98,14 @@ def _read(path: Path, _changed: int, _size: int) -> StlContent:
     if triangles is None:
         triangles = _text(path, content)
     if not len(triangles):
-        raise _fault(path, "has no triangle.", "Export the wall's surface as STL.")
+        raise _error(path, messages.MESH_EMPTY)
     if len(triangles) > MOST_TRIANGLES:
-        message = f"has {len(triangles)} triangles; at most {MOST_TRIANGLES} are possible."
-        raise _fault(path, message, "Export it coarser: facets half a particle wide are enough.")
+        raise _error(path, messages.MESH_TOO_FINE, count=len(triangles), most=MOST_TRIANGLES)
     if not np.isfinite(triangles).all() or np.abs(triangles).max() > 1e9:
-        raise _fault(path, "has corners that are no numbers.", "It is damaged: export it again.")
+        raise _error(path, messages.MESH_CORNERS)
     good = _has_area(triangles)
     if not good.any():
-        raise _fault(path, "has no triangle with an area.", "Export the wall's surface as STL.")
+        raise _error(path, messages.MESH_FLAT)
     return StlContent(triangles[good], int((~good).sum()))
 
 
@@ -119,19 +119,18 @@ def _binary(path: Path, content: bytes) -> Triangles | None:
     if content.lstrip()[:5].lower() == b"solid" and b"facet" in content:
         return None
     if len(content) < _HEADER:
-        raise _fault(path, "is no STL file.", "Export the wall as STL, text or binary.")
-    message = f"is no STL file, or is cut off: its header announces {count} triangles."
-    raise _fault(path, message, "Export the wall as STL, text or binary.")
+        raise _error(path, messages.MESH_NO_STL)
+    raise _error(path, messages.MESH_CUT_OFF, count=count)
 
 
 def _text(path: Path, content: bytes) -> Triangles:
     found = _VERTEX.findall(content)
     if len(found) % 3 or len(found) != 3 * len(re.findall(rb"\bendfacet\b", content)):
-        raise _fault(path, "is a damaged text STL: a facet has not three corners.", "Export again.")
+        raise _error(path, messages.MESH_DAMAGED)
     try:
         return np.array(found, dtype="S32").astype(np.float64).reshape(-1, 3, 3)
     except ValueError:
-        raise _fault(path, "has corners that are no numbers.", "Export it again.") from None
+        raise _error(path, messages.MESH_CORNERS) from None
 
 
 def _has_area(triangles: Triangles) -> NDArray[np.bool_]:
@@ -142,8 +141,8 @@ def _has_area(triangles: Triangles) -> NDArray[np.bool_]:
     return good
 
 
-def _fault(path: Path, message: str, remedy: str) -> InputError:
-    return InputError(Fault("", message, remedy), str(path))
+def _error(path: Path, message: Message, **values: object) -> InputError:
+    return InputError(message.fault("", **values), str(path))
 
 
 def mesh_triangles(mesh: Mesh, box: Box) -> Triangles:
@@ -197,8 +196,7 @@ def divided(triangles: Triangles, longest: float) -> Triangles:
     sides = triangles[:, 1:] - triangles[:, :1]
     area = float(np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1).sum() / 2)
     if area > MOST_TRIANGLES * math.sqrt(3) / 4 * longest**2:
-        message = "needs too many triangles, each shorter than a quarter of the period."
-        raise InputError(Fault("mesh", message, "Use a longer period, or a smaller mesh."))
+        raise InputError(messages.MESH_PERIOD.fault("mesh"))
     done = []
     while len(triangles):
         sides = np.linalg.norm(triangles - np.roll(triangles, -1, axis=1), axis=2)
@@ -229,7 +227,7 @@ def mesh_faults(key: str, shape: Shape, box: Box) -> Iterator[Fault]:
     if not isinstance(shape, Mesh):
         return
     if not shape.scale > 0:
-        yield Fault(key, f"has the scale {shape.scale!r}.", "Give m per unit of the file: 0.001.")
+        yield messages.MESH_SCALE.fault(key, scale=shape.scale)
         return
     try:
         corners = shape.scale * read_stl(shape.path).triangles.reshape(-1, 3)
@@ -251,12 +249,10 @@ def _place_faults(key: str, name: str, corners: NDArray[np.float64], box: Box) -
     """Yield why a mesh with these corners, m, is no wall in the box: its size or its place."""
     low, high = corners.min(axis=0), corners.max(axis=0)
     size, room = float((high - low).max()), max(np.subtract(box.high, box.low))
-    unit = "scale is the number of m in a unit of the file: 0.001 for mm."
-    extent = f"{name} is {size:.4g} m large in a box of {room:.4g} m"
     if size > _TOO_LARGE * room or size < _TOO_SMALL * room:
-        yield Fault(key, f"{extent}.", f"Is it in another unit? {unit}")
+        yield messages.MESH_SIZE.fault(key, name=name, size=size, room=room)
     elif (low > box.high).any() or (high < box.low).any():
-        yield Fault(key, f"{name} lies outside of the box.", f"Move it. {unit}")
+        yield messages.MESH_ELSEWHERE.fault(key, name=name)
     else:
         yield from _side_faults(key, name, low, high, box)
 
@@ -269,7 +265,6 @@ def _side_faults(
         near = _SIDE * (box.high[axis] - box.low[axis])
         if low[axis] >= box.low[axis] - near and high[axis] <= box.high[axis] + near:
             continue
-        message = f"{name} goes beyond the box along {letter}."
         repeats = letter in box.periodic
-        remedy = "Cut it there: it repeats with the box." if repeats else "Make the box larger."
-        yield Fault(key, message, remedy)
+        message = messages.MESH_BEYOND_PERIOD if repeats else messages.MESH_BEYOND
+        yield message.fault(key, name=name, axis=letter)
