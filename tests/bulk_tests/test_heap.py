@@ -46,8 +46,8 @@ class TestDefaults:
         assert large.lift_speed**2 / (large.gravity * large.cylinder_radius) == pytest.approx(
             froude
         )
-        assert large.fill_time == pytest.approx(2 * setup.fill_time)
-        assert large.check_interval == pytest.approx(2 * setup.check_interval)
+        assert large.filling.fill_time == pytest.approx(2 * setup.filling.fill_time)
+        assert large.filling.check_interval == pytest.approx(2 * setup.filling.check_interval)
 
     def test_lower_gravity_slows_the_test_down(self):
         setup, moon = Heap(MONOSIZE).setup, Heap(MONOSIZE, gravity=9.81 / 4).setup

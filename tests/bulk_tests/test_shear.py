@@ -312,8 +312,7 @@ def test_a_gap_that_is_not_the_planned_one_says_what_to_change(changed, planned,
     # The speed belongs to the planned gap, and the gap of this run is 0.07 m.
     _scale(changed, {"travel": planned / 0.07})
     test = small()
-    setup = replace(test.setup, gap=planned, averaged_strain=0.07 / planned)
-    object.__setattr__(test, "setup", setup)
+    vars(test.setup).update(gap=planned, averaged_strain=0.07 / planned)
     with pytest.raises(RunFailedError, match=advice):
         test.measure(RunOutput(changed))
 

@@ -14,13 +14,14 @@ from abc import ABC, abstractmethod
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from copy import copy
 from dataclasses import InitVar, dataclass, fields, replace
-from functools import cache
+from functools import cache, cached_property
 from typing import Any, ClassVar, Self
 
 import numpy as np
 
 from grainfit.bulk_tests.refused_factor import with_factor
 from grainfit.bulk_tests.sensitivities import DENSITY, MODULUS, Sensitivities
+from grainfit.bulk_tests.setup import Setup
 from grainfit.bulk_tests.stiffness import UNDER_OWN_WEIGHT, OverlapLaw
 from grainfit.bulk_tests.view import RunView, Shown
 from grainfit.bulk_tests.workload import Workload
@@ -242,7 +243,7 @@ class BulkTest(ABC):
         for name, value in read_options(self.option_keys(), self.given_options()).items():
             object.__setattr__(self, name, value)
         try:
-            self.prepare()
+            self._require_possible()
         except InputError as error:
             if self.sizes.coarse_graining == 1:
                 raise
@@ -257,18 +258,27 @@ class BulkTest(ABC):
             return False
         trial = copy(self)
         object.__setattr__(trial, "sizes", self.sizes.real.coarse_grained(factor))
+        vars(trial).pop("setup", None)
         try:
-            trial.prepare()
+            trial._require_possible()
         except InputError:
             return False
         return not any(trial.material_faults({}))
 
-    def prepare(self) -> None:
-        """Derive values from the options; raise `InputError` when they are impossible.
+    @cached_property
+    def setup(self) -> Setup:
+        """Geometry and procedure, with every default resolved.
 
-        A test whose defaults follow from particles and other options keeps geometry and procedure,
-        with every default resolved, as its attribute ``setup``.
+        Overridden by tests with more of it than their options.
         """
+        return Setup(self)
+
+    def _require_possible(self) -> None:
+        """Raise `InputError` with every fault of the first stage that has any."""
+        for stage in self.setup.fault_stages():
+            if faults := [*stage]:
+                raise InputError(faults)
+        self.setup.resolve()
 
     @classmethod
     def option_keys(cls) -> tuple[Key, ...]:
@@ -286,12 +296,11 @@ class BulkTest(ABC):
         }
 
     def resolved_options(self) -> dict[str, Any]:
-        """Return the value of every option, defaults included, as far as ``setup`` has them.
+        """Return the value of every option, defaults included.
 
         A default that is given explicitly is the same run, and another default is another run.
         """
-        setup = getattr(self, "setup", None)
-        return {name: getattr(setup, name, value) for name, value in self.given_options().items()}
+        return {key.name: getattr(self.setup, key.name) for key in self.option_keys()}
 
     def given_options(self) -> dict[str, Any]:
         """Return the value of every option as it was given, None for many of the defaults."""

@@ -37,32 +37,32 @@ class CalibrationOptions:
         Whole(1),
         "Largest number of DEM runs, of all tests together, verification included. Without it, "
         "the search ends by itself.",
-        words="none",
+        default_text="none",
         example="60",
     )
     seed: int | None = option(
         Whole(0),
         "Determines the design and all insertion seeds: same seed, same calibration.",
-        words="1",
+        default_text="1",
         example="7",
     )
     workers: int | None = option(
         Whole(1, 4096),
         "Runs at a time.",
-        words="as many as there are processor cores for",
+        default_text="as many as there are processor cores for",
         example="4",
     )
     verification_runs: int | None = option(
         Whole(2),
         "Fewest runs with fresh seeds at, or very near, the answer.",
-        words="3",
+        default_text="3",
         example="8",
     )
     keep: Keep | None = option(
         Choice(get_args(Keep)),
         'Files of a finished run that are kept: all, or with "results" only its record, logs '
         "and pictures. Folders of failed runs are kept complete.",
-        words='"all"',
+        default_text='"all"',
         example='"results"',
     )
 

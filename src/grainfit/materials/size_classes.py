@@ -54,13 +54,13 @@ class Truncation:
         DIAMETER,
         "What is finer is left out.",
         example='"1.6 mm"',
-        words="nothing is left out",
+        default_text="nothing is left out",
     )
     largest: Amount | None = option(
         DIAMETER,
         "What is coarser is left out.",
         example='"7 mm"',
-        words="nothing is left out",
+        default_text="nothing is left out",
     )
 
     def __post_init__(self) -> None:

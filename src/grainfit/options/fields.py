@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, fields
 from pathlib import Path
 from typing import Any
@@ -19,35 +19,62 @@ _METADATA = "grainfit option"
 
 
 @dataclass(frozen=True)
+class Derived:
+    """Default of an option that follows from something else.
+
+    Parameters
+    ----------
+    text : str
+        The default for readers, such as ``"6 d"``.
+    of : callable, optional
+        Returns the default, given an object that has everything else that is known as its
+        attributes. Without it the option stays None.
+    """
+
+    text: str
+    of: Callable[[Any], Any] = lambda _: None
+
+
+@dataclass(frozen=True)
 class _Declaration:
     kind: Kind
     description: str
     default: str
     example: str
+    derived: Derived | None
 
 
 def option(
-    kind: Kind, description: str, *, example: str, default: Any = None, words: str = ""
+    kind: Kind, description: str, *, example: str, default: Any = None, default_text: str = ""
 ) -> Any:
     """Declare an option as a field of a dataclass; it is given by keyword only.
 
     Parameters
     ----------
     kind : Kind
-        Unit and limits, or the words to choose from.
+        Unit and limits, or the keywords to choose from.
     description : str
         One sentence or two, for schema, documentation and help.
     example : str
         A good value, as TOML.
     default : object
-        Value of the field when it is not given; None when it follows from something else.
-    words : str
-        The default in words; the value itself when there is one.
+        Value of the field when it is not given; a `Derived` one leaves the field None.
+    default_text : str
+        The default for readers; the value itself when there is one.
     """
-    if default is not None:
-        words = words or f"{default} {getattr(kind, 'unit', '') or ''}".rstrip()
-    declaration = _Declaration(kind, description, words, example)
+    derived = default if isinstance(default, Derived) else None
+    if derived is not None:
+        default, default_text = None, derived.text
+    elif default is not None:
+        default_text = default_text or f"{default} {getattr(kind, 'unit', '') or ''}".rstrip()
+    declaration = _Declaration(kind, description, default_text, example, derived)
     return field(default=default, kw_only=True, metadata={_METADATA: declaration})
+
+
+def derived_defaults(owner: type) -> dict[str, Derived]:
+    """Return the defaults of a dataclass's options that follow from something else."""
+    declared = ((f.name, f.metadata.get(_METADATA)) for f in fields(owner))
+    return {name: it.derived for name, it in declared if it is not None and it.derived}
 
 
 def option_keys(owner: type) -> tuple[Key, ...]:

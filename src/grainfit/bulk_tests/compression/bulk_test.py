@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
+from functools import cached_property
 from typing import ClassVar
 
 from grainfit.bulk_tests.base import BulkTest, CurveInfo, CurveRange, ResponseInfo
@@ -16,7 +17,7 @@ from grainfit.bulk_tests.compression.curve import (
     loading_curves,
 )
 from grainfit.bulk_tests.compression.picture import draw_compression
-from grainfit.bulk_tests.compression.setup import CompressionSetup, plan_setup
+from grainfit.bulk_tests.compression.setup import CompressionSetup
 from grainfit.bulk_tests.compression.view import CompressionView
 from grainfit.bulk_tests.sensitivities import (
     DENSITY,
@@ -27,7 +28,6 @@ from grainfit.bulk_tests.sensitivities import (
     WALL_SLIDING,
     Sensitivities,
 )
-from grainfit.bulk_tests.shared.filling import fill_stage
 from grainfit.bulk_tests.shared.options import LENGTH, TIME
 from grainfit.bulk_tests.shared.validity import require_held, require_separate
 from grainfit.bulk_tests.stiffness import UNDER_A_STRESS, OverlapLaw
@@ -36,7 +36,7 @@ from grainfit.errors import Fault, NotMeasurableError, RunFailedError
 from grainfit.evaluation import Measured, Response
 from grainfit.measurement.bulk_density import bulk_density
 from grainfit.measurement.particles import Particles, write_vtk
-from grainfit.options.fields import Amount, option
+from grainfit.options.fields import Amount, Derived, option
 from grainfit.options.kinds import Quantity, Whole
 from grainfit.scenes.conditions import Loaded
 from grainfit.scenes.packing import Column, Footprint, Round
@@ -81,18 +81,6 @@ class Compression(BulkTest):
 
     Young's modulus of the particles must be at least 1000 times the stress, else particles are
     compressed instead of the bed. The options are the fields below, as in the calibration file.
-
-    Parameters
-    ----------
-    sizes : ParticleSizes, optional
-        Particle size distribution.
-    diameter : float, str or list, optional
-        Instead of sizes: ``"10 mm"``, or a list of ``{"value": ..., "mass_fraction": ...}``.
-
-    Raises
-    ------
-    InputError
-        The test is impossible; names every option at fault.
 
     Examples
     --------
@@ -180,48 +168,50 @@ class Compression(BulkTest):
         _STRESS,
         "Stress of the piston on the bed. Young's modulus must be at least 1000 times as much.",
         example='"10 kPa"',
-        words="10 kPa for d = 10 mm",
+        default=Derived("10 kPa for d = 10 mm", lambda s: s.usual_stress),
     )
     seating_stress: Amount | None = option(
         _STRESS,
         "Stress under which strain is zero, and to which the bed is unloaded.",
         example='"500 Pa"',
-        words="5 % of the stress",
+        default=Derived("5 % of the stress", lambda s: s.usual_seating),
     )
     cylinder_radius: Amount | None = option(
-        LENGTH, "Inner radius of the pot.", example='"50 mm"', words="5 d"
+        LENGTH,
+        "Inner radius of the pot.",
+        example='"50 mm"',
+        default=Derived("5 d", lambda s: s.usual_radius),
     )
     strike_off_height: Amount | None = option(
         LENGTH,
         "Height of the bed before it is pressed: particles with their centre above are removed.",
         example='"80 mm"',
-        words="8 d",
+        default=Derived("8 d", lambda s: s.usual_height),
     )
     particle_count: int | None = option(
-        Whole(1), "Number of particles rained in.", example="900", words="as many as fill the pot"
+        Whole(1),
+        "Number of particles rained in.",
+        example="900",
+        default=Derived("as many as fill the pot", lambda s: s.usual_count),
     )
     piston_speed: Amount | None = option(
         Quantity("m/s", above_zero=True, highest=1e3),
         "Largest speed of the piston; the default is quasi-static.",
         example='"0.014 m/s"',
-        words="0.0065 sqrt(stress / particle density)",
+        # It follows the material.
+        default=Derived("0.0065 sqrt(stress / particle density)"),
     )
     settling_time_limit: Amount | None = option(
         TIME,
         "Longest simulated time in which the bed may come to rest.",
         example='"2 s"',
-        words="ten times the time of fall",
+        default=Derived("ten times the time of fall", lambda s: s.filling.settling_time_limit),
     )
-    #: Geometry and procedure, with every default resolved.
-    setup: CompressionSetup = field(init=False, repr=False, compare=False)
 
-    def prepare(self) -> None:
-        """Resolve geometry and procedure.
-
-        The default stress does not follow the density of the particles, so two runs with it are
-        not the same in natural units. The default piston speed does, and stays open.
-        """
-        object.__setattr__(self, "setup", plan_setup(self.sizes, self.given_options()))
+    @cached_property
+    def setup(self) -> CompressionSetup:
+        """Geometry and procedure, with every default resolved."""
+        return CompressionSetup(self)
 
     def material_faults(self, material: Mapping[str, float]) -> Iterator[Fault]:
         """Yield why the test means nothing with a material: too soft, or too heavy."""
@@ -245,7 +235,7 @@ class Compression(BulkTest):
 
     def scene_of(self, column: Column, material: Mapping[str, float]) -> Scene:
         """Return the experiment: a column falls, is struck off, pressed and unloaded."""
-        setup, largest = self.setup, max(self.sizes.diameters)
+        setup, largest = self.setup, self.setup.largest
         top = column.height + 1.25 * largest
         side = setup.cylinder_radius + 1.5 * largest
         box = Box((-side, -side, -3 * largest), (side, side, top + 2 * largest))
@@ -262,8 +252,8 @@ class Compression(BulkTest):
             stages=self._stages(material),
             gravity=setup.gravity,
             time_step=self.time_step(material),
-            quiet_speed=setup.quiet_speed,
-            check_interval=setup.check_interval,
+            quiet_speed=setup.filling.quiet_speed,
+            check_interval=setup.filling.check_interval,
             typical_load=self._typical_load(material),
         )
 
@@ -271,7 +261,7 @@ class Compression(BulkTest):
         setup = self.setup
         seat = setup.load(setup.seating_stress, material)
         return (
-            fill_stage(setup.fill_time, setup.settling_time_limit, _FILLED),
+            setup.filling.stage(setup.settling_time_limit, _FILLED),
             self._pressed(
                 "seat",
                 seat,
@@ -345,7 +335,9 @@ class Compression(BulkTest):
         return {
             **{name: self._modulus(name, fit, len(bed)) for name, fit in moduli.items()},
             "bulk_density": self._density(bed, float(load.heights[-1])),
-            "lateral_stress_ratio": self._ratio(load.last(setup.check_interval / 2), len(bed)),
+            "lateral_stress_ratio": self._ratio(
+                load.last(setup.filling.check_interval / 2), len(bed)
+            ),
             **loading_curves(load, height, setup.seating_stress, setup.stress),
         }
 
@@ -359,7 +351,7 @@ class Compression(BulkTest):
             ("seat", seat, setup.seating_stress, _SEATED),
             ("load", load, setup.stress, _HELD),
         ):
-            held = curve.last(setup.check_interval / 2).stresses.mean()
+            held = curve.last(setup.filling.check_interval / 2).stresses.mean()
             require_held(held, stress, within, name)
         lowest = _LOWEST_PISTON * setup.strike_off_height
         for curve in (seat, load):
@@ -396,7 +388,7 @@ class Compression(BulkTest):
         """Estimate the simulated time of a run, s."""
         setup = self.setup
         travel = _USUAL_TRAVEL * setup.strike_off_height / setup.largest_speed(material)
-        return _FILL_SHARE * setup.fill_time + travel
+        return _FILL_SHARE * setup.filling.fill_time + travel
 
     def view(self, run: RunOutput) -> CompressionView:
         """Read the loaded bed of a run, to be drawn."""

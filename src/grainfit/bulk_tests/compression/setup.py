@@ -1,13 +1,14 @@
-"""Geometry and procedure of a compression test: defaults resolved, impossible values rejected."""
+"""Geometry and procedure of a compression test: what follows from its options and is possible."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from functools import cached_property
 
+from grainfit.bulk_tests.setup import Setup
 from grainfit.bulk_tests.shared.filling import (
-    Fall,
+    Filling,
     count_faults,
     cylinder_faults,
     least_radius,
@@ -15,8 +16,7 @@ from grainfit.bulk_tests.shared.filling import (
     strike_off_faults,
 )
 from grainfit.bulk_tests.shared.stress import scaled_stress, softness_faults
-from grainfit.errors import Fault, InputError
-from grainfit.materials.sizes import ParticleSizes
+from grainfit.errors import Fault
 from grainfit.scenes.packing import Round, column_height
 from grainfit.scenes.scene import Load, natural_speed, natural_time
 
@@ -44,49 +44,50 @@ _DASHPOT = 0.5
 _RECORDS = 50
 
 
-@dataclass(frozen=True)
-class CompressionSetup:
-    """Geometry and procedure of a compression test; lengths in m, times in s, stresses in Pa.
+class CompressionSetup(Setup):
+    """Geometry and procedure of a compression test."""
 
-    Parameters
-    ----------
-    particle_count : int
-        Particles rained in.
-    cylinder_radius, strike_off_height : float
-        Inner radius of the pot, and height above its floor at which the bed is struck off.
-    column_height : float
-        Height of the column of particles before it falls.
-    stress, seating_stress : float
-        Stress of the piston on the bed, and that under which strain is zero.
-    piston_speed : float, optional
-        Largest speed of the piston, m/s; None follows stress and density.
-    piston_start : float
-        Height of the piston above the floor before it moves.
-    gravity : float
-        m/s^2.
-    quiet_speed : float
-        A bed is at rest when its kinetic energy is less than if every particle had this speed, m/s.
-    check_interval : float
-        Simulated time between two looks at the end of a stage.
-    fill_time : float
-        Shortest simulated time of the fill stage: the particles have fallen by then.
-    settling_time_limit : float
-        Longest simulated time in which the bed may come to rest.
-    """
+    @property
+    def usual_radius(self) -> float:
+        """Default of the inner radius of the pot, m."""
+        return max(5 * self.d, least_radius(self.real))
 
-    particle_count: int
-    cylinder_radius: float
-    strike_off_height: float
-    column_height: float
-    stress: float
-    seating_stress: float
-    piston_speed: float | None
-    piston_start: float
-    gravity: float
-    quiet_speed: float
-    check_interval: float
-    fill_time: float
-    settling_time_limit: float
+    @property
+    def usual_height(self) -> float:
+        """Default of the height at which the bed is struck off, m."""
+        return max(8 * self.d, _SHALLOWEST_BED * max(self.real.diameters))
+
+    @property
+    def usual_stress(self) -> float:
+        """Default of the stress, Pa. It does not follow the density of the particles."""
+        return scaled_stress(_REFERENCE_STRESS, self.real, self.gravity)
+
+    @property
+    def usual_seating(self) -> float:
+        """Default of the seating stress, Pa."""
+        return _SEATING_SHARE * self.stress
+
+    @property
+    def usual_count(self) -> int:
+        """Default of the number of particles."""
+        return particles_to_fill(self.sizes, self.cylinder_radius, self.strike_off_height)
+
+    @property
+    def piston_start(self) -> float:
+        """Height of the piston before it moves, m: above particles that are not struck off."""
+        return self.strike_off_height + 0.501 * self.largest
+
+    @cached_property
+    def filling(self) -> Filling:
+        """Particles rained in, and when they are at rest."""
+        radius, count = self.cylinder_radius, self.particle_count
+        return Filling(
+            particle_count=count,
+            column_height=column_height(self.sizes, count, Round(radius)),
+            gravity=self.gravity,
+            quiet_speed=0.0128 * natural_speed(self.sizes, self.gravity),
+            check_interval=0.5 * natural_time(self.sizes, self.gravity),
+        )
 
     @property
     def area(self) -> float:
@@ -140,79 +141,39 @@ class CompressionSetup:
                     "strike_off_height.",
                 )
 
+    def fault_stages(self) -> Iterator[list[Fault]]:
+        """Iterate over what is impossible: the pot, its filling, and the stresses."""
+        yield [*self._bed_faults(), *self._stress_faults()]
+
+    def _bed_faults(self) -> Iterator[Fault]:
+        radius, height, count = self.cylinder_radius, self.strike_off_height, self.particle_count
+        if faults := [*cylinder_faults(self.sizes, radius), *self._depth_faults()]:
+            yield from faults
+            return
+        lengths = {"cylinder_radius": radius, "strike_off_height": height}
+        yield from count_faults(count, lengths, self.is_given("particle_count"))
+        yield from strike_off_faults(self.sizes, radius, height, count)
+
+    def _depth_faults(self) -> Iterator[Fault]:
+        height, lowest = self.strike_off_height, _SHALLOWEST_BED * self.largest
+        if height < lowest:
+            yield Fault(
+                "strike_off_height",
+                f"a bed of {height:g} m is less than {_SHALLOWEST_BED:g} of the largest particles "
+                f"({self.largest:g} m) deep.",
+                f"Use at least {lowest:g} m.",
+            )
+
+    def _stress_faults(self) -> Iterator[Fault]:
+        stress, seating = self.stress, self.seating_stress
+        if seating > 0.4 * stress:
+            yield Fault(
+                "seating_stress",
+                f"{seating:g} Pa leaves no curve between it and the stress of {stress:g} Pa.",
+                f"Use about {_SEATING_SHARE * stress:g} Pa (the default).",
+            )
+
 
 def _bed_modulus(material: Mapping[str, float], stress: float) -> float:
     """Estimate the modulus of a bed that is unloaded, Pa."""
     return _BED_MODULUS * math.sqrt(material["particle.youngs_modulus"] * stress)
-
-
-def plan_setup(sizes: ParticleSizes, options: Mapping[str, float | None]) -> CompressionSetup:
-    """Resolve every default of a compression test.
-
-    Parameters
-    ----------
-    sizes : ParticleSizes
-        The length scale of all defaults is the Sauter diameter.
-    options : mapping of str to float or None
-        The options of `Compression`, each within its limits; None stands for the default.
-
-    Raises
-    ------
-    InputError
-        The test is impossible; names every option at fault.
-    """
-    given = {name: value for name, value in options.items() if value is not None}
-    real, gravity = sizes.real, given["gravity"]
-    diameter, deepest = real.sauter_diameter, _SHALLOWEST_BED * max(real.diameters)
-    radius = given.get("cylinder_radius", max(5 * diameter, least_radius(real)))
-    fill = given.get("strike_off_height", max(8 * diameter, deepest))
-    stress = given.get("stress", scaled_stress(_REFERENCE_STRESS, real, gravity))
-    seating = given.get("seating_stress", _SEATING_SHARE * stress)
-    count = int(given.get("particle_count", particles_to_fill(sizes, radius, fill)))
-    faults = [*_shape_faults(sizes, radius, fill)]
-    if not faults:
-        lengths = {"cylinder_radius": radius, "strike_off_height": fill}
-        faults += count_faults(count, lengths, count_is_given="particle_count" in given)
-        faults += strike_off_faults(sizes, radius, fill, count)
-    faults += _stress_faults(stress, seating)
-    if faults:
-        raise InputError(faults)
-    height = column_height(sizes, count, Round(radius))
-    fall = Fall(height, gravity)
-    return CompressionSetup(
-        particle_count=count,
-        cylinder_radius=radius,
-        strike_off_height=fill,
-        column_height=height,
-        stress=stress,
-        seating_stress=seating,
-        piston_speed=given.get("piston_speed"),
-        # Above all particles whose centre is not above the height at which they are struck off.
-        piston_start=fill + 0.501 * max(sizes.diameters),
-        gravity=gravity,
-        quiet_speed=0.0128 * natural_speed(sizes, gravity),
-        check_interval=0.5 * natural_time(sizes, gravity),
-        fill_time=fall.fill_time,
-        settling_time_limit=given.get("settling_time_limit", fall.settling_time_limit),
-    )
-
-
-def _shape_faults(sizes: ParticleSizes, radius: float, fill: float) -> Iterator[Fault]:
-    largest = max(sizes.diameters)
-    yield from cylinder_faults(sizes, radius)
-    if fill < _SHALLOWEST_BED * largest:
-        yield Fault(
-            "strike_off_height",
-            f"a bed of {fill:g} m is less than {_SHALLOWEST_BED:g} of the largest particles "
-            f"({largest:g} m) deep.",
-            f"Use at least {_SHALLOWEST_BED * largest:g} m.",
-        )
-
-
-def _stress_faults(stress: float, seating: float) -> Iterator[Fault]:
-    if seating > 0.4 * stress:
-        yield Fault(
-            "seating_stress",
-            f"{seating:g} Pa leaves no curve between it and the stress of {stress:g} Pa.",
-            f"Use about {_SEATING_SHARE * stress:g} Pa (the default).",
-        )

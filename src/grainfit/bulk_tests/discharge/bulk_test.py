@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
+from functools import cached_property
 from typing import ClassVar
 
 from grainfit.bulk_tests.base import BulkTest, CurveInfo, CurveRange, ResponseInfo
-from grainfit.bulk_tests.discharge.setup import ROUND, SLOT, DischargeSetup, plan_setup
+from grainfit.bulk_tests.discharge.setup import ROUND, SLOT, DischargeSetup
 from grainfit.bulk_tests.discharge.view import DischargeView
 from grainfit.bulk_tests.sensitivities import DENSITY, MODULUS, ROLLING, SLIDING, Sensitivities
 from grainfit.bulk_tests.shared.options import (
@@ -18,7 +19,7 @@ from grainfit.bulk_tests.shared.options import (
     TIME,
 )
 from grainfit.bulk_tests.shared.slot_box import SlotBox
-from grainfit.bulk_tests.shared.slot_scene import BED, END, FLOW, INSIDE, Flow, fill_and_flow
+from grainfit.bulk_tests.shared.slot_scene import BED, END, FLOW, INSIDE, fill_and_flow
 from grainfit.bulk_tests.shared.validity import require_separate
 from grainfit.bulk_tests.view import Shown
 from grainfit.errors import Fault, NotMeasurableError
@@ -27,7 +28,7 @@ from grainfit.materials.particle_shape import ASPECT_RATIO
 from grainfit.measurement.bulk_density import bulk_density, bulk_density_in_box
 from grainfit.measurement.flow_rate import discharged_mass
 from grainfit.measurement.particles import Particles, write_vtk
-from grainfit.options.fields import Amount, option
+from grainfit.options.fields import Amount, Derived, option
 from grainfit.options.kinds import Choice
 from grainfit.scenes.packing import Column, Footprint
 from grainfit.scenes.run_output import RunOutput, snapshot_file
@@ -51,18 +52,6 @@ class Discharge(BulkTest):
     Defaults follow the Sauter diameter d of the particles, and are never smaller than the largest
     particles allow; times follow d by Froude's law. The options are the fields below, as in the
     calibration file.
-
-    Parameters
-    ----------
-    sizes : ParticleSizes, optional
-        Particle size distribution.
-    diameter : float, str or list, optional
-        Instead of sizes: ``"10 mm"``, or a list of ``{"value": ..., "mass_fraction": ...}``.
-
-    Raises
-    ------
-    InputError
-        The test is impossible; names every option at fault.
 
     Examples
     --------
@@ -121,35 +110,50 @@ class Discharge(BulkTest):
         "(LIGGGHTS only).",
         example=f'"{SLOT}"',
         default=SLOT,
-        words=f'`"{SLOT}"`',
+        default_text=f'`"{SLOT}"`',
     )
-    slot_width: Amount | None = option(LENGTH, SLOT_WIDTH, example='"50 mm"', words="5 d")
+    slot_width: Amount | None = option(
+        LENGTH,
+        SLOT_WIDTH,
+        example='"50 mm"',
+        default=Derived("5 d", lambda s: s.of_slot("slot_width", 5)),
+    )
     depth: Amount | None = option(
         LENGTH,
         "Depth of the simulated slice of a slot; it repeats without end. The mass flow is that of "
         "this depth.",
         example='"50 mm"',
-        words="5 d",
+        default=Derived("5 d", lambda s: s.of_slot("depth", 5)),
     )
     orifice_diameter: Amount | None = option(
-        LENGTH, "Diameter of a round orifice.", example='"60 mm"', words="6 d"
+        LENGTH,
+        "Diameter of a round orifice.",
+        example='"60 mm"',
+        default=Derived("6 d", lambda s: s.usual_orifice),
     )
     width: Amount | None = option(
         LENGTH,
         "Inner width of the container; with a round orifice its inner diameter.",
         example='"160 mm"',
-        words="16 d",
+        default=Derived("16 d", lambda s: s.usual("width", 16)),
     )
-    fill_height: Amount | None = option(LENGTH, FILL_HEIGHT, example='"160 mm"', words="16 d")
+    fill_height: Amount | None = option(
+        LENGTH,
+        FILL_HEIGHT,
+        example='"160 mm"',
+        default=Derived("16 d", lambda s: s.usual("fill_height", 16)),
+    )
     settling_time_limit: Amount | None = option(
-        TIME, FLOW_TIME_LIMIT, example='"8 s"', words="four times the expected time of the flow"
+        TIME,
+        FLOW_TIME_LIMIT,
+        example='"8 s"',
+        default=Derived("four times the expected time of the flow", lambda s: s.usual_limit),
     )
-    #: Geometry and procedure, with every default resolved.
-    setup: DischargeSetup = field(init=False, repr=False, compare=False)
 
-    def prepare(self) -> None:
-        """Resolve geometry and procedure."""
-        object.__setattr__(self, "setup", plan_setup(self.sizes, self.given_options()))
+    @cached_property
+    def setup(self) -> DischargeSetup:
+        """Geometry and procedure, with every default resolved."""
+        return DischargeSetup(self)
 
     def material_faults(self, material: Mapping[str, float]) -> Iterator[Fault]:
         """Iterate over why enlarged particles would arch over the orifice."""
@@ -170,7 +174,7 @@ class Discharge(BulkTest):
 
     def scene_of(self, column: Column, material: Mapping[str, float]) -> Scene:
         """Return the experiment: a column falls, the orifice is opened, the bed flows out."""
-        setup, largest = self.setup, max(self.sizes.diameters)
+        setup, largest = self.setup, self.setup.largest
         container, filling = setup.container, setup.filling
         top = column.height + 1.25 * largest
         side, bottom = setup.half_width + 1.5 * largest, -_SINK * largest
@@ -194,8 +198,7 @@ class Discharge(BulkTest):
 
     def _stages(self) -> tuple[Stage, ...]:
         setup = self.setup
-        flow = Flow(setup.shortest_flow, setup.settling_time_limit)
-        return fill_and_flow(setup.filling, flow, setup.underside)
+        return fill_and_flow(setup.filling, setup.flow, setup.underside)
 
     def measure(self, run: RunOutput) -> dict[str, Measured]:
         """Measure mass flow and bulk density; leave a picture and a VTK file of the end.
@@ -234,7 +237,7 @@ class Discharge(BulkTest):
 
     def _bulk_density(self, bed: Particles) -> Response:
         setup, container = self.setup, self.setup.container
-        bottom, top = setup.density_bottom, setup.density_top
+        bottom, top = setup.density_heights
         if isinstance(container, SlotBox):
             return bulk_density_in_box(bed, container.width, container.depth, bottom, top)
         return bulk_density(bed, container.radius, bottom, top)

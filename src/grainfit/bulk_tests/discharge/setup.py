@@ -1,31 +1,32 @@
-"""Geometry and procedure of a discharge: every default resolved, impossible values rejected."""
+"""Geometry and procedure of a discharge: what follows from its options and is possible."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
-from typing import Any
+from collections.abc import Iterator
+from functools import cached_property
 
 from grainfit.bulk_tests.discharge.round_container import RoundContainer
+from grainfit.bulk_tests.setup import Setup
 from grainfit.bulk_tests.shared.filling import Filling, count_faults, plan_filling
 from grainfit.bulk_tests.shared.slot_box import (
     SlotBox,
-    default_lengths,
+    default_length,
     flow_time,
     measured_heights,
     shortest_flow,
 )
-from grainfit.errors import Fault, InputError
-from grainfit.materials.sizes import ParticleSizes
+from grainfit.bulk_tests.shared.slot_scene import Flow
+from grainfit.errors import Fault
 from grainfit.scenes.packing import Footprint, Rectangle, Round
 from grainfit.scenes.scene import natural_time
 
 SLOT, ROUND = "slot", "round"
-#: Default lengths, and default diameter of a round orifice, in Sauter diameters; the latter is not
-#: smaller than so many of the largest particles.
-_LENGTHS = {"width": 16, "depth": 5, "fill_height": 16, "slot_width": 5}
+#: Default diameter of a round orifice, in Sauter diameters; it is not smaller than so many of the
+#: largest particles.
 _ORIFICE, _LEAST_ORIFICE = 6, 5.0
+#: Options of the other kind of orifice.
+_MISPLACED = {SLOT: ("orifice_diameter",), ROUND: ("slot_width", "depth")}
 #: The particles come to rest this long after the flow has ended, over sqrt(d/g).
 _SETTLING = 15.0
 #: Longest time of a stage over the expected one.
@@ -34,60 +35,67 @@ _PATIENCE = 4.0
 _THICKNESS = 0.5
 
 
-@dataclass(frozen=True)
-class DischargeSetup:
-    """Geometry and procedure of one discharge; lengths in m, times in s.
+class DischargeSetup(Setup):
+    """Geometry and procedure of a discharge."""
 
-    Parameters
-    ----------
-    container : SlotBox or RoundContainer
-        The container.
-    footprint : Footprint
-        Its cross-section.
-    filling : Filling
-        Its particles.
-    density_bottom, density_top : float
-        The bulk density is that of the bed between these heights.
-    shortest_flow, flow_time : float
-        Shortest and expected time until the particles are at rest again.
-    settling_time_limit : float
-        Longest time in which the particles may come to rest.
-    """
+    @property
+    def is_round(self) -> bool:
+        """Whether the container is a cylinder with a round orifice."""
+        return bool(self.orifice == ROUND)
 
-    container: SlotBox | RoundContainer
-    footprint: Footprint
-    filling: Filling
-    density_bottom: float
-    density_top: float
-    shortest_flow: float
-    flow_time: float
-    settling_time_limit: float
+    def usual(self, name: str, diameters: float) -> float:
+        """Return the default of a length of the container, m."""
+        return default_length(self.real, name, diameters)
+
+    def of_slot(self, name: str, diameters: float) -> float | None:
+        """Return the default of a length that only a container with a slot has, m."""
+        return None if self.is_round else self.usual(name, diameters)
+
+    @property
+    def usual_orifice(self) -> float | None:
+        """Default of the diameter of a round orifice, m."""
+        least = _LEAST_ORIFICE * max(self.real.diameters)
+        return max(_ORIFICE * self.d, least) if self.is_round else None
 
     @property
     def width(self) -> float:
         """Inner width or diameter of the container, m."""
-        return 2 * self.half_width
-
-    @property
-    def fill_height(self) -> float:
-        """Height of the bed before it settles, m."""
-        return self.container.fill_height
-
-    @property
-    def slot_width(self) -> float | None:
-        """Width of the slot, m; None with a round orifice."""
-        return self.container.slot_width if isinstance(self.container, SlotBox) else None
-
-    @property
-    def depth(self) -> float | None:
-        """Period of a slot, m; None with a round orifice."""
-        return self.container.depth if isinstance(self.container, SlotBox) else None
+        # The identity of a run has it as a number with a point, however it was given.
+        return float(self.option("width"))
 
     @property
     def orifice_diameter(self) -> float | None:
         """Diameter of a round orifice, m; None with a slot."""
-        container = self.container
-        return None if isinstance(container, SlotBox) else 2 * container.orifice_radius
+        given = self.option("orifice_diameter")
+        return None if given is None else float(given)
+
+    @property
+    def half_width(self) -> float:
+        """Half the inner width of the container, m."""
+        return self.width / 2
+
+    @cached_property
+    def container(self) -> SlotBox | RoundContainer:
+        """The container."""
+        if self.orifice_diameter is not None:
+            return RoundContainer(self.half_width, self.fill_height, self.orifice_diameter / 2)
+        thickness = _THICKNESS * self.d
+        return SlotBox(self.width, self.depth, self.fill_height, self.slot_width, thickness)
+
+    @property
+    def footprint(self) -> Footprint:
+        """Cross-section of the container."""
+        return Round(self.half_width) if self.is_round else Rectangle(self.width, self.depth)
+
+    @cached_property
+    def filling(self) -> Filling:
+        """Particles of the container."""
+        return plan_filling(self.sizes, self.footprint, self.fill_height, self.gravity)
+
+    @property
+    def density_heights(self) -> tuple[float, float]:
+        """Heights between which the bulk density of the bed is measured, m."""
+        return measured_heights(self.sizes, self.fill_height)
 
     @property
     def underside(self) -> float:
@@ -95,91 +103,43 @@ class DischargeSetup:
         return -self.container.thickness if isinstance(self.container, SlotBox) else 0.0
 
     @property
-    def half_width(self) -> float:
-        """Half the inner width of the container, m."""
-        container = self.container
-        return container.width / 2 if isinstance(container, SlotBox) else container.radius
+    def flow(self) -> Flow:
+        """Times of the flow."""
+        return Flow(shortest_flow(self.sizes, self.gravity), self.settling_time_limit)
 
+    @cached_property
+    def flow_time(self) -> float:
+        """Expected time until the particles are at rest again, s."""
+        area, opening = _equivalent_slot(self.container)
+        settling = _SETTLING * natural_time(self.sizes, self.gravity)
+        return flow_time(self.sizes, area, opening, self.gravity) + settling
 
-def plan_setup(sizes: ParticleSizes, options: Mapping[str, Any]) -> DischargeSetup:
-    """Resolve every default of a discharge.
+    @property
+    def usual_limit(self) -> float:
+        """Default of the longest time in which the particles may come to rest, s."""
+        return _PATIENCE * self.flow_time
 
-    Parameters
-    ----------
-    sizes : ParticleSizes
-        The length scale of all defaults is the Sauter diameter.
-    options : mapping of str to float, str or None
-        The options of `Discharge`, each within its limits; None stands for the default.
+    def fault_stages(self) -> Iterator[list[Fault]]:
+        """Iterate over what is impossible: options, the container, the number of particles."""
+        yield [*self._misplaced()]
+        yield [*self.container.faults(self.sizes)]
+        lengths = {"width": self.width, "depth": self.depth, "fill_height": self.fill_height}
+        possible = {name: length for name, length in lengths.items() if length is not None}
+        yield [*count_faults(self.filling.particle_count, possible)]
 
-    Raises
-    ------
-    InputError
-        The test is impossible; names every option at fault.
-    """
-    given = {name: value for name, value in options.items() if value is not None}
-    faults = [*_misplaced(given)]
-    if faults:
-        raise InputError(faults)
-    gravity = given["gravity"]
-    container, footprint = _container(sizes, given)
-    height = container.fill_height
-    faults = [*container.faults(sizes)]
-    if faults:
-        raise InputError(faults)
-    filling = plan_filling(sizes, footprint, height, gravity)
-    natural = natural_time(sizes, gravity)
-    area, opening = _equivalent_slot(container)
-    flow = flow_time(sizes, area, opening, gravity) + _SETTLING * natural
-    bottom, top = measured_heights(sizes, height)
-    setup = DischargeSetup(
-        container=container,
-        footprint=footprint,
-        filling=filling,
-        density_bottom=bottom,
-        density_top=top,
-        shortest_flow=shortest_flow(sizes, gravity),
-        flow_time=flow,
-        settling_time_limit=given.get("settling_time_limit", _PATIENCE * flow),
-    )
-    lengths = {"width": setup.width, "depth": setup.depth, "fill_height": height}
-    possible = {name: length for name, length in lengths.items() if length is not None}
-    faults = [*count_faults(filling.particle_count, possible, count_is_given=False)]
-    if faults:
-        raise InputError(faults)
-    return setup
-
-
-def _misplaced(given: Mapping[str, Any]) -> Iterator[Fault]:
-    """Iterate over options that belong to the other kind of orifice."""
-    others = {SLOT: ("orifice_diameter",), ROUND: ("slot_width", "depth")}
-    for name in others[given["orifice"]]:
-        if name in given:
-            other = ROUND if name == "orifice_diameter" else SLOT
+    def _misplaced(self) -> Iterator[Fault]:
+        """Iterate over options that belong to the other kind of orifice."""
+        for name in filter(self.is_given, _MISPLACED[self.orifice]):
+            other = SLOT if self.is_round else ROUND
             yield Fault(
                 name,
-                f"{given[name]:g} m belongs to an orifice that is {_article(other)}.",
+                f"{self.option(name):g} m belongs to an orifice that is {_article(other)}.",
                 f'Leave it out, or set orifice = "{other}".',
             )
 
 
 def _article(orifice: str) -> str:
     return "a slot" if orifice == SLOT else "round"
-
-
-def _container(
-    sizes: ParticleSizes, given: Mapping[str, Any]
-) -> tuple[SlotBox | RoundContainer, Footprint]:
-    real = sizes.real
-    lengths = {**default_lengths(real, _LENGTHS), **given}
-    width, height = lengths["width"], lengths["fill_height"]
-    diameter = real.sauter_diameter
-    if given["orifice"] == ROUND:
-        least = _LEAST_ORIFICE * max(real.diameters)
-        orifice = given.get("orifice_diameter", max(_ORIFICE * diameter, least))
-        return RoundContainer(width / 2, height, orifice / 2), Round(width / 2)
-    depth = lengths["depth"]
-    box = SlotBox(width, depth, height, lengths["slot_width"], _THICKNESS * diameter)
-    return box, Rectangle(width, depth)
 
 
 def _equivalent_slot(container: SlotBox | RoundContainer) -> tuple[float, float]:

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
+from functools import cached_property
 from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from grainfit.bulk_tests.base import BulkTest, ResponseInfo
-from grainfit.bulk_tests.draw_down.setup import CLEARANCE, DrawDownSetup, plan_setup
+from grainfit.bulk_tests.draw_down.setup import CLEARANCE, DrawDownSetup
 from grainfit.bulk_tests.draw_down.surfaces import Surfaces
 from grainfit.bulk_tests.draw_down.view import DrawDownView, draw_draw_down
 from grainfit.bulk_tests.sensitivities import DENSITY, MODULUS, ROLLING, SLIDING, Sensitivities
@@ -22,7 +23,7 @@ from grainfit.bulk_tests.shared.options import (
     SLOT_WIDTH,
     TIME,
 )
-from grainfit.bulk_tests.shared.slot_scene import BED, END, FLOW, INSIDE, Flow, fill_and_flow
+from grainfit.bulk_tests.shared.slot_scene import BED, END, FLOW, INSIDE, fill_and_flow
 from grainfit.bulk_tests.shared.validity import (
     require_apex_below,
     require_emptied,
@@ -36,7 +37,7 @@ from grainfit.materials.particle_shape import ASPECT_RATIO
 from grainfit.measurement.bulk_density import bulk_density_in_box
 from grainfit.measurement.flow_rate import flow_rate
 from grainfit.measurement.particles import Particles, write_vtk
-from grainfit.options.fields import Amount, option
+from grainfit.options.fields import Amount, Derived, option
 from grainfit.scenes.packing import Column, Footprint
 from grainfit.scenes.run_output import RunOutput, snapshot_file
 from grainfit.scenes.scene import WALL, Box, Scene, Stage, Wall
@@ -61,18 +62,6 @@ class DrawDown(BulkTest):
     Defaults follow the Sauter diameter d of the particles, and are never smaller than the largest
     particles allow; times follow d by Froude's law. The options are the fields below, as in the
     calibration file.
-
-    Parameters
-    ----------
-    sizes : ParticleSizes, optional
-        Particle size distribution.
-    diameter : float, str or list, optional
-        Instead of sizes: ``"10 mm"``, or a list of ``{"value": ..., "mass_fraction": ...}``.
-
-    Raises
-    ------
-    InputError
-        The test is impossible; names every option at fault.
 
     Examples
     --------
@@ -158,58 +147,73 @@ class DrawDown(BulkTest):
     }
 
     width: Amount | None = option(
-        LENGTH, "Inner width of the upper box.", example='"240 mm"', words="24 d"
+        LENGTH,
+        "Inner width of the upper box.",
+        example='"240 mm"',
+        default=Derived("24 d", lambda s: s.usual("width", 24)),
     )
     depth: Amount | None = option(
         LENGTH,
         "Depth of the simulated slice; it repeats without end. The mass flow is that of this "
         "depth.",
         example='"80 mm"',
-        words="8 d",
+        default=Derived("8 d", lambda s: s.usual("depth", 8)),
     )
-    fill_height: Amount | None = option(LENGTH, FILL_HEIGHT, example='"100 mm"', words="10 d")
-    slot_width: Amount | None = option(LENGTH, SLOT_WIDTH, example='"50 mm"', words="5 d")
+    fill_height: Amount | None = option(
+        LENGTH,
+        FILL_HEIGHT,
+        example='"100 mm"',
+        default=Derived("10 d", lambda s: s.usual("fill_height", 10)),
+    )
+    slot_width: Amount | None = option(
+        LENGTH,
+        SLOT_WIDTH,
+        example='"50 mm"',
+        default=Derived("5 d", lambda s: s.usual("slot_width", 5)),
+    )
     shelf_thickness: Amount | None = option(
         LENGTH,
         "Thickness of the shelf, the floor of the upper box.",
         example='"5 mm"',
-        words="0.5 d",
+        default=Derived("0.5 d", lambda s: s.d / 2),
     )
     floor_distance: Amount | None = option(
         LENGTH,
         "Distance from the underside of the shelf to the lower floor. The apex of the heap must "
         "stay 2 d below the shelf.",
         example='"140 mm"',
-        words="14 d",
+        default=Derived("14 d", lambda s: s.usual_distance),
     )
     floor_half_width: Amount | None = option(
         LENGTH,
         "Half the width of the lower floor, whose edges are free. The heap must not reach them.",
         example='"300 mm"',
-        words="30 d",
+        default=Derived("30 d", lambda s: s.usual_half_width),
     )
     floor_sliding_friction: Amount | None = option(
         FRICTION,
         "Sliding friction between particles and lower floor.",
         example="0.5",
-        words="that of the walls",
+        default=Derived("that of the walls"),
     )
     floor_rolling_friction: Amount | None = option(
         FRICTION,
         "Rolling friction between particles and lower floor. On a smooth floor particles roll away "
         "beyond its edges, and the run fails.",
         example="0.3",
-        words="that of the walls",
+        default=Derived("that of the walls"),
     )
     settling_time_limit: Amount | None = option(
-        TIME, FLOW_TIME_LIMIT, example='"7 s"', words="three times the expected time of the flow"
+        TIME,
+        FLOW_TIME_LIMIT,
+        example='"7 s"',
+        default=Derived("three times the expected time of the flow", lambda s: s.usual_limit),
     )
-    #: Geometry and procedure, with every default resolved.
-    setup: DrawDownSetup = field(init=False, repr=False, compare=False)
 
-    def prepare(self) -> None:
-        """Resolve geometry and procedure."""
-        object.__setattr__(self, "setup", plan_setup(self.sizes, self.given_options()))
+    @cached_property
+    def setup(self) -> DrawDownSetup:
+        """Geometry and procedure, with every default resolved."""
+        return DrawDownSetup(self)
 
     def material_faults(self, material: Mapping[str, float]) -> Iterator[Fault]:
         """Iterate over why enlarged particles would arch over the orifice."""
@@ -226,7 +230,7 @@ class DrawDown(BulkTest):
 
     def scene_of(self, column: Column, material: Mapping[str, float]) -> Scene:
         """Return the experiment: a column falls, the door is taken away, the bed flows."""
-        setup, largest = self.setup, max(self.sizes.diameters)
+        setup, largest = self.setup, self.setup.largest
         box, filling = setup.box, setup.filling
         top = column.height + 1.25 * largest
         side = setup.floor_half_width + 3 * largest
@@ -267,8 +271,7 @@ class DrawDown(BulkTest):
 
     def _stages(self) -> tuple[Stage, ...]:
         setup = self.setup
-        flow = Flow(setup.shortest_flow, setup.settling_time_limit)
-        return fill_and_flow(setup.filling, flow, setup.underside)
+        return fill_and_flow(setup.filling, setup.flow, setup.underside)
 
     def measure(self, run: RunOutput) -> dict[str, Response]:
         """Measure the responses; leave a picture and a VTK file of the end.
@@ -313,9 +316,7 @@ class DrawDown(BulkTest):
     ) -> dict[str, Response]:
         setup = self.setup
         box = setup.box
-        density = bulk_density_in_box(
-            bed, box.width, box.depth, setup.density_bottom, setup.density_top
-        )
+        density = bulk_density_in_box(bed, box.width, box.depth, *setup.density_heights)
         return {
             "bulk_density": density,
             "mass_flow": flow_rate(series["time"], series[INSIDE]).response,

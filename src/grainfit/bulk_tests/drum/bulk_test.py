@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
-from typing import ClassVar
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, ClassVar
 
 import numpy as np
 
 from grainfit.bulk_tests.base import BulkTest, CurveInfo, CurveRange, ResponseInfo
 from grainfit.bulk_tests.drum.angles import DrumAngles
 from grainfit.bulk_tests.drum.bed import TurningBed
-from grainfit.bulk_tests.drum.setup import DrumSetup, plan_setup
+from grainfit.bulk_tests.drum.setup import FROUDE_NUMBER, DrumSetup
 from grainfit.bulk_tests.drum.view import DrumView, draw_drum
 from grainfit.bulk_tests.sensitivities import MODULUS, ROLLING, SLIDING, Sensitivities
 from grainfit.bulk_tests.shared.options import LENGTH
@@ -20,7 +21,7 @@ from grainfit.bulk_tests.view import Shown
 from grainfit.errors import NotMeasurableError, RunFailedError
 from grainfit.evaluation import Measured
 from grainfit.measurement.particles import Particles, write_vtk
-from grainfit.options.fields import Amount, option
+from grainfit.options.fields import Amount, Derived, option
 from grainfit.options.kinds import Flag, Quantity
 from grainfit.scenes.conditions import Elapsed
 from grainfit.scenes.glued import Glued
@@ -49,18 +50,6 @@ class Drum(BulkTest):
     Defaults follow the Sauter diameter d of the particles, and are never smaller than the largest
     particles allow; the speed follows d by Froude's law. The options are the fields below, as in
     the calibration file.
-
-    Parameters
-    ----------
-    sizes : ParticleSizes, optional
-        Particle size distribution.
-    diameter : float, str or list, optional
-        Instead of sizes: ``"10 mm"``, or a list of ``{"value": ..., "mass_fraction": ...}``.
-
-    Raises
-    ------
-    InputError
-        The test is impossible; names every option at fault.
 
     Examples
     --------
@@ -151,13 +140,13 @@ class Drum(BulkTest):
         "Inner radius of the drum. The angles depend on it over the particle diameter: use that of "
         "the laboratory.",
         example='"80 mm"',
-        words="8 d",
+        default=Derived("8 d", lambda s: s.usual_radius),
     )
     drum_length: Amount | None = option(
         LENGTH,
         "Length of the simulated slice; it repeats without end, so that there are no end walls.",
         example='"60 mm"',
-        words="6 d",
+        default=Derived("6 d", lambda s: s.usual_length),
     )
     fill_level: Amount = option(
         Quantity("", lowest=0.1, highest=0.6),
@@ -170,13 +159,13 @@ class Drum(BulkTest):
         Quantity("rad/s", above_zero=True),
         'Rotational speed of the drum, such as "10 rpm"; or give the Froude number.',
         example='"1.1 rad/s"',
-        words="that of the Froude number",
+        default=Derived("that of the Froude number", lambda s: s.usual_speed),
     )
     froude_number: Amount | None = option(
         Quantity("", above_zero=True, highest=1.0),
         "Rotational speed squared times radius over gravity, instead of the rotational speed.",
         example="0.01",
-        words="0.01",
+        default=Derived("0.01", lambda _: FROUDE_NUMBER),
     )
     lining: bool = option(
         Flag(),
@@ -184,7 +173,7 @@ class Drum(BulkTest):
         "where the friction of the wall is low, and the run fails.",
         example="true",
         default=True,
-        words="true",
+        default_text="true",
     )
     discarded_turns: Amount = option(
         _TURNS, "Turns before the averaging.", example="0.6", default=0.6
@@ -193,14 +182,17 @@ class Drum(BulkTest):
         _TURNS,
         "Turns over which angles are averaged: several whole avalanches.",
         example="0.9",
-        words="0.9, or 150 sqrt(d/g) where that is longer",
+        default=Derived("0.9, or 150 sqrt(d/g) where that is longer", lambda s: s.usual_turns),
     )
-    #: Geometry and procedure, with every default resolved.
-    setup: DrumSetup = field(init=False, repr=False, compare=False)
 
-    def prepare(self) -> None:
-        """Resolve geometry and procedure."""
-        object.__setattr__(self, "setup", plan_setup(self.sizes, self.given_options()))
+    @cached_property
+    def setup(self) -> DrumSetup:
+        """Geometry and procedure, with every default resolved."""
+        return DrumSetup(self)
+
+    def resolved_options(self) -> dict[str, Any]:
+        """Return the value of every option; the speed is recorded, however it was given."""
+        return {**super().resolved_options(), "froude_number": None}
 
     def curve_range(self, name: str) -> CurveRange:  # noqa: ARG002
         """Return the places within the drum."""
@@ -216,7 +208,7 @@ class Drum(BulkTest):
     def scene_of(self, column: Column, material: Mapping[str, float]) -> Scene:
         """Return the experiment: the particles fall into a drum that turns."""
         setup = self.setup
-        side = setup.drum_radius + 1.5 * max(self.sizes.diameters)
+        side = setup.drum_radius + 1.5 * self.setup.largest
         return Scene(
             title="Rotating drum",
             material=material,

@@ -1,18 +1,17 @@
-"""Geometry and procedure of a rotating drum: every default resolved, impossible values rejected."""
+"""Geometry and procedure of a rotating drum: what follows from its options and is possible."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
-from typing import Any
+from collections.abc import Iterator
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
+from grainfit.bulk_tests.setup import Setup
 from grainfit.bulk_tests.shared.filling import count_faults
-from grainfit.errors import Fault, InputError
-from grainfit.materials.sizes import ParticleSizes
+from grainfit.errors import Fault
 from grainfit.scenes.packing import mean_particle_volume
 from grainfit.scenes.scene import natural_time
 
@@ -20,7 +19,7 @@ from grainfit.scenes.scene import natural_time
 _RADIUS, _LENGTH = 8.0, 6.0
 _LEAST_RADIUS, _LEAST_LENGTH = 5.0, 4.0
 #: Default of the Froude number. Faster than 1, a drum carries its particles all the way round.
-_FROUDE_NUMBER = 0.01
+FROUDE_NUMBER = 0.01
 #: Default of the averaged turns; and the shortest default, over sqrt(d/g): an avalanche takes 20 to
 #: 40 of these units however fast the drum turns.
 _TURNS, _AVALANCHES = 0.9, 150.0
@@ -33,42 +32,51 @@ _LINING_SPACING = 2.0
 _FRAMES = 120
 
 
-@dataclass(frozen=True)
-class DrumSetup:
-    """Geometry and procedure of one drum; lengths in m, times in s.
+class DrumSetup(Setup):
+    """Geometry and procedure of a drum."""
 
-    Parameters
-    ----------
-    drum_radius, drum_length : float
-        Inner radius, and period of the slice.
-    fill_level : float
-        Share of the drum that the bed takes at a solid fraction of 0.58.
-    rotational_speed : float
-        rad/s.
-    discarded_turns, averaged_turns : float
-        Turns before the averaging, and during it.
-    lining_diameter : float
-        Diameter of the particles that line the drum; 0 for a smooth drum.
-    lining_size : int
-        Their index in the particle size distribution.
-    particle_count : int
-        Particles of the bed.
-    gravity : float
-        m/s^2.
-    """
+    @property
+    def usual_radius(self) -> float:
+        """Default of the inner radius, m."""
+        return max(_RADIUS * self.d, _LEAST_RADIUS * max(self.real.diameters))
 
-    drum_radius: float
-    drum_length: float
-    fill_level: float
-    rotational_speed: float
-    discarded_turns: float
-    averaged_turns: float
-    lining_diameter: float
-    lining_size: int
-    particle_count: int
-    gravity: float
-    #: The speed is recorded as `rotational_speed`, however it was given.
-    froude_number: None = None
+    @property
+    def usual_length(self) -> float:
+        """Default of the period of the slice, m."""
+        return max(_LENGTH * self.d, _LEAST_LENGTH * max(self.real.diameters))
+
+    @property
+    def usual_speed(self) -> float:
+        """Default of the rotational speed, rad/s: that of the Froude number."""
+        return math.sqrt(self.froude_number * self.gravity / self.drum_radius)
+
+    @property
+    def usual_turns(self) -> float:
+        """Default of the averaged turns: several avalanches."""
+        natural = natural_time(self.sizes, self.gravity)
+        return max(_TURNS, _AVALANCHES * natural / self.turn_time)
+
+    @property
+    def gravity(self) -> float:
+        """m/s^2; the identity of a run has it as a number with a point, however it was given."""
+        return float(self.option("gravity"))
+
+    @cached_property
+    def lining_size(self) -> int:
+        """Index of the particles that line the drum in the particle size distribution."""
+        real = self.real.diameters
+        return min(range(len(real)), key=lambda i: abs(real[i] - self.d))
+
+    @property
+    def lining_diameter(self) -> float:
+        """Diameter of the particles that line the drum, m; 0 for a smooth drum."""
+        return self.sizes.diameters[self.lining_size] if self.lining else 0.0
+
+    @cached_property
+    def particle_count(self) -> int:
+        """Number of particles of the bed."""
+        bed = self.fill_level * math.pi * self.drum_radius**2 * self.drum_length
+        return math.floor(_SOLID_FRACTION * bed / mean_particle_volume(self.sizes))
 
     @property
     def turn_time(self) -> float:
@@ -102,101 +110,59 @@ class DrumSetup:
         y, z = self.drum_radius * np.cos(azimuth), self.drum_radius * np.sin(azimuth)
         return np.column_stack((x, y, z))
 
+    def fault_stages(self) -> Iterator[list[Fault]]:
+        """Iterate over what is impossible."""
+        yield [*self._faults()]
 
-def plan_setup(sizes: ParticleSizes, options: Mapping[str, Any]) -> DrumSetup:
-    """Resolve every default of a drum.
+    def _faults(self) -> Iterator[Fault]:
+        largest = self.largest
+        least, length = _LEAST_RADIUS * largest, _LEAST_LENGTH * largest
+        if self.drum_radius < least:
+            yield Fault(
+                "drum_radius",
+                f"a drum of {self.drum_radius:g} m radius is narrower than {_LEAST_RADIUS:g} of "
+                f"the largest particles ({largest:g} m).",
+                f"Use at least {least:g} m.",
+            )
+        if self.drum_length < length:
+            yield Fault(
+                "drum_length",
+                f"a length of {self.drum_length:g} m repeats after less than {_LEAST_LENGTH:g} of "
+                f"the largest particles ({largest:g} m).",
+                f"Use at least {length:g} m.",
+            )
+        if self.is_given("rotational_speed") and self.is_given("froude_number"):
+            yield Fault(
+                "froude_number",
+                f"{self.froude_number:g} is given beside the rotational_speed "
+                f"{self.rotational_speed:g} rad/s.",
+                "Give one of them.",
+            )
+        froude = self.rotational_speed**2 * self.drum_radius / self.gravity
+        if froude > 1:
+            slowest = math.sqrt(self.gravity / self.drum_radius)
+            yield Fault(
+                "rotational_speed",
+                f"{self.rotational_speed:g} rad/s is a Froude number of {froude:.3g}: above 1 the "
+                "particles are carried all the way round.",
+                f"Use less than {slowest:g} rad/s; the default is a Froude number of "
+                f"{FROUDE_NUMBER:g}.",
+            )
+        lengths = {"drum_radius": self.drum_radius, "drum_length": self.drum_length}
+        too_many = [*count_faults(self.particle_count, lengths)]
+        yield from too_many
+        if not too_many and self.drum_radius >= least:
+            yield from self._room_faults()
 
-    Parameters
-    ----------
-    sizes : ParticleSizes
-        The length scale of all defaults is the Sauter diameter.
-    options : mapping of str to object
-        The options of `Drum`, each within its limits; None stands for the default.
-
-    Raises
-    ------
-    InputError
-        The test is impossible; names every option at fault.
-    """
-    given = {name: value for name, value in options.items() if value is not None}
-    real = sizes.real
-    diameter, largest = real.sauter_diameter, max(real.diameters)
-    radius = given.get("drum_radius", max(_RADIUS * diameter, _LEAST_RADIUS * largest))
-    length = given.get("drum_length", max(_LENGTH * diameter, _LEAST_LENGTH * largest))
-    gravity, fill_level = float(given["gravity"]), given["fill_level"]
-    size = min(range(len(sizes.diameters)), key=lambda i: abs(real.diameters[i] - diameter))
-    bed = fill_level * math.pi * radius**2 * length
-    froude = given.get("froude_number", _FROUDE_NUMBER)
-    speed = given.get("rotational_speed", math.sqrt(froude * gravity / radius))
-    natural, turn = natural_time(sizes, gravity), 2 * math.pi / speed
-    setup = DrumSetup(
-        drum_radius=radius,
-        drum_length=length,
-        fill_level=fill_level,
-        rotational_speed=speed,
-        discarded_turns=given["discarded_turns"],
-        averaged_turns=given.get("averaged_turns", max(_TURNS, _AVALANCHES * natural / turn)),
-        lining_diameter=sizes.diameters[size] if given["lining"] else 0.0,
-        lining_size=size,
-        particle_count=math.floor(_SOLID_FRACTION * bed / mean_particle_volume(sizes)),
-        gravity=gravity,
-    )
-    faults = [*_faults(setup, sizes, given)]
-    if faults:
-        raise InputError(faults)
-    return setup
-
-
-def _faults(setup: DrumSetup, sizes: ParticleSizes, given: Mapping[str, Any]) -> Iterator[Fault]:
-    largest = max(sizes.diameters)
-    least, length = _LEAST_RADIUS * largest, _LEAST_LENGTH * largest
-    if setup.drum_radius < least:
-        yield Fault(
-            "drum_radius",
-            f"a drum of {setup.drum_radius:g} m radius is narrower than {_LEAST_RADIUS:g} of the "
-            f"largest particles ({largest:g} m).",
-            f"Use at least {least:g} m.",
-        )
-    if setup.drum_length < length:
-        yield Fault(
-            "drum_length",
-            f"a length of {setup.drum_length:g} m repeats after less than {_LEAST_LENGTH:g} of the "
-            f"largest particles ({largest:g} m).",
-            f"Use at least {length:g} m.",
-        )
-    if "rotational_speed" in given and "froude_number" in given:
-        yield Fault(
-            "froude_number",
-            f"{given['froude_number']:g} is given beside the rotational_speed "
-            f"{given['rotational_speed']:g} rad/s.",
-            "Give one of them.",
-        )
-    froude = setup.rotational_speed**2 * setup.drum_radius / setup.gravity
-    if froude > 1:
-        slowest = math.sqrt(setup.gravity / setup.drum_radius)
-        yield Fault(
-            "rotational_speed",
-            f"{setup.rotational_speed:g} rad/s is a Froude number of {froude:.3g}: above 1 the "
-            "particles are carried all the way round.",
-            f"Use less than {slowest:g} rad/s; the default is a Froude number of "
-            f"{_FROUDE_NUMBER:g}.",
-        )
-    lengths = {"drum_radius": setup.drum_radius, "drum_length": setup.drum_length}
-    too_many = [*count_faults(setup.particle_count, lengths, count_is_given=False)]
-    yield from too_many
-    if not too_many and setup.drum_radius >= least:
-        yield from _room_faults(setup, sizes)
-
-
-def _room_faults(setup: DrumSetup, sizes: ParticleSizes) -> Iterator[Fault]:
-    """Particles begin at places all over the drum, none touching another."""
-    room = math.pi * (setup.clear_radius - max(sizes.diameters) / 4) ** 2 * setup.drum_length
-    fraction = setup.particle_count * mean_particle_volume(sizes) / room
-    if fraction > _LARGEST_FRACTION:
-        highest = math.floor(100 * setup.fill_level * _LARGEST_FRACTION / fraction) / 100
-        yield Fault(
-            "fill_level",
-            f"{setup.fill_level:g} leaves no room to place {setup.particle_count} particles at "
-            "random.",
-            f"Use at most {highest:g}, or a larger drum.",
-        )
+    def _room_faults(self) -> Iterator[Fault]:
+        """Particles begin at places all over the drum, none touching another."""
+        room = math.pi * (self.clear_radius - self.largest / 4) ** 2 * self.drum_length
+        fraction = self.particle_count * mean_particle_volume(self.sizes) / room
+        if fraction > _LARGEST_FRACTION:
+            highest = math.floor(100 * self.fill_level * _LARGEST_FRACTION / fraction) / 100
+            yield Fault(
+                "fill_level",
+                f"{self.fill_level:g} leaves no room to place {self.particle_count} particles at "
+                "random.",
+                f"Use at most {highest:g}, or a larger drum.",
+            )

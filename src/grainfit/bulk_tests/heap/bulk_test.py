@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Any, ClassVar, Self
 
 from grainfit.bulk_tests.base import BulkTest, CurveInfo, CurveRange, ResponseInfo
-from grainfit.bulk_tests.heap.setup import HeapSetup, plan_setup
+from grainfit.bulk_tests.heap.setup import HeapSetup
 from grainfit.bulk_tests.heap.view import HeapView
-from grainfit.bulk_tests.sensitivities import DENSITY, MODULUS, ROLLING, SLIDING, Sensitivities
-from grainfit.bulk_tests.shared.filling import fill_stage
+from grainfit.bulk_tests.sensitivities import ROLLING, SLIDING, Sensitivities
 from grainfit.bulk_tests.shared.options import FRICTION, LENGTH, TIME
+from grainfit.bulk_tests.shared.responses import BULK_DENSITY
 from grainfit.bulk_tests.shared.validity import require_separate
 from grainfit.bulk_tests.view import Shown
 from grainfit.errors import NotMeasurableError
@@ -30,7 +31,7 @@ from grainfit.measurement.heap_size import base_radius, heap_height, heap_profil
 from grainfit.measurement.particles import Particles, write_vtk
 from grainfit.measurement.picture import draw_heap
 from grainfit.measurement.silhouette import Silhouette
-from grainfit.options.fields import Amount, option
+from grainfit.options.fields import Amount, Derived, option
 from grainfit.options.kinds import Quantity, Whole
 from grainfit.scenes.conditions import AtRest, Clear
 from grainfit.scenes.packing import Column, Footprint, Round
@@ -50,6 +51,13 @@ _FILL_SHARE = 1.25
 _LIFT_SHARE = 0.9
 #: An angle of which there is no cone, degrees.
 _STEEPEST = 90.0
+#: Options that a definition of version 0.1.0 has beside geometry and procedure.
+_OUTSIDE_SETUP = (
+    "plate_sliding_friction",
+    "plate_rolling_friction",
+    "time_step_fraction",
+    "views",
+)
 #: Surface of plate and rim.
 _PLATE = "plate"
 
@@ -71,18 +79,6 @@ class Heap(BulkTest):
     law, so that the test is the same test at every size. The options are the fields below, as in
     the calibration file.
 
-    Parameters
-    ----------
-    sizes : ParticleSizes, optional
-        Particle size distribution.
-    diameter : float, str or list, optional
-        Instead of sizes: ``"10 mm"``, or a list of ``{"value": ..., "mass_fraction": ...}``.
-
-    Raises
-    ------
-    InputError
-        The test is impossible; names every option at fault.
-
     Examples
     --------
     >>> Heap(diameter="10 mm").setup.cylinder_radius
@@ -102,17 +98,7 @@ class Heap(BulkTest):
     }
     shown: ClassVar[Shown | None] = Shown("heap", "angle_of_repose", snapshot_file(_HEAP), _PICTURE)
     responses: ClassVar[Mapping[str, ResponseInfo]] = {
-        "bulk_density": ResponseInfo(
-            "kg/m^3",
-            "ρ_b",
-            "bulk density: mass of the bed over its volume, voids included",
-            '{ value = "1500 kg/m^3", uncertainty = "1 %" }',
-            Sensitivities(
-                {DENSITY: 1.07, MODULUS: -0.066, SLIDING: -0.059, ROLLING: -0.023},
-                {SLIDING: -0.068, ROLLING: -0.006},
-                scatter=0.006,
-            ),
-        ),
+        "bulk_density": BULK_DENSITY,
         "angle_of_repose": ResponseInfo(
             "deg",
             "α",
@@ -160,48 +146,57 @@ class Heap(BulkTest):
         Whole(1),
         "Number of particles rained in.",
         example="1500",
-        words="as many as fill the cylinder",
+        default=Derived("as many as fill the cylinder", lambda s: s.usual_count),
     )
     cylinder_radius: Amount | None = option(
-        LENGTH, "Inner radius of the cylinder.", example='"60 mm"', words="6 d"
+        LENGTH,
+        "Inner radius of the cylinder.",
+        example='"60 mm"',
+        default=Derived("6 d", lambda s: s.usual_radius),
     )
     plate_radius: Amount | None = option(
         LENGTH,
         "Radius of the plate, whose edge is free unless it has a rim.",
         example='"160 mm"',
-        words="16 d",
+        default=Derived("16 d", lambda s: 16 * s.d),
     )
     rim_height: Amount = option(
         _LENGTH_OR_ZERO,
         "Height of a rim around the plate.",
         example='"10 mm"',
         default=0.0,
-        words="0, a free edge",
+        default_text="0, a free edge",
     )
     strike_off_height: Amount | None = option(
         LENGTH,
         "Particles with their centre above are removed before the lift.",
         example='"105 mm"',
-        words="10.5 d",
+        default=Derived("10.5 d", lambda s: 10.5 * s.d),
     )
     bulk_density_bottom: Amount | None = option(
-        LENGTH, "The bulk density is measured from this height on.", example='"10 mm"', words="1 d"
+        LENGTH,
+        "The bulk density is measured from this height on.",
+        example='"10 mm"',
+        default=Derived("1 d", lambda s: s.d),
     )
     bulk_density_top: Amount | None = option(
-        LENGTH, "The bulk density is measured up to this height.", example='"90 mm"', words="9 d"
+        LENGTH,
+        "The bulk density is measured up to this height.",
+        example='"90 mm"',
+        default=Derived("9 d", lambda s: 9 * s.d),
     )
     lift_speed: Amount | None = option(
         Quantity("m/s", above_zero=True),
         "Speed of the cylinder. It affects the angle of repose: use the speed of the laboratory.",
         example='"0.05 m/s"',
-        words="0.05 m/s for d = 10 mm",
+        default=Derived("0.05 m/s for d = 10 mm", lambda s: s.usual_lift_speed),
     )
     lift_height: Amount | None = option(
         LENGTH,
         "Longest travel of the cylinder; the lift ends earlier once the cylinder is clear of a "
         "heap at rest.",
         example='"100 mm"',
-        words="10 d",
+        default=Derived("10 d", lambda s: 10 * s.d),
     )
     plate_sliding_friction: Amount = option(
         FRICTION, "Sliding friction between particles and plate.", example="0.5", default=0.5
@@ -210,13 +205,13 @@ class Heap(BulkTest):
         FRICTION,
         "Rolling friction between particles and plate.",
         example="0.67",
-        words="as between two particles",
+        default=Derived("as between two particles"),
     )
     settling_time_limit: Amount | None = option(
         TIME,
         "Longest simulated time in which the bed and the heap may come to rest.",
         example='"2 s"',
-        words="ten times the time of fall",
+        default=Derived("ten times the time of fall", lambda s: s.filling.settling_time_limit),
     )
     views: int = option(
         Whole(1, 360),
@@ -224,30 +219,34 @@ class Heap(BulkTest):
         example="12",
         default=12,
     )
-    #: Geometry and procedure, with every default resolved.
-    setup: HeapSetup = field(init=False, repr=False, compare=False)
 
-    def prepare(self) -> None:
-        """Resolve geometry and procedure."""
-        object.__setattr__(self, "setup", plan_setup(self.sizes, self.given_options()))
+    @cached_property
+    def setup(self) -> HeapSetup:
+        """Geometry and procedure, with every default resolved."""
+        return HeapSetup(self)
 
     def definition(self) -> dict[str, Any]:
         """Return everything in the test that affects a run's outcome, as JSON.
 
         It is written as in version 0.1.0, whose runs are those of today.
         """
-        setup = {**asdict(self.setup), "gravity": self.gravity}
+        setup, filling = self.setup, self.setup.filling
+        recorded = {
+            "column_height": filling.column_height,
+            "cylinder_gap": setup.cylinder_gap,
+            "quiet_speed": filling.quiet_speed,
+            "check_interval": filling.check_interval,
+            "fill_time": filling.fill_time,
+        }
+        options = self.resolved_options()
         return {
             "type": self.type,
             "revision": self.revision,
             "deck": DECK_REVISION,
             "packing": SCENES_REVISION,
             **self.sizes.definition(),
-            "setup": setup,
-            "plate_sliding_friction": self.plate_sliding_friction,
-            "plate_rolling_friction": self.plate_rolling_friction,
-            "time_step_fraction": self.time_step_fraction,
-            "views": self.views,
+            **{name: options.pop(name) for name in _OUTSIDE_SETUP},
+            "setup": {**options, **recorded},
         }
 
     @classmethod
@@ -272,7 +271,7 @@ class Heap(BulkTest):
 
     def scene_of(self, column: Column, material: Mapping[str, float]) -> Scene:
         """Return the experiment: a column falls, is struck off, and the cylinder is lifted."""
-        setup, largest = self.setup, max(self.sizes.diameters)
+        setup, largest = self.setup, self.setup.largest
         top = column.height + 1.25 * largest
         side = setup.plate_radius + 1.5 * largest
         ceiling = top + setup.lift_height + 2 * largest
@@ -293,8 +292,8 @@ class Heap(BulkTest):
             stages=self._stages(),
             gravity=setup.gravity,
             time_step=self.time_step(material),
-            quiet_speed=setup.quiet_speed,
-            check_interval=setup.check_interval,
+            quiet_speed=setup.filling.quiet_speed,
+            check_interval=setup.filling.check_interval,
             surfaces={_PLATE: self._plate_parameters(material)},
         )
 
@@ -319,7 +318,7 @@ class Heap(BulkTest):
         setup = self.setup
         limit = setup.settling_time_limit
         return (
-            fill_stage(setup.fill_time, limit, _SETTLED),
+            setup.filling.stage(limit, _SETTLED),
             Stage(
                 "lift",
                 Clear("cylinder", setup.lift_height / setup.lift_speed),
@@ -387,7 +386,10 @@ class Heap(BulkTest):
     def simulated_time(self, material: Mapping[str, float]) -> float:  # noqa: ARG002
         """Estimate the simulated time of a run, s."""
         setup = self.setup
-        return _FILL_SHARE * setup.fill_time + _LIFT_SHARE * setup.lift_height / setup.lift_speed
+        return (
+            _FILL_SHARE * setup.filling.fill_time
+            + _LIFT_SHARE * setup.lift_height / setup.lift_speed
+        )
 
     def view(self, run: RunOutput) -> HeapView:
         """Read the heap of a run, to be drawn."""

@@ -1,21 +1,21 @@
-"""Geometry and procedure of a heap test: every default resolved, impossible values rejected."""
+"""Geometry and procedure of a heap test: what follows from its options, and what is impossible."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Iterator
+from functools import cached_property
 
+from grainfit.bulk_tests.setup import Setup
 from grainfit.bulk_tests.shared.filling import (
-    Fall,
+    Filling,
     count_faults,
     cylinder_faults,
     least_radius,
     particles_to_fill,
     strike_off_faults,
 )
-from grainfit.errors import Fault, InputError
-from grainfit.materials.sizes import ParticleSizes
+from grainfit.errors import Fault
 from grainfit.scenes.packing import Round, column_height
 
 #: The defaults are those of a test of 10 mm beads on Earth; other sizes follow by Froude's law.
@@ -25,54 +25,48 @@ _REFERENCE_GRAVITY = 9.81
 _RADIUS = 6
 
 
-@dataclass(frozen=True)
-class HeapSetup:
-    """Geometry and procedure of one heap test; lengths in m, times in s, heights from the plate.
+class HeapSetup(Setup):
+    """Geometry and procedure of a heap test; heights are above the plate."""
 
-    Parameters
-    ----------
-    particle_count : int
-        Particles rained in.
-    cylinder_radius, cylinder_gap : float
-        Inner radius, and height of the lower end before lifting.
-    column_height : float
-        Height of the column of particles before it falls.
-    plate_radius, rim_height : float
-        Plate under the cylinder; without rim, particles fall off its edge.
-    strike_off_height : float
-        Particles with their centre above are removed before the lift.
-    bulk_density_bottom, bulk_density_top : float
-        The bulk density is that of the bed between these heights.
-    lift_speed, lift_height : float
-        Speed, m/s, and longest travel of the cylinder.
-    gravity : float
-        m/s^2.
-    quiet_speed : float
-        A bed is at rest when its kinetic energy is less than if every particle had this speed, m/s.
-    check_interval : float
-        Simulated time between two checks of the kinetic energy.
-    fill_time : float
-        Shortest simulated time of the fill stage: the particles have fallen by then.
-    settling_time_limit : float
-        Longest simulated time in which a bed may come to rest.
-    """
+    @property
+    def d(self) -> float:
+        """Diameter that the defaults follow, m: larger where mixtures need a wider cylinder."""
+        if self.is_given("cylinder_radius"):
+            return super().d
+        return max(super().d, least_radius(self.real) / _RADIUS)
 
-    particle_count: int
-    cylinder_radius: float
-    cylinder_gap: float
-    column_height: float
-    plate_radius: float
-    rim_height: float
-    strike_off_height: float
-    bulk_density_bottom: float
-    bulk_density_top: float
-    lift_speed: float
-    lift_height: float
-    gravity: float
-    quiet_speed: float
-    check_interval: float
-    fill_time: float
-    settling_time_limit: float
+    @property
+    def usual_radius(self) -> float:
+        """Default of the radius of the cylinder, m."""
+        return max(_RADIUS * self.d, least_radius(self.real))
+
+    @property
+    def usual_count(self) -> int:
+        """Default of the number of particles."""
+        return particles_to_fill(self.sizes, self.cylinder_radius, self.strike_off_height)
+
+    @property
+    def usual_lift_speed(self) -> float:
+        """Default of the speed of the cylinder, m/s: laboratories lift it beside real particles."""
+        return 0.05 * _froude_speed(self.d, self.gravity)
+
+    @property
+    def cylinder_gap(self) -> float:
+        """Height of the lower end of the cylinder before it is lifted, m."""
+        return 0.15 * min(self.sizes.diameters)
+
+    @cached_property
+    def filling(self) -> Filling:
+        """Particles rained in, and when they are at rest: that follows the simulated ones."""
+        diameter, count = self.sizes.sauter_diameter, self.particle_count
+        time = math.sqrt(diameter / _REFERENCE_DIAMETER * _REFERENCE_GRAVITY / self.gravity)
+        return Filling(
+            particle_count=count,
+            column_height=column_height(self.sizes, count, Round(self.cylinder_radius)),
+            gravity=self.gravity,
+            quiet_speed=0.004 * _froude_speed(diameter, self.gravity),
+            check_interval=0.05 * time,
+        )
 
     def expected_foot(self, angle: float, diameter: float) -> float:
         """Return about the base radius of the heap of this test, m.
@@ -91,106 +85,54 @@ class HeapSetup:
         base = math.pow(3 * self.cylinder_radius**2 * self.strike_off_height / slope, 1 / 3)
         return base - diameter / 2 / slope
 
+    def fault_stages(self) -> Iterator[list[Fault]]:
+        """Iterate over what is impossible: the filled cylinder, then everything about it."""
+        names = ("cylinder_radius", "strike_off_height")
+        lengths = {name: self.option(name) for name in names}
+        yield [
+            *cylinder_faults(self.sizes, self.cylinder_radius),
+            *count_faults(self.particle_count, lengths, self.is_given("particle_count")),
+        ]
+        yield [*self._geometry_faults()]
 
-def plan_setup(sizes: ParticleSizes, options: Mapping[str, float | None]) -> HeapSetup:
-    """Resolve every default of a heap test.
-
-    Parameters
-    ----------
-    sizes : ParticleSizes
-        The length scale of all defaults is the Sauter diameter, or a larger one where the default
-        cylinder would be too narrow for the largest particles.
-    options : mapping of str to float or None
-        The options of `Heap`, each within its limits; None stands for the default.
-
-    Raises
-    ------
-    InputError
-        The test is impossible; names every option at fault.
-    """
-    given = {name: value for name, value in options.items() if value is not None}
-    real, gravity = sizes.real, given["gravity"]
-    diameter, narrowest = real.sauter_diameter, 0.0
-    if "cylinder_radius" not in given:
-        narrowest = least_radius(real)
-        diameter = max(diameter, narrowest / _RADIUS)
-    # The laboratory lifts its cylinder beside real particles; simulated ones come to rest.
-    usual_speed = 0.05 * _froude_speed(diameter, gravity)
-    simulated = sizes.sauter_diameter
-    froude_time = math.sqrt(simulated / _REFERENCE_DIAMETER * _REFERENCE_GRAVITY / gravity)
-    radius = given.get("cylinder_radius", max(_RADIUS * diameter, narrowest))
-    strike_off = given.get("strike_off_height", 10.5 * diameter)
-    default_count = particles_to_fill(sizes, radius, strike_off)
-    count = int(given.get("particle_count", default_count))
-    lengths = {"cylinder_radius": radius, "strike_off_height": strike_off}
-    too_many = count_faults(count, lengths, count_is_given="particle_count" in given)
-    faults = [*cylinder_faults(sizes, radius), *too_many]
-    if faults:
-        raise InputError(faults)
-    height = column_height(sizes, count, Round(radius))
-    fall = Fall(height, gravity)
-    setup = HeapSetup(
-        particle_count=count,
-        cylinder_radius=radius,
-        cylinder_gap=0.15 * min(sizes.diameters),
-        column_height=height,
-        plate_radius=given.get("plate_radius", 16 * diameter),
-        rim_height=given["rim_height"],
-        strike_off_height=strike_off,
-        bulk_density_bottom=given.get("bulk_density_bottom", diameter),
-        bulk_density_top=given.get("bulk_density_top", 9 * diameter),
-        lift_speed=given.get("lift_speed", usual_speed),
-        lift_height=given.get("lift_height", 10 * diameter),
-        gravity=gravity,
-        quiet_speed=0.004 * _froude_speed(simulated, gravity),
-        check_interval=0.05 * froude_time,
-        fill_time=fall.fill_time,
-        settling_time_limit=given.get("settling_time_limit", fall.settling_time_limit),
-    )
-    faults = [*_geometry_faults(setup, sizes)]
-    if faults:
-        raise InputError(faults)
-    return setup
+    def _geometry_faults(self) -> Iterator[Fault]:
+        if self.plate_radius <= self.cylinder_radius:
+            yield Fault(
+                "plate_radius",
+                f"a plate of {self.plate_radius:g} m radius does not carry a cylinder of "
+                f"{self.cylinder_radius:g} m radius.",
+                "Make the plate wider or the cylinder narrower.",
+            )
+        if self.bulk_density_top - self.bulk_density_bottom < self.largest:
+            yield Fault(
+                "bulk_density_top",
+                f"between {self.bulk_density_bottom:g} m and {self.bulk_density_top:g} m there is "
+                "less than one particle diameter to measure the bulk density in.",
+            )
+        if self.bulk_density_top > self.strike_off_height:
+            yield Fault(
+                "bulk_density_top",
+                f"{self.bulk_density_top:g} m is above the strike-off height "
+                f"{self.strike_off_height:g} m.",
+                "Measure lower or strike off higher.",
+            )
+        if self.rim_height >= self.strike_off_height:
+            yield Fault(
+                "rim_height",
+                f"{self.rim_height:g} m is not below the strike-off height "
+                f"{self.strike_off_height:g} m.",
+            )
+        if self.lift_height < self.strike_off_height / 4:
+            yield Fault(
+                "lift_height",
+                f"{self.lift_height:g} m leaves the cylinder in the heap.",
+                f"Use about the strike-off height, {self.strike_off_height:g} m.",
+            )
+        yield from strike_off_faults(
+            self.sizes, self.cylinder_radius, self.strike_off_height, self.particle_count
+        )
 
 
 def _froude_speed(diameter: float, gravity: float) -> float:
     """Return the speed at which a lift of this size looks as one of 10 mm beads at 1 m/s, m/s."""
     return math.sqrt(diameter / _REFERENCE_DIAMETER * gravity / _REFERENCE_GRAVITY)
-
-
-def _geometry_faults(setup: HeapSetup, sizes: ParticleSizes) -> Iterator[Fault]:
-    if setup.plate_radius <= setup.cylinder_radius:
-        yield Fault(
-            "plate_radius",
-            f"a plate of {setup.plate_radius:g} m radius does not carry a cylinder of "
-            f"{setup.cylinder_radius:g} m radius.",
-            "Make the plate wider or the cylinder narrower.",
-        )
-    if setup.bulk_density_top - setup.bulk_density_bottom < max(sizes.diameters):
-        yield Fault(
-            "bulk_density_top",
-            f"between {setup.bulk_density_bottom:g} m and {setup.bulk_density_top:g} m there is "
-            "less than one particle diameter to measure the bulk density in.",
-        )
-    if setup.bulk_density_top > setup.strike_off_height:
-        yield Fault(
-            "bulk_density_top",
-            f"{setup.bulk_density_top:g} m is above the strike-off height "
-            f"{setup.strike_off_height:g} m.",
-            "Measure lower or strike off higher.",
-        )
-    if setup.rim_height >= setup.strike_off_height:
-        yield Fault(
-            "rim_height",
-            f"{setup.rim_height:g} m is not below the strike-off height "
-            f"{setup.strike_off_height:g} m.",
-        )
-    if setup.lift_height < setup.strike_off_height / 4:
-        yield Fault(
-            "lift_height",
-            f"{setup.lift_height:g} m leaves the cylinder in the heap.",
-            f"Use about the strike-off height, {setup.strike_off_height:g} m.",
-        )
-    yield from strike_off_faults(
-        sizes, setup.cylinder_radius, setup.strike_off_height, setup.particle_count
-    )

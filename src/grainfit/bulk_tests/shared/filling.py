@@ -39,36 +39,6 @@ _CHECK_INTERVAL = 1.57
 
 
 @dataclass(frozen=True)
-class Fall:
-    """Times in which a column of particles falls and comes to rest, s.
-
-    Parameters
-    ----------
-    column_height : float
-        Height of the column, m.
-    gravity : float
-        m/s^2.
-    """
-
-    column_height: float
-    gravity: float
-
-    @property
-    def _time(self) -> float:
-        return math.sqrt(2 * self.column_height / self.gravity)
-
-    @property
-    def fill_time(self) -> float:
-        """Shortest time of the fill stage: the particles have fallen by then."""
-        return _SHORTEST_FILL * self._time
-
-    @property
-    def settling_time_limit(self) -> float:
-        """Default of the longest time in which a bed may come to rest: ten times the fall."""
-        return _PATIENCE * self._time
-
-
-@dataclass(frozen=True)
 class Filling:
     """Particles that fill a container, and when they are at rest; times in s, lengths in m.
 
@@ -78,8 +48,8 @@ class Filling:
         Particles rained in.
     column_height : float
         Height of the column of particles before it falls.
-    fill_time : float
-        Shortest simulated time of the fill stage: the particles have fallen by then.
+    gravity : float
+        m/s^2.
     quiet_speed : float
         A bed is at rest when its kinetic energy is less than if every particle had this speed, m/s.
     check_interval : float
@@ -88,9 +58,42 @@ class Filling:
 
     particle_count: int
     column_height: float
-    fill_time: float
+    gravity: float
     quiet_speed: float
     check_interval: float
+
+    @property
+    def _fall_time(self) -> float:
+        """Time in which a particle falls from the top of the column, s."""
+        return math.sqrt(2 * self.column_height / self.gravity)
+
+    @property
+    def fill_time(self) -> float:
+        """Shortest time of the fill stage: the particles have fallen by then."""
+        return _SHORTEST_FILL * self._fall_time
+
+    @property
+    def settling_time_limit(self) -> float:
+        """Default of the longest time in which a bed may come to rest: ten times the fall."""
+        return _PATIENCE * self._fall_time
+
+    def stage(self, settling_time_limit: float, snapshot: str) -> Stage:
+        """Return the first stage of a bulk test: the column falls and comes to rest.
+
+        Parameters
+        ----------
+        settling_time_limit : float
+            Longest simulated time beyond the shortest one, s.
+        snapshot : str
+            Name of the snapshot of the bed.
+        """
+        return Stage(
+            "fill",
+            AtRest(self.fill_time + settling_time_limit, at_least=self.fill_time),
+            "the column falls and comes to rest",
+            is_closed=True,
+            snapshot=snapshot,
+        )
 
 
 def plan_filling(
@@ -114,7 +117,7 @@ def plan_filling(
     return Filling(
         particle_count=count,
         column_height=column,
-        fill_time=Fall(column, gravity).fill_time,
+        gravity=gravity,
         quiet_speed=_QUIET_SPEED * natural_speed(sizes, gravity),
         check_interval=_CHECK_INTERVAL * natural_time(sizes, gravity),
     )
@@ -135,27 +138,6 @@ def particles_to_fill(sizes: ParticleSizes, radius: float, height: float) -> int
     return math.ceil(filling * volume / mean_particle_volume(sizes) / 10) * 10
 
 
-def fill_stage(fill_time: float, settling_time_limit: float, snapshot: str) -> Stage:
-    """Return the first stage of a bulk test: a column of particles falls and comes to rest.
-
-    Parameters
-    ----------
-    fill_time : float
-        Shortest simulated time, s.
-    settling_time_limit : float
-        Longest simulated time beyond it, s.
-    snapshot : str
-        Name of the snapshot of the bed.
-    """
-    return Stage(
-        "fill",
-        AtRest(fill_time + settling_time_limit, at_least=fill_time),
-        "the column falls and comes to rest",
-        is_closed=True,
-        snapshot=snapshot,
-    )
-
-
 def cylinder_faults(sizes: ParticleSizes, radius: float) -> Iterator[Fault]:
     """Iterate over what is impossible about the option ``cylinder_radius``, m."""
     largest = max(sizes.diameters)
@@ -173,7 +155,9 @@ def least_radius(sizes: ParticleSizes) -> float:
     return _NARROWEST_CYLINDER / 2 * max(sizes.diameters)
 
 
-def count_faults(count: int, lengths: Mapping[str, float], count_is_given: bool) -> Iterator[Fault]:
+def count_faults(
+    count: int, lengths: Mapping[str, float], count_is_given: bool = False
+) -> Iterator[Fault]:
     """Iterate over what is impossible about the number of particles.
 
     Parameters

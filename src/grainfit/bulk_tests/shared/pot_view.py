@@ -4,12 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from pathlib import Path
 
 from grainfit.bulk_tests.view import MeasuredDrawing, Outline, RunView, circle
 from grainfit.measurement.angle_of_repose import heap_silhouette
 from grainfit.measurement.drawing import Drawing, draw
 from grainfit.measurement.particles import Particles
+from grainfit.measurement.sheet import OVERSAMPLING, sheet
 from grainfit.measurement.side_view import SideView
+
+_PANEL_WIDTH = 560 * OVERSAMPLING
 
 
 @dataclass(frozen=True)
@@ -59,6 +63,11 @@ class PotView(RunView):
             walls.append((-self.radius, self.lid, self.radius, self.lid + thick))
         behind = self.particles.select(self.particles.positions[:, 1] > 0)
         return SideView(behind, (-outer - thick, -diameter, outer + thick, top), walls)
+
+    def draw(self, path: Path, title: str, subtitle: str) -> None:
+        """Write a PNG of the half of the bed behind the axis."""
+        panel = self.side_view().panel(_PANEL_WIDTH)
+        sheet(title, subtitle, [panel], _PANEL_WIDTH).save(path)
 
 
 def highest_point(bed: Particles) -> float:

@@ -7,7 +7,7 @@ from outside, so that the edges of the slot are exact in every solver.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 from grainfit.bulk_tests.shared.orifice import ARCHES, Orifice
@@ -21,6 +21,12 @@ from grainfit.scenes.shapes import Block
 #: lets a particle touch its own neighbours on both sides.
 _NARROWEST, _SHORTEST_PERIOD = 6.0, 4.0
 _LOWEST_BED = 4.0
+_LEAST = {
+    "width": _NARROWEST,
+    "depth": _SHORTEST_PERIOD,
+    "fill_height": _LOWEST_BED,
+    "slot_width": ARCHES,
+}
 #: Thickness of the side walls, in diameters of the largest particles.
 _SIDE = 2.0
 #: Shortest time of the flow stage, over sqrt(d/g): before, the particles have hardly moved.
@@ -157,24 +163,19 @@ class SlotBox:
         yield from container_faults(sizes, self.width, self.fill_height)
 
 
-def default_lengths(sizes: ParticleSizes, planned: Mapping[str, float]) -> dict[str, float]:
-    """Return the default lengths of a container by option, m.
+def default_length(sizes: ParticleSizes, name: str, diameters: float) -> float:
+    """Return the default of a length of a container, m: what the largest particles need, or more.
 
     Parameters
     ----------
     sizes : ParticleSizes
         Particle size distribution.
-    planned : mapping of str to float
-        Lengths in Sauter diameters, of which none is smaller than the largest particles allow.
+    name : str
+        Option of the length.
+    diameters : float
+        The length in Sauter diameters.
     """
-    diameter, largest = sizes.sauter_diameter, max(sizes.diameters)
-    least = {
-        "width": _NARROWEST,
-        "depth": _SHORTEST_PERIOD,
-        "fill_height": _LOWEST_BED,
-        "slot_width": ARCHES,
-    }
-    return {name: max(n * diameter, least[name] * largest) for name, n in planned.items()}
+    return max(diameters * sizes.sauter_diameter, _LEAST[name] * max(sizes.diameters))
 
 
 def container_faults(sizes: ParticleSizes, width: float, fill_height: float) -> Iterator[Fault]:

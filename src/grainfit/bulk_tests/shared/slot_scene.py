@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from grainfit.bulk_tests.shared.filling import Filling, fill_stage
+from grainfit.bulk_tests.shared.filling import Filling
 from grainfit.scenes.conditions import AtRest
 from grainfit.scenes.records import MassAbove, Series
 from grainfit.scenes.scene import Stage
@@ -50,7 +50,7 @@ def fill_and_flow(filling: Filling, flow: Flow, underside: float) -> tuple[Stage
     """
     every = filling.check_interval / _RECORDS_PER_CHECK
     return (
-        fill_stage(filling.fill_time, flow.limit, BED),
+        filling.stage(flow.limit, BED),
         Stage(
             FLOW,
             AtRest(flow.limit, at_least=flow.shortest),

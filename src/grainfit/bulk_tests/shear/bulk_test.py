@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import ClassVar
 
 import numpy as np
@@ -30,7 +31,7 @@ from grainfit.bulk_tests.shear.flow import (
     velocity_profile,
 )
 from grainfit.bulk_tests.shear.picture import draw_shear
-from grainfit.bulk_tests.shear.setup import ShearSetup, plan_setup
+from grainfit.bulk_tests.shear.setup import ShearSetup
 from grainfit.bulk_tests.shear.validity import require_sheared
 from grainfit.bulk_tests.shear.view import ShearView
 from grainfit.bulk_tests.stiffness import IN_SHEAR, OverlapLaw
@@ -39,7 +40,7 @@ from grainfit.contact_models.contact import particle_mass
 from grainfit.errors import Fault, NotMeasurableError
 from grainfit.evaluation import Response
 from grainfit.measurement.particles import write_vtk
-from grainfit.options.fields import Amount, option
+from grainfit.options.fields import Amount, Derived, option
 from grainfit.options.kinds import Quantity
 from grainfit.scenes.conditions import Elapsed
 from grainfit.scenes.packing import (
@@ -75,18 +76,6 @@ class Shear(BulkTest):
 
     Young's modulus of the particles must be at least 700 times the normal stress. Several stresses
     are several tests; report and result have the yield locus through them.
-
-    Parameters
-    ----------
-    sizes : ParticleSizes, optional
-        Particle size distribution.
-    diameter : float, str or list, optional
-        Instead of sizes: ``"10 mm"``, or a list of ``{"value": ..., "mass_fraction": ...}``.
-
-    Raises
-    ------
-    InputError
-        The test is impossible; names every option at fault.
 
     Examples
     --------
@@ -134,7 +123,7 @@ class Shear(BulkTest):
         Quantity("Pa", above_zero=True, highest=1e12),
         "Stress of the upper plate on the bed. Young's modulus must be at least 700 times as much.",
         example='"500 Pa"',
-        words="500 Pa for d = 10 mm",
+        default=Derived("500 Pa for d = 10 mm", lambda s: s.usual_stress),
     )
     inertial_number: Amount = option(
         Quantity("", above_zero=True, highest=0.3),
@@ -144,17 +133,23 @@ class Shear(BulkTest):
         default=0.02,
     )
     length: Amount | None = option(
-        LENGTH, "Period along the shear.", example='"100 mm"', words="10 d"
+        LENGTH,
+        "Period along the shear.",
+        example='"100 mm"',
+        default=Derived("10 d", lambda s: s.usual("length", 10)),
     )
     depth: Amount | None = option(
-        LENGTH, "Period across the shear.", example='"50 mm"', words="5 d"
+        LENGTH,
+        "Period across the shear.",
+        example='"50 mm"',
+        default=Derived("5 d", lambda s: s.usual("depth", 5)),
     )
     gap: Amount | None = option(
         LENGTH,
         "Distance between the plates at a solid fraction of 0.58; it gives the number of "
         "particles.",
         example='"85 mm"',
-        words="8.5 d",
+        default=Derived("8.5 d", lambda s: s.usual("gap", 8.5)),
     )
     transient_strain: Amount = option(
         _STRAIN, "Shear strain that is thrown away.", example="1.5", default=1.5
@@ -171,12 +166,11 @@ class Shear(BulkTest):
         example="9.81",
         default=GRAVITY,
     )
-    #: Geometry and procedure, with every default resolved.
-    setup: ShearSetup = field(init=False, repr=False, compare=False)
 
-    def prepare(self) -> None:
-        """Resolve geometry and procedure."""
-        object.__setattr__(self, "setup", plan_setup(self.sizes, self.given_options()))
+    @cached_property
+    def setup(self) -> ShearSetup:
+        """Geometry and procedure, with every default resolved."""
+        return ShearSetup(self)
 
     def material_faults(self, material: Mapping[str, float]) -> Iterator[Fault]:
         """Yield why the test means nothing with a material: too soft for the stress."""

@@ -1,15 +1,15 @@
-"""Geometry and procedure of a shear test: defaults resolved, impossible values rejected."""
+"""Geometry and procedure of a shear test: what follows from its options and is possible."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from functools import cached_property
 
+from grainfit.bulk_tests.setup import Setup
 from grainfit.bulk_tests.shared.stress import scaled_stress, softness_faults
 from grainfit.bulk_tests.shear.plates import PlateLayout, plate_layout
-from grainfit.errors import Fault, InputError
-from grainfit.materials.sizes import ParticleSizes
+from grainfit.errors import Fault
 from grainfit.scenes.packing import MOST_PARTICLES, mean_particle_volume
 from grainfit.scenes.scene import Load, Velocity
 
@@ -17,9 +17,8 @@ from grainfit.scenes.scene import Load, Velocity
 _REFERENCE_STRESS = 500.0
 #: Young's modulus over stress, below which overlaps change the angle by more than two degrees.
 SMALLEST_STIFFNESS = 700.0
-#: Smallest gap, in diameters of the largest particles, and smallest periods.
-_SMALLEST_GAP = 7.0
-_SMALLEST_LENGTH, _SMALLEST_DEPTH = 6.0, 4.0
+#: Smallest periods and smallest gap, in diameters of the largest particles.
+_SMALLEST = {"length": 6.0, "depth": 4.0, "gap": 7.0}
 #: Solid fraction that gives the number of particles: that of a bed in shear.
 _SOLID_FRACTION = 0.58
 #: Layer at a plate that its own particles fill, over their diameter.
@@ -38,44 +37,38 @@ _DASHPOT = 2.8
 _RECORDS = 200
 
 
-@dataclass(frozen=True)
-class ShearSetup:
-    """Geometry and procedure of a shear test; lengths in m, times in s, stresses in Pa.
+class ShearSetup(Setup):
+    """Geometry and procedure of a shear test."""
 
-    Parameters
-    ----------
-    normal_stress : float
-        Stress of the upper plate on the bed.
-    inertial_number : float
-        Shear rate times diameter over sqrt(stress / density).
-    length, depth : float
-        Periods along x (the direction of shear) and y.
-    gap : float
-        Distance between the middles of the plates at a usual solid fraction.
-    transient_strain, averaged_strain : float
-        Shear strain that is thrown away, and over which stresses are averaged.
-    particle_count : int
-        Loose particles.
-    diameter, largest : float
-        Sauter diameter, and the largest diameter.
-    plate : PlateLayout
-        Of both plates.
-    gravity : float
-        m/s^2: the default stress follows it, and nothing else.
-    """
+    @property
+    def diameter(self) -> float:
+        """Sauter diameter of the simulated particles, m."""
+        return self.sizes.sauter_diameter
 
-    normal_stress: float
-    inertial_number: float
-    length: float
-    depth: float
-    gap: float
-    transient_strain: float
-    averaged_strain: float
-    particle_count: int
-    diameter: float
-    largest: float
-    plate: PlateLayout
-    gravity: float
+    @property
+    def usual_stress(self) -> float:
+        """Default of the normal stress, Pa."""
+        return scaled_stress(_REFERENCE_STRESS, self.real, self.gravity)
+
+    def usual(self, name: str, diameters: float) -> float:
+        """Return the default of a length, m."""
+        return max(diameters * self.d, _SMALLEST[name] * max(self.real.diameters))
+
+    @cached_property
+    def plate(self) -> PlateLayout:
+        """Layout of both plates."""
+        return plate_layout(self.sizes, self.length, self.depth)
+
+    @property
+    def particle_count(self) -> int:
+        """Number of loose particles."""
+        return round(self._count)
+
+    @cached_property
+    def _count(self) -> float:
+        height = self.gap - 2 * _LAYER * self.plate.diameter
+        bed = _SOLID_FRACTION * self.length * self.depth * height
+        return bed / mean_particle_volume(self.sizes)
 
     @property
     def area(self) -> float:
@@ -127,70 +120,27 @@ class ShearSetup:
             "change the angle of internal friction.",
         )
 
+    def fault_stages(self) -> Iterator[list[Fault]]:
+        """Iterate over what is impossible: the lengths, then the number of particles."""
+        yield [*self._length_faults()]
+        yield [*self._count_faults()]
 
-def plan_setup(sizes: ParticleSizes, options: Mapping[str, float | None]) -> ShearSetup:
-    """Resolve every default of a shear test.
+    def _length_faults(self) -> Iterator[Fault]:
+        for name, fewest in _SMALLEST.items():
+            value = self.option(name)
+            if value < (1 - 1e-9) * fewest * self.largest:
+                yield Fault(
+                    name,
+                    f"{value:g} m is less than {fewest:g} of the largest particles "
+                    f"({self.largest:g} m).",
+                    f"Use at least {fewest * self.largest:g} m.",
+                )
 
-    Parameters
-    ----------
-    sizes : ParticleSizes
-        The length scale of all defaults is the Sauter diameter.
-    options : mapping of str to float or None
-        The options of `Shear`, each within its limits; None stands for the default.
-
-    Raises
-    ------
-    InputError
-        The test is impossible; names every option at fault.
-    """
-    given = {name: value for name, value in options.items() if value is not None}
-    real = sizes.real
-    diameter, largest = real.sauter_diameter, max(real.diameters)
-    usual = scaled_stress(_REFERENCE_STRESS, real, given["gravity"])
-    length = given.get("length", max(10 * diameter, _SMALLEST_LENGTH * largest))
-    depth = given.get("depth", max(5 * diameter, _SMALLEST_DEPTH * largest))
-    gap = given.get("gap", max(8.5 * diameter, _SMALLEST_GAP * largest))
-    faults = [*_size_faults(sizes, length, depth, gap)]
-    if faults:
-        raise InputError(faults)
-    plate = plate_layout(sizes, length, depth)
-    height = gap - 2 * _LAYER * plate.diameter
-    count = _SOLID_FRACTION * length * depth * height / mean_particle_volume(sizes)
-    if count > MOST_PARTICLES:
-        raise InputError(
-            Fault(
-                "gap",
-                f"between plates of {length:g} m x {depth:g} m, {gap:g} m apart, are "
-                f"{count:.3g} particles; at most {MOST_PARTICLES:g} are allowed.",
-                "Use smaller lengths, or larger particles.",
-            )
-        )
-    return ShearSetup(
-        normal_stress=given.get("normal_stress", usual),
-        inertial_number=given["inertial_number"],
-        length=length,
-        depth=depth,
-        gap=gap,
-        transient_strain=given["transient_strain"],
-        averaged_strain=given["averaged_strain"],
-        particle_count=round(count),
-        diameter=sizes.sauter_diameter,
-        largest=max(sizes.diameters),
-        plate=plate,
-        gravity=given["gravity"],
-    )
-
-
-def _size_faults(sizes: ParticleSizes, length: float, depth: float, gap: float) -> Iterator[Fault]:
-    largest = max(sizes.diameters)
-    for name, value, fewest in (
-        ("length", length, _SMALLEST_LENGTH),
-        ("depth", depth, _SMALLEST_DEPTH),
-        ("gap", gap, _SMALLEST_GAP),
-    ):
-        if value < (1 - 1e-9) * fewest * largest:
+    def _count_faults(self) -> Iterator[Fault]:
+        if self._count > MOST_PARTICLES:
             yield Fault(
-                name,
-                f"{value:g} m is less than {fewest:g} of the largest particles ({largest:g} m).",
-                f"Use at least {fewest * largest:g} m.",
+                "gap",
+                f"between plates of {self.length:g} m x {self.depth:g} m, {self.gap:g} m apart, "
+                f"are {self._count:.3g} particles; at most {MOST_PARTICLES:g} are allowed.",
+                "Use smaller lengths, or larger particles.",
             )

@@ -22,7 +22,7 @@ class SequentialOptions(Strategy):
     design_runs: int | None = option(
         Whole(2),
         "Runs of the initial Latin hypercube.",
-        words="1.5 (d + 1) for d free parameters (5, 6, 8, 9, 11 for 2 to 6)",
+        default_text="1.5 (d + 1) for d free parameters (5, 6, 8, 9, 11 for 2 to 6)",
         example="12",
     )
     prefer: Preference = option(
@@ -31,7 +31,7 @@ class SequentialOptions(Strategy):
         'Rayleigh time step ("time_step"; differences below 5 % do not count, the closer set is '
         'taken), or the closest one ("accuracy").',
         default="time_step",
-        words='"time_step"',
+        default_text='"time_step"',
         example='"accuracy"',
     )
     extend_intervals: bool = option(
@@ -39,7 +39,7 @@ class SequentialOptions(Strategy):
         "Move a bound that keeps a target out of reach, within physical limits, and continue; the "
         "result names it.",
         default=False,
-        words="false",
+        default_text="false",
         example="true",
     )
     confidence: float = option(
@@ -53,7 +53,7 @@ class SequentialOptions(Strategy):
         "Wanted half of the 95 % interval of every free parameter, a share of its value. Once the "
         "answer agrees, the search goes on until all are that narrow, until more runs would hardly "
         "narrow them, or to the end of the budget.",
-        words="none: the search ends when the answer agrees",
+        default_text="none: the search ends when the answer agrees",
         example='"25 %"',
     )
 

@@ -20,7 +20,7 @@ class StagedOptions(Strategy):
     design_runs: int | None = option(
         Whole(2),
         "Runs of the initial Latin hypercube.",
-        words="13 d for d free parameters",
+        default_text="13 d for d free parameters",
         example="20",
     )
 
