@@ -13,7 +13,7 @@ def main() -> None:
     """Run the command line."""
     gc.set_threshold(_OBJECTS_PER_COLLECTION)
     try:
-        from grainfit.cli.app import main as command_line
+        from grainfit.cli.main import main as command_line
     except KeyboardInterrupt:
         sys.exit(_INTERRUPTED)
     command_line()

@@ -9,8 +9,8 @@ import pytest
 from rich.console import Console
 
 import grainfit as gf
-from grainfit.cli.app import EXIT_CODES
 from grainfit.cli.console import print_parts, print_result, print_status
+from grainfit.cli.exit_codes import OF_STATUS
 from grainfit.result import ParameterInterval, Result
 from grainfit.tables import TextTable
 from grainfit.work_folder.status import WorkdirStatus
@@ -71,7 +71,7 @@ def test_an_undecided_calibration_says_so_why_and_how_likely() -> None:
     assert isinstance(console.file, io.StringIO)
     shown = " ".join(console.file.getvalue().split())
     assert result.status == "undecided"
-    assert EXIT_CODES["undecided"] == 3
+    assert OF_STATUS["undecided"] == 3
     assert "sand: undecided: the runs do not tell whether every target is met" in shown
     assert " in doubt" in shown
     assert "more runs at the answer: one run scatters by" in shown

@@ -1,8 +1,9 @@
-"""Help of every command: defaults and brackets are shown."""
+"""Help of every command at 80 columns: whole names, no types of flags, all defaults."""
 
 from __future__ import annotations
 
 import re
+from typing import Any
 
 import pytest
 import typer
@@ -11,33 +12,41 @@ from typer.testing import CliRunner
 from grainfit.cli.app import app
 from grainfit.cli.help_texts import WORK_FOLDER
 
-
-def _commands() -> list[list[str]]:
-    group = typer.main.get_command(app)
-    commands = dict(group.commands)  # type: ignore[attr-defined]
-    runs = commands.pop("runs")
-    return [*([name] for name in commands), *(["runs", name] for name in runs.commands)]
-
-
-@pytest.fixture(autouse=True)
-def wide(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A terminal that breaks no line; Typer asks for the width when it is imported."""
-    monkeypatch.setattr("typer.rich_utils.MAX_WIDTH", 1000)
+GROUP: Any = typer.main.get_command(app)
+COMMANDS: dict[tuple[str, ...], Any] = {
+    (): GROUP,
+    **{(name,): command for name, command in GROUP.commands.items()},
+    **{("runs", name): command for name, command in GROUP.commands["runs"].commands.items()},
+}
 
 
 def help_of(*command: str) -> str:
-    done = CliRunner().invoke(app, [*command, "--help"])
+    done = CliRunner(env={"COLUMNS": "80"}).invoke(app, [*command, "--help"])
     assert done.exit_code == 0, done.output
     return done.output
 
 
-@pytest.mark.parametrize("command", _commands(), ids=" ".join)
-def test_help_of_command_leaves_out_no_bracket_of_its_texts(command: list[str]) -> None:
+@pytest.mark.parametrize("command", COMMANDS, ids=" ".join)
+def test_help_in_80_columns_cuts_no_option_and_gives_flags_no_type(
+    command: tuple[str, ...],
+) -> None:
     shown = help_of(*command)
-    assert "Default:" not in shown
-    assert "\\[" not in shown
-    for option in ("--quiet", "--verbose", "--help"):
-        assert option in shown
+    assert max(map(len, shown.splitlines())) <= 80
+    assert not re.search(r"…|bool|\bpath>|\\", shown, re.IGNORECASE)
+    names = set(re.findall(r"--?[\w-]+", shown))
+    for parameter in COMMANDS[command].params:
+        if parameter.param_type_name == "option":
+            assert {*parameter.opts, *parameter.secondary_opts} <= names
+    assert {"--quiet", "--verbose", "--help"} <= names or command == ("runs",)
+
+
+@pytest.mark.parametrize("command", [(), ("runs",)], ids=" ".join)
+def test_help_of_a_group_has_the_whole_first_sentence_of_each_command(
+    command: tuple[str, ...],
+) -> None:
+    shown = " ".join(help_of(*command).partition("Commands:")[2].split())
+    for name, one in COMMANDS[command].commands.items():
+        assert f"{name} {' '.join(one.help.partition('.')[0].split())}" in shown
 
 
 @pytest.mark.parametrize(
@@ -55,13 +64,12 @@ def test_help_of_command_leaves_out_no_bracket_of_its_texts(command: list[str]) 
     ],
 )
 def test_help_shows_the_default_of_option(command: list[str], option: str, default: str) -> None:
-    [line] = re.findall(rf"^\W+{option} .*", help_of(*command), re.M)
-    assert re.search(rf"\[default: {default}\]", line), line
+    [text] = re.findall(rf"^  (?:-\w, )?{option} .*\n(?:    .*\n)*", help_of(*command), re.M)
+    assert re.search(rf"\[default: {default}\]", " ".join(text.split())), text
 
 
-@pytest.mark.parametrize("command", [["advise"], ["simulate"], ["runs", "prune"]])
-def test_help_breaks_paragraphs_where_the_terminal_ends_only(command: list[str]) -> None:
-    words = help_of(*command).partition("Arguments")[0].strip().splitlines()
-    paragraphs = "\n".join(line.strip() for line in words).split("\n\n")
-    assert len(paragraphs) > 2
-    assert [one for one in paragraphs if "\n" in one] == []
+def test_options_of_the_search_have_a_heading_of_their_own() -> None:
+    usual, _, search = help_of("run").partition("Options of the search (default: from the file):")
+    assert "--workdir" in usual
+    assert "--max-runs" not in usual
+    assert "--max-runs" in search

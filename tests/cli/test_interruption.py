@@ -35,7 +35,7 @@ IN_TERMINAL = (
 #: A report whose libraries are interrupted in the middle.
 REPORT = """
 import os, sys, time, types
-from grainfit.cli.app import main
+from grainfit.cli.main import main
 
 class Reference:
     def __del__(self):

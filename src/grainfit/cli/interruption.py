@@ -11,10 +11,20 @@ import time
 from types import FrameType
 from typing import Any
 
+import typer
+from typing_extensions import override
+
+from grainfit.cli.consoles import err
+from grainfit.cli.exit_codes import INTERRUPTED
+from grainfit.cli.help_texts import GroupWithSummaries
+from grainfit.errors import GrainfitError
+
 #: Sent together by a closed terminal or the end of a session; they count as one.
 _SENT_BY_OTHERS = (signal.SIGTERM, signal.SIGHUP)
 _TOGETHER_SECONDS = 2.0
 _AGAIN_SECONDS = 0.1
+#: Last line of an interrupted command that keeps its runs.
+STOPPED = "Interrupted. Finished runs are kept; start again to continue."
 
 
 class Interruption:
@@ -79,3 +89,24 @@ def _leave_terminal() -> None:
         if stat.S_ISCHR(os.fstat(stream).st_mode):
             os.dup2(nowhere, stream)
     os.close(nowhere)
+
+
+#: The signals of this process.
+interruption = Interruption()
+
+
+class InterruptibleCommands(GroupWithSummaries):
+    """All commands: an interrupted one ends with one line."""
+
+    @override
+    def invoke(self, ctx: Any) -> Any:
+        try:
+            return super().invoke(ctx)
+        except (typer.Exit, typer.Abort, GrainfitError):
+            raise
+        except (Exception, KeyboardInterrupt) as error:
+            if not (isinstance(error, KeyboardInterrupt) or interruption.count):
+                raise
+            interruption.exit_at_once(INTERRUPTED)
+            err.print(STOPPED if ctx.invoked_subcommand == "run" else "Interrupted.")
+            raise typer.Exit(INTERRUPTED) from None

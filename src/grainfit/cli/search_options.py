@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Callable
-from functools import wraps
-from typing import Annotated, Any, get_type_hints
+from typing import Annotated, Any
 
 import typer
 
 from grainfit.calibration.options import CalibrationOptions
-from grainfit.cli.help_texts import escaped, shown_default
+from grainfit.cli.added_options import added_option, with_options
+from grainfit.cli.help_texts import shown_default
 from grainfit.options.fields import option_keys
 from grainfit.options.kinds import Choice, Flag, Kind, Whole
 from grainfit.options.tables import Key
@@ -25,28 +25,17 @@ def with_search_options(command: Callable[..., None]) -> Callable[..., None]:
     Parameters
     ----------
     command : callable
-        Gets the options that were given as the dictionary ``search_options``.
+        Gets the options that were given as the dictionary ``search_options``, a parameter that must
+        be named.
     """
     of_strategies = map(merged_key, all_options().values())
     added = [_parameter(key) for key in (*option_keys(CalibrationOptions), *of_strategies)]
-    names = [parameter.name for parameter in added]
 
-    @wraps(command)
-    def derived(**values: Any) -> None:
-        given = {name: values.pop(name) for name in names}
-        known = {name: value for name, value in given.items() if value is not None}
-        command(**values, search_options=known)
+    def given(values: dict[str, Any]) -> dict[str, Any]:
+        known = {name: value for name, value in values.items() if value is not None}
+        return {"search_options": known}
 
-    hints = get_type_hints(command, include_extras=True)
-    own = [
-        parameter.replace(annotation=hints[parameter.name])
-        for parameter in inspect.signature(command).parameters.values()
-        if parameter.name != "search_options"
-    ]
-    signature = inspect.Signature([*own, *added])
-    derived.__signature__ = signature  # type: ignore[attr-defined]
-    derived.__annotations__ = {p.name: p.annotation for p in signature.parameters.values()}
-    return derived
+    return with_options(command, added, given)
 
 
 def _parameter(option: Key) -> inspect.Parameter:
@@ -55,16 +44,11 @@ def _parameter(option: Key) -> inspect.Parameter:
     declared = typer.Option(
         spelled,
         metavar=None if isinstance(option.kind, Flag) else _metavar(option.kind),
-        help=f"{escaped(option.description)} {shown_default(option.default)}",
+        help=f"{option.description} {shown_default(option.default)}",
         show_default=False,
         rich_help_panel=_PANEL,
     )
-    return inspect.Parameter(
-        option.name,
-        inspect.Parameter.POSITIONAL_OR_KEYWORD,
-        default=None,
-        annotation=Annotated[_type(option.kind) | None, declared],
-    )
+    return added_option(option.name, Annotated[_type(option.kind) | None, declared])
 
 
 def _metavar(kind: Kind) -> str:

@@ -11,13 +11,11 @@ import typer
 
 from grainfit.cli.consoles import err as _err
 from grainfit.cli.consoles import err_remarks as _remarks
+from grainfit.cli.exit_codes import INTERRUPTED
+from grainfit.cli.interruption import STOPPED
 
 if TYPE_CHECKING:
     from grainfit.campaign.batch import ExpectedWork
-
-#: Exit code of an interrupted command, and its last words.
-INTERRUPTED = 130
-STOPPED = "Interrupted. Finished runs are kept; start again to continue."
 
 
 @contextmanager

@@ -10,7 +10,8 @@ import typer
 from grainfit.cli.completion import complete_run
 from grainfit.cli.consoles import out, out_remarks
 from grainfit.cli.documents import AsJson, print_document, run_document, runs_document
-from grainfit.cli.help_texts import WORK_FOLDER, shown_default
+from grainfit.cli.help_texts import shown_default
+from grainfit.cli.options import CalibrationPath, WorkFolder, workdir_option
 from grainfit.cli.verbosity import CommandLine
 from grainfit.errors import Fault, InputError, StoreError
 
@@ -26,12 +27,7 @@ _NAME = 7
 #: More digits are the beginning of an identity.
 _DIGITS_OF_NUMBERS = 4
 
-runs_app = CommandLine(
-    no_args_is_help=True,
-    rich_markup_mode="rich",
-    context_settings={"help_option_names": ["-h", "--help"]},
-    help="List, show, export, import and prune runs.",
-)
+runs_app = CommandLine(help="List, show, export, import and prune runs.")
 
 Source = Annotated[
     str,
@@ -141,9 +137,7 @@ def export(
 
 @runs_app.command("import")
 def import_table(
-    file: Annotated[
-        Path, typer.Argument(metavar="FILE", help="Calibration file (TOML).", show_default=False)
-    ],
+    file: CalibrationPath,
     table: Annotated[
         Path,
         typer.Argument(
@@ -156,29 +150,22 @@ def import_table(
     test: Annotated[
         str | None, typer.Option(metavar="NAME", help="The test, when the file has several.")
     ] = None,
-    workdir: Annotated[
-        Path | None,
-        typer.Option(
-            metavar="DIR",
-            help=f"Where they go. {shown_default(WORK_FOLDER)}",
-        ),
-    ] = None,
+    workdir: Annotated[Path | None, workdir_option("Where they go.")] = None,
 ) -> None:
     """Import runs from elsewhere: the next calibration of the file has a warm start from them."""
-    from grainfit.calibration_file.build import build_calibration
-    from grainfit.calibration_file.load import load_calibration_file
+    from grainfit.calibration_file.build import load_calibration
     from grainfit.campaign.work_folder import default_workdir
     from grainfit.cli import runs_console as show
     from grainfit.work_folder.run_import import import_runs
 
     folder = workdir or default_workdir(file)
-    imported = import_runs(build_calibration(load_calibration_file(file)), table, folder, test)
+    imported = import_runs(load_calibration(file), table, folder, test)
     show.print_imported(out, imported, folder)
 
 
 @runs_app.command("prune")
 def prune(
-    folder: Annotated[Path, typer.Argument(metavar="DIR", help="Work folder of a calibration.")],
+    folder: WorkFolder,
     failed: Annotated[bool, typer.Option("--failed", help="Also in failed runs.")] = False,
 ) -> None:
     """Free disk space: of every finished run, only record, logs and pictures stay.

@@ -10,13 +10,13 @@ from rich.text import Text
 
 from grainfit.cli.consoles import err, err_remarks
 from grainfit.cli.help_texts import shown_default
+from grainfit.cli.options import WorkFolder, output_option
+
+_OUTPUT = f"Where to write it. {shown_default('standard output')}"
 
 
 def export(
-    folder: Annotated[
-        Path,
-        typer.Argument(metavar="DIR", help="Work folder of a calibration.", show_default=False),
-    ],
+    folder: WorkFolder,
     to: Annotated[
         str,
         typer.Option(
@@ -26,15 +26,7 @@ def export(
             show_default=False,
         ),
     ],
-    output: Annotated[
-        Path | None,
-        typer.Option(
-            "--output",
-            "-o",
-            metavar="FILE",
-            help=f"Where to write it. {shown_default('standard output')}",
-        ),
-    ] = None,
+    output: Annotated[Path | None, output_option("FILE", _OUTPUT)] = None,
 ) -> None:
     """Write a material card: calibrated and given values, how sure they are, and their origin."""
     from grainfit.cards import material_card, require_format, write_card

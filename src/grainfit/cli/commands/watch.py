@@ -16,6 +16,7 @@ from rich.console import Console
 from grainfit.cli import console as show
 from grainfit.cli.consoles import err, out
 from grainfit.cli.help_texts import shown_default
+from grainfit.cli.options import WorkFolder
 from grainfit.errors import StoreError
 
 Port = Annotated[
@@ -42,10 +43,7 @@ Watch = Annotated[
 
 
 def watch(
-    workdir: Annotated[
-        Path,
-        typer.Argument(metavar="DIR", help="Work folder of a calibration.", show_default=False),
-    ],
+    workdir: WorkFolder,
     port: Port = 0,
     open_page: OpenPage = False,
 ) -> None:

@@ -1,0 +1,59 @@
+"""Options of the commands that compare tests: advise and design."""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import Annotated
+
+import typer
+
+from grainfit.cli.help_texts import shown_default
+from grainfit.cli.simulating import simulating
+from grainfit.errors import Fault, InputError
+
+Tests = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--test",
+        metavar="NAME",
+        help=f"Test to compare. Repeat as needed. {shown_default('all bulk tests')}",
+        show_default=False,
+    ),
+]
+Accuracies = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--accuracy",
+        metavar="RESPONSE=VALUE",
+        help="How well you measure a response, instead of the usual accuracy: "
+        "angle_of_repose='0.5 deg' or draw_down.mass_flow=3%. Repeat as needed.",
+    ),
+]
+MaxTime = Annotated[
+    str | None,
+    typer.Option(
+        "--max-time", metavar="TIME", help="Stop simulating after this time, such as 10min."
+    ),
+]
+Seeds = Annotated[
+    int | None,
+    typer.Option(metavar="N", min=1, help=f"Runs of each parameter set. {shown_default('2')}"),
+]
+Yes = Annotated[bool, typer.Option("--yes", "-y", help="Do not ask before simulating.")]
+
+comparing = partial(simulating, "reading the runs", "parameter sets")
+
+
+def read_seconds(text: str | None) -> float | None:
+    """Return the seconds of a time such as ``10min``; a bare number is in seconds."""
+    from grainfit.units import UnitError, to_unit
+
+    if text is None:
+        return None
+    try:
+        seconds = to_unit(text, "s")
+    except UnitError as error:
+        raise InputError(Fault("max-time", error.message, error.remedy)) from None
+    if not seconds > 0:
+        raise InputError(Fault("max-time", f"is {text!r}.", "Give a time above 0, as 10min."))
+    return seconds

@@ -1,0 +1,1 @@
+"""The commands, a file for each: `grainfit.cli.app` mounts them."""

@@ -1,0 +1,24 @@
+"""The command that measures a finished run again."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from grainfit.cli import console as show
+from grainfit.cli.consoles import out
+
+
+def measure(
+    path: Annotated[
+        Path, typer.Argument(metavar="DIR-or-DUMP", help="A run folder, or a dump of particles.")
+    ],
+) -> None:
+    """Measure the responses again, on the particles of a finished run."""
+    from grainfit.work_folder.remeasure import absent_from, measure_path
+
+    found = measure_path(path)
+    show.print_measurement(out, found)
+    show.print_absences(out, absent_from(path, found))

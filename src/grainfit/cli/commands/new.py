@@ -1,0 +1,89 @@
+"""The command that writes a first calibration file."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from grainfit.cli import console as show
+from grainfit.cli.asking import can_ask, choose
+from grainfit.cli.completion import complete_material
+from grainfit.cli.consoles import out_remarks
+from grainfit.cli.help_texts import shown_default
+from grainfit.errors import Fault, InputError
+from grainfit.materials.starting_materials import read_starting_material, starting_material_names
+
+_Tests = Annotated[
+    list[str] | None,
+    typer.Option(
+        metavar="NAME",
+        help="Laboratory test to calibrate with, such as heap or draw_down. Repeat as needed. "
+        f"{shown_default('heap; on a terminal it asks')}",
+        show_default=False,
+    ),
+]
+_Material = Annotated[
+    str | None,
+    typer.Option(
+        metavar="NAME",
+        help="Material whose published values it begins with, sources in its comments: "
+        f"{', '.join(starting_material_names())}. One word is enough, such as sand. "
+        f"{shown_default('glass beads; on a terminal it asks')}",
+        show_default=False,
+        autocompletion=complete_material,
+    ),
+]
+_Solver = Annotated[
+    str, typer.Option(metavar="NAME", help="DEM program of the tests: lammps, liggghts or yade.")
+]
+
+
+def new(
+    file: Annotated[Path, typer.Argument(metavar="FILE")] = Path("calibration.toml"),
+    test: _Tests = None,
+    material: _Material = None,
+    solver: _Solver = "lammps",
+) -> None:
+    """Write a commented calibration file to start from.
+
+    On a terminal it asks for material and tests, unless they are given.
+
+    Example:  grainfit new pellets.toml --material plastic --solver liggghts
+    """
+    from grainfit.calibration_file.starter import starter_file
+
+    if not file.exists() and material is None and not test and can_ask():
+        [material], test = _ask_for_material(), _ask_for_tests()
+    begin = None if material is None else read_starting_material(material)
+    _write_new(file, starter_file(test or ["heap"], begin, solver))
+    if begin is not None:
+        show.print_starting_intervals(out_remarks, begin)
+    out_remarks.print(
+        f"Wrote {file}. Edit it, then: grainfit check {file}", highlight=False, markup=False
+    )
+
+
+def _write_new(file: Path, text: str) -> None:
+    try:
+        with file.open("x", encoding="utf-8") as target:
+            target.write(text)
+    except FileExistsError:
+        raise InputError(
+            Fault("", f"{str(file)!r} exists already.", "Choose another name.")
+        ) from None
+    except OSError as error:
+        raise InputError(Fault("", f"{str(file)!r} cannot be written: {error.strerror}.")) from None
+
+
+def _ask_for_material() -> list[str]:
+    titles = {name: read_starting_material(name).title for name in starting_material_names()}
+    return choose("Material", titles, "glass_beads")[:1]
+
+
+def _ask_for_tests() -> list[str]:
+    from grainfit.bulk_tests.registry import bulk_tests
+
+    titles = {name: test.title for name, test in bulk_tests().items()}
+    return choose("Tests, with commas", titles, "heap")

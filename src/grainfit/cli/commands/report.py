@@ -1,0 +1,76 @@
+"""The command that writes the report of a calibration, and the report at the end of a run."""
+
+from __future__ import annotations
+
+import shlex
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Annotated
+
+from grainfit.cli import console as show
+from grainfit.cli.consoles import err, err_remarks, out_remarks
+from grainfit.cli.interruption import interruption
+from grainfit.cli.options import OpenAfterwards, WorkFolder, open_in_browser, output_option
+from grainfit.errors import RunFailedError
+
+_OUTPUT = "Where to write it, if not to report.html in DIR."
+
+
+def report(
+    workdir: WorkFolder,
+    output: Annotated[Path | None, output_option("FILE", _OUTPUT)] = None,
+    open_it: OpenAfterwards = False,
+) -> None:
+    """Write the report of a calibration, also while it is running.
+
+    One HTML file that can be read without network and without grainfit: is it
+    calibrated, what are the values, how sure are they, what do the responses
+    depend on, what do the particles of the tests look like, and every run.
+
+    'grainfit run' writes it at its end; this command writes it at any time.
+    """
+    path = _write(workdir, output)
+    if open_it:
+        open_in_browser(path)
+
+
+@contextmanager
+def report_at_end(workdir: Path) -> Iterator[None]:
+    """Write a report at the end of a run, also where it stops because its simulations fail."""
+    try:
+        yield
+    except RunFailedError:
+        _write_if_possible(workdir)
+        raise
+    _write_if_possible(workdir)
+
+
+def _write(workdir: Path, output: Path | None = None) -> Path:
+    """Write the report and show its progress, because it takes some seconds."""
+    with err_remarks.status("report") as status:
+        from grainfit.report.page import write_report
+
+        path = write_report(
+            workdir, output, on_progress=lambda section: status.update(f"report: {section}")
+        )
+    out_remarks.print(f"Report: {path}", highlight=False, markup=False, soft_wrap=True)
+    return path
+
+
+def _write_if_possible(workdir: Path) -> None:
+    """Write the report of a calibration that has ended; a fault is only a warning."""
+    before = interruption.count
+    try:
+        _write(workdir)
+        return
+    except KeyboardInterrupt:
+        reason = "stopped"
+    except Exception as error:
+        # The result is written and printed: a fault here must not look like a failed calibration.
+        reason = " ".join(str(error).split()) or type(error).__name__
+        if interruption.count > before:
+            reason = "stopped"
+    folder = shlex.quote(str(workdir))
+    text = f"No report was written ({reason}). 'grainfit report {folder}' tries again."
+    show.print_warning(err, text)

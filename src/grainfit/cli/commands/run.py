@@ -1,0 +1,128 @@
+"""The command that calibrates."""
+
+from __future__ import annotations
+
+from contextlib import ExitStack
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from grainfit.cli import console as show
+from grainfit.cli.commands.report import report_at_end
+from grainfit.cli.commands.watch import OpenPage, Port, Watch, watching
+from grainfit.cli.consoles import err, err_remarks, out
+from grainfit.cli.exit_codes import OF_STATUS
+from grainfit.cli.help_texts import shown_default
+from grainfit.cli.notification import Notify, notifying
+from grainfit.cli.options import CalibrationPath, Workdir
+from grainfit.cli.search_options import with_search_options
+from grainfit.cli.verbosity import is_quiet, is_verbose
+from grainfit.strategies.registry import strategies
+
+if TYPE_CHECKING:
+    from grainfit.calibration_file.build import CalibrationSetup
+    from grainfit.result import Result
+
+_Strategy = Annotated[
+    str | None,
+    typer.Option(
+        metavar="|".join(strategies()),
+        help=f"Strategy that chooses the runs. {shown_default('from the file')}",
+    ),
+]
+_RunsFrom = Annotated[
+    list[str] | None,
+    typer.Option(
+        metavar="DIR-or-URL",
+        help="Work folder or store of earlier runs to reuse. Repeat as needed.",
+    ),
+]
+_Store = Annotated[
+    str | None,
+    typer.Option(
+        metavar="URL",
+        envvar="GRAINFIT_STORE",
+        help="Store that several machines share: no run is repeated.",
+    ),
+]
+_RetryFailed = Annotated[
+    bool,
+    typer.Option(
+        "--retry-failed",
+        help="Repeat all failed runs of the work folder. Without it: only those that failed "
+        "because of the machine or a time-out.",
+    ),
+]
+_Local = Annotated[bool, typer.Option("--local", help="Run here, not on the file's cluster.")]
+_NoReport = Annotated[
+    bool, typer.Option("--no-report", help="Do not write report.html at the end.")
+]
+
+
+@with_search_options
+def run(
+    file: CalibrationPath,
+    workdir: Workdir = None,
+    strategy: _Strategy = None,
+    runs_from: _RunsFrom = None,
+    store: _Store = None,
+    retry_failed: _RetryFailed = False,
+    local: _Local = False,
+    no_report: _NoReport = False,
+    watched: Watch = False,
+    port: Port = 0,
+    open_page: OpenPage = False,
+    notify: Notify = None,
+    *,
+    search_options: dict[str, Any],
+) -> None:
+    """Calibrate: simulate, fit, verify, and write result.json and report.html.
+
+    Stop it at any time with Ctrl-C and start the same command again: no finished run is repeated.
+
+    Exit code: 0 calibrated, 1 bad input or a missing solver, 2 a mistake on the command line, 3 not
+    every target is met or in reach, 130 interrupted.
+    """
+    from grainfit.campaign.work_folder import default_workdir
+
+    folder = workdir or default_workdir(file)
+    given = {"strategy": strategy, "store": store, "runs_from": runs_from or (), **search_options}
+    with ExitStack() as stack:
+        ending = stack.enter_context(notifying(notify, folder))
+        setup = _setup(file, local)
+        if watched or open_page or port:
+            stack.enter_context(watching(folder, port, open_page))
+        if not no_report:
+            stack.enter_context(report_at_end(folder))
+        ending.result = _calibrate(setup, folder, retry_failed=retry_failed, **given)
+    raise typer.Exit(OF_STATUS[ending.result.status])
+
+
+def _setup(file: Path, local: bool) -> CalibrationSetup:
+    from grainfit.calibration_file.build import load_calibration
+    from grainfit.campaign.cluster.executor import missing_scheduler
+
+    setup = replace(load_calibration(file), local=local)
+    if setup.file.cluster is not None and setup.cluster is None and not local:
+        err.print(f"Cluster: {missing_scheduler(setup.file.cluster)}")
+    return setup
+
+
+def _calibrate(setup: CalibrationSetup, folder: Path, **given: Any) -> Result:
+    """Calibrate with a bar, and print the result."""
+    from grainfit.calibration.live_progress import LiveProgress
+    from grainfit.calibration_file.fault_lines import with_lines
+
+    on_command_line = {name for name, value in given.items() if value not in (None, ())}
+    with (
+        with_lines(setup.file.path, besides=on_command_line),
+        LiveProgress(err_remarks, every_run=is_verbose()) as progress,
+    ):
+        result = setup.calibrate(folder, on_progress=progress.update, **given)
+    if is_quiet():
+        show.print_headline(out, result)
+    else:
+        show.print_result(out, result, folder)
+    return result

@@ -1,0 +1,57 @@
+"""Arguments and options that several commands share."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from grainfit.cli.completion import complete_setting
+from grainfit.cli.help_texts import WORK_FOLDER, shown_default
+
+CalibrationPath = Annotated[
+    Path, typer.Argument(metavar="FILE", help="Calibration file (TOML).", show_default=False)
+]
+WorkFolder = Annotated[
+    Path,
+    typer.Argument(metavar="DIR", help="Work folder of a calibration.", show_default=False),
+]
+Workers = Annotated[int | None, typer.Option(metavar="N", min=1, help="Runs at a time.")]
+Seed = Annotated[int, typer.Option(metavar="N", min=1, max=900_000_000, help="Insertion seed.")]
+OpenAfterwards = Annotated[
+    bool, typer.Option("--open", help="Show it in the web browser afterwards.")
+]
+
+
+def workdir_option(
+    text: str = "Where runs and results are kept.", default: str = WORK_FOLDER
+) -> Any:
+    """Return the option of the folder where a command keeps its runs."""
+    return typer.Option("--workdir", metavar="DIR", help=f"{text} {shown_default(default)}")
+
+
+Workdir = Annotated[Path | None, workdir_option("Where runs and results are kept.")]
+
+
+def settings_option(text: str) -> Any:
+    """Return the option of the values of parameters."""
+    return typer.Option(
+        "--set",
+        metavar="NAME=VALUE",
+        autocompletion=complete_setting,
+        help=text,
+        show_default=False,
+    )
+
+
+def output_option(metavar: str, text: str) -> Any:
+    """Return the option of the file that a command writes."""
+    return typer.Option("--output", "-o", metavar=metavar, help=text)
+
+
+def open_in_browser(path: Path) -> None:
+    """Show a page in the web browser."""
+    import webbrowser
+
+    webbrowser.open(path.absolute().as_uri())
