@@ -19,7 +19,7 @@ PACKAGE = "grainfit"
 #: The rooms from the ground up: one may import only those below it. A room is a folder or a file
 #: of the package; rooms of one floor do not know each other.
 FLOORS: tuple[tuple[str, ...], ...] = (
-    ("errors",),
+    ("errors", "lazy"),
     ("messages",),
     ("checks", "extras", "units", "formatting", "files"),
     ("options", "tables"),

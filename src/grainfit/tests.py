@@ -17,4 +17,4 @@ def __getattr__(name: str) -> Any:
 
 
 def __dir__() -> list[str]:
-    return sorted(test.__name__ for test in bulk_tests().values())
+    return sorted({OwnScene.__name__, *(test.__name__ for test in bulk_tests().values())})
