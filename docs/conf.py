@@ -22,6 +22,7 @@ extensions = [
     "sphinx_copybutton",
     "sphinx_gallery.gen_gallery",
     "gallery_figures",
+    "moved_pages",
     "plain_attributes",
     "repository_pages",
 ]

@@ -49,6 +49,8 @@ def test_the_site_is_built_without_a_warning(tmp_path: Path) -> None:
     figure = (site / "generated" / "gallery" / "plot_posterior.html").read_text(encoding="utf-8")
     assert "Plotly.newPlot" in figure
     assert (site / "_static" / "plotly.min.js").is_file()
+    for page in ("benchmarks", "decisions"):
+        assert f'"developers/{page}.html" + location.hash' in (site / f"{page}.html").read_text()
 
 
 def test_every_public_name_is_in_the_reference() -> None:
@@ -71,6 +73,18 @@ def test_every_page_is_in_a_table_of_contents() -> None:
         if not {"generated", "recorded"} & set(path.relative_to(DOCS).parts)
     }
     assert pages - set(listed) == {"index"}
+
+
+def test_every_decision_has_context_decision_and_consequence_in_six_lines() -> None:
+    page = (DOCS / "developers" / "decisions.md").read_text(encoding="utf-8")
+    _, *decisions = re.split(r"^## .*\n", page, flags=re.MULTILINE)
+    assert len(decisions) > 70
+    for decision in decisions:
+        lines = decision.strip().split("\n")
+        assert len(lines) <= 6, decision
+        assert max(map(len, lines)) <= 120, decision
+        parts = re.findall(r"^- \*\*(\w+):\*\* \S", decision, re.MULTILINE)
+        assert parts == ["Context", "Decision", "Consequence"], decision
 
 
 def test_the_table_of_sensitivities_is_up_to_date() -> None:

@@ -5,7 +5,7 @@ refuses ``coeff_restitution`` and ``tsuji``, whose damping is infinite where suc
 overlap. Damping by ``mass_velocity`` is a rate times the reduced mass, at every overlap. It is
 chosen to give the restitution of the material at an impact with the typical speed of the contact.
 ``viscoelastic`` grows with the contact radius, and that of cohesive particles at rest is so large
-that beds get energy at time steps at which these do not (docs/decisions.md).
+that beds get energy at time steps at which these do not (docs/developers/decisions.md).
 
 References
 ----------

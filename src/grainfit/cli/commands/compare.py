@@ -10,15 +10,10 @@ import typer
 from grainfit.cli import console as show
 from grainfit.cli.consoles import out
 
+Folders = typer.Argument(metavar="DIR", help="Work folders of calibrations.")
 
-def compare(
-    folders: Annotated[
-        list[Path],
-        typer.Argument(
-            metavar="DIR DIR...", help="Work folders of calibrations.", show_default=False
-        ),
-    ],
-) -> None:
+
+def compare(folders: Annotated[list[Path], Folders]) -> None:
     """Put calibrations side by side: two materials, or one with other tests, solvers or seeds.
 
     Parameters and responses whose 95 % intervals are apart differ; the others agree. Fixed
