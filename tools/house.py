@@ -21,8 +21,8 @@ PACKAGE = "grainfit"
 FLOORS: tuple[tuple[str, ...], ...] = (
     ("errors", "lazy"),
     ("messages",),
-    ("checks", "extras", "units", "formatting", "files"),
-    ("options", "tables"),
+    ("checks", "extras", "units", "formatting", "files", "plain_data"),
+    ("options", "tables", "verdict"),
     ("materials",),
     ("contact_models",),
     ("evaluation", "problem", "run_definition"),

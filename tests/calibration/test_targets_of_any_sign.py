@@ -12,7 +12,7 @@ import pytest
 import grainfit as gf
 from grainfit.calibration_file.plan import describe_plan
 from grainfit.formatting import deviation_off
-from grainfit.result import OutOfReach
+from grainfit.verdict.out_of_reach import OutOfReach
 
 MODEL = """\
 import random

@@ -2,23 +2,46 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import replace
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
 import grainfit as gf
-from grainfit.calibration.verdict import judge, reasons
+from grainfit.calibration.judged_answer import JudgedAnswer, judge_answer
 from grainfit.calibration.verification import FreshRuns
 from grainfit.evaluation import Evaluation, Proposal
 from grainfit.metamodels.curve_reduction import CurveBasis, Reduction
 from grainfit.metamodels.outliers import Outliers
-from grainfit.result import MetamodelQuality, OutOfReach
+from grainfit.result import MetamodelQuality, RunCounts
 from grainfit.strategies.answer import Answer
+from grainfit.verdict import messages
+from grainfit.verdict.out_of_reach import OutOfReach
+from grainfit.verdict.reasons import (
+    FreshSeedsMissing,
+    NoisyResponse,
+    OutliersDecide,
+    OutlyingRuns,
+    TooMuchScatter,
+    UselessScatter,
+)
 
 ANGLE = gf.Target("angle", 30.0, tolerance=0.5, unit="deg")
 PROBLEM = gf.Problem([gf.Parameter("friction", 0.1, 0.9)], [ANGLE])
 FRESH = FreshRuns({"angle": {1: 29.9, 2: 30.0, 3: 30.2}}, ())
+OUTLIERS = Outliers((3,), np.array([-6.0]), 20, (4711,))
+RESULT = gf.Result(
+    "undecided", {}, {}, RunCounts(), None, None, None, 1.0, 0.9, 0.3, "", "", "sequential", 1, "0"
+)
+FAILED = Evaluation(
+    Proposal({"friction": 0.5}, 1, "verification"),
+    {},
+    runs={"heap": "a"},
+    failed_runs={"heap": "no heap"},
+)
 
 
 def answer(probability: float, without: float | None = None, **changes: object) -> Answer:
@@ -35,58 +58,65 @@ def answer(probability: float, without: float | None = None, **changes: object) 
     return replace(known, **changes)
 
 
-def status(known: Answer, fresh: FreshRuns = FRESH) -> str:
-    return judge(PROBLEM, known, fresh, 0.95, 3).status
+def judged(
+    probability: float = 0.99,
+    fresh: FreshRuns = FRESH,
+    problem: gf.Problem = PROBLEM,
+    **changes: Any,
+) -> JudgedAnswer:
+    return judge_answer(problem, answer(probability, **changes), fresh, 0.95, 3)
 
 
 @pytest.mark.parametrize(
-    ("probability", "wanted"),
+    ("probability", "status", "verdict"),
     [
-        (0.99, "calibrated"),
-        (0.95, "calibrated"),
-        (0.94, "undecided"),
-        (0.06, "undecided"),
-        (0.05, "out_of_tolerance"),
-        (0.0, "out_of_tolerance"),
+        (0.99, "calibrated", "met"),
+        (0.95, "calibrated", "met"),
+        (0.94, "undecided", "in doubt"),
+        (0.06, "undecided", "in doubt"),
+        (0.05, "out_of_tolerance", "missed"),
+        (0.0, "out_of_tolerance", "missed"),
     ],
 )
-def test_a_verdict_follows_the_probability(probability: float, wanted: str) -> None:
-    assert status(answer(probability)) == wanted
-
-
-def test_without_enough_fresh_seeds_nothing_is_calibrated() -> None:
-    two = FreshRuns({"angle": {1: 29.9, 2: 30.0}}, ())
-    assert status(answer(0.99), two) == "undecided"
-    assert "only 2 of 3" in " ".join(reasons(PROBLEM, judge(PROBLEM, answer(0.99), two, 0.95, 3)))
+def test_a_verdict_follows_the_probability(probability: float, status: str, verdict: str) -> None:
+    found = judged(probability)
+    assert found.status == status
+    assert found.judgement.responses == {"angle": verdict}
 
 
 def test_fresh_seeds_that_contradict_all_runs_leave_it_undecided() -> None:
-    off = FreshRuns({"angle": {1: 32.4, 2: 32.5, 3: 32.7}}, ())
-    assert status(answer(0.99), off) == "undecided"
+    found = judged(fresh=FreshRuns({"angle": {1: 32.4, 2: 32.5, 3: 32.7}}, ()))
+    assert found.status == "undecided"
+    assert found.judgement.responses == {"angle": "in doubt"}
+    [reason] = found.reasons
+    assert (reason.kind, reason.target, reason.runs) == ("contradicted", "angle", 3)
+    assert "3 fresh seeds at the answer give 32.53 on average" in str(reason)
 
 
 def test_a_target_out_of_reach_is_unreachable_whatever_the_probability() -> None:
     miss = OutOfReach("angle", 30.0, 27.0, 0.1)
-    assert status(answer(0.0, out_of_reach=(miss,))) == "unreachable"
+    assert judged(0.0, out_of_reach=(miss,)).status == "unreachable"
 
 
 @pytest.mark.parametrize(("with_all", "without"), [(0.99, 0.3), (0.3, 0.99), (0.01, 0.97)])
 def test_outlying_runs_that_decide_leave_it_undecided(with_all: float, without: float) -> None:
-    jams = {"angle": Outliers((3,), np.array([-6.0]), 20, (4711,))}
-    known = answer(with_all, without, outliers=jams)
-    outcome = judge(PROBLEM, known, FRESH, 0.95, 3)
-    assert outcome.status == "undecided"
-    words = " ".join(reasons(PROBLEM, outcome))
-    assert "1 run of 20 lies far from the others (seed 4711), up to 6° below" in words
-    assert 'statistic = "median"' in words
+    found = judged(with_all, without=without, outliers={"angle": OUTLIERS})
+    assert found.status == "undecided"
+    assert found.reasons == (
+        OutlyingRuns("angle", "deg", 20, (4711,), -6.0),
+        OutliersDecide(with_all, without),
+    )
+    outlying, decide = map(str, found.reasons)
+    assert "1 outlying run of 20 (seed 4711), up to 6° below" in outlying
+    assert 'statistic = "median"' in decide
 
 
 def test_noise_is_named_with_the_runs_it_would_take() -> None:
-    outcome = judge(PROBLEM, answer(0.8), FRESH, 0.95, 3)
-    [words] = reasons(PROBLEM, outcome)
-    assert "80 %" in words or "80%" in words
-    assert "about 12 more runs" in words
-    assert "scatters by 0.8 in angle (tolerance 0.5)" in words
+    [reason] = judged(0.8).reasons
+    assert isinstance(reason, TooMuchScatter)
+    assert reason.responses == (NoisyResponse("angle", 0.8, 0.5),)
+    assert "a probability of 80 %, and 95 % is demanded" in str(reason)
+    assert "scatters by 0.8 in angle (tolerance 0.5)" in str(reason)
 
 
 @pytest.mark.parametrize(
@@ -101,60 +131,51 @@ def test_noise_is_named_with_the_runs_it_would_take() -> None:
 def test_estimate_of_runs_counts_the_failing_ones(
     fails: list[bool], words: str, verified: bool
 ) -> None:
-    proposal = Proposal({"friction": 0.5}, 1, "verification")
-    ended = [
-        Evaluation(
-            proposal, {}, runs={"heap": "a"}, failed_runs={"heap": "no heap"} if fail else {}
-        )
-        for fail in fails
-    ]
+    ended = [FAILED if fail else replace(FAILED, failed_runs={}) for fail in fails]
     fresh = replace(FRESH, evaluations=ended) if verified else replace(FRESH, search=ended)
-    [found] = reasons(PROBLEM, judge(PROBLEM, answer(0.8), fresh, 0.95, 3))
-    assert words in found
+    [reason] = judged(0.8, fresh).reasons
+    assert words in str(reason)
     if any(fails):
-        assert f"failed {'there' if verified else 'in the search'}" in found
+        assert f"failed {'there' if verified else 'in the search'}" in str(reason)
 
 
-def test_too_few_fresh_seeds_are_said_to_have_failed() -> None:
-    failed = Evaluation(
-        Proposal({"friction": 0.5}, 1, "verification"),
-        {},
-        runs={"heap": "a"},
-        failed_runs={"heap": "no heap"},
-    )
-    none = FreshRuns({"angle": {}}, ())
-    [allowed] = reasons(PROBLEM, judge(PROBLEM, answer(0.99), none, 0.95, 3))
-    assert "allow more runs" in allowed
-    fresh = replace(none, evaluations=(failed, failed))
-    [found] = reasons(PROBLEM, judge(PROBLEM, answer(0.99), fresh, 0.95, 3))
-    assert "0 of 3 runs with fresh seeds at the answer succeeded: 2 of 2 runs there failed" in found
+@pytest.mark.parametrize(
+    ("values", "failed", "message"),
+    [
+        ({1: 29.9, 2: 30.0}, 0, messages.FRESH_SEEDS_NOT_MADE(made=2, wanted=3)),
+        ({}, 2, messages.FRESH_SEEDS_FAILED(made=0, wanted=3, failed=2, ended="2 runs")),
+    ],
+)
+def test_without_enough_fresh_seeds_nothing_is_calibrated(
+    values: dict[int, float], failed: int, message: str
+) -> None:
+    found = judged(fresh=FreshRuns({"angle": values}, (FAILED,) * failed))
+    assert found.status == "undecided"
+    assert found.reasons == (FreshSeedsMissing(len(values), 3, failed, failed),)
+    assert str(found.reasons[0]) == message
 
 
 def test_a_calibrated_material_needs_no_reason() -> None:
-    assert list(reasons(PROBLEM, judge(PROBLEM, answer(0.99), FRESH, 0.95, 3))) == []
+    assert judged().reasons == ()
 
 
 def test_a_response_whose_scatter_makes_it_useless_is_named_with_the_runs_it_takes() -> None:
     # Three per cent of 30 degrees, where half a degree is asked for: (0.9 / 0.15)² = 36.
-    close = replace(ANGLE, tolerance=0.15)
-    problem = replace(PROBLEM, targets=[close])
-    known = answer(0.5, quality={"angle": MetamodelQuality(0.9, 0.95, 0.9)})
-    words = " ".join(reasons(problem, judge(problem, known, FRESH, 0.95, 3)))
-    assert (
-        "angle scatters by 3 % from run to run and tells nothing at its tolerance of 0.5 %: the "
-        "mean of about 36 runs"
-    ) in words
-    assert "tells nothing" not in " ".join(reasons(PROBLEM, judge(PROBLEM, known, FRESH, 0.95, 3)))
+    problem = replace(PROBLEM, targets=[replace(ANGLE, tolerance=0.15)])
+    quality = {"angle": MetamodelQuality(0.9, 0.95, 0.9)}
+    useless, _ = judged(0.5, problem=problem, quality=quality).reasons
+    assert useless == UselessScatter("angle", "deg", 0.9, 0.15, 30.0)
+    assert str(useless) == messages.USELESS_SCATTER(
+        target="angle", scatter="3 %", tolerance="0.5 %", runs=36
+    )
+    [_] = judged(0.5, quality=quality).reasons
 
 
 def test_with_several_seeds_per_evaluation_words_count_runs() -> None:
-    known = answer(0.5, quality={"angle": MetamodelQuality(0.9, 0.95, 0.8)})
-    outcome = judge(PROBLEM, known, FRESH, 0.95, 3, {"heap": 4})
-    words = " ".join(reasons(PROBLEM, outcome))
-    assert "about 48 more runs at the answer: one mean of 4 runs scatters by 0.8" in words
+    useless, scatter = judge_answer(PROBLEM, answer(0.5), FRESH, 0.95, 3, {"heap": 4}).reasons
+    assert "about 48 more runs at the answer: one mean of 4 runs scatters by 0.8" in str(scatter)
     # A single run scatters by 1.6: 3.2 times the tolerance.
-    assert "tells nothing" in words
-    assert "the mean of about 11 runs" in words
+    assert "the mean of about 11 runs" in str(useless)
 
 
 STRAINS = np.linspace(0.01, 0.04, 4)
@@ -194,25 +215,45 @@ def test_fresh_curves_that_contradict_all_runs_are_named_by_curve_and_points() -
         for name, score in basis.scores(130 * STRAINS).items():
             fresh[name][seed] = score.value
     known = answer_on_a_curve(reduction, 0.99)
-    outcome = judge(reduction.problem, known, FreshRuns(fresh, ()), 0.95, 3)
-    [words] = reasons(reduction.problem, outcome)
-    assert words == (
-        "stress is in doubt: from the curve that all runs together lead to expect, the mean of "
-        "the 3 fresh seeds at the answer deviates by 8.2 standard uncertainties of the measured "
-        "points (root mean square), most at strain = 0.04 (5.2 instead of 4), 0.03 (3.9 instead "
-        "of 3) and 0.02 (2.6 instead of 2). The metamodels miss something there: more runs would "
-        "tell."
+    [reason] = judge_answer(reduction.problem, known, FreshRuns(fresh, ()), 0.95, 3).reasons
+    assert (reason.kind, reason.curve, reason.runs) == ("curve contradicted", "stress", 3)
+    assert str(reason.miss) == messages.CURVE_MISS(
+        deviation="8.2",
+        coordinate="strain",
+        worst="0.04 (5.2 instead of 4), 0.03 (3.9 instead of 3) and 0.02 (2.6 instead of 2)",
     )
 
 
 def test_noise_of_a_curve_is_named_by_the_curve_and_where_it_is_largest() -> None:
     reduction = reduced_curve()
     fresh = FreshRuns({name: {} for name in (*reduction.bases[0].names, "angle")}, ())
-    outcome = judge(reduction.problem, answer_on_a_curve(reduction, 0.8), fresh, 0.95, 2)
-    words = " ".join(reasons(reduction.problem, outcome))
+    known = answer_on_a_curve(reduction, 0.8)
+    words = " ".join(map(str, judge_answer(reduction.problem, known, fresh, 0.95, 2).reasons))
     assert (
         "one run scatters by 1 σ of the measured points in stress (root mean "
         "square, most at strain = 0.04). A larger uncertainty of the measured points, a larger "
-        "sample in the test, or a response that scatters less would help more."
+        "sample in the test"
     ) in words
     assert "component" not in words
+
+
+def test_a_result_keeps_its_reasons_as_data_and_its_file_has_them_in_words(tmp_path: Path) -> None:
+    reasons = judged(0.3, without=0.99, outliers={"angle": OUTLIERS}).reasons
+    result = replace(RESULT, reasons=reasons, notices=("look",))
+    path = tmp_path / "result.json"
+    result.to_json(path)
+    data = json.loads(path.read_text())
+    assert data["notices"] == [*map(str, reasons), "look"]
+    assert gf.Result.from_json(path) == result
+    data["reasons"][0]["kind"] = "of a later version"
+    path.write_text(json.dumps(data))
+    later = gf.Result.from_json(path)
+    assert later.reasons == reasons[1:]
+    assert later.notices == (str(reasons[0]), "look")
+    # Version 0.2.0 had all in words.
+    del data["reasons"]
+    path.write_text(json.dumps(data))
+    assert gf.Result.from_json(path).remarks == result.remarks
+    path.write_text(json.dumps(data | {"reasons": [{"kind": "outliers decide", "without": "1"}]}))
+    with pytest.raises(gf.StoreError, match=r"reasons\.0\.with_all: is missing"):
+        gf.Result.from_json(path)

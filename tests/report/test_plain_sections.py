@@ -39,9 +39,10 @@ from grainfit.report.sections.particles.shown_runs import read_view, shown_runs
 from grainfit.report.sections.reproduce.section import reproduce
 from grainfit.report.sections.runs.section import runs
 from grainfit.report.sections.verification.section import verification
-from grainfit.result import MetamodelQuality, OutOfReach, ParameterInterval, Result, RunCounts
+from grainfit.result import MetamodelQuality, ParameterInterval, Result, RunCounts
 from grainfit.run_definition import RunDefinition
 from grainfit.scenes.run_output import snapshot_file
+from grainfit.verdict.out_of_reach import OutOfReach
 from grainfit.work_folder.saved_calibration import SavedCalibration
 
 DENSITY, FRICTION = "particle.density", "particle_particle.rolling_friction"

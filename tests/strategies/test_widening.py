@@ -5,8 +5,8 @@ from dataclasses import replace
 import pytest
 
 from grainfit.problem import Parameter, Problem, Target
-from grainfit.result import OutOfReach
 from grainfit.strategies.out_of_reach import widened, widenings
+from grainfit.verdict.out_of_reach import OutOfReach
 
 PROBLEM = Problem(
     [

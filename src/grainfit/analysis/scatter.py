@@ -25,14 +25,10 @@ from grainfit.formatting import (
     number,
     plain_ends,
     plain_interval,
-    unit_for_people,
-    with_unit,
 )
 from grainfit.problem import CurveTarget, Target
 from grainfit.tables import Summary, TextTable
-
-#: Scatter of single runs, in tolerances, from which one run tells nothing.
-_USELESS = 3.0
+from grainfit.verdict.rule import useless_scatter
 
 
 @dataclass(frozen=True)
@@ -181,7 +177,9 @@ def _advice(found: ResponseScatter) -> str:
         f"{found.name}: one run scatters by {number(ratio, 2)} times the tolerance; "
         f"{_mean_within(runs)}"
     )
-    if useless := useless_scatter(target, found.standard_deviation or 0.0):
+    value = target.value if target.is_relative else None
+    deviation = found.standard_deviation or 0.0
+    if useless := useless_scatter(target.name, target.unit, deviation, target.tolerance, value):
         return f"{useless} {_mean_within(runs).capitalize()}"
     if runs <= MANY_RUNS:
         return words
@@ -193,34 +191,6 @@ def _advice(found: ResponseScatter) -> str:
 
 def _mean_within(runs: int) -> str:
     return f"the mean of {counted(runs, 'run')} is within it (95 %)."
-
-
-def useless_scatter(target: Target, deviation: float) -> str:
-    """Say that a response scatters by several times its tolerance; "" if it does not.
-
-    Parameters
-    ----------
-    target : Target
-        Target of the response.
-    deviation : float
-        Standard deviation of single runs, in its unit.
-    """
-    ratio = deviation / target.tolerance
-    if not _USELESS <= ratio < math.inf:
-        return ""
-    return (
-        f"{target.name} scatters by {_size(target, deviation)} from run to run and tells nothing "
-        f"at its tolerance of {_size(target, target.tolerance)}: the mean of about "
-        f"{math.ceil(ratio**2)} runs has a standard error as large as the tolerance. Raise the "
-        "number of particles in the test, give a wider tolerance, or set repeats in its [[test]]."
-    )
-
-
-def _size(target: Target, deviation: float) -> str:
-    """Return a deviation in percent of the target where that makes sense, or in its unit."""
-    if target.is_relative:
-        return f"{number(100 * deviation / abs(target.value), 2)} %"
-    return with_unit(number(deviation, 2), unit_for_people(target.unit))
 
 
 def scatter_over_seeds(

@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from grainfit.calibration.verdict import Outcome, reasons
-from grainfit.calibration.verification import FreshRuns, Verified
+from grainfit.calibration.judged_answer import JudgedAnswer
+from grainfit.calibration.verification import FreshRuns
 from grainfit.evaluation import Evaluation
 from grainfit.metamodels.blow_ups import about_blow_ups
 from grainfit.metamodels.curve_reduction import ComponentTarget, CurveBasis, about_short_curves
@@ -22,16 +22,15 @@ from grainfit.result import (
     Result,
     RunCounts,
     RunSummary,
-    Status,
-    Verdict,
 )
 from grainfit.strategies.answer import Answer, bound_at
 from grainfit.strategies.base import Search
+from grainfit.verdict.rule import Status
 
 
 @dataclass(frozen=True)
-class About:
-    """Name, identity, duration, utilisation of the workers, and status of a calibration."""
+class Ending:
+    """End of a calibration: its name and identity, duration, use of the workers, and status."""
 
     name: str
     identity: str
@@ -41,9 +40,9 @@ class About:
 
 
 def make_result(
-    about: About,
-    strategy: Search,
-    outcome: Outcome | None,
+    ending: Ending,
+    search: Search,
+    outcome: JudgedAnswer | None,
     evaluations: Sequence[Evaluation],
     known: int = 0,
 ) -> Result:
@@ -51,34 +50,33 @@ def make_result(
 
     Parameters
     ----------
-    about : About
+    ending : Ending
         Name, identity, duration and status.
-    strategy : Search
+    search : Search
         The search that has ended.
-    outcome : Outcome or None
+    outcome : JudgedAnswer or None
         The answer and the verdict; None if the calibration was interrupted before there was one.
     evaluations : sequence of Evaluation
         All parameter sets that were simulated.
     known : int
         Number of earlier runs used for the warm start.
     """
-    problem = strategy.current_problem
+    problem = search.current_problem
     if outcome:
         problem, _ = outcome.answer.reduced(problem, ())
     rayleigh = problem.rayleigh
-    middle = strategy.problem.middle
+    middle = search.problem.middle
     answer = outcome.answer if outcome else None
     parameters = dict(answer.parameters) if answer else {}
-    notices = [*strategy.notices]
-    short = [about_short_curves(curve, evaluations) for curve in strategy.problem.curves]
+    notices = [*search.notices]
+    short = [about_short_curves(curve, evaluations) for curve in search.problem.curves]
     notices += filter(None, short)
-    notices += about_blow_ups(strategy.problem, evaluations)
+    notices += about_blow_ups(search.problem, evaluations)
     if outcome:
-        notices += reasons(problem, outcome)
         notices += _failure_notices(outcome.fresh.evaluations)
         notices += _edge_notices(problem, outcome.answer)
     return Result(
-        status=about.status,
+        status=ending.status,
         parameters=parameters,
         responses=_responses(problem, outcome) if outcome else {},
         curves=_curves(outcome) if outcome else {},
@@ -86,40 +84,37 @@ def make_result(
         rayleigh_time_step=problem.rayleigh_time_step(parameters) if answer else None,
         rayleigh_time_step_before=problem.rayleigh_time_step(middle),
         rayleigh_time_step_limits=rayleigh.limits(problem.intervals) if rayleigh else None,
-        wall_seconds=about.wall_seconds,
-        utilisation=about.utilisation,
+        wall_seconds=ending.wall_seconds,
+        utilisation=ending.utilisation,
         probability_all_met=answer.probability_all_met if answer else None,
-        name=about.name,
-        identity=about.identity,
-        strategy=strategy.name,
-        seed=strategy.seed,
+        name=ending.name,
+        identity=ending.identity,
+        strategy=search.name,
+        seed=search.seed,
         version=version("grainfit"),
         units={parameter.name: parameter.unit for parameter in problem.parameters},
         out_of_reach=answer.out_of_reach if answer else (),
         metamodels=answer.quality if answer else {},
+        reasons=outcome.reasons if outcome else (),
         notices=tuple(notices),
         history=tuple(_summary(evaluation) for evaluation in evaluations),
     )
 
 
-def _responses(problem: Problem, outcome: Outcome) -> dict[str, ResponseResult]:
-    verified = outcome.fresh.verified()
-    contradicted = {contradiction.target.name for contradiction in outcome.contradictions}
+def _responses(problem: Problem, outcome: JudgedAnswer) -> dict[str, ResponseResult]:
     return {
-        target.name: _response(
-            target, outcome, verified.get(target.name), target.name in contradicted
-        )
+        target.name: _response(target, outcome)
         for target in problem.targets
         if not isinstance(target, ComponentTarget)
     }
 
 
-def _curves(outcome: Outcome) -> dict[str, CurveResult]:
+def _curves(outcome: JudgedAnswer) -> dict[str, CurveResult]:
     bases = outcome.answer.reduction.bases if outcome.answer.reduction else ()
     return {basis.target.name: _curve(basis, outcome) for basis in bases}
 
 
-def _curve(basis: CurveBasis, outcome: Outcome) -> CurveResult:
+def _curve(basis: CurveBasis, outcome: JudgedAnswer) -> CurveResult:
     answer, measured = outcome.answer, basis.target
     scores = np.array([answer.predicted[name] for name in basis.names])
     errors = np.array([answer.standard_errors[name] for name in basis.names])
@@ -127,8 +122,6 @@ def _curve(basis: CurveBasis, outcome: Outcome) -> CurveResult:
     uncertainties = measured.standard_uncertainties
     off = (expected - np.asarray(measured.values)) / uncertainties
     probability = min(answer.probabilities[name] for name in basis.names)
-    contradicted = {one.target.name for one in outcome.contradictions}
-    verdict = _verdict(probability, outcome.confidence, not contradicted.isdisjoint(basis.names))
     fresh = _fresh_curves(basis, outcome.fresh)
     return CurveResult(
         coordinate=measured.coordinate,
@@ -143,7 +136,7 @@ def _curve(basis: CurveBasis, outcome: Outcome) -> CurveResult:
         deviation=float(np.sqrt((off**2).mean())),
         probability=probability,
         shape_probability=basis.shape_probability,
-        verdict="missed" if basis.has_other_shape else verdict,
+        verdict=outcome.judgement.curves[measured.name],
         verified_runs=len(fresh),
         **_mean_of_curves(fresh),
     )
@@ -172,12 +165,11 @@ def _mean_of_curves(curves: NDArray[np.float64]) -> dict[str, Any]:
     }
 
 
-def _response(
-    target: Target, outcome: Outcome, verified: Verified | None, contradicted: bool
-) -> ResponseResult:
+def _response(target: Target, outcome: JudgedAnswer) -> ResponseResult:
     answer, name = outcome.answer, target.name
     probability = answer.probabilities[name]
     share = target.relative_deviation(answer.predicted[name])
+    verified = outcome.fresh.verified().get(name)
     return ResponseResult(
         target=target.value,
         tolerance=target.tolerance,
@@ -191,14 +183,8 @@ def _response(
         verified_values=tuple(outcome.fresh.values[name].values()),
         verified_seeds=tuple(outcome.fresh.values[name]),
         deviation_percent=None if share is None else 100 * share,
-        verdict=_verdict(probability, outcome.confidence, contradicted),
+        verdict=outcome.judgement.responses[name],
     )
-
-
-def _verdict(probability: float, confidence: float, contradicted: bool) -> Verdict:
-    if probability <= 1 - confidence:
-        return "missed"
-    return "met" if probability >= confidence and not contradicted else "in doubt"
 
 
 def _counts(evaluations: Sequence[Evaluation], known: int) -> RunCounts:

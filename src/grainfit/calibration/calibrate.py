@@ -20,7 +20,6 @@ from grainfit.calibration.provenance import Provenance
 from grainfit.calibration.readiness import require_ready
 from grainfit.calibration.scopes import repeats_of, restricted, with_scopes
 from grainfit.calibration.timeouts import default_timeouts
-from grainfit.calibration.verification import VERIFICATION_RUNS
 from grainfit.campaign.campaign import Campaign, CampaignOptions
 from grainfit.campaign.folder_lock import hold
 from grainfit.campaign.keep import Keep
@@ -38,6 +37,7 @@ from grainfit.solvers.own_model.python_callable import PythonCallable
 from grainfit.strategies.base import Strategy
 from grainfit.strategies.budget import start_search
 from grainfit.strategies.registry import DEFAULT_STRATEGY, as_strategy
+from grainfit.verdict.options import VERDICT
 
 Simulate = Callable[[dict[str, float], int], Mapping[str, Any]] | Solver | Mapping[str, Solver]
 
@@ -158,7 +158,7 @@ def calibrate(
     solvers = restricted(problem, solvers)
     _check_timeouts(timeouts or {}, solvers)
     require_ready(problem, solvers)
-    verification_runs = verification_runs or VERIFICATION_RUNS
+    verification_runs = verification_runs or VERDICT.fresh_seeds
     search = start_search(chosen, problem, sum(means.values()), seed, max_runs, verification_runs)
     with ExitStack() as stack:
         tell = stack.enter_context(_shown(on_progress)) if progress else on_progress

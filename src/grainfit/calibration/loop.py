@@ -12,20 +12,14 @@ from importlib.metadata import version
 from itertools import accumulate
 from typing import Any
 
-from grainfit.calibration.build_result import About, make_result
+from grainfit.calibration.build_result import Ending, make_result
 from grainfit.calibration.expected_deviation import ExpectedDeviation
 from grainfit.calibration.intervals import with_intervals
+from grainfit.calibration.judged_answer import JudgedAnswer, judge_answer
 from grainfit.calibration.live_file import LiveFile
 from grainfit.calibration.progress import Progress
 from grainfit.calibration.provenance import Provenance
-from grainfit.calibration.verdict import Outcome, judge
-from grainfit.calibration.verification import (
-    MOST_FRESH,
-    FreshRuns,
-    contradictions,
-    lacking_runs,
-    runs_near,
-)
+from grainfit.calibration.verification import runs_near
 from grainfit.calibration.warm_start import warm_start
 from grainfit.calibration.yield_loci import tests_of_runs, yield_loci
 from grainfit.campaign.campaign import Campaign
@@ -39,18 +33,18 @@ from grainfit.metamodels.curve_reduction import about_short_curves
 from grainfit.metamodels.known_runs import nearest_runs
 from grainfit.metamodels.metamodels import runs_that_yield
 from grainfit.problem import Problem
-from grainfit.result import Result, Status
+from grainfit.result import Result
 from grainfit.run_definition import identity_of
 from grainfit.strategies.answer import Answer
 from grainfit.strategies.base import Search
 from grainfit.strategies.seeds import insertion_seed
+from grainfit.verdict.options import VERDICT
+from grainfit.verdict.rule import Status
 
 #: Number of equal failures, or of failures of any kind, without a success after which a calibration
 #: is stopped.
 _HOPELESS = 3
 _HOPELESS_WHATEVER = 8
-#: Fresh seeds after which a verdict is given in any case.
-_MOST_VERIFICATION = 24
 
 
 @dataclass(frozen=True)
@@ -160,7 +154,7 @@ class CalibrationLoop:
             warm_start(self._strategy, self._problem, known)
             self._show()
         self._campaign.fetch([run for r in self._recorded for run in r.runs.values()])
-        outcome: Outcome | None
+        outcome: JudgedAnswer | None
         status: Status = "interrupted"
         try:
             outcome = self._search_and_verify()
@@ -178,7 +172,7 @@ class CalibrationLoop:
         if status != "interrupted":
             self._store.forget_requests_behind(self._identity, self._requested)
         wall_seconds = time.monotonic() - self._started
-        about = About(
+        ending = Ending(
             self._options.name,
             self._identity,
             wall_seconds,
@@ -186,7 +180,7 @@ class CalibrationLoop:
             status,
         )
         known_runs = sum(self._origins.values())
-        result = make_result(about, self._strategy, outcome, self._evaluations, known_runs)
+        result = make_result(ending, self._strategy, outcome, self._evaluations, known_runs)
         result = with_intervals(result, self._problem, self._evaluations, known)
         tests = tests_of_runs(self._evaluations, self._store.find_many)
         return replace(result, yield_loci=yield_loci(self._problem, tests, result.responses))
@@ -202,12 +196,12 @@ class CalibrationLoop:
                 raise self._store.damaged(f"{place}: {error}") from error
         return recorded
 
-    def _search_and_verify(self) -> Outcome:
+    def _search_and_verify(self) -> JudgedAnswer:
         """Alternate between search and fresh seeds at its answer until the verdict is known."""
         self._run_strategy()
         outcome = self._judge_answer()
         while self._can_be_confirmed(outcome.answer):
-            self._run_fresh_seeds(outcome.answer, outcome.fresh)
+            self._run_fresh_seeds(outcome)
             outcome = self._judge_answer()
             if self._is_sure(outcome):
                 break
@@ -216,14 +210,14 @@ class CalibrationLoop:
                 outcome = self._judge_answer()
         return outcome
 
-    def _judge_answer(self) -> Outcome:
+    def _judge_answer(self) -> JudgedAnswer:
         return self._judge(self._strategy.answer(self._recorded_answer()))
 
-    def _judge(self, answer: Answer) -> Outcome:
+    def _judge(self, answer: Answer) -> JudgedAnswer:
         usable = without_blow_ups(self._problem, self._evaluations)
         problem, evaluations = answer.reduced(self._problem, usable)
         fresh = runs_near(problem, answer, evaluations, self._strategy.answer)
-        return judge(
+        return judge_answer(
             problem,
             answer,
             fresh,
@@ -232,7 +226,7 @@ class CalibrationLoop:
             self._campaign.repeats,
         )
 
-    def _is_sure(self, outcome: Outcome) -> bool:
+    def _is_sure(self, outcome: JudgedAnswer) -> bool:
         """Return whether the outcome would hardly change with more runs."""
         enough = outcome.answer.probability_all_met >= self._strategy.confidence_to_stop
         return enough and outcome.status == "calibrated"
@@ -246,8 +240,8 @@ class CalibrationLoop:
             not answer.out_of_reach
             and (left is None or left > 0)
             and min(answer.probability_all_met, answer.probability_without_outliers) >= least
-            and answer.runs_needed <= MOST_FRESH
-            and self._verification_asked < _MOST_VERIFICATION * self._tests
+            and answer.runs_needed <= VERDICT.most_fresh_seeds
+            and self._verification_asked < VERDICT.most_verification * self._tests
         )
 
     def _recorded_answer(self) -> Mapping[str, float] | None:
@@ -261,7 +255,7 @@ class CalibrationLoop:
         simulated = sum(evaluation.simulated_seconds for evaluation in self._evaluations)
         return min(1.0, simulated / (self._options.workers * max(wall_seconds, 1e-9)))
 
-    def _best_so_far(self) -> Outcome | None:
+    def _best_so_far(self) -> JudgedAnswer | None:
         try:
             return self._judge(self._strategy.answer())
         except RunFailedError:
@@ -313,11 +307,12 @@ class CalibrationLoop:
         """Whether to ask for a proposal now: a worker is free, and no evaluation is waiting."""
         return self._campaign.has_free_worker and not self._campaign.has_complete
 
-    def _run_fresh_seeds(self, answer: Answer, fresh: FreshRuns) -> None:
+    def _run_fresh_seeds(self, outcome: JudgedAnswer) -> None:
         """Run fresh seeds at the answer: as many as its confirmation lacks."""
+        answer = outcome.answer
         self._recall_verification(answer)
         waiting = []
-        for tests in self._tests_to_verify(answer, fresh):
+        for tests in self._tests_to_verify(outcome):
             self._verification_asked += 1
             seed = insertion_seed(self._strategy.seed, "verification", self._verification_asked)
             waiting.append(Proposal(answer.parameters, seed, "verification", tests))
@@ -336,20 +331,19 @@ class CalibrationLoop:
         for evaluation in ended:
             self._strategy.tell(evaluation.proposal, evaluation)
 
-    def _tests_to_verify(self, answer: Answer, fresh: FreshRuns) -> list[tuple[str, ...] | None]:
+    def _tests_to_verify(self, outcome: JudgedAnswer) -> list[tuple[str, ...] | None]:
         """Return the tests of each run with a fresh seed that is to be made now."""
+        answer, fresh, missing = outcome.answer, outcome.fresh, outcome.judgement.lacking
         fewest, workers = self._options.verification_runs, self._options.workers
         left = self._runs_left()
         if not self._problem.tests:
             lacking = fewest - fresh.count
             count = max(lacking, min(answer.runs_needed, workers), 1)
             return [None] * (count if left is None else min(count, max(left, 1)))
-        problem, _ = answer.reduced(self._problem, ())
-        missing = lacking_runs(problem, answer, fresh, fewest)
         wanted = [test for test, count in missing.items() for _ in range(count)]
-        found = contradictions(problem, fresh.verified(), answer)
+        problem, _ = answer.reduced(self._problem, ())
         # More runs of a test tell whether its fresh seeds contradict all runs by chance.
-        doubted = {problem.scope_of(one.target.name).name for one in found}
+        doubted = {problem.scope_of(name).name for name in outcome.judgement.contradicted}
         wanted += [test for test, count in missing.items() if test in doubted and not count]
         if not wanted or answer.probability_all_met < self._strategy.confidence_to_stop:
             # Of those that make the answer certain, the first: the next verdict may need no more.

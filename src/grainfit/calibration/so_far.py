@@ -5,15 +5,16 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from grainfit.calibration.build_result import About, make_result
-from grainfit.calibration.verdict import judge
-from grainfit.calibration.verification import VERIFICATION_RUNS, runs_near
+from grainfit.calibration.build_result import Ending, make_result
+from grainfit.calibration.judged_answer import judge_answer
+from grainfit.calibration.verification import runs_near
 from grainfit.errors import RunFailedError
 from grainfit.evaluation import Evaluation
 from grainfit.metamodels.blow_ups import without_blow_ups
 from grainfit.problem import Problem
 from grainfit.result import Result
 from grainfit.strategies.registry import make_strategy
+from grainfit.verdict.options import VERDICT
 
 #: Options of the strategies that influence which of the known parameter sets is the answer.
 _OF_THE_ANSWER = ("prefer", "confidence")
@@ -61,6 +62,5 @@ def result_so_far(
     reduced, usable = answer.reduced(problem, without_blow_ups(problem, evaluations))
     fresh = runs_near(reduced, answer, usable, search.answer)
     repeats = {scope.name: scope.repeats for scope in problem.scopes}
-    outcome = judge(reduced, answer, fresh, search.confidence, VERIFICATION_RUNS, repeats)
-    about = About("", "", 0.0, 0.0, "interrupted")
-    return make_result(about, search, outcome, evaluations)
+    outcome = judge_answer(reduced, answer, fresh, search.confidence, VERDICT.fresh_seeds, repeats)
+    return make_result(Ending("", "", 0.0, 0.0, "interrupted"), search, outcome, evaluations)

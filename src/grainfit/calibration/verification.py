@@ -15,73 +15,10 @@ from statistics import fmean, stdev
 from scipy.stats import t as student_t
 
 from grainfit.evaluation import Evaluation
-from grainfit.formatting import number, rounded, unit_for_people, with_unit
-from grainfit.problem import Problem, Target
+from grainfit.problem import Problem
 from grainfit.strategies.answer import Answer
-
-#: Default number of fresh seeds at, or very near, the answer. Two could agree by chance.
-VERIFICATION_RUNS = 3
-#: Most fresh seeds in all that a close call is worth.
-MOST_FRESH = 20
-#: Largest difference in any parameter, as a share of its interval, and in any expected response,
-#: in tolerances, of a parameter set that counts as very near.
-_NEAR_PARAMETERS, _NEAR_RESPONSES = 0.1, 0.5
-#: Scatter of a response, in tolerances, up to which two runs agree by chance with the same error
-#: once in 10,000 times; and the number of fresh seeds that it needs.
-_QUIET, _FEWEST_QUIET = 0.25, 2
-#: Standard errors between fresh seeds and all runs that contradict each other. By chance it
-#: happens in 3 of 1,000 checks.
-_CONTRADICTION = 3.0
-#: Deviation in tolerances that contradicts nothing: without scatter, any is significant.
-_NEGLIGIBLE = 0.01
-
-
-@dataclass(frozen=True)
-class Verified:
-    """Mean of a response over the verification runs.
-
-    Parameters
-    ----------
-    mean, standard_error : float
-        Over the runs.
-    half_width : float
-        Half of the 95 % confidence interval of the mean (Student's t).
-    runs : int
-        Number of runs.
-    """
-
-    mean: float
-    standard_error: float
-    half_width: float
-    runs: int
-
-
-@dataclass(frozen=True)
-class Contradiction:
-    """A target for which the fresh seeds do not agree with what all runs together say.
-
-    Parameters
-    ----------
-    target : Target
-        The target.
-    verified : Verified
-        Mean of the verification runs.
-    expected : float
-        Response at the answer expected from all runs, including those of the verification.
-    """
-
-    target: Target
-    verified: Verified
-    expected: float
-
-    def __str__(self) -> str:
-        found = rounded(self.verified.mean, self.verified.half_width)
-        expected = with_unit(number(self.expected, 4), unit_for_people(self.target.unit))
-        return (
-            f"{self.target.name} is in doubt: the {self.verified.runs} fresh seeds at the answer "
-            f"give {found} on average, where all runs together lead to expect {expected}. The "
-            "metamodel misses something there: more runs would tell."
-        )
+from grainfit.verdict.evidence import Verified
+from grainfit.verdict.options import VERDICT
 
 
 @dataclass(frozen=True)
@@ -173,41 +110,12 @@ def _shift(
     if parameters == answer.parameters:
         return dict.fromkeys(answer.predicted, 0.0)
     apart = problem.to_unit(parameters) - problem.to_unit(answer.parameters)
-    if max(map(abs, apart)) > _NEAR_PARAMETERS:
+    if max(map(abs, apart)) > VERDICT.near_parameters:
         return None
     there = describe(parameters)
     shift = {name: value - there.predicted[name] for name, value in answer.predicted.items()}
-    far = any(abs(shift[t.name]) > _NEAR_RESPONSES * t.tolerance for t in problem.targets)
+    far = any(abs(shift[t.name]) > VERDICT.near_responses * t.tolerance for t in problem.targets)
     return None if far else shift
-
-
-def lacking_runs(problem: Problem, answer: Answer, fresh: FreshRuns, fewest: int) -> dict[str, int]:
-    """Return how many runs with fresh seeds an answer lacks, by name of the test.
-
-    Parameters
-    ----------
-    problem : Problem
-        Parameters, targets, and tests.
-    answer : Answer
-        The answer.
-    fresh : FreshRuns
-        Runs at or very near the answer.
-    fewest : int
-        Number of fresh seeds without which no answer is calibrated. One of several tests needs two
-        where its responses scatter little.
-    """
-    lacking = {}
-    for scope in problem.scopes:
-        targets = [target for target in problem.targets if target.name in scope.targets]
-        quiet = bool(problem.tests) and all(_is_quiet(target, answer) for target in targets)
-        made = min((len(fresh.values[target.name]) for target in targets), default=0)
-        lacking[scope.name] = max(0, (min(fewest, _FEWEST_QUIET) if quiet else fewest) - made)
-    return lacking
-
-
-def _is_quiet(target: Target, answer: Answer) -> bool:
-    quality = answer.quality.get(target.name)
-    return quality is not None and quality.noise <= _QUIET * target.tolerance
 
 
 def mean_with_interval(values: Sequence[float]) -> Verified:
@@ -215,27 +123,3 @@ def mean_with_interval(values: Sequence[float]) -> Verified:
     error = stdev(values) / sqrt(len(values))
     quantile = float(student_t.ppf(0.975, len(values) - 1))
     return Verified(fmean(values), error, quantile * error, len(values))
-
-
-def contradictions(
-    problem: Problem, verified: Mapping[str, Verified], answer: Answer
-) -> list[Contradiction]:
-    """Return the targets for which the fresh seeds contradict all runs together.
-
-    The fresh seeds are a part of all runs, so the variance of the difference is that of their mean
-    less that of the expectation.
-    """
-    found = []
-    for target in problem.targets:
-        check = verified.get(target.name)
-        quality = answer.quality.get(target.name)
-        if check is None or quality is None:
-            continue
-        of_mean = quality.noise**2 / check.runs
-        # An expectation that rests on little else than the fresh seeds cannot contradict them.
-        difference = max(of_mean - answer.standard_errors[target.name] ** 2, 0.1 * of_mean)
-        expected = answer.predicted[target.name]
-        negligible = _NEGLIGIBLE * target.tolerance
-        if abs(check.mean - expected) > max(_CONTRADICTION * sqrt(difference), negligible):
-            found.append(Contradiction(target, check, expected))
-    return found

@@ -9,12 +9,12 @@ from dataclasses import dataclass
 from grainfit.bulk_tests.base import BulkTest
 from grainfit.bulk_tests.coarse_graining import coarse_grained, factor_words, sized_for
 from grainfit.bulk_tests.sensitivities import MODULUS
-from grainfit.calibration.verification import VERIFICATION_RUNS
 from grainfit.calibration_file.build import CalibrationSetup
 from grainfit.errors import InputError
 from grainfit.formatting import duration, number
 from grainfit.solvers.base import Solver
 from grainfit.strategies.budget import start_search
+from grainfit.verdict.options import VERDICT
 
 #: From this time on, a calibration is worth shortening, s.
 _LONG = 86_400.0
@@ -76,7 +76,7 @@ def expected_runs(setup: CalibrationSetup) -> ExpectedRuns:
         The options of the strategy do not fit the problem.
     """
     strategy = setup.strategy
-    verification = strategy.verification_runs or VERIFICATION_RUNS
+    verification = strategy.verification_runs or VERDICT.fresh_seeds
     runs_per_set = sum(setup.repeats.values())
     search = start_search(
         strategy.strategy,

@@ -63,7 +63,7 @@ def make_card(
         calibration_file=reading.source,
         identity=reading.identity,
         version=reading.version,
-        notices=answer.notices,
+        notices=answer.remarks,
         contact_models=_contact_models(reading),
     )
 

@@ -15,7 +15,7 @@ from rich.text import Text
 
 from grainfit.errors import Fault, GrainfitError, InputError, RunFailedError
 from grainfit.evaluation import Curve, Measured, curves, scalars
-from grainfit.formatting import duration, plain, probability
+from grainfit.formatting import duration, plain
 
 if TYPE_CHECKING:
     from grainfit.analysis.scatter import RepeatedRuns
@@ -72,7 +72,7 @@ def print_headline(console: Console, result: Result) -> None:
 def print_result(console: Console, result: Result, folder: Path) -> None:
     """Print the outcome: parameters, responses against targets, time step, cost."""
     print_headline(console, result)
-    for notice in result.notices:
+    for notice in result.remarks:
         console.print(_text(f"  {notice}", "yellow"))
     for name, quality in result.metamodels.items():
         for warning in quality.warnings:
@@ -87,12 +87,8 @@ def print_result(console: Console, result: Result, folder: Path) -> None:
             console.print(_text(str(locus)))
         if check := result.fresh_seeds():
             console.print(_text(check))
-        if result.probability_all_met is not None:
-            console.print(
-                f"By all runs together, every expected response is within its tolerance with a "
-                f"probability of {probability(result.probability_all_met)}.",
-                highlight=False,
-            )
+        if result.sureness:
+            console.print(result.sureness, highlight=False)
         console.print(_time_step_line(result), highlight=False)
     console.print(
         f"DEM runs: {result.runs}. Wall time {duration(result.wall_seconds)}, workers busy "

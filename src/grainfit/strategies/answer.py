@@ -17,15 +17,13 @@ from grainfit.metamodels.metamodels import Metamodels
 from grainfit.metamodels.outliers import Outliers
 from grainfit.metamodels.two_states import has_two_states
 from grainfit.problem import Problem, Target
-from grainfit.result import Bound, MetamodelQuality, OutOfReach
+from grainfit.result import MetamodelQuality
 from grainfit.strategies.run_costs import RunCosts
+from grainfit.verdict.options import VERDICT
+from grainfit.verdict.out_of_reach import Bound, OutOfReach
 
-#: Demanded probability that every expected response is within its tolerance.
-CONFIDENCE = 0.95
 #: A value nearer to a bound than this share of the interval counts as on it.
 _ON_BOUND = 0.01
-#: Most runs at an answer that are planned at once.
-_MOST_RUNS = 24
 #: Largest difference between two misfits that count as equal, in squared tolerances.
 _AS_GOOD, _WORSE = 1.0, 4.0
 
@@ -96,7 +94,7 @@ def make_answer(
     closest: NDArray[np.float64],
     *,
     spread: bool = True,
-    confidence: float = CONFIDENCE,
+    confidence: float = VERDICT.confidence,
     costs: RunCosts | None = None,
 ) -> Answer:
     """Make an answer from a parameter set and the metamodels' predictions for it.
@@ -140,7 +138,7 @@ def _runs_by_worth(
         return ()
     costs = costs or RunCosts(problem, ())
     seconds = {s.name: float(costs.seconds(s, point[None])[0]) for s in problem.scopes}
-    return metamodels.runs_by_worth(point, confidence, seconds, _MOST_RUNS)
+    return metamodels.runs_by_worth(point, confidence, seconds, VERDICT.most_planned)
 
 
 def bound_at(position: float) -> Bound | None:

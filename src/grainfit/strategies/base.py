@@ -47,16 +47,12 @@ from grainfit.errors import InputError
 from grainfit.evaluation import Evaluation, Outcome, Proposal
 from grainfit.options.fields import option_keys, read_options
 from grainfit.strategies import messages
+from grainfit.verdict.options import VERDICT
 
 if TYPE_CHECKING:
     # Every command line reads the options, and must not wait for numerical packages to load.
     from grainfit.problem import Problem
     from grainfit.strategies.answer import Answer
-
-#: How often a verification that does not confirm the answer may lead back to the search.
-RESUMPTIONS = 8
-#: Doubt at which a search stops, as a share of the accepted one (`benchmarks/verdicts.py`).
-_DOUBT_TO_STOP = 0.5
 
 
 @dataclass(frozen=True)
@@ -130,9 +126,8 @@ class Search(ABC):
         Largest number of proposals.
     """
 
-    #: Smallest probability of an answer at which fresh seeds are worth their runs. A search that
-    #: does not look at the probability itself can go on after them.
-    verify_from: ClassVar[float] = 0.05
+    #: Smallest probability of an answer at which fresh seeds are worth their runs.
+    verify_from: ClassVar[float] = VERDICT.verify_from
     #: Whether runs outside the intervals may be told to it: its answer is never one of them.
     learns_beyond_intervals: ClassVar[bool] = False
 
@@ -172,16 +167,12 @@ class Search(ABC):
     @property
     def confidence(self) -> float:
         """Demanded probability that every target is met; 0.95 unless overridden."""
-        return 0.95
+        return VERDICT.confidence
 
     @property
     def confidence_to_stop(self) -> float:
-        """Probability at which a search stops: higher than the demanded one.
-
-        A search that looks after every run, and stops as soon as the outcome is good enough, stops
-        rather when it looks better than it is: the doubt left has to be half of the accepted one.
-        """
-        return 1 - _DOUBT_TO_STOP * (1 - self.confidence)
+        """Probability at which a search stops: more than demanded, see `VerdictOptions`."""
+        return 1 - VERDICT.doubt_to_stop * (1 - self.confidence)
 
     @property
     def notices(self) -> Sequence[str]:

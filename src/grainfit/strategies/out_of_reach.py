@@ -15,8 +15,8 @@ from grainfit.metamodels.curve_reduction import CurveBasis
 from grainfit.metamodels.designs import maximin_latin_hypercube
 from grainfit.metamodels.metamodels import Metamodels
 from grainfit.problem import CurveTarget, Parameter, Problem
-from grainfit.result import CurveMiss, OutOfReach
 from grainfit.strategies import messages
+from grainfit.verdict.out_of_reach import CurveMiss, OutOfReach
 
 #: Standard errors by which a target must be missed beyond its tolerance to be out of reach.
 STANDARD_ERRORS = 2.0

@@ -234,7 +234,7 @@ def _notices(reading: Reading) -> Sequence[str]:
     if reading.saved is None or reading.saved.result is None:
         return ()
     told = verdict(ReportContext(reading.saved, Analysis())).details
-    return [notice for notice in reading.saved.result.notices if plain(notice) not in told]
+    return [notice for notice in reading.saved.result.remarks if plain(notice) not in told]
 
 
 def _stop(reading: Reading) -> Mapping[str, Any]:

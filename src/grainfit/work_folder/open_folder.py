@@ -16,7 +16,8 @@ from grainfit.campaign.store.records import CalibrationRecord, RequestRecord
 from grainfit.campaign.store.store import STORE_NAME, RunStore, not_a_work_folder
 from grainfit.campaign.work_folder import RESULT_NAME
 from grainfit.errors import StoreError
-from grainfit.result import Result, Status
+from grainfit.result import Result
+from grainfit.verdict.rule import Status
 
 _STATES = ("not started", "running", "failed", *get_args(Status))
 

@@ -21,15 +21,10 @@ from grainfit.evaluation import ERROR_SUFFIX, Evaluation, names_of_tests, respon
 from grainfit.formatting import counted
 from grainfit.materials.time_step import RayleighTimeStep
 from grainfit.problem import CurveTarget, Parameter, Problem, Target, TestScope
-from grainfit.result import (
-    ParameterInterval,
-    Result,
-    Status,
-    YieldLocusResult,
-    damaged_result,
-)
+from grainfit.result import ParameterInterval, Result, YieldLocusResult, damaged_result
 from grainfit.strategies.distinct_runs import distinct_runs
 from grainfit.tables import TextTable, as_html, as_text
+from grainfit.verdict.rule import Status
 from grainfit.work_folder.open_folder import OpenFolder, open_folder
 from grainfit.work_folder.run_table import runs_table
 

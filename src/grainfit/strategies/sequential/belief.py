@@ -13,12 +13,12 @@ from grainfit.metamodels.blow_ups import without_blow_ups
 from grainfit.metamodels.metamodels import Metamodels
 from grainfit.metamodels.time_steps import handicaps, log_time_steps
 from grainfit.problem import Problem
-from grainfit.result import OutOfReach
 from grainfit.strategies.out_of_reach import out_of_reach
 from grainfit.strategies.sequential.answer_search import AnswerSearch
 from grainfit.strategies.sequential.feasibility import FeasibilityModel
 from grainfit.strategies.sequential.options import SequentialOptions
 from grainfit.strategies.sequential.parameter_knowledge import ParameterKnowledge
+from grainfit.verdict.out_of_reach import OutOfReach
 
 Array = NDArray[np.float64]
 

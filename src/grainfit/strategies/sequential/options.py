@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Literal, get_args
 from grainfit.options.fields import option
 from grainfit.options.kinds import Choice, Flag, Quantity, Share, Whole
 from grainfit.strategies.base import Strategy
+from grainfit.verdict.options import VERDICT
 
 if TYPE_CHECKING:
     from grainfit.problem import Problem
@@ -45,7 +46,7 @@ class SequentialOptions(Strategy):
     confidence: float = option(
         Quantity("", lowest=0.5, highest=1.0),
         "Demanded probability that all expected responses are within their tolerances.",
-        default=0.95,
+        default=VERDICT.confidence,
         example="0.99",
     )
     wanted_half_width: float | None = option(

@@ -28,7 +28,7 @@ from grainfit.metamodels.metamodels import Metamodels, can_be_fitted
 from grainfit.metamodels.unit_cube import spread_subset
 from grainfit.problem import Problem
 from grainfit.strategies.answer import Answer, make_answer
-from grainfit.strategies.base import RESUMPTIONS, Search
+from grainfit.strategies.base import Search
 from grainfit.strategies.budget import design_size
 from grainfit.strategies.distinct_runs import distinct_runs
 from grainfit.strategies.out_of_reach import widened, widenings
@@ -46,6 +46,7 @@ from grainfit.strategies.sequential.options import SequentialOptions
 from grainfit.strategies.sequential.parameter_knowledge import ParameterKnowledge
 from grainfit.strategies.sequential.stopping import StoppingRule
 from grainfit.strategies.sequential.variance_reduction import most_narrowing_run
+from grainfit.verdict.options import VERDICT
 
 Array = NDArray[np.float64]
 
@@ -297,7 +298,7 @@ class SequentialSearch(Search):
             self._belief is not None
             and (affordable is None or affordable >= 0)
             and not self._rule.is_out_of_reach(self._belief)
-            and self._resumptions < RESUMPTIONS
+            and self._resumptions < VERDICT.resumptions
         )
         self._resumptions += possible
         return possible

@@ -19,9 +19,7 @@ from grainfit.evaluation import Evaluation, Proposal, Stage
 from grainfit.metamodels.designs import maximin_latin_hypercube
 from grainfit.metamodels.metamodels import Metamodels
 from grainfit.problem import Problem
-from grainfit.result import OutOfReach
 from grainfit.strategies.answer import Answer, make_answer
-from grainfit.strategies.base import RESUMPTIONS
 from grainfit.strategies.batches import Batches, BatchSearch
 from grainfit.strategies.budget import design_size
 from grainfit.strategies.out_of_reach import out_of_reach
@@ -39,6 +37,8 @@ from grainfit.strategies.staged.residuals import (
     expected_misfit_at,
     residuals_at,
 )
+from grainfit.verdict.options import VERDICT
+from grainfit.verdict.out_of_reach import OutOfReach
 
 Array = NDArray[np.float64]
 
@@ -133,7 +133,7 @@ class StagedSearch(BatchSearch):
         possible = (
             not self._out_of_reach
             and self._left > self.problem.dimension
-            and self._resumptions < RESUMPTIONS
+            and self._resumptions < VERDICT.resumptions
         )
         if possible:
             self._resumptions += 1

@@ -19,7 +19,6 @@ from grainfit.formatting import (
     duration,
     number,
     plain,
-    plain_probability,
     probability,
     rounded,
     unit_for_people,
@@ -136,7 +135,7 @@ def verdict(context: ReportContext) -> Verdict:
 def _final_verdict(context: ReportContext) -> Verdict:
     result = context.reading.result
     assert result is not None, "an answer comes from a result"
-    sure = (*_sureness(result), *_determinations(context))
+    sure = (*filter(None, [result.sureness]), *_determinations(context))
     if context.reading.state == "calibrated":
         return Verdict("good", "Calibrated: every measurement is met within its tolerance.", sure)
     misses = tuple(map(str, result.out_of_reach))
@@ -150,9 +149,9 @@ def _final_verdict(context: ReportContext) -> Verdict:
         if response.verdict != "met"
     )
     if not missed:
-        # Correlated ones, which are met one by one: a notice says more.
+        # Correlated ones, which are met one by one.
         line = "Not calibrated: the measurements are not met together."
-        return Verdict("bad", line, (*map(plain, result.notices), *sure))
+        return Verdict("bad", line, (*_reasons(result), *sure))
     return Verdict("bad", f"Not calibrated: {missed}.", sure)
 
 
@@ -166,13 +165,14 @@ def _undecided(context: ReportContext, result: Result, sure: tuple[str, ...]) ->
     what = " and ".join(doubtful) or "every measurement"
     verb = "are" if len(doubtful) > 1 else "is"
     line = f"Undecided: the runs do not tell whether {what} {verb} met."
-    reasons = [*map(plain, result.notices)]
-    if result.probability_all_met is not None:
-        # The reasons mostly give the probability, with what would raise it.
-        likely = plain_probability(result.probability_all_met)
-        if any(likely in reason for reason in reasons):
-            sure = tuple(_determinations(context))
-    return Verdict("warn", line, (*reasons, *sure))
+    if any(reason.gives_probability for reason in result.reasons):
+        sure = tuple(_determinations(context))
+    return Verdict("warn", line, (*_reasons(result), *sure))
+
+
+def _reasons(result: Result) -> Iterator[str]:
+    """Yield the reasons for the verdict; those of version 0.2.0 or older are among the notices."""
+    yield from map(plain, map(str, result.reasons) if result.reasons else result.notices)
 
 
 def _likelihood(response: ResponseResult) -> str:
@@ -185,14 +185,6 @@ def _miss(words: str, response: ResponseResult) -> str:
         likely = probability(response.probability)
         return f"{words} is within {accepted} with a probability of {likely}"
     return f"{words} deviates by {_deviation(response)}, and {accepted} are accepted"
-
-
-def _sureness(result: Result) -> Iterator[str]:
-    if result.probability_all_met is not None:
-        yield (
-            "By all runs together, every expected response is within its tolerance with a "
-            f"probability of {probability(result.probability_all_met)}."
-        )
 
 
 def _determinations(context: ReportContext) -> Iterator[str]:
@@ -365,7 +357,7 @@ def _cost(context: ReportContext) -> dict[str, Any]:
 
 def _notices(context: ReportContext, tests: Mapping[str, BulkTest]) -> Iterator[str]:
     result = context.reading.result
-    said = [*result.notices] if result else []
+    said = [*result.remarks] if result else []
     if result:
         for name, quality in result.metamodels.items():
             words = quality.part or context.response_label(name).words

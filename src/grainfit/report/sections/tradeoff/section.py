@@ -12,7 +12,7 @@ from grainfit.plots.pareto_figures import pareto_figure, time_unit, why_no_front
 from grainfit.problem import Target
 from grainfit.report.rendering import render
 from grainfit.report.section import ReportContext, Section, waiting
-from grainfit.strategies.answer import CONFIDENCE
+from grainfit.verdict.options import VERDICT
 
 _KEY, _TITLE = "tradeoff", "Could the time step be larger?"
 _FIGURE = f"{_KEY}-front"
@@ -55,7 +55,7 @@ def tradeoff(context: ReportContext) -> Section:
 def _gain(context: ReportContext, front: ParetoFront) -> float | None:
     """Share by which a set that agrees has a larger time step; None where none is known."""
     step = context.reading.problem.rayleigh_time_step(context.answer) if context.answer else None
-    agreeing = front.time_steps[front.probability_all_met >= CONFIDENCE]
+    agreeing = front.time_steps[front.probability_all_met >= VERDICT.confidence]
     return None if step is None or not len(agreeing) else float(agreeing.max()) / step - 1
 
 
@@ -66,12 +66,12 @@ def _choice(gain: float | None) -> str:
     if gain <= EQUAL_TIME_STEPS:
         return (
             f"No, by {max(gain, 0.0):.1%} at most: no parameter set that meets every target with a "
-            f"probability of {CONFIDENCE:.0%} has a time step that is larger by "
+            f"probability of {VERDICT.confidence:.0%} has a time step that is larger by "
             f"{EQUAL_TIME_STEPS:.0%}. So the closest set is the answer."
         )
     return (
         f"Yes, by about {gain:.0%} according to the metamodels, with every target still met with a "
-        f"probability of {CONFIDENCE:.0%}."
+        f"probability of {VERDICT.confidence:.0%}."
     )
 
 

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from html import escape
 from typing import Any
 
-from grainfit.calibration.verification import Verified, contradictions
 from grainfit.formatting import number, plain, rounded, with_unit
 from grainfit.plots.figure import Figure
 from grainfit.plots.labels import Label
@@ -16,7 +15,8 @@ from grainfit.problem import Target
 from grainfit.report.rendering import render
 from grainfit.report.section import ReportContext, Section
 from grainfit.result import ResponseResult, Result
-from grainfit.strategies.answer import Answer
+from grainfit.verdict.evidence import Verified
+from grainfit.verdict.rule import contradicts
 
 #: Colour of the runs, as in the other figures.
 _SYMBOL, _COLOUR = STAGES["verification"]
@@ -36,11 +36,12 @@ class VerifiedRow:
 
 @dataclass(frozen=True)
 class _Check:
-    """A response at the answer by fresh seeds, and by all runs."""
+    """A response at the answer by fresh seeds, and by all runs with their noise."""
 
     target: Target
     response: ResponseResult
     values: Mapping[int, float]
+    noise: float | None
 
     @property
     def mean(self) -> tuple[float, float]:
@@ -51,11 +52,17 @@ class _Check:
         return found.verified_mean, found.verified_interval
 
     @property
-    def verified(self) -> Verified:
-        """The mean with its standard error."""
+    def differs(self) -> bool:
+        """Whether the fresh seeds contradict all runs, as the verdict has it."""
+        found = self.response
+        # Version 0.1.0 predicted without the fresh seeds.
+        if found.probability is None or self.noise is None:
+            return False
         mean, half_width = self.mean
-        error = self.response.verified_standard_error
-        return Verified(mean, error or 0.0, half_width, len(self.values))
+        error = found.verified_standard_error or 0.0
+        verified = Verified(mean, error, half_width, len(self.values))
+        tolerance = self.target.tolerance
+        return contradicts(verified, found.predicted, found.standard_error, self.noise, tolerance)
 
 
 def verification(context: ReportContext) -> Section:
@@ -63,13 +70,12 @@ def verification(context: ReportContext) -> Section:
     result = context.reading.result
     found = _checks(context, result) if result is not None and context.answer else []
     checks = [check for check in found if check.response.verified_interval is not None]
-    differing = _differing(context, result, checks) if result is not None else set()
     curves = result.curves if result is not None and context.answer else {}
     counts = [len(check.values) for check in found] + [c.verified_runs for c in curves.values()]
     count = max(counts, default=0)
     html = render(
         "verification/page",
-        rows=[_row(context, check, check.target.name in differing) for check in checks],
+        rows=[_row(context, check) for check in checks],
         curves={plain(name): found.fresh for name, found in curves.items() if found.fresh},
         count=count,
         has_answer=bool(context.answer),
@@ -85,10 +91,15 @@ def verification(context: ReportContext) -> Section:
 
 def _checks(context: ReportContext, result: Result) -> list[_Check]:
     return [
-        _Check(target, found, _fresh(context, target.name, found))
+        _Check(target, found, _fresh(context, target.name, found), _noise(result, target.name))
         for target in context.targets
         if (found := result.responses.get(target.name)) is not None
     ]
+
+
+def _noise(result: Result, name: str) -> float | None:
+    quality = result.metamodels.get(name)
+    return None if quality is None else quality.noise
 
 
 def _fresh(context: ReportContext, name: str, response: ResponseResult) -> Mapping[int, float]:
@@ -105,31 +116,12 @@ def _fresh(context: ReportContext, name: str, response: ResponseResult) -> Mappi
     }
 
 
-def _differing(context: ReportContext, result: Result, checks: list[_Check]) -> set[str]:
-    """Return the responses whose fresh seeds contradict all runs: as the verdict has it."""
-    answer = Answer(
-        result.parameters,
-        {name: found.predicted for name, found in result.responses.items()},
-        {name: found.standard_error for name, found in result.responses.items()},
-        result.probability_all_met or 0.0,
-        quality=result.metamodels,
-    )
-    verified = {
-        check.target.name: check.verified
-        for check in checks
-        # Version 0.1.0 predicted without the fresh seeds.
-        if check.response.probability is not None
-    }
-    found = contradictions(context.reading.problem, verified, answer)
-    return {contradiction.target.name for contradiction in found}
-
-
 def _all_verifications(context: ReportContext) -> int:
     stages = [evaluation.proposal.stage for evaluation in context.reading.evaluations]
     return stages.count("verification")
 
 
-def _row(context: ReportContext, check: _Check, differs: bool) -> VerifiedRow:
+def _row(context: ReportContext, check: _Check) -> VerifiedRow:
     label, target = context.response_label(check.target.name), check.target
     wanted = f"{number(target.value, 6)} ± {number(target.tolerance, 3)}"
     words = (
@@ -137,7 +129,7 @@ def _row(context: ReportContext, check: _Check, differs: bool) -> VerifiedRow:
         f"lead to expect {with_unit(_with_interval(*check.response.expected), label.unit)}, and "
         f"{with_unit(wanted, label.unit)} was measured"
     )
-    if differs:
+    if check.differs:
         return VerifiedRow(label, "warn", "! differs", words)
     return VerifiedRow(label, "good", "✓ agrees", words)
 

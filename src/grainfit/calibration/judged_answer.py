@@ -1,0 +1,187 @@
+"""Take the numbers of a verdict from the metamodels and the runs, and judge an answer by them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from grainfit.calibration.verification import FreshRuns
+from grainfit.metamodels.curve_reduction import CurveBasis
+from grainfit.metamodels.outliers import Outliers
+from grainfit.problem import Problem, Target
+from grainfit.strategies.answer import Answer
+from grainfit.strategies.out_of_reach import miss_of
+from grainfit.verdict.evidence import CurveEvidence, Evidence, TargetEvidence, Verified
+from grainfit.verdict.out_of_reach import CurveMiss
+from grainfit.verdict.reasons import NoisyCurve, OutlyingRuns, Reason
+from grainfit.verdict.rule import Judgement, Status, judge, reasons_for
+
+
+@dataclass(frozen=True)
+class JudgedAnswer:
+    """An answer, the fresh seeds at it, and the verdict on it.
+
+    Parameters
+    ----------
+    answer : Answer
+        The answer, with what all runs predict at it.
+    fresh : FreshRuns
+        Runs that verify it.
+    evidence : Evidence
+        The numbers on which the verdict rests.
+    judgement : Judgement
+        The verdict.
+    """
+
+    answer: Answer
+    fresh: FreshRuns
+    evidence: Evidence
+    judgement: Judgement
+
+    @property
+    def status(self) -> Status:
+        """The verdict on the whole answer."""
+        return self.judgement.status
+
+    @property
+    def reasons(self) -> tuple[Reason, ...]:
+        """The reasons for the verdict."""
+        return tuple(reasons_for(self.evidence, self.judgement))
+
+
+def judge_answer(
+    problem: Problem,
+    answer: Answer,
+    fresh: FreshRuns,
+    confidence: float,
+    fewest_fresh: int,
+    repeats: Mapping[str, int] | None = None,
+) -> JudgedAnswer:
+    """Judge an answer, see `grainfit.verdict.rule`.
+
+    Parameters
+    ----------
+    problem : Problem
+        Parameters and targets, components for curves.
+    answer : Answer
+        The answer, described by all runs.
+    fresh : FreshRuns
+        Runs with fresh seeds at or very near the answer.
+    confidence : float
+        Demanded probability.
+    fewest_fresh : int
+        Number of fresh seeds without which no answer is calibrated.
+    repeats : mapping of str to int, optional
+        Runs with different seeds whose mean is one evaluation, by name of the test.
+    """
+    verified = fresh.verified()
+    bases = answer.reduction.bases if answer.reduction else ()
+    failed, ended = fresh.failures
+    pairs = problem.correlations
+    evidence = Evidence(
+        targets=[
+            _of_target(problem, answer, fresh, verified, target, repeats or {})
+            for target in problem.targets
+        ],
+        curves=[_of_curve(basis, answer, verified) for basis in bases],
+        out_of_reach=answer.out_of_reach,
+        probability_all_met=answer.probability_all_met,
+        probability_without_outliers=answer.probability_without_outliers,
+        confidence=confidence,
+        fewest_fresh=fewest_fresh,
+        runs_needed=answer.runs_needed,
+        failed=failed,
+        ended=ended,
+        is_verified=bool(fresh.evaluations),
+        correlated=tuple(dict.fromkeys(name for pair in pairs for name in pair[:2])),
+        tests={scope.name: scope.targets for scope in problem.scopes},
+        has_several_tests=bool(problem.tests),
+    )
+    return JudgedAnswer(answer, fresh, evidence, judge(evidence))
+
+
+def _of_target(
+    problem: Problem,
+    answer: Answer,
+    fresh: FreshRuns,
+    verified: Mapping[str, Verified],
+    target: Target,
+    repeats: Mapping[str, int],
+) -> TargetEvidence:
+    name = target.name
+    quality, outliers = answer.quality.get(name), answer.outliers.get(name)
+    curves = answer.reduction.bases if answer.reduction else ()
+    return TargetEvidence(
+        name,
+        target.unit,
+        target.value,
+        target.tolerance,
+        target.is_relative,
+        answer.predicted[name],
+        answer.standard_errors[name],
+        answer.probabilities[name],
+        noise=None if quality is None else quality.noise,
+        fresh=verified.get(name),
+        fresh_seeds=len(fresh.values[name]),
+        repeats=_repeats(problem, target, repeats),
+        noise_range=None if quality is None else quality.noise_range,
+        has_two_states=quality is not None and quality.has_two_states,
+        outlying=_outlying(target, outliers) if outliers else None,
+        curve=next((basis.target.name for basis in curves if name in basis.names), ""),
+    )
+
+
+def _repeats(problem: Problem, target: Target, repeats: Mapping[str, int]) -> int:
+    """Return the runs of one evaluation of the test of a target."""
+    if not repeats:
+        return 1
+    # Without scopes, all tests are evaluated together.
+    return repeats.get(problem.scope_of(target.name).name, max(repeats.values()))
+
+
+def _outlying(target: Target, found: Outliers) -> OutlyingRuns:
+    largest = max(found.residuals.tolist(), key=abs)
+    return OutlyingRuns(target.name, target.unit, found.runs, tuple(found.seeds), largest)
+
+
+def _of_curve(basis: CurveBasis, answer: Answer, verified: Mapping[str, Verified]) -> CurveEvidence:
+    return CurveEvidence(
+        basis.target.name,
+        basis.has_other_shape,
+        basis.shape_probability,
+        _noise_of_curve(basis, answer),
+        _fresh_miss(basis, answer, verified),
+    )
+
+
+def _noise_of_curve(basis: CurveBasis, answer: Answer) -> NoisyCurve | None:
+    if not answer.quality.keys() >= set(basis.names):
+        return None
+    noises = np.array([answer.quality[name].noise for name in basis.names])
+    target = basis.target
+    _, spread = basis.expected(np.zeros(len(noises)), noises**2)
+    ratios = spread / target.standard_uncertainties
+    return NoisyCurve(
+        target.name,
+        float(np.sqrt((ratios**2).mean())),
+        float(target.coordinates[int(ratios.argmax())]),
+        target.coordinate,
+        target.coordinate_unit,
+    )
+
+
+def _fresh_miss(
+    basis: CurveBasis, answer: Answer, verified: Mapping[str, Verified]
+) -> CurveMiss | None:
+    """Return how far the mean of the fresh seeds is from the expected curve."""
+    if not verified.keys() >= set(basis.names):
+        return None
+    scores: tuple[Sequence[float], ...] = (
+        [answer.predicted[name] for name in basis.names],
+        [verified[name].mean for name in basis.names],
+    )
+    nothing = np.zeros(len(basis.names))
+    wanted, found = (basis.expected(np.array(along), nothing)[0] for along in scores)
+    return miss_of(basis.target, wanted, found)

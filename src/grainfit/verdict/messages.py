@@ -1,0 +1,102 @@
+"""Messages of the verdict: what it is, and the reasons for it."""
+
+from grainfit.messages import Message
+
+ALL_MET = Message(
+    "By all runs together, every expected response is within its tolerance with a probability of "
+    "{probability}."
+)
+
+# Reasons.
+CONTRADICTED = Message(
+    "{target} is in doubt: {runs} at the answer give {mean} on average, but all runs together "
+    "predict {expected}.",
+    "The metamodel is inaccurate there: allow more runs.",
+)
+CURVE_CONTRADICTED = Message(
+    "{curve} is in doubt: compared with the curve that all runs together predict, the mean of "
+    "{runs} at the answer {miss}.",
+    "The metamodels are inaccurate there: allow more runs.",
+)
+NOT_TOGETHER = Message(
+    "{targets} are each within their tolerances, but deviate as their correlation makes unlikely.",
+    "Look for an error that they do not share, or lower the coefficient.",
+)
+OTHER_SHAPE = Message(
+    "{curve}: no simulated curve has the shape of the measured one. With the stated errors, such a "
+    "difference has a probability of {probability}.",
+    "Look at both curves: correct the data, leave out a part that the test does not show, or state "
+    "the uncertainty that the model itself has.",
+)
+OUTLYING_RUNS = Message(
+    "{target}: {outlying} of {runs} (seed {seeds}), up to {away} {side} the prediction by the "
+    "others."
+)
+SCATTER_CHANGES = Message(
+    "{target}: the scatter from run to run changes over the intervals, from {low} to {high}; at "
+    "the answer it is {here}. All intervals take that into account."
+)
+TWO_STATES = Message(
+    "{target}: the runs scatter about two values rather than one. Their mean is predicted, but no "
+    "single run looks like it.",
+    "Look at the pictures.",
+)
+USELESS_SCATTER = Message(
+    "{target} scatters by {scatter} from run to run and tells nothing at its tolerance of "
+    "{tolerance}: the mean of about {runs} runs has a standard error as large as the tolerance.",
+    "Raise the number of particles in the test, give a wider tolerance, or set repeats in its "
+    "[[test]].",
+)
+OUTLIERS_DECIDE = Message(
+    "Undecided because of outlying runs: every target is met with a probability of {with_all} with "
+    "them, and of {without} without them.",
+    "Look at their pictures: if such runs also happen in the laboratory, make the test wider or "
+    'repeat it more often; if not, ask for the typical value with statistic = "median".',
+)
+TOO_MUCH_SCATTER = Message(
+    "Every expected response is within its tolerance with a probability of {probability}, and "
+    "{confidence} is demanded. {runs}: {one} scatters by {scatter}.",
+    "{wider}, a larger sample in the test, or another response with less scatter helps more.",
+)
+FRESH_SEEDS_NOT_MADE = Message(
+    "Undecided because only {made} of {wanted} runs with fresh seeds at the answer could be made.",
+    "Allow more runs.",
+)
+FRESH_SEEDS_FAILED = Message(
+    "Undecided because only {made} of {wanted} runs with fresh seeds at the answer succeeded: "
+    "{failed} of {ended} there failed."
+)
+
+# Parts of TOO_MUCH_SCATTER.
+RUNS_NEEDED = Message("It would take about {runs} at the answer")
+RUNS_NEEDED_OF_FAILING = Message(
+    "It would take about {runs} at the answer, as {failed} of {ended} failed {where}"
+)
+RUNS_NEEDED_ALL_FAIL = Message(
+    "About {runs} at the answer would have to succeed, but {failed} of {ended} failed {where}"
+)
+NOISY_RESPONSE = Message("{scatter} in {target} (tolerance {tolerance})")
+NOISY_CURVE = Message(
+    "{ratio} σ of the measured points in {curve} (root mean square, most at {place})"
+)
+
+# Out of reach.
+CURVE_MISS = Message(
+    "deviates by {deviation} standard uncertainties of the measured points (root mean square), "
+    "most at {coordinate} = {worst}"
+)
+OUT_OF_REACH = Message(
+    "{target} = {value:g} is out of reach{together}: the nearest that the metamodels expect within "
+    "the intervals is {nearest}{share}."
+)
+CURVE_OUT_OF_REACH = Message(
+    "{target} is out of reach{together}: the nearest curve that the metamodels expect within the "
+    "intervals {miss}."
+)
+NO_SUCH_SHAPE = Message("No simulated curve has the shape of the measured one.")
+NO_BOUND = Message("No single bound is in the way: free another parameter.")
+BOUND = Message("The bound in the way is {bound}; try {suggestion:g}.")
+NO_BOUND_BEYOND = Message(
+    "The bound in the way is {bound}, and no possible value beyond it is enough: free another "
+    "parameter."
+)

@@ -1,0 +1,116 @@
+"""Targets that cannot be met within the intervals, and what is in the way: plain data."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+from grainfit.formatting import in_a_row, number, plain_interval, unit_for_people, with_unit
+from grainfit.verdict import messages
+
+Bound = Literal["min", "max"]
+#: Half the width of a 95 % interval in standard errors.
+NORMAL_QUANTILE = 1.96
+
+
+@dataclass(frozen=True)
+class CurveMiss:
+    """Deviation of an expected curve from a measured one, or from another expected one.
+
+    Parameters
+    ----------
+    coordinate, coordinate_unit : str
+        Name and unit of the coordinate.
+    deviation : float
+        Root mean square deviation, in standard uncertainties of the measured points.
+    points : tuple of (float, float, float)
+        Points that deviate most, the worst one first: coordinate, the value that it should have,
+        and the one that it has.
+    has_other_shape : bool
+        Whether no simulated curve has the shape of the measured one.
+    """
+
+    coordinate: str
+    coordinate_unit: str
+    deviation: float
+    points: tuple[tuple[float, float, float], ...]
+    has_other_shape: bool = False
+
+    def __str__(self) -> str:
+        unit = unit_for_people(self.coordinate_unit)
+        worst = [
+            f"{with_unit(number(place), unit)} ({number(found, 3)} instead of {number(wanted, 3)})"
+            for place, wanted, found in self.points
+        ]
+        return messages.CURVE_MISS(
+            deviation=number(self.deviation, 2),
+            coordinate=self.coordinate or "coordinate",
+            worst=in_a_row(worst),
+        )
+
+
+@dataclass(frozen=True)
+class OutOfReach:
+    """A target that cannot be met within the intervals.
+
+    Parameters
+    ----------
+    target : str
+        Name of the target.
+    value : float
+        Its value; of a curve at the point that deviates most, as the next two.
+    nearest, standard_error : float
+        Nearest expected response within the intervals, and its standard error.
+    jointly : bool
+        The target could be met alone, but not together with the others.
+    parameter, bound, bound_value : str, {"min", "max"}, float, optional
+        The bound that is in the way.
+    suggestion : float, optional
+        A bound that should be enough, by linear extrapolation; None when there is none.
+    is_relative : bool
+        Whether deviations relative to the value make sense.
+    curve : CurveMiss, optional
+        Of a target that is a curve.
+    """
+
+    target: str
+    value: float
+    nearest: float
+    standard_error: float
+    jointly: bool = False
+    parameter: str | None = None
+    bound: Bound | None = None
+    bound_value: float | None = None
+    suggestion: float | None = None
+    is_relative: bool = True
+    curve: CurveMiss | None = None
+
+    @property
+    def shortfall_percent(self) -> float | None:
+        """Deviation of the nearest response, in percent of the target; None if that is no use."""
+        if not self.is_relative or not self.value:
+            return None
+        return 100 * (self.nearest - self.value) / abs(self.value)
+
+    def __str__(self) -> str:
+        if self.curve is not None and self.curve.has_other_shape:
+            # Beyond any bound, curves of these shapes are to be expected.
+            return f"{self._missed()} {messages.NO_SUCH_SHAPE()}"
+        if self.parameter is None:
+            return f"{self._missed()} {messages.NO_BOUND()}"
+        bound = f"{self.parameter}.{self.bound} = {self.bound_value:g}"
+        if self.suggestion is None:
+            return f"{self._missed()} {messages.NO_BOUND_BEYOND(bound=bound)}"
+        return f"{self._missed()} {messages.BOUND(bound=bound, suggestion=self.suggestion)}"
+
+    def _missed(self) -> str:
+        together = " together with the other targets" if self.jointly else ""
+        if self.curve is not None:
+            return messages.CURVE_OUT_OF_REACH(
+                target=self.target, together=together, miss=self.curve
+            )
+        share = "" if self.shortfall_percent is None else f" ({self.shortfall_percent:+.1f} %)"
+        nearest = plain_interval(self.nearest, NORMAL_QUANTILE * self.standard_error)
+        return messages.OUT_OF_REACH(
+            target=self.target, value=self.value, together=together, nearest=nearest, share=share
+        )

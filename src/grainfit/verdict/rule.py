@@ -1,0 +1,277 @@
+"""Rule of the verdict: an answer is calibrated when every target is probably met, and verified."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Literal
+
+from grainfit.verdict.evidence import CurveEvidence, Evidence, TargetEvidence, Verified
+from grainfit.verdict.options import VERDICT
+from grainfit.verdict.reasons import (
+    Contradicted,
+    CurveContradicted,
+    FreshSeedsMissing,
+    NoisyResponse,
+    NotTogether,
+    OtherShape,
+    OutliersDecide,
+    Reason,
+    ScatterChanges,
+    TooMuchScatter,
+    TwoStates,
+    UselessScatter,
+)
+
+Status = Literal["calibrated", "undecided", "out_of_tolerance", "unreachable", "interrupted"]
+Verdict = Literal["met", "in doubt", "missed"]
+#: The status in words.
+STATUS_WORDS: Mapping[Status, str] = {
+    "calibrated": "calibrated: every target is met within its tolerance",
+    "undecided": "undecided: the runs do not tell whether every target is met",
+    "out_of_tolerance": "out of tolerance: no parameter set was found that meets every target",
+    "unreachable": "out of reach within the given intervals",
+    "interrupted": "interrupted: start it again to continue",
+}
+
+
+@dataclass(frozen=True)
+class Judgement:
+    """Verdict on an answer and on each of its targets.
+
+    Parameters
+    ----------
+    status : {"calibrated", "undecided", "out_of_tolerance", "unreachable"}
+        The verdict on the whole answer.
+    responses, curves : mapping of str to {"met", "in doubt", "missed"}
+        The verdict on each target, components of curves included, and on each curve.
+    contradicted : tuple of str
+        Targets for which the fresh seeds contradict all runs together.
+    lacking : mapping of str to int
+        Runs with fresh seeds that are missing, by name of the test.
+    """
+
+    status: Status
+    responses: Mapping[str, Verdict]
+    curves: Mapping[str, Verdict]
+    contradicted: tuple[str, ...]
+    lacking: Mapping[str, int]
+
+
+def judge(evidence: Evidence) -> Judgement:
+    """Judge an answer.
+
+    It is calibrated when every expected response is within its tolerance with the demanded
+    probability, by all runs, and enough fresh seeds at it do not contradict them.
+    """
+    contradicted = tuple(one.name for one in evidence.targets if is_contradicted(one))
+    lacking = _lacking(evidence)
+    doubted = bool(contradicted) or sum(lacking.values()) > 0
+    confidence = evidence.confidence
+    return Judgement(
+        _status(evidence, in_doubt=doubted),
+        {
+            one.name: _verdict(one.probability, confidence, one.name in contradicted)
+            for one in evidence.targets
+        },
+        {one.name: _verdict_on_curve(one, evidence, contradicted) for one in evidence.curves},
+        contradicted,
+        lacking,
+    )
+
+
+def _status(evidence: Evidence, *, in_doubt: bool) -> Status:
+    if evidence.out_of_reach:
+        return "unreachable"
+    if any(curve.has_other_shape for curve in evidence.curves):
+        return "out_of_tolerance"
+    both = (evidence.probability_all_met, evidence.probability_without_outliers)
+    if min(both) >= evidence.confidence and not in_doubt:
+        return "calibrated"
+    return "out_of_tolerance" if max(both) <= 1 - evidence.confidence else "undecided"
+
+
+def _verdict(probability: float, confidence: float, contradicted: bool) -> Verdict:
+    if probability <= 1 - confidence:
+        return "missed"
+    return "met" if probability >= confidence and not contradicted else "in doubt"
+
+
+def _verdict_on_curve(
+    curve: CurveEvidence, evidence: Evidence, contradicted: tuple[str, ...]
+) -> Verdict:
+    if curve.has_other_shape:
+        return "missed"
+    parts = [one for one in evidence.targets if one.curve == curve.name]
+    is_contradicted = any(one.name in contradicted for one in parts)
+    probability = min(one.probability for one in parts)
+    return _verdict(probability, evidence.confidence, is_contradicted)
+
+
+def is_contradicted(target: TargetEvidence) -> bool:
+    """Return whether the fresh seeds contradict what all runs together predict for a target."""
+    if target.fresh is None or target.noise is None:
+        return False
+    return contradicts(
+        target.fresh, target.expected, target.standard_error, target.noise, target.tolerance
+    )
+
+
+def contradicts(
+    fresh: Verified, expected: float, standard_error: float, noise: float, tolerance: float
+) -> bool:
+    """Return whether a mean of fresh seeds contradicts what all runs together predict.
+
+    The fresh seeds are a part of all runs, so the variance of the difference is that of their mean
+    less that of the expectation.
+
+    Parameters
+    ----------
+    fresh : Verified
+        Mean of the fresh seeds.
+    expected, standard_error : float
+        Expected response by all runs, those included, and its standard error.
+    noise : float
+        Standard deviation of an evaluation.
+    tolerance : float
+        Largest accepted deviation.
+    """
+    of_mean = noise**2 / fresh.runs
+    difference = max(of_mean - standard_error**2, VERDICT.own_variance * of_mean)
+    by_chance = VERDICT.contradiction * math.sqrt(difference)
+    return abs(fresh.mean - expected) > max(by_chance, VERDICT.negligible * tolerance)
+
+
+def _lacking(evidence: Evidence) -> dict[str, int]:
+    """Return how many runs with fresh seeds an answer lacks, by name of the test.
+
+    One of several tests needs fewer where its responses scatter little.
+    """
+    lacking = {}
+    for test, names in evidence.tests.items():
+        targets = [one for one in evidence.targets if one.name in names]
+        quiet = evidence.has_several_tests and all(map(_is_quiet, targets))
+        fewest = evidence.fewest_fresh
+        wanted = min(fewest, VERDICT.fewest_of_quiet) if quiet else fewest
+        made = min((one.fresh_seeds for one in targets), default=0)
+        lacking[test] = max(0, wanted - made)
+    return lacking
+
+
+def _is_quiet(target: TargetEvidence) -> bool:
+    return target.noise is not None and target.noise <= VERDICT.quiet * target.tolerance
+
+
+# Reasons ------------------------------------------------------------------------------------
+
+
+def reasons_for(evidence: Evidence, judgement: Judgement) -> Iterator[Reason]:
+    """Yield what the user has to know about a verdict: outlying runs, doubts, and what would help.
+
+    Parameters
+    ----------
+    evidence : Evidence
+        The numbers on which the verdict rests.
+    judgement : Judgement
+        The verdict.
+    """
+    yield from _contradictions(evidence, judgement)
+    yield from _not_together(evidence, judgement)
+    for curve in evidence.curves:
+        if curve.has_other_shape:
+            yield OtherShape(curve.name, curve.shape_probability)
+    for target in evidence.targets:
+        if not target.curve:
+            yield from _about_runs(target, judgement)
+    if judgement.status == "undecided":
+        yield from _in_doubt(evidence, judgement)
+
+
+def _contradictions(evidence: Evidence, judgement: Judgement) -> Iterator[Reason]:
+    doubted = [one for one in evidence.targets if one.name in judgement.contradicted]
+    for one in doubted:
+        if one.fresh is not None and not one.curve:
+            fresh = one.fresh
+            yield Contradicted(
+                one.name, one.unit, fresh.mean, fresh.half_width, fresh.runs, one.expected
+            )
+    for curve in evidence.curves:
+        runs = [one.fresh.runs for one in doubted if one.fresh and one.curve == curve.name]
+        if runs and curve.fresh_miss is not None:
+            yield CurveContradicted(curve.name, runs[0], curve.fresh_miss)
+
+
+def _not_together(evidence: Evidence, judgement: Judgement) -> Iterator[Reason]:
+    if not evidence.correlated or judgement.status == "calibrated":
+        return
+    confidence = evidence.confidence
+    each_is_met = min(one.probability for one in evidence.targets) >= confidence
+    if evidence.probability_all_met < confidence and each_is_met:
+        yield NotTogether(tuple(evidence.correlated))
+
+
+def _about_runs(target: TargetEvidence, judgement: Judgement) -> Iterator[Reason]:
+    """Yield what is unusual about the runs of a response."""
+    if target.outlying is not None:
+        yield target.outlying
+    if target.noise is None:
+        return
+    if target.noise_range is not None:
+        yield ScatterChanges(target.name, target.unit, *target.noise_range, target.noise)
+    if target.has_two_states:
+        yield TwoStates(target.name)
+    if judgement.status != "calibrated":
+        value = target.value if target.is_relative else None
+        scatter = target.noise * math.sqrt(target.repeats)
+        found = useless_scatter(target.name, target.unit, scatter, target.tolerance, value)
+        if found is not None:
+            yield found
+
+
+def useless_scatter(
+    target: str, unit: str, scatter: float, tolerance: float, value: float | None
+) -> UselessScatter | None:
+    """Return that single runs scatter by several times the tolerance; None if they do not.
+
+    Parameters are those of `UselessScatter`.
+    """
+    if not VERDICT.useless_scatter <= scatter / tolerance < math.inf:
+        return None
+    return UselessScatter(target, unit, scatter, tolerance, value)
+
+
+def _in_doubt(evidence: Evidence, judgement: Judgement) -> Iterator[Reason]:
+    """Yield why neither of both verdicts is established."""
+    with_all, without = evidence.probability_all_met, evidence.probability_without_outliers
+    has_outliers = any(one.outlying is not None for one in evidence.targets)
+    if has_outliers and abs(with_all - without) > 1 - evidence.confidence:
+        yield OutliersDecide(with_all, without)
+    elif with_all < evidence.confidence:
+        yield _too_much_scatter(evidence)
+    elif sum(judgement.lacking.values()) and not judgement.contradicted:
+        failed = evidence.failed if evidence.is_verified else 0
+        made, wanted = evidence.fresh_seeds, evidence.fewest_fresh
+        yield FreshSeedsMissing(made, wanted, failed, evidence.ended if failed else 0)
+
+
+def _too_much_scatter(evidence: Evidence) -> TooMuchScatter:
+    doubtful = [one for one in evidence.targets if one.probability < evidence.confidence]
+    noisy = doubtful or list(evidence.targets)
+    repeats = max((one.repeats for one in noisy), default=1)
+    curves = {one.curve for one in noisy}
+    return TooMuchScatter(
+        evidence.probability_all_met,
+        evidence.confidence,
+        evidence.runs_needed * repeats,
+        repeats,
+        evidence.failed,
+        evidence.ended,
+        evidence.is_verified,
+        tuple(
+            NoisyResponse(one.name, one.noise or 0.0, one.tolerance)
+            for one in noisy
+            if not one.curve
+        ),
+        tuple(one.noise for one in evidence.curves if one.name in curves and one.noise is not None),
+    )
