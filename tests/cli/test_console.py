@@ -13,6 +13,7 @@ from grainfit.cli.console import print_parts, print_result, print_status
 from grainfit.cli.exit_codes import OF_STATUS
 from grainfit.result import ParameterInterval, Result
 from grainfit.tables import TextTable
+from grainfit.verdict import messages
 from grainfit.work_folder.status import WorkdirStatus
 
 
@@ -74,8 +75,8 @@ def test_an_undecided_calibration_says_so_why_and_how_likely() -> None:
     assert OF_STATUS["undecided"] == 3
     assert "sand: undecided: the runs do not tell whether every target is met" in shown
     assert " in doubt" in shown
-    assert "more runs at the answer: one run scatters by" in shown
-    assert "By all runs together, every expected response is within its tolerance" in shown
+    assert messages.TOO_MUCH_SCATTER.is_in(shown)
+    assert messages.ALL_MET.is_in(shown)
 
 
 def test_in_80_columns_every_parameter_has_its_whole_name_and_word(calibrated: Result) -> None:

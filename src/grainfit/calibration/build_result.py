@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from grainfit.calibration import messages
 from grainfit.calibration.judged_answer import JudgedAnswer
 from grainfit.calibration.verification import FreshRuns
 from grainfit.evaluation import Evaluation
@@ -206,10 +207,8 @@ def _failure_notices(verification: Sequence[Evaluation]) -> Iterator[str]:
     """Report failed verification runs."""
     reasons = [reason for e in verification for reason in e.failed_runs.values()]
     if reasons:
-        yield (
-            f"{len(reasons)} of {sum(len(e.runs) for e in verification)} verification runs "
-            f"failed: {reasons[-1]}"
-        )
+        ended = sum(len(e.runs) for e in verification)
+        yield messages.VERIFICATION_FAILED(failed=len(reasons), ended=ended, why=reasons[-1])
 
 
 def _edge_notices(problem: Problem, answer: Answer) -> Iterator[str]:
@@ -219,11 +218,8 @@ def _edge_notices(problem: Problem, answer: Answer) -> Iterator[str]:
         bound = on or answer.cut_off.get(parameter.name)
         if bound is not None:
             value = parameter.minimum if bound == "min" else parameter.maximum
-            where = "lies on" if on else "agrees up to"
-            yield (
-                f"{parameter.name} {where} its bound {bound} = {value:g}: a wider interval may "
-                "fit better."
-            )
+            message = messages.ON_BOUND if on else messages.AGREES_UP_TO_BOUND
+            yield message(parameter=parameter.name, bound=bound, value=value)
 
 
 def _summary(evaluation: Evaluation) -> RunSummary:

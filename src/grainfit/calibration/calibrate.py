@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor
 from contextlib import ExitStack, contextmanager
 from dataclasses import replace
@@ -12,6 +12,7 @@ from typing import Any
 
 from threadpoolctl import threadpool_limits
 
+from grainfit.calibration import messages
 from grainfit.calibration.live_file import LiveFile
 from grainfit.calibration.loop import CalibrationLoop, LoopOptions
 from grainfit.calibration.options import CalibrationOptions
@@ -161,8 +162,8 @@ def calibrate(
     verification_runs = verification_runs or VERDICT.fresh_seeds
     search = start_search(chosen, problem, sum(means.values()), seed, max_runs, verification_runs)
     with ExitStack() as stack:
-        tell = stack.enter_context(_shown(on_progress)) if progress else on_progress
-        options = LoopOptions(name, workers, max_runs, verification_runs, tell, provenance)
+        show = stack.enter_context(_shown(on_progress)) if progress else on_progress
+        options = LoopOptions(name, workers, max_runs, verification_runs, show, provenance)
         # Metamodels are small; threads of linear algebra would only take cores from the solvers.
         stack.enter_context(threadpool_limits(limits=1, user_api="blas"))
         # Every run executes in its own folder, where a relative path would mean another place.
@@ -206,12 +207,12 @@ def _shown(on_progress: Callable[[Progress], None] | None) -> Iterator[Callable[
 
     with LiveProgress() as bar:
 
-        def tell(progress: Progress) -> None:
+        def show(progress: Progress) -> None:
             bar.update(progress)
             if on_progress is not None:
                 on_progress(progress)
 
-        yield tell
+        yield show
 
 
 def _keep(result: Result, path: Path) -> Result:
@@ -219,7 +220,7 @@ def _keep(result: Result, path: Path) -> Result:
     try:
         result.to_json(path)
     except OSError as error:
-        notice = f"{str(path)!r} cannot be written: {error.strerror}."
+        notice = messages.NOT_WRITTEN(path=str(path), why=error.strerror)
         return replace(result, notices=(*result.notices, notice))
     return result
 
@@ -236,13 +237,11 @@ def _solvers(simulate: Simulate) -> dict[str, Solver]:
         return {simulate.name: simulate}
     if isinstance(simulate, Mapping):
         if not simulate or not all(isinstance(s, Solver) for s in simulate.values()):
-            raise InputError(Fault("simulate", "must map names of tests to solvers."))
+            raise InputError(messages.NO_SOLVERS_BY_TEST.fault("simulate"))
         return dict(simulate)
     if callable(simulate):
         return {"simulate": PythonCallable(simulate)}
-    raise InputError(
-        Fault("simulate", f"is {simulate!r}.", "Give a function, a solver, or solvers by test.")
-    )
+    raise InputError(messages.NO_SOLVER.fault("simulate", given=simulate))
 
 
 def _repeats(given: int | Mapping[str, int], solvers: Mapping[str, Solver]) -> dict[str, int]:
@@ -253,24 +252,24 @@ def _repeats(given: int | Mapping[str, int], solvers: Mapping[str, Solver]) -> d
         # One run is the default, and leaves what the problem says of its tests.
         return {} if given == 1 else dict.fromkeys(solvers, given)
     faults = count_faults({f"repeats.{test}": count for test, count in given.items()})
-    faults += [
-        Fault(f"repeats.{test}", "is no test.", f"There are: {', '.join(solvers)}.")
-        for test in given
-        if test not in solvers
-    ]
+    faults += _faults_of_names("repeats", given, solvers)
     if faults:
         raise InputError(faults)
     return dict(given)
 
 
-def _check_timeouts(timeouts: Mapping[str, float], solvers: Mapping[str, Solver]) -> None:
-    faults = [
-        Fault(f"timeouts.{test}", "is no test.", f"There are: {', '.join(solvers)}.")
-        for test in timeouts
+def _faults_of_names(key: str, tests: Iterable[str], solvers: Mapping[str, Solver]) -> list[Fault]:
+    return [
+        messages.NO_TEST.fault(f"{key}.{test}", tests=", ".join(solvers))
+        for test in tests
         if test not in solvers
     ]
+
+
+def _check_timeouts(timeouts: Mapping[str, float], solvers: Mapping[str, Solver]) -> None:
+    faults = _faults_of_names("timeouts", timeouts, solvers)
     faults += [
-        Fault(f"timeouts.{test}", f"is {seconds} s.", "It must be above 0.")
+        messages.NO_TIMEOUT.fault(f"timeouts.{test}", seconds=seconds)
         for test, seconds in timeouts.items()
         if not seconds > 0
     ]

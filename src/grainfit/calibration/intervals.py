@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
+from grainfit.calibration import messages
 from grainfit.errors import GrainfitError
 from grainfit.evaluation import Evaluation
 from grainfit.problem import Problem
@@ -57,5 +58,5 @@ def with_intervals(
 
 
 def _without(result: Result, why: str) -> Result:
-    notice = f"The 95 % intervals of the parameters were not calculated: {why}."
+    notice = messages.NO_INTERVALS(why=why)
     return replace(result, notices=(*result.notices, notice))

@@ -20,6 +20,7 @@ from grainfit.campaign.folder_lock import Signature, holder
 from grainfit.campaign.pending import ClusterJob, PendingRun
 from grainfit.campaign.store.store import UNUSABLE
 from grainfit.files import read_within, write_atomically
+from grainfit.plain_data import parse_json, read_plain
 
 LIVE_NAME = "live.json"
 _INTERVAL_SECONDS = 1.0
@@ -147,21 +148,10 @@ def read_live_state(folder: Path, calibration: str) -> LiveState | None:
         None when the file is missing or damaged, or was left by a process that has ended.
     """
     try:
-        found = json.loads(read_within(folder / LIVE_NAME, _LARGEST))
+        found = parse_json(read_within(folder / LIVE_NAME, _LARGEST))
         if found["calibration"] != calibration or Signature(**found["process"]) != holder(folder):
             return None
-        left, seconds = found["left"], found["seconds_left"]
-        return LiveState(
-            stage=str(found["stage"]),
-            done=int(found["done"]),
-            failed=int(found["failed"]),
-            left=(int(left[0]), int(left[1])),
-            seconds_left=None if seconds is None else (float(seconds[0]), float(seconds[1])),
-            estimated=float(found["estimated"]),
-            started=float(found["started"]),
-            notices=tuple(map(str, found["notices"])),
-            pending=tuple(PendingRun(**run) for run in found["pending"]),
-            jobs=tuple(ClusterJob(**job) for job in found["jobs"]),
-        )
+        state: LiveState = read_plain(LiveState, found)
+        return state
     except (OSError, *UNUSABLE):
         return None

@@ -13,6 +13,7 @@ from rich.progress import Progress as Bar
 from rich.table import Column
 from rich.text import Text
 
+from grainfit.calibration import messages
 from grainfit.calibration.progress import Progress
 from grainfit.evaluation import Evaluation
 from grainfit.formatting import duration, plain
@@ -50,7 +51,7 @@ class LiveProgress:
         self._notices = 0
         #: Evaluations that have been printed; None to print none.
         self._printed = 0 if every_run else None
-        self._says_what_it_learns_from = True
+        self._names_warm_start = True
         self._started = time.monotonic()
 
     def __enter__(self) -> LiveProgress:
@@ -69,9 +70,9 @@ class LiveProgress:
 
     def update(self, progress: Progress) -> None:
         """Show the current state of the calibration."""
-        if self._says_what_it_learns_from and progress.warm_start_runs:
-            self._print(_learnt_from(progress.warm_start_runs))
-            self._says_what_it_learns_from = False
+        if self._names_warm_start and progress.warm_start_runs:
+            self._print(_warm_start(progress.warm_start_runs))
+            self._names_warm_start = False
         for notice in progress.notices[self._notices :]:
             self._print(notice, "yellow")
         self._notices = len(progress.notices)
@@ -135,6 +136,6 @@ def _words_on_run(evaluation: Evaluation) -> str:
     return f"{proposal.stage} run {identities}: {asked} -> {', '.join(found)} ({took})"
 
 
-def _learnt_from(origins: Mapping[str, int]) -> str:
+def _warm_start(origins: Mapping[str, int]) -> str:
     places = (f"{origin or 'this work folder'} ({n})" for origin, n in origins.items())
-    return f"Warm start from {sum(origins.values())} earlier runs: {', '.join(places)}."
+    return messages.WARM_START(runs=sum(origins.values()), places=", ".join(places))

@@ -12,6 +12,7 @@ from importlib.metadata import version
 from itertools import accumulate
 from typing import Any
 
+from grainfit.calibration import messages
 from grainfit.calibration.build_result import Ending, make_result
 from grainfit.calibration.expected_deviation import ExpectedDeviation
 from grainfit.calibration.intervals import with_intervals
@@ -41,10 +42,8 @@ from grainfit.strategies.seeds import insertion_seed
 from grainfit.verdict.options import VERDICT
 from grainfit.verdict.rule import Status
 
-#: Number of equal failures, or of failures of any kind, without a success after which a calibration
-#: is stopped.
-_HOPELESS = 3
-_HOPELESS_WHATEVER = 8
+#: Failed runs without a success after which a calibration stops: for one reason, and for several.
+_MOST_EQUAL_FAILURES, _MOST_FAILURES = 3, 8
 
 
 @dataclass(frozen=True)
@@ -144,16 +143,7 @@ class CalibrationLoop:
 
     def run(self) -> Result:
         """Run the calibration to its end. Ctrl-C stops it and returns the best result so far."""
-        self._recorded.extend(self._requests_of_earlier_starts())
-        known = self._known = self._runs_known_before()
-        runs = [run for evaluation in known for run in evaluation.runs.values()]
-        self._store.begin_calibration(
-            self._identity, self._options.name, self._definition, runs, self._about(known)
-        )
-        if known:
-            warm_start(self._strategy, self._problem, known)
-            self._show()
-        self._campaign.fetch([run for r in self._recorded for run in r.runs.values()])
+        self._begin()
         outcome: JudgedAnswer | None
         status: Status = "interrupted"
         try:
@@ -171,6 +161,22 @@ class CalibrationLoop:
         self._store.end_calibration(self._identity, status)
         if status != "interrupted":
             self._store.forget_requests_behind(self._identity, self._requested)
+        return self._result(outcome, status)
+
+    def _begin(self) -> None:
+        """Write the start to the store, and recall known runs and requests of earlier starts."""
+        self._recorded.extend(self._requests_of_earlier_starts())
+        known = self._known = self._runs_known_before()
+        runs = [run for evaluation in known for run in evaluation.runs.values()]
+        self._store.begin_calibration(
+            self._identity, self._options.name, self._definition, runs, self._about(known)
+        )
+        if known:
+            warm_start(self._strategy, self._problem, known)
+            self._show()
+        self._campaign.fetch([run for r in self._recorded for run in r.runs.values()])
+
+    def _result(self, outcome: JudgedAnswer | None, status: Status) -> Result:
         wall_seconds = time.monotonic() - self._started
         ending = Ending(
             self._options.name,
@@ -181,7 +187,7 @@ class CalibrationLoop:
         )
         known_runs = sum(self._origins.values())
         result = make_result(ending, self._strategy, outcome, self._evaluations, known_runs)
-        result = with_intervals(result, self._problem, self._evaluations, known)
+        result = with_intervals(result, self._problem, self._evaluations, self._known)
         tests = tests_of_runs(self._evaluations, self._store.find_many)
         return replace(result, yield_loci=yield_loci(self._problem, tests, result.responses))
 
@@ -394,13 +400,13 @@ class CalibrationLoop:
     def _wait(self) -> list[Evaluation]:
         evaluations = self._campaign.wait(self._show)
         self._evaluations += evaluations
-        self._stop_when_hopeless()
-        self._stop_when_the_machine_fails()
+        self._stop_after_failures()
+        self._stop_after_faults_of_machine()
         self._show()
         return evaluations
 
-    def _stop_when_hopeless(self) -> None:
-        """Stop when no run has given a target and none is likely to."""
+    def _stop_after_failures(self) -> None:
+        """Stop when no run has given a target after several tries."""
         all_runs = [*self._known, *self._evaluations]
         missing = [
             name
@@ -411,51 +417,48 @@ class CalibrationLoop:
         tried = [e for e in self._evaluations if any(map(e.proposal.asks_for, tests))]
         count = len(tried)
         reasons = {tuple(e.failures.values()) for e in tried}
-        alike = _HOPELESS if len(reasons) == 1 else _HOPELESS_WHATEVER
-        if not missing or count < alike:
+        most = _MOST_EQUAL_FAILURES if len(reasons) == 1 else _MOST_FAILURES
+        if not missing or count < most:
             return
         last = tried[-1]
         why = "; ".join(last.failures.values()) or (
-            f"there was only {', '.join(sorted(last.yields)) or 'nothing'}"
+            messages.RESPONSES_MISSING(found=", ".join(sorted(last.yields)) or "nothing")
         )
         short = [about_short_curves(curve, self._evaluations) for curve in self._problem.curves]
         why = " ".join(filter(None, short)) or why
         failed = [self._store.find(last.runs[run]) for run in last.failed_runs]
         self._campaign.forget_failures(self._evaluations)
         raise RunFailedError(
-            f"the first {count} runs all failed to give {', '.join(missing)}; the calibration is "
-            f"stopped. The last one: {why}",
+            messages.ALL_FAILED(runs=count, responses=", ".join(missing), why=why),
             failed[0].log_tail if failed and failed[0] else "",
         )
 
-    def _stop_when_the_machine_fails(self) -> None:
+    def _stop_after_faults_of_machine(self) -> None:
         """Stop when the last runs failed for the same reason of the machine, after all retries."""
-        latest = self._evaluations[-_HOPELESS:]
+        latest = self._evaluations[-_MOST_EQUAL_FAILURES:]
         reasons = {tuple(evaluation.failures.values()) for evaluation in latest}
         if (
-            len(latest) < _HOPELESS
+            len(latest) < _MOST_EQUAL_FAILURES
             or len(reasons) > 1
             or not all(evaluation.failed_by_machine for evaluation in latest)
         ):
             return
         self._campaign.forget_failures(latest)
+        why = "; ".join(latest[-1].failures.values())
         raise RunFailedError(
-            f"the last {_HOPELESS} runs failed for the same reason, each after several tries: "
-            f"{'; '.join(latest[-1].failures.values())}. Finished runs are kept; fix the cause and "
-            "start again to continue.",
-            kind="machine",
+            messages.MACHINE_FAILS(runs=_MOST_EQUAL_FAILURES, why=why), kind="machine"
         )
 
     def _show(self) -> None:
-        tell, live_file = self._options.on_progress, self._options.live_file
+        show, live_file = self._options.on_progress, self._options.live_file
         is_due = live_file is not None and live_file.is_due
-        if tell is None and not is_due:
+        if show is None and not is_due:
             return
         progress = self._progress()
         if live_file is not None and is_due:
             live_file.update(self._identity, progress)
-        if tell is not None:
-            tell(progress)
+        if show is not None:
+            show(progress)
 
     def _progress(self) -> Progress:
         evaluations = self._evaluations

@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 
 from grainfit.bulk_tests.base import CurveRange
+from grainfit.calibration import messages
 from grainfit.errors import Fault, GrainfitError, InputError
 from grainfit.evaluation import response_name
 from grainfit.formatting import in_a_row, unit_for_people, with_unit
@@ -81,11 +82,7 @@ def _faults_of_targets(problem: Problem, solvers: Mapping[str, Solver]) -> list[
             return []
         known |= {response_name(test, name, len(solvers)) for name in solver.response_names}
     return [
-        Fault(
-            name,
-            "is a target, but no test yields such a response.",
-            f"There are: {', '.join(sorted(known))}.",
-        )
+        messages.TARGET_NOBODY_YIELDS.fault(name, responses=", ".join(sorted(known)))
         for name in problem.responses
         if name not in known
     ]
@@ -125,12 +122,12 @@ def _faults_of_curve(name: str, curve: CurveTarget, known: CurveRange) -> Iterat
         for option, value in needed.items()
         if option
     ]
-    yield Fault(
+    yield messages.CURVE_BEYOND_RUNS.fault(
         name,
-        f"is measured from {first:.6g} to {with_unit(f'{last:.6g}', unit)}, and runs of this test "
-        f"have no values {in_a_row(beyond)}.",
-        f"{f'Set {in_a_row(change)}, leave' if change else 'Leave'} these points out, or correct "
-        "their unit.",
+        first=first,
+        last=with_unit(f"{last:.6g}", unit),
+        beyond=in_a_row(beyond),
+        change=f"Set {in_a_row(change)}, leave" if change else "Leave",
     )
 
 
@@ -140,14 +137,5 @@ def _faults_of_parameters(problem: Problem, solvers: Mapping[str, Solver]) -> li
     idle = [test for test, found in used.items() if not found]
     unused = set(names).difference(*used.values())
     if not unused and idle:
-        remedy = "Remove the test, or free a parameter that it depends on."
-        return [Fault(test, "depends on no free parameter.", remedy) for test in idle]
-    return [
-        Fault(
-            name,
-            "is free, but no test depends on it.",
-            "Give it a value, or correct its name in the file or in your model.",
-        )
-        for name in names
-        if name in unused
-    ]
+        return [messages.IDLE_TEST.fault(test) for test in idle]
+    return [messages.IDLE_PARAMETER.fault(name) for name in names if name in unused]

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 
-from grainfit.errors import Fault, GrainfitError, InputError
+from grainfit.calibration import messages
+from grainfit.errors import GrainfitError, InputError
 from grainfit.evaluation import response_name
 from grainfit.problem import Problem, TestScope
 from grainfit.solvers.base import Solver
@@ -70,13 +71,14 @@ def repeats_of(
 def _require_scopes(problem: Problem, solvers: Mapping[str, Solver]) -> None:
     unknown = [scope.name for scope in problem.tests if scope.name not in solvers]
     if unknown:
-        remedy = f"There are solvers for: {', '.join(solvers)}."
-        raise InputError([Fault(name, "is a test without a solver.", remedy) for name in unknown])
-    known = {target for scope in problem.tests for target in scope.targets}
-    missing = [name for name in problem.responses if name not in known]
+        known = ", ".join(solvers)
+        raise InputError(
+            [messages.TEST_WITHOUT_SOLVER.fault(name, tests=known) for name in unknown]
+        )
+    targets = {target for scope in problem.tests for target in scope.targets}
+    missing = [name for name in problem.responses if name not in targets]
     if missing:
-        remedy = "Name every target in the TestScope of its test."
-        raise InputError([Fault(name, "is a target of no test.", remedy) for name in missing])
+        raise InputError([messages.TARGET_WITHOUT_TEST.fault(name) for name in missing])
 
 
 def used_parameters(problem: Problem, solvers: Mapping[str, Solver]) -> dict[str, Sequence[str]]:

@@ -2,10 +2,7 @@
 
 from grainfit.messages import Message
 
-ALL_MET = Message(
-    "By all runs together, every expected response is within its tolerance with a probability of "
-    "{probability}."
-)
+ALL_MET = Message("Probability that every target is met, by all runs: {probability}.")
 
 # Reasons.
 CONTRADICTED = Message(

@@ -14,17 +14,15 @@ from grainfit.campaign.store.records import RequestRecord, RunRecord
 from grainfit.campaign.work_folder import PARTIAL_SUFFIX
 from grainfit.evaluation import names_of_tests
 from grainfit.formatting import (
-    counted,
     number,
     plain,
     plain_lines,
     probability,
-    rounded,
-    unit_for_people,
 )
 from grainfit.plots.labels import label_of_parameter, label_of_response
 from grainfit.problem import Parameter, Target
-from grainfit.result import CurveResult, ResponseResult, Result
+from grainfit.report.rows import ResponseRow, curve_row, parameter_row, response_row
+from grainfit.result import Result
 from grainfit.work_folder.saved_calibration import SavedCalibration
 
 #: Most rows that are shown of a kind.
@@ -34,34 +32,31 @@ Row = dict[str, Any]
 
 def response_rows(saved: SavedCalibration, result: Result | None) -> list[Row]:
     """Return every response with its target, and what the runs lead to expect."""
-    rows = [_response_row(saved, target, result) for target in saved.problem.targets]
-    curves = result.curves if result else {}
-    names = (curve.name for curve in saved.problem.curves)
-    return rows + [_curve_row(name, curves.get(name)) for name in names]
+    responses, curves = (result.responses, result.curves) if result else ({}, {})
+    rows = []
+    for target in saved.problem.targets:
+        found = responses.get(target.name)
+        shown = response_row(label_of_response(saved, target.name), target, found)
+        rows.append(_texts(shown) | {"bar": _bar(target, *found.expected) if found else None})
+    for curve in saved.problem.curves:
+        rows.append(_texts(curve_row(curve, curves.get(curve.name))) | {"bar": None})
+    return rows
 
 
-def _response_row(saved: SavedCalibration, target: Target, result: Result | None) -> Row:
-    label, unit = label_of_response(saved, target.name), unit_for_people(target.unit)
-    row = {
-        "name": plain(target.name),
-        "words": label.words,
-        "unit": unit,
-        "measured": f"{number(target.value, 6)} ± {number(target.tolerance, 3)}",
-    }
-    found = result.responses.get(target.name) if result else None
-    if found is None:
-        return row | {"expected": "", "deviation": "", "verdict": "", "bar": None}
-    value, half_width = found.expected
-    return row | {
-        "expected": f"{rounded(value, half_width)} ± {rounded(half_width, half_width)}",
-        "deviation": found.deviation_in_words(unit).replace("-", "−"),
-        "verdict": _verdict(found),
-        "bar": _bar(target, value, half_width),
+def _texts(shown: ResponseRow) -> Row:
+    return {
+        "name": plain(shown.label.name),
+        "words": shown.label.words,
+        "unit": shown.label.unit,
+        "measured": _with(shown.measured, shown.tolerance),
+        "expected": _with(shown.expected, shown.half_width),
+        "deviation": shown.deviation,
+        "verdict": shown.verdict + _likely(shown.probability),
     }
 
 
-def _verdict(found: ResponseResult) -> str:
-    return found.verdict + _likely(found.probability)
+def _with(value: str, half_width: str) -> str:
+    return f"{value} ± {half_width}" if half_width else value
 
 
 def _likely(value: float | None) -> str:
@@ -88,37 +83,25 @@ def _bar(target: Target, value: float, half_width: float) -> dict[str, float]:
     }
 
 
-def _curve_row(name: str, found: CurveResult | None) -> Row:
-    return {
-        "name": plain(name),
-        "words": plain(name),
-        "unit": "",
-        "measured": counted(len(found.measured), "point") if found else "a curve",
-        "expected": "",
-        "deviation": f"{number(found.deviation, 2)} σ" if found else "",
-        "verdict": found.verdict + _likely(found.probability) if found else "",
-        "bar": None,
-    }
-
-
 def parameter_rows(saved: SavedCalibration, result: Result | None) -> list[Row]:
     """Return every free parameter with its value so far and, at the end, its interval."""
     return [_parameter_row(saved, parameter, result) for parameter in saved.problem.parameters]
 
 
 def _parameter_row(saved: SavedCalibration, parameter: Parameter, result: Result | None) -> Row:
-    label = label_of_parameter(saved, parameter.name)
-    value = result.parameters.get(parameter.name) if result else None
-    found = result.intervals.get(parameter.name) if result else None
+    values, intervals = (result.parameters, result.intervals) if result else ({}, {})
+    name = parameter.name
+    label = label_of_parameter(saved, name)
+    shown = parameter_row(label, parameter, values.get(name), intervals.get(name))
     return {
-        "name": plain(parameter.name),
+        "name": plain(name),
         "words": label.words,
         "unit": label.unit,
-        "value": "" if value is None else number(value, 4),
-        "interval": f"{number(found.low, 3)} … {number(found.high, 3)}" if found else "",
-        "determination": found.determination if found else "",
-        "searched": f"{number(parameter.minimum)} … {number(parameter.maximum)}",
-        "place": None if value is None else round(100 * parameter.to_unit(value), 2),
+        "value": shown.value,
+        "interval": shown.interval,
+        "determination": shown.determination,
+        "searched": shown.searched,
+        "place": shown.position,
     }
 
 

@@ -233,8 +233,8 @@ def _notices(reading: Reading) -> Sequence[str]:
         return reading.live.notices
     if reading.saved is None or reading.saved.result is None:
         return ()
-    told = verdict(ReportContext(reading.saved, Analysis())).details
-    return [notice for notice in reading.saved.result.remarks if plain(notice) not in told]
+    shown = verdict(ReportContext(reading.saved, Analysis())).details
+    return [notice for notice in reading.saved.result.remarks if plain(notice) not in shown]
 
 
 def _stop(reading: Reading) -> Mapping[str, Any]:

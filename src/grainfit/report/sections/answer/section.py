@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import math
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass
-from statistics import fmean
 from typing import Any, Literal
 
 from grainfit.analysis.stiffness_notes import stiffness_notes
@@ -20,14 +18,12 @@ from grainfit.formatting import (
     number,
     plain,
     probability,
-    rounded,
     unit_for_people,
     with_unit,
 )
-from grainfit.materials.card import Determination
-from grainfit.plots.labels import Label
-from grainfit.problem import CurveTarget, Parameter, Target
+from grainfit.problem import Parameter
 from grainfit.report.rendering import render
+from grainfit.report.rows import ParameterRow, curve_row, deviation, parameter_row, response_row
 from grainfit.report.section import ReportContext, Section
 from grainfit.report.sections.answer.next_step import next_step
 from grainfit.report.sections.answer.simulated_tests import simulated_tests
@@ -48,46 +44,24 @@ class Verdict:
         return {"good": "✓", "warn": "!", "bad": "✗"}[self.grade]
 
 
-@dataclass(frozen=True)
-class ParameterRow:
-    """A parameter as it is shown; positions are percentages of its interval."""
-
-    label: Label
-    value: str
-    interval: str
-    why_no_interval: str
-    determination: Determination | Literal[""]
-    position: float | None
-    credible: tuple[float, float] | None
-    searched: str
-    measured: str
-
-
-@dataclass(frozen=True)
-class ResponseRow:
-    """A response as it is shown."""
-
-    label: Label
-    measured: str
-    tolerance: str
-    expected: str
-    half_width: str
-    fresh: str
-    deviation: str
-    verdict: str
-
-
 def answer(context: ReportContext) -> Section:
     """Verdict, parameters with their intervals, responses against measurements, cost."""
     result = context.reading.result
-    responses = [_response_row(context, target) for target in context.targets]
-    responses += [_curve_row(context, target) for target in context.reading.problem.curves]
+    found, curves = (result.responses, result.curves) if result else ({}, {})
+    responses = [
+        response_row(context.response_label(target.name), target, found.get(target.name))
+        for target in context.targets
+    ]
+    responses += [
+        curve_row(curve, curves.get(curve.name)) for curve in context.reading.problem.curves
+    ]
     tests = _bulk_tests(context)
     html = render(
         "answer/page",
         verdict=verdict(context),
         provisional=not context.answer and context.posterior is not None,
         parameters=[_parameter_row(context, parameter) for parameter in context.parameters],
+        why_no_interval=context.why_no_posterior,
         responses=responses,
         has_fresh=any(row.fresh for row in responses),
         fixed=[
@@ -184,7 +158,7 @@ def _miss(words: str, response: ResponseResult) -> str:
     if response.verdict == "in doubt" and response.probability is not None:
         likely = probability(response.probability)
         return f"{words} is within {accepted} with a probability of {likely}"
-    return f"{words} deviates by {_deviation(response)}, and {accepted} are accepted"
+    return f"{words} deviates by {deviation(response)}, and {accepted} are accepted"
 
 
 def _determinations(context: ReportContext) -> Iterator[str]:
@@ -204,100 +178,8 @@ def _parameter_row(context: ReportContext, parameter: Parameter) -> ParameterRow
     value = context.answer.get(name)
     if value is None and posterior is not None:
         value = float(posterior.median(name))
-    found = context.intervals.get(name)
-    interval = (found.low, found.high) if found else None
-    # On a logarithmic scale, the digits of one end mean nothing at the other.
-    half_width = (found.high - found.low) / 2 if found and parameter.scale == "linear" else None
-    return ParameterRow(
-        label=context.parameter_label(name),
-        value=_shown(value, half_width),
-        interval=" … ".join(_shown(bound, half_width) for bound in interval) if interval else "",
-        why_no_interval=context.why_no_posterior,
-        determination=found.determination if found else "",
-        position=None if value is None else _position(parameter, value),
-        credible=(_position(parameter, interval[0]), _position(parameter, interval[1]))
-        if interval
-        else None,
-        searched=f"{number(parameter.minimum)} … {number(parameter.maximum)}",
-        measured=_measured(parameter),
-    )
-
-
-def _measured(parameter: Parameter) -> str:
-    """Return the value that a measurement of its own gave; empty without one."""
-    if parameter.measured is None or parameter.uncertainty is None:
-        return ""
-    return f"measured {number(parameter.measured)} ± {number(parameter.uncertainty, 3)}"
-
-
-def _shown(value: float | None, half_width: float | None) -> str:
-    return number(value, 3) if half_width is None else rounded(value, half_width)
-
-
-def _position(parameter: Parameter, value: float) -> float:
-    """Position of a value in its interval, percent."""
-    return round(100 * min(max(parameter.to_unit(value), 0.0), 1.0), 2)
-
-
-def _response_row(context: ReportContext, target: Target) -> ResponseRow:
-    result = context.reading.result
-    response = result.responses.get(target.name) if result else None
-    label = context.response_label(target.name)
-    tolerance = target.tolerance
-    measured = {"measured": number(target.value, 6), "tolerance": number(tolerance, 3)}
-    if response is None:
-        return ResponseRow(
-            label,
-            **measured,
-            expected="–",
-            half_width="",
-            fresh="",
-            deviation="–",
-            verdict="",
-        )
-    expected, half_width = response.expected
-    return ResponseRow(
-        label,
-        **measured,
-        expected=rounded(expected, half_width),
-        half_width=rounded(half_width, half_width),
-        fresh=_fresh(response),
-        deviation=_deviation(response),
-        verdict=response.verdict,
-    )
-
-
-def _curve_row(context: ReportContext, target: CurveTarget) -> ResponseRow:
-    result = context.reading.result
-    found = result.curves.get(target.name) if result else None
-    label = Label(target.name, target.name, "", "")
-    return ResponseRow(
-        label,
-        measured=counted(len(target.values), "point"),
-        tolerance="",
-        expected="see the curve",
-        half_width="",
-        fresh=_root_mean_square(found.verified_deviations) if found else "",
-        deviation=f"{number(found.deviation, 2)} σ" if found else "–",
-        verdict=found.verdict if found else "",
-    )
-
-
-def _root_mean_square(deviations: Sequence[float]) -> str:
-    if not deviations:
-        return ""
-    return f"{number(math.sqrt(fmean(one**2 for one in deviations)), 2)} σ off"
-
-
-def _fresh(response: ResponseResult) -> str:
-    mean, half_width = response.verified_mean, response.verified_interval
-    if mean is None or half_width is None:
-        return ""
-    return f"{rounded(mean, half_width)} ± {rounded(half_width, half_width)}"
-
-
-def _deviation(response: ResponseResult) -> str:
-    return response.deviation_in_words(unit_for_people(response.unit)).replace("-", "−")
+    label = context.parameter_label(name)
+    return parameter_row(label, parameter, value, context.intervals.get(name))
 
 
 def _accepted(response: ResponseResult) -> str:
@@ -365,8 +247,8 @@ def _notices(context: ReportContext, tests: Mapping[str, BulkTest]) -> Iterator[
     said += context.analysis.notes
     reading = context.reading
     said += stiffness_notes(reading.problem, tests, reading.fixed, context.answer or None)
-    told = verdict(context).details
-    yield from (plain(words) for words in dict.fromkeys(said) if words not in told)
+    shown = verdict(context).details
+    yield from (plain(words) for words in dict.fromkeys(said) if words not in shown)
 
 
 def _bulk_tests(context: ReportContext) -> dict[str, BulkTest]:

@@ -1,0 +1,52 @@
+"""Messages of a calibration: what it refuses, why it stops, and what its result notes."""
+
+from grainfit.messages import Message
+
+# Arguments.
+NO_SOLVER = Message("is {given!r}.", "Give a function, a solver, or solvers by test.")
+NO_SOLVERS_BY_TEST = Message("must map names of tests to solvers.")
+NO_TEST = Message("is no test.", "There are: {tests}.")
+NO_TIMEOUT = Message("is {seconds} s.", "It must be above 0.")
+
+# Tests, targets and parameters that do not fit together.
+TARGET_NOBODY_YIELDS = Message(
+    "is a target, but no test yields such a response.", "There are: {responses}."
+)
+CURVE_BEYOND_RUNS = Message(
+    "is measured from {first:.6g} to {last}, and runs of this test have no values {beyond}.",
+    "{change} these points out, or correct their unit.",
+)
+IDLE_TEST = Message(
+    "depends on no free parameter.", "Remove the test, or free a parameter that it depends on."
+)
+IDLE_PARAMETER = Message(
+    "is free, but no test depends on it.",
+    "Give it a value, or correct its name in the file or in your model.",
+)
+TEST_WITHOUT_SOLVER = Message("is a test without a solver.", "There are solvers for: {tests}.")
+TARGET_WITHOUT_TEST = Message(
+    "is a target of no test.", "Name every target in the TestScope of its test."
+)
+
+# Runs that fail.
+ALL_FAILED = Message(
+    "the first {runs} runs all failed to give {responses}; the calibration is stopped. The last "
+    "one: {why}"
+)
+RESPONSES_MISSING = Message("there was only {found}")
+MACHINE_FAILS = Message(
+    "the last {runs} runs failed for the same reason, each after several tries: {why}. Finished "
+    "runs are kept; fix the cause and start again to continue."
+)
+VERIFICATION_FAILED = Message("{failed} of {ended} verification runs failed: {why}")
+
+# Notices of the result.
+ON_BOUND = Message(
+    "{parameter} lies on its bound {bound} = {value:g}: a wider interval may fit better."
+)
+AGREES_UP_TO_BOUND = Message(
+    "{parameter} agrees up to its bound {bound} = {value:g}: a wider interval may fit better."
+)
+NO_INTERVALS = Message("The 95 % intervals of the parameters were not calculated: {why}.")
+NOT_WRITTEN = Message("{path!r} cannot be written: {why}.")
+WARM_START = Message("Warm start from {runs} earlier runs: {places}.")
