@@ -17,7 +17,7 @@ def with_intervals(
     result: Result,
     problem: Problem,
     evaluations: Sequence[Evaluation],
-    learnt: Sequence[Evaluation],
+    warm_start: Sequence[Evaluation],
 ) -> Result:
     """Return the result with the intervals that report and material card show as well.
 
@@ -27,7 +27,7 @@ def with_intervals(
         The result without them.
     problem : Problem
         The problem with the intervals that the user gave.
-    evaluations, learnt : sequence of Evaluation
+    evaluations, warm_start : sequence of Evaluation
         All runs of the calibration, verification included, and those of the warm start.
 
     Returns
@@ -43,7 +43,7 @@ def with_intervals(
     try:
         found = analyse_parameters(
             problem.widened_to([evaluation.proposal.parameters for evaluation in evaluations]),
-            distinct_runs([*evaluations, *learnt]),
+            distinct_runs([*evaluations, *warm_start]),
             seed=result.seed,
             answer=result.parameters,
         )

@@ -23,7 +23,7 @@ _OF_THE_ANSWER = ("prefer", "confidence")
 def result_so_far(
     problem: Problem,
     evaluations: Sequence[Evaluation],
-    learnt: Sequence[Evaluation] = (),
+    warm_start: Sequence[Evaluation] = (),
     *,
     options: Mapping[str, Any] | None = None,
     seed: int = 1,
@@ -39,7 +39,7 @@ def result_so_far(
         Parameters and targets.
     evaluations : sequence of Evaluation
         The runs of the calibration.
-    learnt : sequence of Evaluation
+    warm_start : sequence of Evaluation
         Runs of its warm start.
     options : mapping, optional
         Options of the strategy: what it prefers, and the demanded probability.
@@ -53,7 +53,7 @@ def result_so_far(
     """
     given = {name: value for name, value in (options or {}).items() if name in _OF_THE_ANSWER}
     search = make_strategy("sequential", given).start(problem, seed)
-    for evaluation in (*evaluations, *learnt):
+    for evaluation in (*evaluations, *warm_start):
         search.note(evaluation)
     try:
         answer = search.answer()

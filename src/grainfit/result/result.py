@@ -23,7 +23,7 @@ from grainfit.result.parts import (
     RunSummary,
     YieldLocusResult,
 )
-from grainfit.tables import TextTable, as_html, as_text
+from grainfit.tables import Summary, TextTable
 from grainfit.verdict import messages
 from grainfit.verdict.out_of_reach import OutOfReach
 from grainfit.verdict.reasons import KINDS, Reason
@@ -31,7 +31,7 @@ from grainfit.verdict.rule import STATUS_WORDS, Status
 
 
 @dataclass(frozen=True)
-class Result:
+class Result(Summary):
     """Result of a calibration.
 
     Parameters
@@ -208,12 +208,6 @@ class Result:
         if self.sureness:
             parts.append(self.sureness)
         return (*parts, f"DEM runs: {self.runs}.")
-
-    def __str__(self) -> str:
-        return as_text(self.summary())
-
-    def _repr_html_(self) -> str:
-        return as_html(self.summary())
 
     def to_dict(self) -> dict[str, Any]:
         """Return the result as plain data; ``notices`` begin with the reasons in words."""
