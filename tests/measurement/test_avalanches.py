@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from grainfit.errors import NotMeasurableError
+from grainfit.measurement import messages
 from grainfit.measurement.avalanches import whole_avalanches
 
 
@@ -65,5 +66,5 @@ def test_a_drift_is_told_from_avalanches() -> None:
 
 @pytest.mark.parametrize("series", [np.linspace(30, 40, 100), np.full(50, 36.0)])
 def test_a_series_without_avalanches_is_refused(series: np.ndarray) -> None:
-    with pytest.raises(NotMeasurableError, match=r"0 whole avalanches .* larger averaged_turns"):
+    with pytest.raises(NotMeasurableError, match=messages.FEW_AVALANCHES(found=0, needed=3)):
         whole_avalanches(series)

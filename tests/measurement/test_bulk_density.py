@@ -7,6 +7,7 @@ import pytest
 from synthetic_heaps import DIAMETER, packing, particles_of
 
 from grainfit.errors import InputError, NotMeasurableError
+from grainfit.measurement import messages
 from grainfit.measurement.bulk_density import bulk_density, bulk_density_in_box
 from grainfit.measurement.particles import Particles
 
@@ -120,13 +121,13 @@ def test_lone_particle_above_the_bed_does_not_make_it_reach() -> None:
         np.append(bed.radii, 0.005),
         np.append(bed.masses, 0.001),
     )
-    with pytest.raises(NotMeasurableError, match="does not fill"):
+    with pytest.raises(NotMeasurableError, match=messages.NOT_FULL.pattern):
         bulk_density(more, RADIUS, 0.01, 0.10)
 
 
 @pytest.mark.parametrize(("radius", "bottom", "top"), [(0.06, 0.05, 0.05), (0.0, 0.01, 0.05)])
 def test_empty_volume_is_an_input_error(radius: float, bottom: float, top: float) -> None:
-    with pytest.raises(InputError, match="bulk_density"):
+    with pytest.raises(InputError, match=messages.NO_VOLUME.pattern):
         bulk_density(lattice(), radius, bottom, top)
 
 
@@ -150,10 +151,10 @@ def test_box_that_is_not_full_is_not_measurable(surface: object) -> None:
     bed = box(24, 12)
     bed = bed.select(bed.positions[:, 2] < surface(bed.positions[:, 0]))
 
-    with pytest.raises(NotMeasurableError, match="does not fill the box"):
+    with pytest.raises(NotMeasurableError, match=messages.NOT_FULL.pattern):
         bulk_density_in_box(bed, 24 * DIAMETER, 12 * DIAMETER, 0.02, 0.11)
 
 
 def test_box_without_a_volume_is_an_input_error() -> None:
-    with pytest.raises(InputError, match="bulk_density"):
+    with pytest.raises(InputError, match=messages.NO_VOLUME.pattern):
         bulk_density_in_box(box(), 0.0, 8 * DIAMETER, 0.02, 0.11)

@@ -8,7 +8,9 @@ import numpy as np
 import pytest
 
 from grainfit.errors import NotMeasurableError
+from grainfit.measurement import messages
 from grainfit.measurement.flow_rate import flow_rate, stopped_flow
+from grainfit.messages import Message
 
 
 def emptied(rate: float, full: float = 2.0, residue: float = 0.2) -> tuple[np.ndarray, np.ndarray]:
@@ -59,18 +61,18 @@ def test_standard_error_is_the_scatter_between_beds() -> None:
 
 
 @pytest.mark.parametrize(
-    ("time", "mass", "reason"),
+    ("time", "mass", "message"),
     [
-        (np.array([0.0]), np.array([1.0]), "fewer than two records"),
-        (np.array([]), np.array([]), "fewer than two records"),
-        (np.arange(50.0), np.full(50, 2.0), "no mass has left"),
-        (np.arange(10.0), np.linspace(1, 0, 10), "over within"),
+        (np.array([0.0]), np.array([1.0]), messages.FEW_RECORDS),
+        (np.array([]), np.array([]), messages.FEW_RECORDS),
+        (np.arange(50.0), np.full(50, 2.0), messages.NO_FLOW),
+        (np.arange(10.0), np.linspace(1, 0, 10), messages.SHORT_FLOW),
     ],
 )
 def test_series_without_a_flow_is_not_measurable(
-    time: np.ndarray, mass: np.ndarray, reason: str
+    time: np.ndarray, mass: np.ndarray, message: Message
 ) -> None:
-    with pytest.raises(NotMeasurableError, match=f"^mass flow: .*{reason}"):
+    with pytest.raises(NotMeasurableError, match=message.pattern):
         flow_rate(time, mass)
 
 
@@ -83,5 +85,5 @@ def test_an_arch_has_no_flow_and_the_mean_flow_as_its_error() -> None:
     # Nothing has left: one particle in that time would not have been noticed.
     none = stopped_flow(time, np.full(50, 2.0), 0.001)
     assert (none.value, none.standard_error) == (0.0, pytest.approx(0.001 / 2))
-    with pytest.raises(NotMeasurableError, match="fewer than two records"):
+    with pytest.raises(NotMeasurableError, match=messages.FEW_RECORDS.pattern):
         stopped_flow(np.array([0.0]), np.array([1.0]), 0.001)

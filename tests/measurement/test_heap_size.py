@@ -10,6 +10,7 @@ from synthetic_heaps import DIAMETER, heap, particles_of
 
 from grainfit.errors import NotMeasurableError
 from grainfit.evaluation import Response
+from grainfit.measurement import messages
 from grainfit.measurement.angle_of_repose import heap_silhouettes, on_plate
 from grainfit.measurement.heap_size import base_radius, heap_height, heap_profile, reaches_edge
 from grainfit.measurement.particles import Particles
@@ -195,9 +196,9 @@ def test_nothing_above_the_ground_reaches_no_edge() -> None:
 def test_blank_photographs_are_not_measurable() -> None:
     blank = Silhouette(np.zeros((100, 200), dtype=bool), 0.001, left=-0.1)
     for silhouettes in ([], [blank]):
-        with pytest.raises(NotMeasurableError, match=r"^base radius: nothing is higher than 0 m"):
+        with pytest.raises(NotMeasurableError, match=messages.NO_BASE.pattern):
             base_radius(silhouettes, 0.0, 0.01)
-        with pytest.raises(NotMeasurableError, match=r"^heap height: the silhouettes are blank"):
+        with pytest.raises(NotMeasurableError, match=messages.BLANK(quantity="heap height")):
             heap_height(silhouettes, 0.01)
-        with pytest.raises(NotMeasurableError, match=r"^heap profile: the silhouettes are blank"):
+        with pytest.raises(NotMeasurableError, match=messages.BLANK(quantity="heap profile")):
             heap_profile(silhouettes, 0.01, 0.1)

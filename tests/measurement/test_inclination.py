@@ -9,9 +9,11 @@ import pytest
 from synthetic_heaps import DIAMETER, packing, particles_of
 
 from grainfit.errors import NotMeasurableError
+from grainfit.measurement import messages
 from grainfit.measurement.height_map import HeightMap, height_map
 from grainfit.measurement.inclination import inclination_of_pile, inclination_of_wedges
 from grainfit.measurement.particles import Particles
+from grainfit.messages import Message
 
 #: The random packing repeats after this many diameters.
 DEPTH = 12.0
@@ -83,16 +85,16 @@ def test_height_map_shows_the_top_of_spheres_across_the_period() -> None:
 
 
 @pytest.mark.parametrize(
-    ("heights", "reason"),
+    ("heights", "message"),
     [
-        (lambda x: 0.01 + 0 * x, "particle diameters high"),
-        (lambda x: np.where(np.abs(x) < 0.05, 0.08, 0.0), "steps"),
+        (lambda x: 0.01 + 0 * x, messages.LOW_PILE),
+        (lambda x: np.where(np.abs(x) < 0.05, 0.08, 0.0), messages.STEPS),
     ],
 )
-def test_surface_without_flanks_is_not_measurable(heights: object, reason: str) -> None:
+def test_surface_without_flanks_is_not_measurable(heights: object, message: Message) -> None:
     assert callable(heights)
     x = np.linspace(-0.2, 0.2, 321)
     surface = HeightMap(np.tile(heights(x), (80, 1)), x, 0.1)
 
-    with pytest.raises(NotMeasurableError, match=reason):
+    with pytest.raises(NotMeasurableError, match=message.pattern):
         inclination_of_pile(surface, DIAMETER)

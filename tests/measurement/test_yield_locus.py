@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from grainfit.evaluation import Response
+from grainfit.measurement import messages
 from grainfit.measurement.yield_locus import fit_yield_locus
 
 
@@ -63,5 +64,7 @@ def test_two_stresses_give_the_line_through_both_points() -> None:
 def test_a_yield_locus_needs_two_stresses_and_standard_errors(
     stresses: list[float], error: float
 ) -> None:
-    with pytest.raises(ValueError, match="needs"):
+    with pytest.raises(
+        ValueError, match=f"{messages.TWO_STRESSES.pattern}|{messages.NO_ERRORS.pattern}"
+    ):
         fit_yield_locus(stresses, [Response(25.0, error)] * len(stresses))

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from grainfit.errors import NotMeasurableError
 from grainfit.evaluation import Response
+from grainfit.measurement import messages
 from grainfit.measurement.grid import require_grid
 from grainfit.measurement.particles import Particles
 from grainfit.measurement.silhouette import Silhouette, render_silhouette
@@ -188,9 +189,7 @@ def angle_of_repose(
     """
     heap = on_plate(particles, plate_radius)
     if len(heap) == 0:
-        raise NotMeasurableError(
-            f"angle of repose: none of {len(particles)} particles is left on the plate."
-        )
+        raise NotMeasurableError(messages.NOT_ON_PLATE(count=len(particles)))
     if silhouettes is None:
         silhouettes = heap_silhouettes(heap, plate_radius, views)
     return angle_of_repose_in(silhouettes, azimuths_of(views), ground, heap.diameter)
@@ -223,7 +222,7 @@ def angle_of_repose_in(
     try:
         return _measure(silhouettes, azimuths, ground, diameter)
     except NotMeasurableError as error:
-        raise NotMeasurableError(f"angle of repose: {error}") from None
+        raise NotMeasurableError(messages.NO_ANGLE(reason=error)) from None
 
 
 def outline_depth(distance: Array, angle: float, diameter: float) -> Array:
@@ -307,10 +306,7 @@ def _require_heap(
     apex = float(profile.max())
     lowest = max(ground, diameter) + _LOWEST_HEAP * diameter
     if apex < lowest:
-        raise NotMeasurableError(
-            f"there is no heap: it is {apex / diameter:.1f} particle diameters high; "
-            f"flanks need at least {lowest / diameter:.1f}."
-        )
+        raise NotMeasurableError(messages.NO_HEAP(height=apex / diameter, needed=lowest / diameter))
     above = np.maximum(outlines - ground, 0.0)
     right, left = above[0::2], above[1::2]
     areas = (right + left).sum(axis=1)
@@ -320,8 +316,7 @@ def _require_heap(
     offset = float(np.abs(offsets).max())
     if offset > _LARGEST_OFFSET * base:
         raise NotMeasurableError(
-            f"the heap lies on one side: its centroid is {offset / diameter:.1f} particle "
-            f"diameters off the axis, at a base radius of {base / diameter:.1f}."
+            messages.ONE_SIDED_HEAP(offset=offset / diameter, base=base / diameter)
         )
 
 
@@ -335,10 +330,7 @@ def _window(outlines: Array, profile: Array, ground: float, diameter: float) -> 
     reach = outlines.shape[1] - np.argmax(outlines[:, ::-1] > 0, axis=1)
     end = min(foot, int(np.median(reach)) - PIXELS_PER_DIAMETER)
     if end - begin < _SHORTEST_FLANK * PIXELS_PER_DIAMETER:
-        raise NotMeasurableError(
-            f"it has no flanks: {profile.max() / diameter:.1f} particle diameters high, its sides "
-            "are steps (a column that stands, or a layer that ends at the plate's edge)."
-        )
+        raise NotMeasurableError(messages.COLUMN_OR_LAYER(height=profile.max() / diameter))
     return slice(begin, end)
 
 
@@ -346,17 +338,12 @@ def _require_flanks(angles: Array) -> float:
     """Return the standard error of their mean."""
     found = angles[np.isfinite(angles)]
     if len(found) < _FEWEST_FLANKS * len(angles):
-        raise NotMeasurableError(
-            f"only {len(found)} of {len(angles)} flanks can be measured (without gaps, and "
-            f"inclined by {_FLANK_LIMITS[0]:g} to {_FLANK_LIMITS[1]:g} degrees); "
-            f"a heap needs {100 * _FEWEST_FLANKS:g} %."
-        )
+        low, high = _FLANK_LIMITS
+        counts = {"found": len(found), "count": len(angles), "percent": 100 * _FEWEST_FLANKS}
+        raise NotMeasurableError(messages.FEW_FLANKS(**counts, low=low, high=high))
     error = _standard_error(found)
     if error > _LARGEST_ERROR:
-        raise NotMeasurableError(
-            f"the flanks disagree: they are inclined by {found.min():.0f} to {found.max():.0f} "
-            "degrees, so this is no heap about the axis."
-        )
+        raise NotMeasurableError(messages.FLANKS_DISAGREE(low=found.min(), high=found.max()))
     return error
 
 
@@ -379,11 +366,7 @@ def _require_one_slope(distance: Array, outlines: Array, angle: float, diameter:
     upper, lower = parts.mean(axis=0)
     error = _standard_error(parts[:, 0] - parts[:, 1])
     if abs(upper - lower) > max(_LARGEST_BEND, _SIGNIFICANT * error):
-        raise NotMeasurableError(
-            f"the flanks have two slopes, {upper:.0f} degrees above and {lower:.0f} degrees below, "
-            "so this is no cone; use a test that suits cohesive materials, such as shear at two "
-            "stresses."
-        )
+        raise NotMeasurableError(messages.TWO_SLOPES(upper=upper, lower=lower))
 
 
 def _fit_flanks(distance: Array, outlines: Array, diameter: float) -> list[Flank | None]:

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from grainfit.errors import NotMeasurableError
 from grainfit.evaluation import Response
+from grainfit.measurement import messages
 
 #: A series has passed its mean once it is this many standard deviations beyond it.
 _BAND = 0.2
@@ -103,8 +104,6 @@ def whole_avalanches(series: Array) -> Avalanches:
             bounds.append(int(below[-1]) + 1)
             was_low = False
     if len(bounds) <= _FEWEST:
-        raise NotMeasurableError(
-            f"there are {max(len(bounds) - 1, 0)} whole avalanches in the averaged turns, and "
-            f"{_FEWEST} are needed for a standard error; use larger averaged_turns"
-        )
+        found = max(len(bounds) - 1, 0)
+        raise NotMeasurableError(messages.FEW_AVALANCHES(found=found, needed=_FEWEST))
     return Avalanches(tuple(bounds), len(series))

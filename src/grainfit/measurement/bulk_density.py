@@ -8,8 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from grainfit.errors import Fault, InputError, NotMeasurableError
+from grainfit.errors import InputError, NotMeasurableError
 from grainfit.evaluation import Response
+from grainfit.measurement import messages
 from grainfit.measurement.grid import MOST_CELLS, MOST_CELLS_IN_PARTS, require_grid
 from grainfit.measurement.particles import Particles
 
@@ -132,12 +133,10 @@ class _Bed:
 
 def _density(bed: _Bed, bottom: float, top: float) -> Response:
     if not (bed.area > 0 and top > bottom):
-        raise InputError(
-            Fault("bulk_density", f"nothing between heights {bottom:g} and {top:g} m.")
-        )
+        raise InputError(messages.NO_VOLUME.fault("bulk_density", bottom=bottom, top=top))
     inside = bed.particles
     if len(inside) == 0:
-        raise NotMeasurableError(f"bulk density: there is no particle in the {bed.container}.")
+        raise NotMeasurableError(messages.EMPTY_CONTAINER(container=bed.container))
     thickness = 2 * float(np.average(inside.radii, weights=inside.masses))
     across = (top - bottom) / thickness
     require_grid("bulk density", len(inside), across, most=MOST_CELLS_IN_PARTS)
@@ -194,7 +193,7 @@ def _require_full(bed: _Bed, masses: NDArray[np.float64], planes: NDArray[np.flo
     if not full:
         highest = float((particles.positions[:, 2] + particles.radii).max())
         raise NotMeasurableError(
-            f"bulk density: the bed does not fill the {bed.container} from {planes[0]:g} to "
-            f"{planes[-1]:g} m all around (its highest particle reaches {highest:.4g} m); "
-            "fill in more particles or measure lower."
+            messages.NOT_FULL(
+                container=bed.container, bottom=planes[0], top=planes[-1], highest=highest
+            )
         )

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from grainfit.errors import NotMeasurableError
 from grainfit.evaluation import Curve, Response
+from grainfit.measurement import messages
 
 #: The flow is measured between these shares of the discharged mass: it starts before, and slows
 #: down as the bed above the orifice gets low.
@@ -86,14 +87,12 @@ def flow_rate(time: NDArray[np.float64], remaining: NDArray[np.float64]) -> Flow
     left = np.maximum.accumulate(remaining[0] - remaining)
     total = float(left[-1])
     if total <= 0:
-        raise NotMeasurableError("mass flow: no mass has left the container.")
+        raise NotMeasurableError(messages.NO_FLOW())
     low, high = (_time_of(time, left, share * total) for share in _WINDOW)
     records = int(((time >= low) & (time <= high)).sum())
     if records < _FEWEST_RECORDS * _PARTS:
-        raise NotMeasurableError(
-            f"mass flow: it is over within {records} records; {_FEWEST_RECORDS * _PARTS} are "
-            "needed. Fill in more particles or use a narrower orifice."
-        )
+        needed = _FEWEST_RECORDS * _PARTS
+        raise NotMeasurableError(messages.SHORT_FLOW(records=records, needed=needed))
     ends = np.linspace(low, high, _PARTS + 1)
     masses = np.interp(ends, time, left)
     flows = np.diff(masses) / np.diff(ends)
@@ -133,7 +132,7 @@ def stopped_flow(
 
 def _require_series(time: NDArray[np.float64]) -> None:
     if len(time) < 2 or not np.all(np.diff(time) > 0):
-        raise NotMeasurableError("mass flow: the mass over time has fewer than two records.")
+        raise NotMeasurableError(messages.FEW_RECORDS())
 
 
 def _time_of(time: NDArray[np.float64], left: NDArray[np.float64], mass: float) -> float:

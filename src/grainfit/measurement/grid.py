@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 from grainfit.errors import NotMeasurableError
+from grainfit.measurement import messages
 
 #: Largest number of cells; a heap of a million particles has half of it in a silhouette.
 MOST_CELLS = 50_000_000
@@ -31,8 +32,4 @@ def require_grid(quantity: str, *sides: float, most: int = MOST_CELLS) -> None:
     """
     if not math.prod(sides) <= most:
         shown = " x ".join(f"{side:.3g}" for side in sides)
-        raise NotMeasurableError(
-            f"{quantity}: it would take a grid of {shown} cells, and at most {most} are "
-            "possible. Some particles are too large, too small or too far away for the others: "
-            "the simulation went astray, or the dump is not in SI units."
-        )
+        raise NotMeasurableError(messages.LARGE_GRID(quantity=quantity, cells=shown, most=most))

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from grainfit.errors import NotMeasurableError
 from grainfit.evaluation import Curve, Response
+from grainfit.measurement import messages
 from grainfit.measurement.silhouette import Silhouette
 
 #: Length over which outlines are averaged, in particle diameters.
@@ -68,7 +69,7 @@ def base_radius(silhouettes: Sequence[Silhouette], ground: float, diameter: floa
     """
     feet = _all_feet(silhouettes, ground, diameter)
     if not len(feet):
-        raise NotMeasurableError(f"base radius: nothing is higher than {ground:g} m.")
+        raise NotMeasurableError(messages.NO_BASE(ground=ground))
     independent = min(float(len(feet)), 360.0 / _CORRELATION_AZIMUTH)
     return Response(float(feet.mean()), float(np.std(feet)) / math.sqrt(independent - 1))
 
@@ -127,7 +128,7 @@ def heap_height(silhouettes: Sequence[Silhouette], diameter: float) -> Response:
     tops = [float(_averaged_outline(s, diameter).max(initial=0.0)) for s in silhouettes]
     height = float(np.mean(tops)) if tops else 0.0
     if height <= 0:
-        raise NotMeasurableError("heap height: the silhouettes are blank.")
+        raise NotMeasurableError(messages.BLANK(quantity="heap height"))
     return Response(height, _HEIGHT_ERROR * diameter)
 
 
@@ -161,7 +162,7 @@ def heap_profile(silhouettes: Sequence[Silhouette], diameter: float, plate_radiu
     sides = [side for s in silhouettes for side in _sides(s, distances, diameter)]
     heights = np.mean(sides, axis=0) if sides else np.zeros_like(distances)
     if not heights.any():
-        raise NotMeasurableError("heap profile: the silhouettes are blank.")
+        raise NotMeasurableError(messages.BLANK(quantity="heap profile"))
     edge = distances[-1] + step
     return Curve([*distances.tolist(), float(edge)], [*heights.tolist(), 0.0], stays=True)
 

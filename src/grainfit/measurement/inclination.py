@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from grainfit.errors import NotMeasurableError
 from grainfit.evaluation import Response
+from grainfit.measurement import messages
 from grainfit.measurement.angle_of_repose import Flank
 from grainfit.measurement.height_map import HeightMap
 
@@ -133,9 +134,7 @@ def _measured(
     slices = surface.slices(_SLICE * diameter)
     top = _top(surface, diameter)
     if top < _LOWEST * diameter:
-        raise NotMeasurableError(
-            f"it is {top / diameter:.1f} particle diameters high; flanks need at least {_LOWEST:g}."
-        )
+        raise NotMeasurableError(messages.LOW_PILE(height=top / diameter, needed=_LOWEST))
     angles, flanks = [], []
     for side in sides:
         window = _window(surface, side, top, diameter)
@@ -145,10 +144,9 @@ def _measured(
         flanks.append(_flank(side.x[window], heights.mean(axis=0)))
     for flank in flanks:
         if not _LIMITS[0] <= flank.angle <= _LIMITS[1]:
-            raise NotMeasurableError(
-                f"a flank is inclined by {flank.angle:.0f} degrees; flanks are inclined by "
-                f"{_LIMITS[0]:g} to {_LIMITS[1]:g} degrees."
-            )
+            low, high = _LIMITS
+            shown = messages.FLANK_INCLINATION(angle=flank.angle, low=low, high=high)
+            raise NotMeasurableError(shown)
     value = float(np.mean([flank.angle for flank in flanks]))
     error = error_of_mean(np.array(angles), surface.depth, correlation * diameter)
     return Inclination(value, error, tuple(flanks))
@@ -189,9 +187,7 @@ def _window(surface: HeightMap, side: _Side, top: float, diameter: float) -> sli
     below = np.flatnonzero(profile[begin:] < low)
     end = begin + int(below[0]) if len(below) else len(profile)
     if end - begin < 2 or side.distance[end - 1] - side.distance[begin] < _SHORTEST * diameter:
-        raise NotMeasurableError(
-            f"it has no flanks: {top / diameter:.1f} particle diameters high, its sides are steps."
-        )
+        raise NotMeasurableError(messages.STEPS(height=top / diameter))
     return slice(begin, end)
 
 

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from grainfit.errors import NotMeasurableError
 from grainfit.files import LARGEST_RUN_OUTPUT, read_within
 from grainfit.materials.clumps import body_of
+from grainfit.measurement import messages
 
 _NEEDED = ("x", "y", "z", "radius", "mass")
 _FRAME = b"ITEM: TIMESTEP"
@@ -69,10 +70,8 @@ class Particles:
     def __post_init__(self) -> None:
         n = len(self.radii)
         if self.positions.shape != (n, 3) or self.masses.shape != (n,):
-            raise NotMeasurableError(
-                f"particles: {len(self.positions)} positions, {n} radii and {len(self.masses)} "
-                "masses do not belong together."
-            )
+            lengths = {"positions": len(self.positions), "radii": n, "masses": len(self.masses)}
+            raise NotMeasurableError(messages.DIFFERENT_LENGTHS(**lengths))
         for name, values, possible in (
             ("position", self.positions, (np.abs(self.positions) <= _FARTHEST).all(axis=1)),
             ("radius", self.radii, _within(self.radii, _RADII)),
@@ -80,10 +79,9 @@ class Particles:
         ):
             if not possible.all():
                 first = int(np.argmin(possible))
-                raise NotMeasurableError(
-                    f"particles: {n - int(possible.sum())} of {n} have an impossible {name} "
-                    f"(number {first + 1}: {values[first]}); the simulation went astray."
-                )
+                wrong = n - int(possible.sum())
+                about = {"name": name, "first": first + 1, "value": values[first]}
+                raise NotMeasurableError(messages.IMPOSSIBLE(wrong=wrong, count=n, **about))
 
     def __len__(self) -> int:
         return len(self.radii)
@@ -161,7 +159,7 @@ def read_frames(path: Path, glued: int = 0) -> Iterator[Frame]:
     content = _content(path)
     starts = [found.start() for found in re.finditer(_FRAME, content)]
     if not starts:
-        raise NotMeasurableError(f"{path}: is not a text dump of LAMMPS or LIGGGHTS.")
+        raise NotMeasurableError(f"{path}: {messages.NO_DUMP()}")
     for start, end in pairwise([*starts, len(content)]):
         part = content[start:end]
         try:
@@ -169,7 +167,8 @@ def read_frames(path: Path, glued: int = 0) -> Iterator[Frame]:
             yield Frame(step, _parse_frame(part, glued))
         except (NotMeasurableError, ValueError, IndexError) as error:
             line = content.count(b"\n", 0, start) + 1
-            raise NotMeasurableError(f"{path}: frame at line {line}: {error}") from None
+            shown = messages.BAD_FRAME(path=path, line=line, error=error)
+            raise NotMeasurableError(shown) from None
 
 
 def read_dump(path: Path, glued: int = 0) -> Particles:
@@ -209,36 +208,30 @@ def _content(path: Path) -> bytes:
     try:
         return read_within(path, LARGEST_RUN_OUTPUT)
     except OSError as error:
-        raise NotMeasurableError(f"{path}: cannot be read ({error.strerror or error}).") from error
+        shown = messages.UNREADABLE(path=path, reason=error.strerror or error)
+        raise NotMeasurableError(shown) from error
 
 
 def _parse_frame(content: bytes, glued: int) -> Particles:
     start = content.rfind(_FRAME)
     if start < 0:
-        raise NotMeasurableError(
-            "is not a text dump of LAMMPS or LIGGGHTS (no 'ITEM: TIMESTEP' in it)."
-        )
+        raise NotMeasurableError(messages.NO_DUMP())
     first_line = content.count(b"\n", 0, start) + 1
     lines = content[start:].decode("ascii", errors="replace").splitlines()
     count = _particle_count(lines)
     header = next((i for i, line in enumerate(lines) if line.startswith("ITEM: ATOMS")), None)
     if header is None:
-        raise NotMeasurableError("is truncated: no 'ITEM: ATOMS' in its last frame.")
+        raise NotMeasurableError(messages.NO_ATOMS())
     columns = lines[header].split()[2:]
     missing = [name for name in _NEEDED if name not in columns]
     if missing:
-        raise NotMeasurableError(
-            f"line {first_line + header} lacks the column(s) {' '.join(missing)}; "
-            "dump 'id type x y z radius mass'."
-        )
+        line, names = first_line + header, " ".join(missing)
+        raise NotMeasurableError(messages.NO_COLUMNS(line=line, names=names))
     rows = [line for line in lines[header + 1 :] if line.strip()]
     if len(rows) != count:
-        raise NotMeasurableError(
-            f"is truncated or damaged: its last frame announces {count} particles and has "
-            f"{len(rows)} lines of them."
-        )
+        raise NotMeasurableError(messages.TRUNCATED(count=count, lines=len(rows)))
     if not content.endswith(b"\n"):
-        raise NotMeasurableError("is truncated: its last line has no end.")
+        raise NotMeasurableError(messages.NO_LINE_END())
     table = _parse_rows(rows, columns, first_line + header + 1)
     table = table[table[:, -1] == glued]
     # LIGGGHTS gives glued particles the number -1, the others 0.
@@ -252,10 +245,8 @@ def _particle_count(lines: list[str]) -> int:
             try:
                 return int(following)
             except ValueError:
-                raise NotMeasurableError(
-                    f"the number of atoms {following.strip()!r} is not a whole number."
-                ) from None
-    raise NotMeasurableError("is truncated: no 'ITEM: NUMBER OF ATOMS' in its last frame.")
+                raise NotMeasurableError(messages.BAD_COUNT(count=following.strip())) from None
+    raise NotMeasurableError(messages.NO_COUNT())
 
 
 def _parse_rows(rows: list[str], columns: list[str], first_line: int) -> NDArray[np.float64]:
@@ -264,10 +255,8 @@ def _parse_rows(rows: list[str], columns: list[str], first_line: int) -> NDArray
         return np.empty((0, len(_NEEDED) + 2))
     for number, row in enumerate(rows):
         if len(row.split()) != len(columns):
-            raise NotMeasurableError(
-                f"line {first_line + number} has {len(row.split())} values for "
-                f"{len(columns)} columns."
-            )
+            counts = {"values": len(row.split()), "columns": len(columns)}
+            raise NotMeasurableError(messages.FEW_VALUES(line=first_line + number, **counts))
     named = [*_NEEDED, *(name for name in (_CLUMP, _GLUED, "id") if name in columns)]
     if _SHARE in columns:
         named[_NEEDED.index("mass")] = _SHARE
@@ -275,7 +264,7 @@ def _parse_rows(rows: list[str], columns: list[str], first_line: int) -> NDArray
     try:
         table = np.loadtxt(rows, usecols=wanted, ndmin=2, comments=None)
     except ValueError as error:
-        raise NotMeasurableError(f"holds something that is not a number: {error}.") from None
+        raise NotMeasurableError(messages.NO_NUMBER(error=error)) from None
     if "id" in columns:
         table = table[np.argsort(table[:, -1], kind="stable")]
     none = np.zeros(len(table))

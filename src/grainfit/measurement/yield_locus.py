@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from grainfit.evaluation import Response
+from grainfit.measurement import messages
 from grainfit.result import YieldLocus
 
 
@@ -45,9 +46,9 @@ def fit_yield_locus(
     degrees = np.array([angle.value for angle in angles])
     errors = np.radians([angle.standard_error for angle in angles])
     if len(stress) != len(degrees) or len(set(stress)) < 2:
-        raise ValueError("needs an angle for each of two or more different normal stresses")
+        raise ValueError(messages.TWO_STRESSES())
     if not ((stress > 0).all() and (errors > 0).all()):
-        raise ValueError("needs normal stresses and standard errors above zero")
+        raise ValueError(messages.NO_ERRORS())
     slopes = np.tan(np.radians(degrees))
     shear, spread = stress * slopes, stress * (1 + slopes**2) * errors
     between = np.eye(len(stress)) if correlations is None else np.asarray(correlations)
