@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from grainfit.animation import drawn_film
+from grainfit.animation import drawn_film, messages
 from grainfit.bulk_tests.heap import Heap
 from grainfit.errors import InputError
 from grainfit.scenes.film import FILM, Film, filmed
@@ -195,7 +195,7 @@ def test_ctrl_c_leaves_the_run_that_is_simulated_again(tmp_path: Path, ctrl_c: N
 
 def test_models_of_the_user_and_many_runs_are_refused(tmp_path: Path) -> None:
     file = calibration(tmp_path, MODEL)
-    with pytest.raises(InputError, match=r"all are models of your own.*scenes tell where"):
+    with pytest.raises(InputError, match=messages.NO_SCENE.pattern):
         raise_again(file, "--animate")
     with pytest.raises(InputError, match=r"--animate shows one run.*--seed"):
         raise_again(calibration(tmp_path, HEAP), "--animate", "--repeat", "2")

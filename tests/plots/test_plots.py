@@ -13,6 +13,7 @@ import pytest
 import grainfit as gf
 from grainfit.analysis import Analysis
 from grainfit.errors import InputError
+from grainfit.plots import messages
 from grainfit.plots.arrange import arrange, in_columns
 from grainfit.plots.figure import Figure
 from grainfit.report.page import render_page
@@ -145,7 +146,9 @@ def test_an_analysis_that_is_given_is_drawn(saved: gf.OpenedCalibration) -> None
     "name", [name for name in NAMES if name not in ("convergence", "parallel")]
 )
 def test_a_figure_that_cannot_be_drawn_says_why(saved: gf.OpenedCalibration, name: str) -> None:
-    with pytest.raises(InputError, match="nothing to draw yet: There are 2 runs only"):
+    with pytest.raises(
+        InputError, match=re.escape(messages.NOTHING_TO_DRAW(reasons="There are 2 runs only."))
+    ):
         getattr(gf.plots, name)(saved, Analysis(notes=("There are 2 runs only.",)))
 
 
@@ -153,7 +156,7 @@ def test_no_convergence_without_a_run_and_no_posterior_where_nothing_agrees(
     saved: gf.OpenedCalibration,
 ) -> None:
     without = replace(saved, problem=replace(PROBLEM, rayleigh=None))
-    with pytest.raises(InputError, match="No run has ended"):
+    with pytest.raises(InputError, match=messages.NO_RUN()):
         gf.plots.convergence(replace(saved, evaluations=()))
     with pytest.raises(InputError, match="No parameter set within the intervals agrees"):
         gf.plots.posterior(replace(saved, state="unreachable"))

@@ -21,6 +21,7 @@ from grainfit.calibration_file.starter import starter_file
 from grainfit.cli.app import app
 from grainfit.errors import InputError
 from grainfit.materials.sizes import ParticleSizes
+from grainfit.preview import messages
 from grainfit.preview.geometry import feature_edges, geometry_of
 from grainfit.preview.page import preview_page
 from grainfit.preview.picture import COLOURS, draw_geometry
@@ -273,10 +274,10 @@ def test_a_file_without_a_scene_and_a_place_that_cannot_be_written_are_said(
         'function = "model.py:simulate"\ntargets.a = { value = 1.0 }\n'
     )
     setup = load_calibration(path)
-    with pytest.raises(InputError, match="no test that can be previewed"):
+    with pytest.raises(InputError, match=messages.NO_SCENE.pattern):
         preview_tests(setup.solvers, setup.values([]), 1)
     blade = load_calibration(BLADE)
     values = blade.values([])
     tests = preview_tests(blade.solvers, values, 1)
-    with pytest.raises(InputError, match=r"cannot be written.*--output"):
+    with pytest.raises(InputError, match=messages.CANNOT_BE_WRITTEN.pattern):
         write_preview(tmp_path / "no" / "a.html", "x", tests, values)

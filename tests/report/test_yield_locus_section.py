@@ -21,6 +21,7 @@ from benchmarks.axe import violations
 from grainfit.analysis import Analysis
 from grainfit.cli.app import app
 from grainfit.errors import InputError
+from grainfit.plots import messages
 from grainfit.report.section import ReportContext
 from grainfit.report.sections.yield_locus.section import yield_locus
 from grainfit.result import Result, YieldLocusResult
@@ -175,7 +176,7 @@ def test_one_stress_has_neither_section_nor_figure(calibrated: tuple[Result, Pat
         saved, problem=replace(saved.problem, targets=saved.problem.targets[:1], tests=())
     )
     assert yield_locus(ReportContext(one, Analysis())) is None
-    with pytest.raises(InputError, match="two or more normal stresses"):
+    with pytest.raises(InputError, match=messages.NO_YIELD_LOCUS()):
         gf.plots.yield_locus(one)
 
 

@@ -21,7 +21,7 @@ from grainfit.calibration.live_file import LIVE_NAME
 from grainfit.calibration.so_far import result_so_far
 from grainfit.campaign.folder_lock import hold
 from grainfit.solvers.own_model.python_callable import PythonCallable
-from grainfit.watch import follower
+from grainfit.watch import follower, messages
 from grainfit.watch.state import read_folder, state_of
 from grainfit.watch.stopping import CannotStopError, stop_calibration, why_not_to_be_stopped
 
@@ -228,7 +228,7 @@ def test_an_interrupted_calibration_leaves_no_live_file(tmp_path: Path) -> None:
 def test_a_calibration_of_another_machine_is_not_stopped_here(tmp_path: Path) -> None:
     (tmp_path / "lock").write_text(f"{os.getpid()} another-host other-boot\n")
     assert "kill -INT" in why_not_to_be_stopped(tmp_path)
-    with pytest.raises(CannotStopError, match="Stop it on another-host: kill"):
+    with pytest.raises(CannotStopError, match=messages.ANOTHER_MACHINE.pattern):
         stop_calibration(tmp_path)
 
 
@@ -237,14 +237,14 @@ def test_a_process_that_does_not_hold_the_folder_is_not_stopped(tmp_path: Path) 
     before = signal.signal(signal.SIGINT, lambda *given: received.append(given))
     other = subprocess.Popen(["sleep", "60"])
     try:
-        with pytest.raises(CannotStopError, match="no process uses"):
+        with pytest.raises(CannotStopError, match=messages.NOT_IN_USE()):
             stop_calibration(tmp_path)
         with hold(tmp_path):
             signature = (tmp_path / "lock").read_text().split()
             # The number of a process that has ended, or is another one by now.
             for number in (str(other.pid), "999999999", "0", "-1", "x"):
                 (tmp_path / "lock").write_text(" ".join([number, *signature[1:]]))
-                with pytest.raises(CannotStopError, match="is found here to hold it"):
+                with pytest.raises(CannotStopError, match=messages.UNKNOWN_PROCESS.pattern):
                     stop_calibration(tmp_path)
             (tmp_path / "lock").write_text(" ".join(signature))
             stop_calibration(tmp_path)

@@ -7,12 +7,13 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from grainfit.animation import messages
 from grainfit.animation.drawn_film import draw_film
 from grainfit.animation.page import AnimatedRun, animation_page
 from grainfit.calibration_file.build import CalibrationSetup
 from grainfit.campaign.batch import run_folders, simulate_batch
 from grainfit.campaign.campaign import CampaignOptions
-from grainfit.errors import Fault, InputError, NotMeasurableError, RunFailedError
+from grainfit.errors import InputError, NotMeasurableError, RunFailedError
 from grainfit.evaluation import Evaluation, name_of_test
 from grainfit.files import write_atomically
 from grainfit.scenes.film import FILM, Film
@@ -66,9 +67,7 @@ def filming(setup: CalibrationSetup, frames: int) -> CalibrationSetup:
         No test has a scene.
     """
     if not setup.bulk_tests:
-        message = "has no test that can be animated: all are models of your own."
-        remedy = "Only grainfit's own scenes tell where particles and walls are."
-        raise InputError(Fault("test", message, remedy), str(setup.file.path))
+        raise InputError(messages.NO_SCENE.fault("test"), str(setup.file.path))
     solvers = {name: solver.filming(frames) for name, solver in setup.solvers.items()}
     return replace(setup, solvers=solvers)
 
@@ -159,7 +158,7 @@ def _animation(
 ) -> Animation:
     solver = setup.solvers[test]
     if solver.bulk_test is None or folder is None or source is None:
-        return Animation(test, None, problem="a model of your own has no scene to draw")
+        return Animation(test, None, problem=messages.OWN_MODEL())
     proposal, run = evaluation.proposal, RunOutput(source)
     try:
         film = Film(source / FILM)
@@ -167,7 +166,7 @@ def _animation(
         drawn = draw_film(scene, run, film, frames)
     except (NotMeasurableError, RunFailedError) as error:
         reason = evaluation.failures.get(test) or str(error)
-        return Animation(test, None, problem=f"there are no frames ({reason})")
+        return Animation(test, None, problem=messages.NO_FRAMES(reason=reason))
     about = AnimatedRun(
         setup.name,
         test,
@@ -183,6 +182,6 @@ def _animation(
             shutil.move(source / FILM, folder / FILM)
         write_atomically(path, animation_page(about, drawn))
     except OSError as error:
-        message = f"{str(path)!r} cannot be written: {error.strerror or error}."
-        raise InputError(Fault("", message)) from error
+        wrong = {"path": str(path), "reason": error.strerror or error}
+        raise InputError(messages.CANNOT_BE_WRITTEN.fault("", **wrong)) from error
     return Animation(test, path, drawn.frames, path.stat().st_size)

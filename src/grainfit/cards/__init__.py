@@ -6,10 +6,11 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, fields, replace
 from pathlib import Path
 
+from grainfit.cards import messages
 from grainfit.cards.csv_card import render_csv
 from grainfit.cards.from_calibration import make_card
 from grainfit.cards.json_card import render_json
-from grainfit.errors import Fault, InputError
+from grainfit.errors import InputError
 from grainfit.files import write_atomically
 from grainfit.materials.card import CardParameter, CardResponse, MaterialCard
 from grainfit.solvers.dem.lammps.card import render_lammps
@@ -128,9 +129,9 @@ def require_format(to: str) -> Callable[[MaterialCard], str]:
         There is no such format.
     """
     if to not in _RENDERERS:
-        raise InputError(
-            Fault("--to", f"is {to!r}.", f"Use {', '.join(FORMATS[:-1])} or {FORMATS[-1]}.")
-        )
+        *others, last = FORMATS
+        known = ", ".join(others)
+        raise InputError(messages.NO_FORMAT.fault("--to", given=to, known=known, last=last))
     return _RENDERERS[to]
 
 
@@ -145,8 +146,8 @@ def write_card(path: Path, text: str) -> None:
     try:
         write_atomically(path, text)
     except OSError as error:
-        reason = error.strerror or error
-        raise InputError(Fault("", f"{str(path)!r} cannot be written: {reason}.")) from error
+        about = {"path": str(path), "reason": error.strerror or error}
+        raise InputError(messages.CANNOT_BE_WRITTEN.fault("", **about)) from error
 
 
 def _why_no_intervals(reading: SavedCalibration) -> tuple[str, ...]:

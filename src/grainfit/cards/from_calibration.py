@@ -7,6 +7,7 @@ from datetime import UTC, datetime
 
 from grainfit.bulk_tests.base import GRAVITY, TIME_STEP_FRACTION, Conditions
 from grainfit.bulk_tests.registry import recreate_test
+from grainfit.cards import messages
 from grainfit.contact_models.registry import in_order, material_parameter
 from grainfit.errors import InputError, StoreError
 from grainfit.materials.card import CardParameter, CardResponse, MaterialCard, Origin, Program
@@ -116,10 +117,8 @@ def _conditions(reading: SavedCalibration) -> list[Conditions]:
     try:
         tests = [recreate_test(definition) for definition in definitions.values()]
     except InputError as error:
-        raise StoreError(
-            f"a run in {str(reading.folder)!r} is not defined as in this version of "
-            f"grainfit: {error}"
-        ) from error
+        folder = str(reading.folder)
+        raise StoreError(messages.OTHER_DEFINITION(folder=folder, error=error)) from error
     return list(dict.fromkeys(test.conditions for test in tests if test is not None))
 
 

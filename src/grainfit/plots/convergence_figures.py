@@ -11,6 +11,7 @@ import numpy as np
 from grainfit.evaluation import Evaluation
 from grainfit.formatting import plain, with_unit
 from grainfit.metamodels.curve_reduction import Reduction
+from grainfit.plots import messages
 from grainfit.plots.arrange import arrange
 from grainfit.plots.expectation import Expectation, expectations_at_answer
 from grainfit.plots.figure import Figure, no_figure
@@ -39,7 +40,7 @@ def convergence(saved: SavedCalibration) -> PlotlyFigure:
     """
     figures = convergence_figures(saved)
     if not figures:
-        raise no_figure("No run has ended.")
+        raise no_figure(messages.NO_RUN())
     return arrange([[figure] for figure in figures.values()], "Convergence")
 
 

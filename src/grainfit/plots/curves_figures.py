@@ -12,6 +12,7 @@ from grainfit.analysis import Analysis
 from grainfit.bulk_tests.registry import curve_info
 from grainfit.formatting import plain, unit_for_people
 from grainfit.metamodels.likelihood import NORMAL_QUANTILE
+from grainfit.plots import messages
 from grainfit.plots.arrange import arrange
 from grainfit.plots.figure import Figure, no_figure
 from grainfit.plots.style import BLUE, GREEN, PURPLE, QUIET
@@ -43,7 +44,7 @@ def curves(saved: SavedCalibration, analysis: Analysis | None = None) -> PlotlyF
     analysis = analysis or saved.analyse()
     figures = curve_figures(saved, analysis)
     if not figures:
-        raise no_figure("No curve was measured.")
+        raise no_figure(messages.NO_CURVE())
     return arrange([[figure] for figure in figures.values()], "Measured and simulated curves")
 
 

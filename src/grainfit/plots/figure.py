@@ -6,7 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from grainfit.errors import Fault, InputError
+from grainfit.errors import InputError
+from grainfit.plots import messages
 
 
 @dataclass(frozen=True)
@@ -36,4 +37,4 @@ class Figure:
 
 def no_figure(reasons: str) -> InputError:
     """Return the error of a figure that cannot be drawn yet, with the reasons in sentences."""
-    return InputError(Fault("", "there is nothing to draw yet:", reasons))
+    return InputError(messages.NOTHING_TO_DRAW.fault("", reasons=reasons))

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from grainfit.analysis import Analysis, Posterior
+from grainfit.plots import messages
 from grainfit.plots.arrange import arrange, in_columns
 from grainfit.plots.axes import parameter_axis
 from grainfit.plots.figure import Figure, no_figure
@@ -43,7 +44,7 @@ def pairs(saved: SavedCalibration, analysis: Analysis | None = None) -> PlotlyFi
         raise no_figure(" ".join(analysis.notes))
     figures = pairs_figures(saved, analysis.posterior)
     if not figures:
-        raise no_figure("A single parameter has no pair.")
+        raise no_figure(messages.NO_PAIR())
     rows = in_columns(figures, min(len(figures), _COLUMNS))
     return arrange(rows, "Pairs of parameters that agree with the measurements")
 

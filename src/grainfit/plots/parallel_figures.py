@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from grainfit.evaluation import Evaluation
 from grainfit.formatting import number
+from grainfit.plots import messages
 from grainfit.plots.arrange import arrange
 from grainfit.plots.figure import Figure, no_figure
 from grainfit.plots.labels import Label, label_of_parameter, label_of_response
@@ -45,7 +46,7 @@ def parallel(saved: SavedCalibration) -> PlotlyFigure:
     """
     figure = parallel_figure(saved)
     if figure is None:
-        raise no_figure("No run has ended.")
+        raise no_figure(messages.NO_RUN())
     return arrange([[figure]], "Runs over parameters and responses")
 
 

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from grainfit.formatting import plain
 from grainfit.metamodels.likelihood import NORMAL_QUANTILE
+from grainfit.plots import messages
 from grainfit.plots.arrange import arrange
 from grainfit.plots.figure import Figure, no_figure
 from grainfit.plots.style import BLUE, GREEN
@@ -34,7 +35,7 @@ def yield_locus(saved: SavedCalibration) -> PlotlyFigure:
     """
     figures = yield_locus_figures(saved)
     if not figures:
-        raise no_figure("No material was sheared at two or more normal stresses.")
+        raise no_figure(messages.NO_YIELD_LOCUS())
     return arrange([[figure] for figure in figures], "Yield locus")
 
 

@@ -8,6 +8,7 @@ from pathlib import Path
 from grainfit.errors import Fault, InputError, RunFailedError
 from grainfit.files import write_atomically
 from grainfit.measurement.sheet import OVERSAMPLING, sheet
+from grainfit.preview import messages
 from grainfit.preview.geometry import geometry_of
 from grainfit.preview.page import preview_page
 from grainfit.preview.picture import draw_geometry
@@ -45,9 +46,7 @@ def preview_tests(
         if solver.bulk_test is not None
     ]
     if not found:
-        message = "has no test that can be previewed: all are models of your own."
-        remedy = "Only tests that a DEM program of grainfit simulates have a scene."
-        raise InputError(Fault("test", message, remedy), source)
+        raise InputError(messages.NO_SCENE.fault("test"), source)
     return found
 
 
@@ -113,6 +112,6 @@ def write_preview(
         write_atomically(path, preview_page(name, tests, values))
         write_picture(picture, name, tests)
     except OSError as error:
-        message = f"{str(path)!r} cannot be written: {error.strerror or error}."
-        raise InputError(Fault("", message, "Choose another place with --output.")) from error
+        about = {"path": str(path), "reason": error.strerror or error}
+        raise InputError(messages.CANNOT_BE_WRITTEN.fault("", **about)) from error
     return path, picture

@@ -15,6 +15,7 @@ from threadpoolctl import threadpool_limits
 from grainfit.errors import StoreError
 from grainfit.files import write_atomically
 from grainfit.formatting import plain
+from grainfit.report import messages
 from grainfit.report.rendering import render, script_json
 from grainfit.report.section import ReportContext, Section
 from grainfit.report.sections.registry import SECTIONS
@@ -132,7 +133,5 @@ def _write(path: Path, page: str) -> None:
     try:
         write_atomically(path, page)
     except OSError as error:
-        raise StoreError(
-            f"the report {str(path)!r} cannot be written: {error.strerror or error}. "
-            "Choose another place with --output."
-        ) from error
+        reason = error.strerror or error
+        raise StoreError(messages.CANNOT_BE_WRITTEN(path=str(path), reason=reason)) from error

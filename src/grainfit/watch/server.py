@@ -22,10 +22,11 @@ from urllib.parse import urlsplit
 
 from typing_extensions import override
 
-from grainfit.errors import Fault, InputError
+from grainfit.errors import InputError
 from grainfit.files import LARGEST_RESULT, read_within
 from grainfit.report.page import REPORT_NAME
 from grainfit.report.rendering import script_json
+from grainfit.watch import messages
 from grainfit.watch.follower import Follower
 from grainfit.watch.page import watch_page
 from grainfit.watch.stopping import CannotStopError, stop_calibration
@@ -81,10 +82,8 @@ def listen(port: int) -> socket.socket:
         listening.listen()
     except OSError as error:
         listening.close()
-        remedy = "Choose another one, or leave it out: any free one is taken."
-        raise InputError(
-            Fault("port", f"{port} cannot be used: {error.strerror}.", remedy)
-        ) from error
+        fault = messages.PORT_TAKEN.fault("port", port=port, reason=error.strerror)
+        raise InputError(fault) from error
     return listening
 
 

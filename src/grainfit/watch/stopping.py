@@ -12,6 +12,7 @@ from pathlib import Path
 
 from grainfit.campaign.folder_lock import Signature, holder, is_held
 from grainfit.errors import GrainfitError
+from grainfit.watch import messages
 
 
 class CannotStopError(GrainfitError):
@@ -44,12 +45,10 @@ def _holding_process(folder: Path) -> Iterator[Callable[[], None]]:
     """Yield what interrupts the process that holds a folder."""
     signature = holder(folder)
     if signature.process and not signature.is_of_this_machine():
-        raise CannotStopError(
-            f"the calibration runs on another machine. Stop it on {signature.host}: "
-            f"kill -INT {signature.process}"
-        )
+        about = {"host": signature.host, "process": signature.process}
+        raise CannotStopError(messages.ANOTHER_MACHINE(**about))
     if not is_held(folder):
-        raise CannotStopError("no process uses the work folder any more.")
+        raise CannotStopError(messages.NOT_IN_USE())
     try:
         process = int(signature.process)
         with _pinned(process) as send:
@@ -57,9 +56,7 @@ def _holding_process(folder: Path) -> Iterator[Callable[[], None]]:
                 raise CannotStopError(_unknown(signature))
             yield partial(send, _interrupt_of(process))
     except PermissionError as error:
-        raise CannotStopError(
-            f"process {signature.process} belongs to another user, who can stop it."
-        ) from error
+        raise CannotStopError(messages.ANOTHER_USER(process=signature.process)) from error
     except (OSError, ValueError, OverflowError) as error:
         raise CannotStopError(_unknown(signature)) from error
 
@@ -83,10 +80,7 @@ def _pinned(process: int) -> Iterator[Callable[[signal.Signals], None]]:
 
 def _unknown(signature: Signature) -> str:
     known = f"process {signature.process}, which signed it," if signature.process else "no process"
-    return (
-        f"the work folder is in use, but {known} is found here to hold it: the calibration may run "
-        "on another machine or in a container. Press Ctrl-C there."
-    )
+    return messages.UNKNOWN_PROCESS(process=known)
 
 
 def _has_open(process: int, path: Path) -> bool:
@@ -109,4 +103,4 @@ def _interrupt_of(process: int) -> signal.Signals:
     for number in (signal.SIGINT, signal.SIGTERM):
         if handled & 1 << (number - 1):
             return number
-    raise CannotStopError(f"process {process} does not handle interrupts.")
+    raise CannotStopError(messages.NO_INTERRUPTS(process=process))

@@ -1,0 +1,13 @@
+"""Messages of animations."""
+
+from __future__ import annotations
+
+from grainfit.messages import Message
+
+NO_SCENE = Message(
+    "has no test that can be animated: all are models of your own.",
+    "Only grainfit's own scenes tell where particles and walls are.",
+)
+CANNOT_BE_WRITTEN = Message("{path!r} cannot be written: {reason}.")
+OWN_MODEL = Message("a model of your own has no scene to draw")
+NO_FRAMES = Message("there are no frames ({reason})")

@@ -1,0 +1,13 @@
+"""Messages of previews."""
+
+from __future__ import annotations
+
+from grainfit.messages import Message
+
+NO_SCENE = Message(
+    "has no test that can be previewed: all are models of your own.",
+    "Only tests that a DEM program of grainfit simulates have a scene.",
+)
+CANNOT_BE_WRITTEN = Message(
+    "{path!r} cannot be written: {reason}.", "Choose another place with --output."
+)

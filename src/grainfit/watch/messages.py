@@ -1,0 +1,21 @@
+"""Messages of watching: a port that is taken, a calibration that cannot be stopped here."""
+
+from __future__ import annotations
+
+from grainfit.messages import Message
+
+PORT_TAKEN = Message(
+    "{port} cannot be used: {reason}.",
+    "Choose another one, or leave it out: any free one is taken.",
+)
+ANOTHER_MACHINE = Message(
+    "the calibration runs on another machine.", "Stop it on {host}: kill -INT {process}"
+)
+NOT_IN_USE = Message("no process uses the work folder any more.")
+ANOTHER_USER = Message("process {process} belongs to another user, who can stop it.")
+NO_INTERRUPTS = Message("process {process} does not handle interrupts.")
+UNKNOWN_PROCESS = Message(
+    "the work folder is in use, but {process} is found here to hold it: the calibration may run on "
+    "another machine or in a container.",
+    "Press Ctrl-C there.",
+)
