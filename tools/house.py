@@ -23,6 +23,7 @@ FLOORS: tuple[tuple[str, ...], ...] = (
     ("messages",),
     ("checks", "extras", "units", "formatting", "files", "plain_data"),
     ("options", "tables", "verdict"),
+    ("table_files",),
     ("materials",),
     ("contact_models",),
     ("evaluation", "problem", "run_definition"),

@@ -17,6 +17,7 @@ from grainfit.calibration_file.plan import describe_plan
 from grainfit.cli.console import print_plan
 from grainfit.errors import InputError
 from grainfit.problem import CurveTarget
+from grainfit.table_files import messages
 from grainfit.work_folder.analyse_runs import analyse_runs
 from grainfit.work_folder.repeat_runs import repeat_runs
 from grainfit.work_folder.stiffness_study import stiffness_study
@@ -88,6 +89,50 @@ def test_curve_in_other_units_and_columns(curve_of: Callable[..., CurveTarget]) 
     assert (curve.unit, curve.coordinate_unit) == ("Pa", "")
 
 
+@pytest.mark.parametrize(
+    ("curve", "errors"),
+    [
+        ("x,y,sd,n\n1,2,0.3,9\n2,3,0.4,4\n", (0.1, 0.2)),
+        ("x;y;std. error\n1;2;0,1\n2;3;0,2\n", (0.1, 0.2)),
+        ("x,y,standard deviation,number of tests\n2,3,0.4,4\n1,2,0.3,9\n", (0.1, 0.2)),
+        ("x,y,sd\n1,2,0.3\n2,3,0.4\n", "uncertainty: is missing"),
+        ("x,y,sd,n\n1,2,0.3,0\n2,3,0.4,4\n", "line 2, column n is 0. The number of meas"),
+        ("x,y,sd,n\n1,2,-1,4\n2,3,0.4,4\n", "line 2, column sd is -1"),
+    ],
+)
+def test_columns_of_a_curve_tell_its_uncertainty(
+    write: Callable[..., Path], curve: str, errors: tuple[float, ...] | str
+) -> None:
+    path = write("", curve)
+    if isinstance(errors, str):
+        with pytest.raises(InputError, match=errors):
+            load_calibration_file(path)
+        return
+    (found,) = load_calibration_file(path).tests[0].curves
+    assert found.uncertainty == pytest.approx(errors)
+
+
+def test_spread_of_a_curve_has_the_unit_of_its_values(tmp_path: Path) -> None:
+    path = tmp_path / "compression.toml"
+    path.write_text(compression_file(TARGET.format("")))
+    for header, sd in (
+        ("strain [%],stress [kPa],sd,n", 0.1),
+        ("strain / %,stress (kPa),sd [Pa],n", 100),
+    ):
+        (tmp_path / "curve.csv").write_text(f"{header}\n1,1,{sd},4\n2,2,{sd},4\n")
+        (curve,) = load_calibration_file(path).tests[0].curves
+        assert (curve.coordinates, curve.values) == ((0.01, 0.02), (1000, 2000))
+        assert curve.uncertainty == (50, 50)
+
+
+def test_plain_uncertainty_is_not_clear_where_the_heading_has_another_unit(tmp_path: Path) -> None:
+    path = tmp_path / "compression.toml"
+    path.write_text(compression_file(TARGET.format(", uncertainty = 0.02")))
+    (tmp_path / "curve.csv").write_text("strain,stress [kPa]\n0.1,1\n0.2,2\n")
+    with pytest.raises(InputError, match=r'in .kPa.: its unit is not clear.*"0.02 kPa"'):
+        load_calibration_file(path)
+
+
 def test_curve_of_a_model_in_its_own_unit(curve_of: Callable[..., CurveTarget]) -> None:
     own = ', unit = "kPa", y_unit = "Pa", coordinate_unit = "%", uncertainty = "20 Pa"'
     curve = curve_of(own)
@@ -110,8 +155,8 @@ def test_covariance_follows_the_order_of_the_lines(
 @pytest.mark.parametrize(
     ("options", "words"),
     [
-        (', x = "strian"' + ERRORS, ["column 'strian' is missing", "'strain', 'stress'"]),
-        (', x = "stress"' + ERRORS, ["column 'stress' is both x and y"]),
+        (', x = "strian"' + ERRORS, ["line 1, column strian is missing", 'Is it "strain"?']),
+        (', x = "stress"' + ERRORS, ["line 1, column stress", messages.BOTH_X_AND_Y()]),
         (', y_unit = "mm"' + ERRORS + ', unit = "Pa"', ["stress.y_unit", "Pa"]),
         (', y_unit = "widgets"' + ERRORS, ["stress.y_unit", "not a known unit"]),
         (', y_unit = "kPa", uncertainty = 0.02', ["stress.uncertainty", '"0.02 kPa"']),
@@ -120,7 +165,7 @@ def test_covariance_follows_the_order_of_the_lines(
         (', uncertainty = "-1 %"', ["stress.uncertainty", "above 0"]),
         (ERRORS + ', covariance = "curve.csv"', ["common_uncertainty", "beside covariance"]),
         (', covariance = "none.csv"', ["stress.covariance", "no such file"]),
-        (', covariance = "curve.csv"', ["stress.covariance", "curve.csv has 5 rows"]),
+        (', covariance = "curve.csv"', ["stress.covariance", "line 5 ends a table of 5 rows"]),
         (ERRORS + ", tolerance = 3", ["stress.tolerance", "not a known key of a curve", "remove"]),
     ],
 )
@@ -143,22 +188,23 @@ def test_a_wrong_key_of_a_curve_is_one_fault(fault_of: Callable[..., str], key: 
     ("curve", "words"),
     [
         ("", ["curve.csv is empty"]),
-        ("x,y\n", ["curve.csv has 0 points", "2 to 400"]),
-        ("x,y\n1,2\n", ["curve.csv has 1 points"]),
-        ("x,y\n" + "".join(f"{i},{i + 1}\n" for i in range(401)), ["has 401 points", "average"]),
-        ("x,y\n1,2\n2,many\n", ["curve.csv, line 3, column 2 is 'many', not a number"]),
-        ("x,y\n1,\n2,3\n", ["line 2, column 2 has no value"]),
-        ("x,y\n1,2\n2\n", ["line 3, column 2 has no value"]),
-        ("x,y\n1,inf\n2,3\n", ["line 2, column 2 is inf"]),
-        ("x,y\n1,1_000\n2,3\n", ["line 2, column 2 is '1_000'"]),
-        ("x,y\n0,1,2\n0,3,4\n", ["line 2 has 3 cells", "decimal points"]),
-        ("x;y\n1;2\n2;3\n", ["Separate columns by commas"]),
+        ("x,y\n", ["curve.csv, line 1 ends a table of 0 points", "2 to 400"]),
+        ("x,y\n1,2\n", ["curve.csv, line 2 ends a table of 1 points"]),
+        ("x,y\n" + "".join(f"{i},{i + 1}\n" for i in range(401)), ["of 401 points", "average"]),
+        ("x,y\n1,2\n2,many\n", ["curve.csv, line 3, column y is 'many', not a number"]),
+        ("x,y\n1,\n2,3\n", ["line 2, column y has no value"]),
+        ("x,y\n1,2\n2\n", ["line 3, column y has no cell"]),
+        ("x,y\n1,inf\n2,3\n", ["line 2, column y is inf"]),
+        ("x,y\n1,1_000\n2,3\n", ["line 2, column y is '1_000'"]),
+        ("x,y\n0,1,2\n0,3,4\n", ["line 2, column 3 is in a row of 3 cells", "decimal points"]),
+        ("x|y\n1|2\n2|3\n", ["line 1 has one column, 'x|y'", "commas, semicolons, tabs"]),
         ("1,2\n2,3\n", ["line 1 has no names of columns"]),
-        ("x,y\n1,2\n3,4\n1,5\n", ["line 4 has the same x as line 2"]),
+        ("x,y\n1,2\n3,4\n1,5\n", ["line 4, column x is the same as in line 2, 1."]),
         ("x,y\n1,0\n2,5\n", ["stress.uncertainty", "line 2 of curve.csv is 0", "absolute"]),
-        ('x,y\n"1,2\n', ["is not a CSV file"]),
-        ("x,y,y\n1,2,3\n2,3,4\n", ["curve.csv, column 'y' is there more than once", "Keep one"]),
-        ("x,x\n1,2\n2,3\n", ["column 'x' is there more than once"]),
+        ('x,y\n"1,2\n', ["line 2 is not CSV"]),
+        ("x,y,y\n1,2,3\n2,3,4\n", ["line 1, column y is there more than once", "Keep one"]),
+        ("x,x\n1,2\n2,3\n", ["column x is there more than once"]),
+        ("x,n,stress\n1,3,9\n2,3,9\n", ["column n has a number of measurements", 'y = "..."']),
     ],
 )
 def test_fault_of_the_points_of_a_curve(
@@ -180,14 +226,14 @@ def test_columns_of_one_name_that_are_no_points_are_left_alone(
 def test_curve_in_another_encoding_names_the_line(write: Callable[..., Path], mark: bytes) -> None:
     path = write()
     (path.parent / "curve.csv").write_bytes(mark + "x,y\n1,2\nü,3\n".encode("latin-1"))
-    with pytest.raises(InputError, match=r"curve: curve\.csv is not UTF-8 text in line 3\. Save"):
+    with pytest.raises(InputError, match=r"curve: curve\.csv, line 3 is not UTF-8 text\. Save"):
         load_calibration_file(path)
 
 
 def test_curve_with_many_faults_names_the_first_ones(fault_of: Callable[..., str]) -> None:
     fault = fault_of(ERRORS, "x,y\n" + "1,many\n" * 50)
     assert fault.count("not a number") == 20
-    assert "30 more faults" in fault
+    assert "curve.csv has 30 more faults" in fault
 
 
 def test_curve_without_a_file(fault_of: Callable[..., str]) -> None:
@@ -214,7 +260,8 @@ def test_large_file_of_a_curve_is_refused(write: Callable[..., Path], tmp_path: 
         ("1,0\n2,1\n", "is not symmetric"),
         ("1,1\n1,1\n", "is not positive definite"),
         ("1,0\n0,x\n", "line 2, column 2 is 'x', not a number"),
-        ("1,0\n0\n", "line 2 has 1 numbers"),
+        ("1,0\n0,nan\n", "line 2, column 2 is nan"),
+        ("1,0\n0\n", "line 2, column 1 ends a row of 1 numbers"),
     ],
 )
 def test_fault_of_a_covariance(
@@ -253,10 +300,11 @@ def compression_file(target: str) -> str:
 @pytest.mark.parametrize(
     ("units", "header", "faults"),
     [
-        ("", "strain [%],stress [kPa]", ["states '%'", "states 'kPa'"]),
+        (', x_unit = "kPa"', "strain [%],stress [kPa]", ["does not belong here"]),
         (', x_unit = "%", y_unit = "kPa"', "strain (%),stress [kN/m^2]", []),
         (', y_unit = "kPa"', "strain [-],stress [Pa]", ["states 'Pa'"]),
-        ("", "strain [mm],stress [mean of 3]", ["states 'mm'"]),
+        ("", "strain [mm],stress [mean of 3]", ["mm"]),
+        ("", "strain,stress [-]", ["is said to have no unit, and is in Pa"]),
         ("", "strain,stress [Pa]", []),
     ],
 )
@@ -383,6 +431,7 @@ def test_plan_shows_curves(setup: CalibrationSetup) -> None:
     text = console.file.getvalue()  # type: ignore[attr-defined]
     assert "4 points over strain, 0.01 to 0.15" in text
     assert "uncertainty up to 48.63" in text
+    assert 'Table curve.csv: separator ",", decimal ".", columns: strain, stress, 4 rows.' in text
 
 
 def test_plan_counts_a_curve_as_a_target_at_least(write: Callable[..., Path]) -> None:

@@ -23,7 +23,6 @@ from grainfit.files import (
     read_within,
 )
 from grainfit.measurement.particles import read_dump
-from grainfit.options.csv_file import read_csv
 from grainfit.result import Result
 from grainfit.scenes.run_output import RunOutput
 from grainfit.scenes.stl import read_stl
@@ -31,6 +30,7 @@ from grainfit.solvers.own_model import model_folder
 from grainfit.solvers.own_model.command import Command
 from grainfit.solvers.own_model.model_folder import ModelFolder
 from grainfit.solvers.own_model.model_input import Templates
+from grainfit.table_files.table import read_table
 
 FILE = """
 name = "sand"
@@ -168,7 +168,7 @@ def test_a_table_that_is_too_large_is_refused(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("read", "error"),
     [
-        (read_csv, InputError),
+        (read_table, InputError),
         (read_stl, InputError),
         (read_dump, NotMeasurableError),
         (Result.from_json, StoreError),

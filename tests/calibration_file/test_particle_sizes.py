@@ -237,14 +237,14 @@ def test_faults_of_distributions_are_named_with_their_line(
     ("sieves", "options", "words"),
     [
         ("", "", "is empty"),
-        ("opening,passing\n1,0\n2,100\n", "", "column 'opening' has no unit"),
+        ("opening,passing\n1,0\n2,100\n", "", "sieve.csv, line 1, column opening has no unit"),
         ("opening [kg],passing\n1,0\n2,100\n", "", "has the unit 'kg'"),
         ("opening,passing\n1,0\n2,100\n", ', opening_unit = "s"', "opening_unit"),
         ("opening [mm],passing\n1,0\n2,110\n", "", "line 3 has a passing of 110 %"),
         (
             "opening [mm],passing\n1,0\n4,100\n",
             ', opening_unit = "cm"',
-            "column 'opening [mm]' states 'mm', and its numbers are taken in cm. Write "
+            "line 1, column opening states 'mm', and its numbers are taken in cm. Write "
             'opening_unit = "mm", or correct the heading.',
         ),
         ("opening [mm],passing\n1,0\n2,100.4\n", "", "line 3 has a passing of 100.4 %"),
@@ -254,12 +254,14 @@ def test_faults_of_distributions_are_named_with_their_line(
             "",
             "line 4 has a passing of 50 % at 3 mm, below the 60 % at 2 mm.",
         ),
-        ("opening [mm],passing\n1,0\n1,40\n4,100\n", "", "line 3 has the same opening [mm]"),
+        ("opening [mm],passing\n1,0\n1,40\n4,100\n", "", "line 3, column opening is the same"),
         ("opening [mm],passing\n0,0\n1,40\n4,100\n", "", "line 2 has an opening of 0 m"),
         ("opening [mm],passing\n1,0\n4,1\n", "", "only 1 % of the mass pass the coarsest"),
         ("opening [mm],passing\n1,3\n4,100\n", "", "3 % of the mass pass the finest sieve, 1 mm"),
-        ("opening [mm],passing\n1,a\n4,100\n", "", "line 2, column 2 is 'a'"),
-        ("opening [mm]\n1\n4\n", "", "has one column"),
+        ("opening [mm],passing\n1,a\n4,100\n", "", "line 2, column passing is 'a'"),
+        ("opening [mm]\n1\n4\n", "", "line 1 has one column"),
+        ("opening [mm],passing\n5,6,100\n7,100\n", "", "line 2, column 3 is in a row of 3"),
+        ("opening [mm],passing [Pa]\n1,0\n4,100\n", "", "column passing states 'Pa'"),
         (
             "opening [mm],retained [%]\n1,0\n4,100\n",
             "",
@@ -280,7 +282,7 @@ def test_faults_of_distributions_are_named_with_their_line(
             "",
             'more than one of them may be the opening. Give one column the heading "opening [mm]"',
         ),
-        ("opening [mm],passing\n1,0\n", "", "has 1 points"),
+        ("opening [mm],passing\n1,0\n", "", "line 2 ends a table of 1 points"),
     ],
 )
 def test_faults_of_sieve_curves_are_named_with_their_line(

@@ -166,14 +166,23 @@ def test_all_missing_columns_are_named(tmp_path):
 
     lines = faults_of(path)
 
-    assert "column friction: is missing. There are: density, angel." in lines[0]
-    assert "column angle: is missing." in lines[1]
+    assert "line 1, column friction: is missing. There are: density, angel." in lines[0]
+    assert 'line 1, column angle: is missing. Is it "angel"?' in lines[1]
 
 
-def test_other_separator_is_recognised(tmp_path):
-    path = write(tmp_path, "1;2;3", header="density;friction;angle")
+def test_units_in_headings_are_converted_where_the_wanted_ones_are_known(tmp_path):
+    path = write(tmp_path, "1;2,5;30", header="density [g/cm^3];friction;angle / deg")
+    names = (["density", "friction"], ["angle"])
+    units = {"density": "kg/m^3", "angle": "deg"}
+    table = RecordedTable(path, *names, units=units)
 
-    assert "Separate columns by commas." in faults_of(path)[0]
+    assert look_up(table, tmp_path, density=1000, friction=2.5).value == 30.0
+    assert table.readiness() == (
+        f'{path.name}: separator ";", decimal ",", columns: density [g/cm^3], friction, '
+        "angle [deg], 1 row."
+    )
+    with pytest.raises(InputError, match=r"line 1, column density: is in .*, and nothing"):
+        RecordedTable(path, *names)
 
 
 def test_cells_that_are_no_numbers_are_named_by_line_and_column(tmp_path):
@@ -188,9 +197,10 @@ def test_cells_that_are_no_numbers_are_named_by_line_and_column(tmp_path):
     lines = faults_of(path)
 
     assert [line.partition(".csv: ")[2] for line in lines] == [
-        "line 3, column density: is '1,000', not a number. Use a decimal point.",
-        "line 3, column angle: is nan. Leave failed runs out.",
-        "line 5, column friction: is '', not a number. Use a decimal point.",
+        "line 3, column density: is '1,000': 1000 or 1.000? Write 1000 or 1.000, without a "
+        "separator of thousands.",
+        "line 3, column angle: is nan. Leave the row out.",
+        "line 5, column friction: has no value. Complete the row, or leave it out.",
         "line 5, column angle.standard_error: is -0.5; a standard error is not negative.",
     ]
 
@@ -200,8 +210,8 @@ def test_lines_of_other_lengths(tmp_path):
 
     lines = faults_of(path)
 
-    assert "line 3: has 3 cells, and the header 6" in lines[0]
-    assert "line 4: has 7 cells" in lines[1]
+    assert "line 3, column seed: has no cell: the row has 3, and the header 6" in lines[0]
+    assert "line 4, column 7: is in a row of 7 cells" in lines[1]
 
 
 def test_standard_error_under_its_former_name(tmp_path):
@@ -209,8 +219,8 @@ def test_standard_error_under_its_former_name(tmp_path):
     path = write(tmp_path, "a,1000,0.1,1,20,0.5", header=header)
 
     assert [line.partition(".csv: ")[2] for line in faults_of(path)] == [
-        "column angle_std_error: is the name of the standard error of angle in version 0.1.0. "
-        "Name it angle.standard_error."
+        "line 1, column angle_std_error: is the name of the standard error of angle in version "
+        "0.1.0. Name it angle.standard_error."
     ]
 
 
@@ -230,17 +240,17 @@ def test_run_recorded_twice(tmp_path):
 
 
 def test_column_that_is_there_twice(tmp_path):
-    path = write(tmp_path, "1,2,3", header="density,angle,density")
+    path = write(tmp_path, "1,2,3,4", header="density,friction,angle,density")
 
-    assert "column density: is there more than once." in faults_of(path)[0]
+    assert "line 1, column density: is there more than once." in faults_of(path)[0]
 
 
 def test_files_that_are_no_tables(tmp_path):
     path = tmp_path / "heap.png"
     path.write_bytes(b"\x89PNG\r\n\x1a\n\x00\xff\xfe")
-    assert "is not UTF-8 text in line 1. Save the table as CSV" in faults_of(path)[0]
+    assert "line 1: is not UTF-8 text. Save the table as CSV" in faults_of(path)[0]
     path.write_text('a,"b\n')
-    assert "is not a CSV file" in faults_of(path)[0]
+    assert "line 1: is not CSV" in faults_of(path)[0]
 
 
 def test_many_faults_are_not_all_listed(tmp_path):
@@ -249,7 +259,7 @@ def test_many_faults_are_not_all_listed(tmp_path):
     lines = faults_of(path)
 
     assert len(lines) == 21
-    assert lines[-1].endswith("and 80 more faults.")
+    assert lines[-1].endswith("has 80 more faults.")
 
 
 @pytest.mark.parametrize("columns", [[], "density"])
@@ -261,4 +271,4 @@ def test_columns_must_be_listed(csv_file, columns):
 def test_rows_are_named_by_number():
     rows = [{"x": 1.0, "angle": 2.0}, {"x": 2.0}]
 
-    assert faults_of(rows, ["x"]) == ["row 2, column angle: is missing."]
+    assert faults_of(rows, ["x"]) == ["row 2, column angle: is missing. Give it in each row."]

@@ -416,6 +416,8 @@ def _entry(file: CalibrationFile, test: TestSpecification) -> FileEntry:
         file.fixed,
         file.sizes,
         file.contact_models,
+        {one.name: one.unit for one in file.parameters}
+        | {one.name: one.unit for one in test.targets},
     )
 
 

@@ -128,6 +128,8 @@ class CalibrationFile:
         Contact models that replace the usual ones of their kind.
     notes : tuple of str
         Parameters that have been measured, for people.
+    tables : tuple of str
+        How the tables that the file names were understood, one line each.
     """
 
     name: str
@@ -140,6 +142,7 @@ class CalibrationFile:
     cluster: ClusterOptions | None = None
     contact_models: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
+    tables: tuple[str, ...] = ()
 
     @property
     def ranks(self) -> int:

@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 from grainfit.calibration_file.targets import Deviation, TargetTable
 from grainfit.errors import InputError
-from grainfit.options.csv_points import Column, Points, read_covariance, read_points
-from grainfit.options.kinds import Kind, Schema, Text, note_wrong_kind
+from grainfit.options.kinds import Kind, Quantity, Schema, Text, note_wrong_kind
 from grainfit.options.paths import Located
 from grainfit.options.places import Place, show
 from grainfit.options.tables import Key, Table, Values
 from grainfit.problem import Target
 from grainfit.problem.curve_target import MOST_POINTS, CurveTarget
+from grainfit.table_files.curve_points import Points, read_covariance, read_points
+from grainfit.table_files.reading import Wanted
 from grainfit.units import UnitError, how_to_write, is_unit, to_si, to_unit
 
 #: Key that makes a target a curve.
@@ -52,42 +55,48 @@ class CurveTable(Kind):
                 _own_unit(value, "coordinate_unit", "x_unit"),
             )
             known = replace(self, unit=units[0], coordinate_unit=units[1])
-        known._note_unclear_errors(value, place)
+        plain = {key: value[key] for key in _ERRORS if _is_plain(value.get(key))}
+        written = value.get("y_unit")
+        if isinstance(written, str) and written != known.unit:
+            _note_unclear_errors(plain, f"y_unit is {show(written)}", written, place)
+            plain = {}
         if "tolerance" in value:
             remedy = "What is accepted follows from the uncertainties: remove it."
             place.at("tolerance").fault("is not a known key of a curve.", remedy)
             value = {key: given for key, given in value.items() if key != "tolerance"}
-        target: CurveTarget | None = known._table(is_own=self.unit is None).read(value, place)
+        keys = known._keys(is_own=self.unit is None)
+        target: CurveTarget | None = Table(keys, partial(known._target, plain=plain)).read(
+            value, place
+        )
         return target
 
-    def _note_unclear_errors(self, value: dict[str, Any], place: Place) -> None:
-        """Note plain numbers that may be in the unit of the file, or in that of the response."""
-        written = value.get("y_unit")
-        if not isinstance(written, str) or written == self.unit:
-            return
-        for key in _ERRORS:
-            given = value.get(key)
-            if isinstance(given, (int, float)) and not isinstance(given, bool):
-                place.at(key).fault(
-                    f"is {show(given)}, and y_unit is {show(written)}: its unit is not clear.",
-                    f'Write it with its unit, such as "{given:g} {written[:20]}".',
-                )
-
-    def _table(self, *, is_own: bool) -> Table:
+    def _keys(self, *, is_own: bool) -> tuple[Key, ...]:
         keys = _curve_keys(self.unit)
-        return Table((*keys, *_OWN_UNITS) if is_own else keys, self._target)
+        return (*keys, *_OWN_UNITS) if is_own else keys
 
-    def _target(self, values: Values, place: Place) -> CurveTarget | None:
-        _note_missing_errors(values, place)
+    def _target(
+        self, values: Values, place: Place, plain: Mapping[str, float] | None = None
+    ) -> CurveTarget | None:
+        """Return the curve; ``plain`` are the uncertainties that have no unit."""
         x = self._column(values, "x", self.coordinate_unit, place)
         y = self._column(values, "y", self.unit, place)
         path = values.get(CURVE)
-        if path is None or x is None or y is None:
-            return None
-        points = read_points(path, x, y, place.at(CURVE), most=MOST_POINTS)
+        says_errors = "uncertainty" in values or "covariance" in values
+        points = None
+        if path is not None and x is not None and y is not None:
+            names = (values.get("x"), values.get("y"))
+            points = read_points(
+                path, (x, y), names, place.at(CURVE), most=MOST_POINTS, with_spread=not says_errors
+            )
+        if points is None or not points.standard_errors:
+            _note_missing_errors(values, place)
         if points is None or None in values.values():
             return None
-        errors = _errors(values, points, y, place)
+        if points.unit and plain:
+            _note_unclear_errors(
+                plain, f"the values are in {show(points.unit)}", points.unit, place
+            )
+        errors = _errors(values, points, self.unit or "", place)
         if errors is None:
             return None
         try:
@@ -96,15 +105,15 @@ class CurveTable(Kind):
                 points.coordinates,
                 points.values,
                 **errors,
-                unit=y.unit or values.get("unit", ""),
-                coordinate_unit=x.unit or values.get("coordinate_unit", ""),
+                unit=self.unit or values.get("unit", ""),
+                coordinate_unit=self.coordinate_unit or values.get("coordinate_unit", ""),
                 coordinate=self.coordinate or points.coordinate,
             )
         except InputError as error:
             place.note(error, values, place.at(CURVE))
             return None
 
-    def _column(self, values: Values, key: str, unit: str | None, place: Place) -> Column | None:
+    def _column(self, values: Values, key: str, unit: str | None, place: Place) -> Wanted | None:
         """Return a column and its units; None after noting a unit that cannot be converted."""
         if key in values and values[key] is None:
             return None
@@ -114,14 +123,18 @@ class CurveTable(Kind):
             return None
         if written and written != (own or unit) and not _converts(written, unit, own, place, key):
             return None
-        needed = "" if written == (own or unit) else written
-        is_known = unit is not None or bool(needed)
-        return Column(key, "xy".index(key), values.get(key), needed, unit or "", is_known)
+        given = "" if written == (own or unit) else written
+        # Only where the unit of the model is known, the heading can state another one.
+        is_fixed = written or unit is None
+        return Wanted(
+            Quantity(unit), key, given=given if is_fixed else None, unit_key=f"{key}_unit"
+        )
 
     def schema(self) -> Schema:
         """Return the JSON Schema of the curve's table."""
-        schema = self._table(is_own=self.unit is None).schema()
-        schema["oneOf"] = [{"required": ["uncertainty"]}, {"required": ["covariance"]}]
+        schema = Table(self._keys(is_own=self.unit is None)).schema()
+        # Columns of the file may have the uncertainty.
+        schema["not"] = {"required": ["uncertainty", "covariance"]}
         return schema
 
 
@@ -205,19 +218,30 @@ def _curve_keys(unit: str | None) -> tuple[Key, ...]:
         Key(
             CURVE,
             Located(),
-            "CSV file of the measured curve: a header, and one line for each point.",
+            "Table with the measured curve: a header, and one line for each point.",
             required=True,
             example='"curve.csv"',
         ),
         Key("x", Text(), "Column of the coordinates.", default="the first one"),
         Key("y", Text(), "Column of the values.", default="the second one"),
-        Key("x_unit", Text(), "Unit of that column; SI by default.", example='"%"'),
-        Key("y_unit", Text(), "Unit of that column; SI by default.", example='"kPa"'),
+        Key(
+            "x_unit",
+            Text(),
+            "Unit of that column; that of its heading, or SI, by default.",
+            example='"%"',
+        ),
+        Key(
+            "y_unit",
+            Text(),
+            "Unit of that column; that of its heading, or SI, by default.",
+            example='"kPa"',
+        ),
         Key(
             "uncertainty",
             deviation,
             "Standard uncertainty of the values that is independent from point to point; "
-            '"2 %" is a share of each value.',
+            '"2 %" is a share of each value. Columns of the file may have it instead: a standard '
+            "error, or a standard deviation and the number of measurements.",
             example='"2 %"',
         ),
         Key(
@@ -281,20 +305,38 @@ def _note_missing_errors(values: Values, place: Place) -> None:
     elif "uncertainty" not in values:
         place.at("uncertainty").fault(
             "is missing.",
-            'Give the standard uncertainty of the values, such as "2 %", or a covariance.',
+            'Give the standard uncertainty of the values, such as "2 %", or a covariance; or give '
+            "the file a column with the standard error, or two with the standard deviation and the "
+            "number of measurements.",
         )
 
 
-def _errors(values: Values, points: Points, y: Column, place: Place) -> dict[str, Any] | None:
+def _is_plain(given: Any) -> bool:
+    return isinstance(given, (int, float)) and not isinstance(given, bool)
+
+
+def _note_unclear_errors(plain: Mapping[str, float], why: str, unit: str, place: Place) -> None:
+    """Note plain numbers that may be in the unit of the file, or in that of the response."""
+    for key, given in plain.items():
+        place.at(key).fault(
+            f"is {show(given)}, and {why}: its unit is not clear.",
+            f'Write it with its unit, such as "{given:g} {unit[:20]}".',
+        )
+
+
+def _errors(values: Values, points: Points, unit: str, place: Place) -> dict[str, Any] | None:
     """Return the uncertainties as the target takes them; None after noting their faults."""
     if "covariance" in values:
         at = place.at("covariance")
-        matrix = read_covariance(values["covariance"], points, y.scale**2, at)
+        matrix = read_covariance(values["covariance"], points, points.scale**2, at)
         return (
             None
             if matrix is None or not values.keys().isdisjoint(_ERRORS)
             else {"covariance": matrix}
         )
+    found = {key: _error(*values[key]) for key in _ERRORS if key in values}
+    if points.standard_errors:
+        return {**found, "uncertainty": points.standard_errors}
     if "uncertainty" not in values:
         return None
     number, is_share = values["uncertainty"]
@@ -303,10 +345,10 @@ def _errors(values: Values, points: Points, y: Column, place: Place) -> dict[str
         place.at("uncertainty").fault(
             f"is {100 * number:g} %, and the value in line {zeros[0]} of {values[CURVE].name} "
             "is 0.",
-            f"Give an absolute one{_such_as(y.unit)}, or leave the point out.",
+            f"Give an absolute one{_such_as(unit)}, or leave the point out.",
         )
         return None
-    return {key: _error(*values[key]) for key in _ERRORS if key in values}
+    return found
 
 
 def _error(number: float, is_share: bool) -> float | str:

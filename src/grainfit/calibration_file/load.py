@@ -61,7 +61,7 @@ def load_calibration_file(
     if findings.faults:
         findings.faults.sort(key=lambda fault: fault.line or 0)
         raise InputError(findings.faults, str(path))
-    return _calibration_file(values, path)
+    return _calibration_file(values, path, tuple(findings.tables))
 
 
 def _read_text(path: Path) -> str:
@@ -103,7 +103,9 @@ def _fault(path: Path, message: str, remedy: str, line: int | None = None) -> In
     return InputError(FileFault("", message, remedy, line), str(path))
 
 
-def _calibration_file(values: dict[str, Any], path: Path) -> CalibrationFile:
+def _calibration_file(
+    values: dict[str, Any], path: Path, tables: tuple[str, ...]
+) -> CalibrationFile:
     material = material_values(values)
     angles = tuple(v for v in material.values() if isinstance(v, MeasuredAngle))
     material |= {angle.name: angle.value for angle in angles}
@@ -119,4 +121,5 @@ def _calibration_file(values: dict[str, Any], path: Path) -> CalibrationFile:
         cluster=values.get("cluster"),
         contact_models=chosen_models(values),
         notes=tuple(str(angle) for angle in angles),
+        tables=tables,
     )

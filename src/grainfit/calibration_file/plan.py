@@ -96,6 +96,7 @@ def describe_plan(setup: CalibrationSetup, *, call_scenes: bool = True) -> Plan:
     problems += chain(*(_words(setup, obstacle) for obstacle in found))
     lines += chosen_model_lines(setup.file)
     lines += setup.file.notes
+    lines += [f"Table {line}." for line in setup.file.tables]
     lines += size_lines(setup.file.sizes, setup.bulk_tests, _middle(setup))
     lines += cohesion_lines(setup.file, setup.bulk_tests)
     lines += _rayleigh_lines(setup)

@@ -151,6 +151,7 @@ def print_record(console: Console, record: RunRecord, folder: Path | None) -> No
 def print_imported(console: Console, imported: Imported, folder: Path) -> None:
     """Print the outcome of an import."""
     replaced = f", {imported.replaced} corrected" if imported.replaced else ""
+    _line(console, f"Table {imported.table}.")
     _line(
         console,
         f"Imported {counted(imported.new, 'run')} of the test {imported.test}{replaced}; "

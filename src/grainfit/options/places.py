@@ -44,11 +44,16 @@ class Findings:
         Where the file is: its relative paths start there.
     lines : mapping of path to int
         Line of each key, as far as known.
+    faults : list of FileFault
+        The faults.
+    tables : list of str
+        How each table that it names was understood.
     """
 
     folder: Path
     lines: Mapping[KeyPath, int] = field(default_factory=dict)
     faults: list[FileFault] = field(default_factory=list)
+    tables: list[str] = field(default_factory=list)
 
     def line_of(self, path: KeyPath) -> int | None:
         """Line of a key, or of the nearest table around it that has one."""

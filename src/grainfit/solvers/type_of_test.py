@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 from grainfit.bulk_tests.base import BulkTest
@@ -36,6 +36,8 @@ class FileEntry:
         Particle sizes.
     contact_models : tuple of str
         Contact models that replace the usual ones of their kind.
+    units : mapping of str to str
+        Units of the free parameters and of the responses, "" where they have none.
     """
 
     options: Mapping[str, Any]
@@ -44,6 +46,7 @@ class FileEntry:
     fixed: Mapping[str, float]
     sizes: ParticleSizes | None
     contact_models: tuple[str, ...] = ()
+    units: Mapping[str, str] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)

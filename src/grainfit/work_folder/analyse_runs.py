@@ -250,7 +250,7 @@ def _of_table(
 ) -> tuple[list[tuple[Evaluation, str]], list[str]]:
     """Return the evaluations, those without a seed with their table, and unused columns."""
     specification = next(one for one in setup.file.tests if one.name == test)
-    rows, ignored = read_import_table(path, setup, specification)
+    table = read_import_table(path, setup, specification)
     count = len(setup.file.tests)
     tests = (test,) if count > 1 else None
     evaluations = [
@@ -267,8 +267,9 @@ def _of_table(
             ),
             str(path.resolve()) if row.seed is None else "",
         )
-        for number, row in enumerate(rows, start=1)
+        for number, row in enumerate(table.rows, start=1)
     ]
+    ignored = table.ignored
     if tests:
         # Another test may use a column of the same name.
         ignored = [c if c in COMMON_COLUMNS else f"{c} ({test}={path})" for c in ignored]

@@ -1,39 +1,41 @@
-"""Read a table of runs from elsewhere: report all its faults at once, with their lines."""
+"""Read a table of runs from elsewhere: report all its faults at once, with their places."""
 
 from __future__ import annotations
 
 import math
 import re
-from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
 from grainfit.bulk_tests.registry import bulk_tests
 from grainfit.calibration_file.build import CalibrationSetup
 from grainfit.calibration_file.content import TestSpecification
-from grainfit.errors import Fault, InputError
+from grainfit.errors import Fault
 from grainfit.evaluation import ERROR_SUFFIX, Response
-from grainfit.options.csv_file import read_csv
-from grainfit.options.kinds import Quantity, suggest
-from grainfit.options.places import Findings, Place
+from grainfit.options.kinds import Quantity
+from grainfit.solvers.own_model import table_messages
 from grainfit.solvers.own_model.csv_table import (
     SEED_COLUMN,
     note_old_error_column,
     repeated_runs,
 )
-from grainfit.units import UnitError, is_unit, to_unit
-from grainfit.work_folder.run_columns import COMMON_COLUMNS
+from grainfit.table_files.dialects import Row
+from grainfit.table_files.reading import (
+    Reading,
+    TableFaults,
+    Wanted,
+    column_of,
+    find_column,
+)
+from grainfit.table_files.table import Table, read_table
+from grainfit.units import is_unit
+from grainfit.work_folder import messages
 
-_HEADER = re.compile(r"(?P<name>[^\[\]]*?)\s*(?:\[(?P<unit>[^\[\]]*)\])?")
-_NO_UNIT = ("", "-", "–", "1")
 _MOST_FAULTS = 50
 #: Columns of tables that grainfit has written.
 _IDENTITY_COLUMN, _TEST_COLUMN = "identity", "test"
 _LARGEST_SEED = 2**63 - 1
-
-#: Number of a line in the file, and its cells.
-_Line = tuple[int, list[str]]
 
 
 @dataclass(frozen=True)
@@ -59,18 +61,26 @@ class TableRow:
 
 
 @dataclass(frozen=True)
-class _Column:
-    """Content of a column, the unit it was written in, and the unit to convert it to."""
+class ImportTable:
+    """The runs of a test, from a table.
 
-    name: str
-    quantity: Quantity
-    written: str = ""
+    Parameters
+    ----------
+    rows : list of TableRow
+        The runs.
+    ignored : list of str
+        Columns that are not used.
+    understood : str
+        How the table was understood, in one line.
+    """
+
+    rows: list[TableRow]
+    ignored: list[str]
+    understood: str
 
 
-def read_import_table(
-    path: Path, setup: CalibrationSetup, test: TestSpecification
-) -> tuple[list[TableRow], list[str]]:
-    """Read the runs of a test from a CSV file.
+def read_import_table(path: Path, setup: CalibrationSetup, test: TestSpecification) -> ImportTable:
+    """Read the runs of a test from a table.
 
     It may hold runs of other tests, too, if a column ``test`` tells them apart.
 
@@ -83,13 +93,6 @@ def read_import_table(
     test : TestSpecification
         Names the responses.
 
-    Returns
-    -------
-    rows : list of TableRow
-        The runs.
-    ignored : list of str
-        Columns that are not used.
-
     Raises
     ------
     InputError
@@ -101,262 +104,136 @@ def read_import_table(
 class _Reader:
     def __init__(self, path: Path, setup: CalibrationSetup, test: TestSpecification) -> None:
         self._path = path
-        self._assembly = setup
+        self._setup = setup
         self._test = test
-        self._faults: list[Fault] = []
+        self._faults = TableFaults(_MOST_FAULTS)
         names = [parameter.name for parameter in setup.problem.parameters]
         scopes = {scope.name: scope.parameters for scope in setup.problem.tests}
         self._free = list(scopes.get(test.name, names))
         self._fixed = setup.file.fixed
         self._responses = _response_quantities(test)
-        self._needed = {*self._free, *(target.name for target in test.targets)}
+        self._needed = list(dict.fromkeys([*self._free, *(t.name for t in test.targets)]))
         self._of_others = {*names}.union(*map(_response_quantities, setup.file.tests))
-        self._columns: dict[int, _Column] = {}
-        self._is_export = False
 
-    def read(self) -> tuple[list[TableRow], list[str]]:
+    def read(self) -> ImportTable:
         self._require_numbers()
-        (number, header), *lines = read_csv(self._path)
-        lines = self._of_test(header, lines)
-        if self._is_export:
-            self._take_further_responses(header)
-        ignored = self._read_header(number, header, [cells for _, cells in lines])
-        if not lines:
-            self._note(number, "", "holds no runs.", "Give one line for each run.")
-        rows = []
-        for line, cells in lines:
-            if len(cells) != len(header):
-                message = f"has {len(cells)} cells, and the header {len(header)}."
-                self._note(line, "", message, "Decimals have a point, not a comma.")
-            else:
-                rows.append(self._row(line, cells))
-        self._faults += repeated_runs(
-            (f"line {row.line}", (*row.parameters.values(), row.seed))
-            for row in rows
-            if row.seed is not None and len(row.parameters) == len(self._free)
-        )
-        self._raise()
-        return rows, ignored
+        table = read_table(self._path)
+        whole, table = table, self._of_test(table)
+        found = self._columns(table)
+        names = {at: name for name, at in found.items()}
+        wanted = {at: self._wanted(name) for at, name in names.items()}
+        texts = [column_of(table, name) for name in (SEED_COLUMN, _TEST_COLUMN)]
+        reading = Reading(table, wanted, self._faults, [at for at in texts if at is not None])
+        self._note_slips(reading, found)
+        if not table.rows and not self._faults.found:
+            self._faults.note(table_messages.NO_RUNS.fault(f"line {whole.line}"))
+        rows = [self._row(reading, row, names) for row in reading.rows()]
+        for fault in self._repeated(rows):
+            self._faults.note(fault)
+        self._faults.require_none(str(self._path))
+        return ImportTable(rows, [one.label for one in reading.ignored], reading.describe())
 
     def _require_numbers(self) -> None:
         for curve in self._test.curves:
-            self._faults.append(
-                Fault(
-                    curve.name,
-                    "is a curve, and a table of runs holds single numbers only.",
-                    "A work folder holds curves: give the one that the runs are in (--runs DIR, "
-                    "--runs-from DIR)"
-                    + (
-                        f", or leave the curve out of the targets of test {self._test.name!r}."
-                        if self._test.targets
-                        else "."
-                    ),
-                )
-            )
-        self._raise()
+            message = messages.CURVE_BESIDE_NUMBERS if self._test.targets else messages.CURVE
+            self._faults.note(message.fault(curve.name, test=self._test.name))
+        self._faults.require_none(str(self._path))
 
-    def _of_test(self, header: list[str], lines: list[_Line]) -> list[_Line]:
-        """Return the lines of the test, where a column tells of which test they are."""
-        if _TEST_COLUMN not in header:
-            return lines
-        column = header.index(_TEST_COLUMN)
-        tests = [cells[column] if column < len(cells) else "" for _, cells in lines]
+    def _of_test(self, table: Table) -> Table:
+        """Return the table with the rows of the test, where a column tells of which they are."""
+        column = column_of(table, _TEST_COLUMN)
+        if column is None:
+            return table
+        tests = [row.cells[column] if column < len(row.cells) else "" for row in table.rows]
         name = self._test.name
-        self._is_export = _IDENTITY_COLUMN in header and name in tests
+        if column_of(table, _IDENTITY_COLUMN) is not None and name in tests:
+            self._take_further_responses(table)
         # In a table without this test, the tests may have had other names when they were run.
-        others = set(tests) if name in tests else {test.name for test in self._assembly.file.tests}
-        return [
-            line for line, test in zip(lines, tests, strict=True) if test not in others - {name, ""}
-        ]
+        others = set(tests) if name in tests else {test.name for test in self._setup.file.tests}
+        kept = zip(table.rows, tests, strict=True)
+        return table.of_rows(tuple(row for row, test in kept if test not in others - {name, ""}))
 
-    def _take_further_responses(self, header: list[str]) -> None:
-        """Note responses that are no targets, in a table that grainfit has written."""
-        for name in header:
-            if f"{name}{ERROR_SUFFIX}" in header and name not in self._of_others:
+    def _take_further_responses(self, table: Table) -> None:
+        """Add responses that are no targets, in a table that grainfit has written."""
+        texts = {one.text for one in table.headings}
+        for name in texts - self._of_others:
+            if f"{name}{ERROR_SUFFIX}" in texts:
                 self._responses.setdefault(name, Quantity(None))
 
-    # --- the header --------------------------------------------------------------------------
+    # --- columns -----------------------------------------------------------------------------
 
-    def _read_header(self, line: int, header: list[str], cells: list[list[str]]) -> list[str]:
-        ignored = []
-        for index, text in enumerate(header):
-            match = _HEADER.fullmatch(text)
-            name, unit = (match["name"], match["unit"]) if match else (text, None)
-            is_empty = not any(index < len(row) and row[index] for row in cells)
-            if not name and is_empty:
-                continue
-            if self._is_unused(name, is_empty):
-                ignored += [] if is_empty or name == _TEST_COLUMN else [name]
-                continue
-            quantity = self._quantity(name)
-            if quantity is None:
-                self._note_unknown(line, index, name, header)
-                continue
-            self._note_wrong_unit(line, name, unit, quantity)
-            self._columns[index] = _Column(name, quantity, self._conversion(unit, quantity))
-        there = [column.name for column in self._columns.values()]
-        for name, count in Counter(there).items():
-            if count > 1:
-                self._note(line, f"column {name}", "is there more than once.", "Keep one of them.")
-        for name in [*self._free, *(target.name for target in self._test.targets)]:
-            if name not in there:
-                self._note(line, f"column {name}", "is missing.", self._how_to_separate(header))
-        return ignored
+    def _columns(self, table: Table) -> dict[str, int]:
+        """Return the positions of all columns with numbers that belong to the test."""
+        needed = {name: find_column(table, name, self._faults) for name in self._needed}
+        errors = [f"{name}{ERROR_SUFFIX}" for name in self._responses]
+        others = [*self._fixed, *self._responses, *errors]
+        found = needed | {name: column_of(table, name) for name in others if name not in needed}
+        return {name: at for name, at in found.items() if at is not None}
 
-    def _quantity(self, name: str) -> Quantity | None:
-        if name == SEED_COLUMN:
-            return Quantity("")
-        if name in self._responses:
-            return self._responses[name]
+    def _wanted(self, name: str) -> Wanted:
         response = name.removesuffix(ERROR_SUFFIX)
-        if name.endswith(ERROR_SUFFIX) and response in self._responses:
-            return Quantity(self._responses[response].unit, lowest=0.0)
-        if name in self._free or name in self._fixed:
-            return self._assembly.quantity(name)
-        return None
-
-    def _is_unused(self, name: str, is_empty: bool) -> bool:
-        """Return True for a column about the runs, or of other tests."""
-        if name in COMMON_COLUMNS:
-            return name != SEED_COLUMN
-        if self._quantity(name) is not None:
-            return False
-        return name.removesuffix(ERROR_SUFFIX) in self._of_others or (is_empty and self._is_export)
-
-    def _note_unknown(self, line: int, index: int, name: str, header: list[str]) -> None:
-        if not name:
-            self._note(line, f"column {index + 1}", "has no name.", "Name it, or remove it.")
-            return
-        if fault := note_old_error_column(name, self._responses, f"line {line}, column {name}"):
-            self._faults.append(fault)
-            return
-        known = [*self._free, *self._responses, SEED_COLUMN]
-        known += [f"{response}{ERROR_SUFFIX}" for response in self._responses]
-        self._note(
-            line,
-            f"column {name}",
-            f"is neither a parameter of the file nor a response of the test {self._test.name!r}.",
-            self._how_to_separate(header) or suggest(name, known, "It can have"),
-        )
-
-    @staticmethod
-    def _how_to_separate(header: list[str]) -> str:
-        alone = len(header) == 1 and any(mark in header[0] for mark in ";\t")
-        return "Separate columns by commas." if alone else ""
-
-    def _note_wrong_unit(self, line: int, name: str, unit: str | None, quantity: Quantity) -> None:
-        if unit is None or unit.strip() in _NO_UNIT or unit.strip() == self._own_unit(name):
-            if unit is not None and unit.strip() in _NO_UNIT and quantity.unit:
-                message = f"is said to have no unit, and is in {quantity.unit}."
-                self._note(line, f"column {name}", message, "Name the unit that it is in.")
-            return
-        if quantity.unit is None:
-            message = f"is in {unit!r}, and nothing says which unit your model takes."
-            remedy = 'Name the unit in the calibration file, such as unit = "J/m^3".'
-            self._note(line, f"column {name}", message, remedy)
-            return
-        try:
-            to_unit(f"1 {unit}", quantity.unit)
-        except UnitError as error:
-            self._note(line, f"column {name}", error.message, error.remedy)
-
-    def _own_unit(self, name: str) -> str:
-        """Unit of an own parameter or response, which may be any text."""
-        units = {parameter.name: parameter.unit for parameter in self._assembly.problem.parameters}
+        if name in self._responses:
+            quantity = self._responses[name]
+        elif response != name and response in self._responses:
+            quantity = Quantity(self._responses[response].unit, lowest=0.0)
+        else:
+            quantity = self._setup.quantity(name)
+        units = {one.name: one.unit for one in self._setup.problem.parameters}
         units |= {target.name: target.unit for target in self._test.targets}
-        return units.get(name.removesuffix(ERROR_SUFFIX), "")
+        empty = name not in self._needed
+        return Wanted(quantity, name, own_unit=units.get(response, ""), may_be_empty=empty)
 
-    @staticmethod
-    def _conversion(unit: str | None, quantity: Quantity) -> str:
-        """Unit to convert from; empty when there is nothing to convert."""
-        written = (unit or "").strip()
-        return "" if written in (*_NO_UNIT, quantity.unit) or not quantity.unit else written
+    def _note_slips(self, reading: Reading, found: Mapping[str, int]) -> None:
+        for heading in reading.ignored:
+            where = reading.of_heading(heading.label)
+            if fault := note_old_error_column(heading.name, self._responses, where):
+                self._faults.note(fault)
+        errors = [f"{name}{ERROR_SUFFIX}" for name in self._responses]
+        reading.note_slips(name for name in (SEED_COLUMN, *errors) if name not in found)
 
-    # --- a line ------------------------------------------------------------------------------
+    # --- rows --------------------------------------------------------------------------------
 
-    def _row(self, line: int, cells: list[str]) -> TableRow:
-        values: dict[str, float] = {}
-        seed = None
-        for index, column in self._columns.items():
-            if column.name == SEED_COLUMN:
-                seed = self._seed(line, cells[index])
-            elif (value := self._value(line, cells[index], column)) is not None:
-                values[column.name] = value
+    def _row(self, reading: Reading, row: Row, names: Mapping[int, str]) -> TableRow:
+        read = {name: reading.number(row, at) for at, name in names.items()}
+        values = {name: value for name, value in read.items() if value is not None}
         for name, value in values.items():
-            self._note_other_material(line, name, value)
+            self._note_other_material(row.line, name, value)
+        seed = column_of(reading.table, SEED_COLUMN)
         return TableRow(
-            line,
+            row.line,
             {name: values[name] for name in self._free if name in values},
             {
                 name: Response(values[name], values.get(f"{name}{ERROR_SUFFIX}", 0.0))
                 for name in self._responses
                 if name in values
             },
-            seed,
+            None if seed is None else self._seed(row.line, row.cells[seed]),
         )
-
-    def _value(self, line: int, text: str, column: _Column) -> float | None:
-        if not text:
-            if column.name not in self._needed:
-                return None
-            self._note(line, column.name, "has no value.", "Leave failed runs out.")
-            return None
-        number = _number(text)
-        if number is None:
-            self._note(line, column.name, f"is {text!r}, not a number.", "Use a decimal point.")
-            return None
-        path = tuple(column.name.split("."))
-        findings = Findings(self._path.parent, {path[:1]: line})
-        if column.written and math.isfinite(number):
-            try:
-                number = to_unit(f"{number!r} {column.written}", column.quantity.unit or "")
-            except UnitError as error:
-                self._note(line, column.name, error.message, error.remedy)
-                return None
-        value = column.quantity.read_converted(number, Place(findings, path))
-        self._faults += findings.faults
-        return value
 
     def _note_other_material(self, line: int, name: str, value: float) -> None:
         if name not in self._fixed or math.isclose(value, self._fixed[name], rel_tol=1e-9):
             return
-        self._note(
-            line,
-            name,
-            f"is {value:g}, and {self._fixed[name]:g} in the calibration file: this is a run of "
-            "another material.",
-            "Leave it out, or calibrate with that value.",
-        )
+        where, fixed = f"line {line}, column {name}", self._fixed[name]
+        self._faults.note(messages.OTHER_MATERIAL.fault(where, value=value, fixed=fixed))
 
     def _seed(self, line: int, text: str) -> int | None:
         if not text:
             return None
         # Where a seed is missing in a column, spreadsheets and data frames write 7.0 for 7.
-        digits = re.fullmatch(r"([0-9]{1,19})(?:\.0*)?", text)
+        digits = re.fullmatch(r"([0-9]{1,19})(?:[.,]0*)?", text)
         seed = int(digits[1]) if digits else -1
         if 0 <= seed <= _LARGEST_SEED:
             return seed
-        self._note(line, SEED_COLUMN, f"is {text!r}.", "A seed is a whole number, 0 or above.")
+        where = f"line {line}, column {SEED_COLUMN}"
+        self._faults.note(messages.NO_SEED.fault(where, text=text))
         return None
 
-    # --- faults ------------------------------------------------------------------------------
-
-    def _note(self, line: int, what: str, message: str, remedy: str = "") -> None:
-        self._faults.append(Fault(f"line {line}{', ' if what else ''}{what}", message, remedy))
-
-    def _raise(self) -> None:
-        more = len(self._faults) - _MOST_FAULTS
-        rest = [Fault("", f"and {more} more faults.")] if more > 0 else []
-        if self._faults:
-            raise InputError(self._faults[:_MOST_FAULTS] + rest, str(self._path))
-
-
-def _number(text: str) -> float | None:
-    # Python reads 1_000 as a thousand; in a table it means something else.
-    try:
-        return None if "_" in text else float(text)
-    except ValueError:
-        return None
+    def _repeated(self, rows: list[TableRow]) -> Iterator[Fault]:
+        return repeated_runs(
+            (f"line {row.line}", (*row.parameters.values(), row.seed))
+            for row in rows
+            if row.seed is not None and len(row.parameters) == len(self._free)
+        )
 
 
 def _response_quantities(test: TestSpecification) -> dict[str, Quantity]:

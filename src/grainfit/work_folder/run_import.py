@@ -43,6 +43,8 @@ class Imported:
         warm start from.
     notices : tuple of str
         What the user should know.
+    table : str
+        How the table was understood, in one line.
     """
 
     test: str
@@ -51,6 +53,7 @@ class Imported:
     replaced: int
     usable: int
     notices: tuple[str, ...] = ()
+    table: str = ""
 
 
 def import_runs(
@@ -84,7 +87,7 @@ def import_runs(
         The work folder cannot be used.
     """
     specification = _specification(setup, test)
-    rows, ignored = read_import_table(table, setup, specification)
+    read = read_import_table(table, setup, specification)
     solver = setup.solvers[specification.name]
     try:
         solver.version()
@@ -99,13 +102,13 @@ def import_runs(
         try:
             recover(folder, store)
             importing = _Importing(specification.name, solver, origin, store)
-            importing.take(rows)
+            importing.take(read.rows)
             store.save_many(importing.records)
             known = store.runs_of(models_of(setup.solvers), "finished")
             usable = len(runs_of(setup.problem, setup.solvers, known, setup.repeats))
             notices = [
-                *_ignored(ignored),
-                *_outside(setup, rows),
+                *_ignored(read.ignored),
+                *_outside(setup, read.rows),
                 *importing.notices(),
                 *_not_by_earlier_ones(store),
             ]
@@ -119,6 +122,7 @@ def import_runs(
         numbers["replaced"],
         usable,
         tuple(notices),
+        read.understood,
     )
 
 

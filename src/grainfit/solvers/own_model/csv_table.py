@@ -6,6 +6,7 @@ from collections.abc import Iterable, Iterator
 
 from grainfit.errors import Fault
 from grainfit.evaluation import ERROR_SUFFIX
+from grainfit.solvers.own_model import table_messages as messages
 
 #: Column of the seed, if a table has one.
 SEED_COLUMN = "seed"
@@ -18,11 +19,7 @@ def note_old_error_column(name: str, responses: Iterable[str], where: str) -> Fa
     response = name.removesuffix(OLD_ERROR_SUFFIX)
     if name == response or response not in responses:
         return None
-    return Fault(
-        where,
-        f"is the name of the standard error of {response} in version 0.1.0.",
-        f"Name it {response}{ERROR_SUFFIX}.",
-    )
+    return messages.OLD_ERROR_NAME.fault(where, response=response, suffix=ERROR_SUFFIX)
 
 
 def repeated_runs(runs: Iterable[tuple[str, tuple[float, ...]]]) -> Iterator[Fault]:
@@ -36,8 +33,4 @@ def repeated_runs(runs: Iterable[tuple[str, tuple[float, ...]]]) -> Iterator[Fau
     first: dict[tuple[float, ...], str] = {}
     for place, run in runs:
         if first.setdefault(run, place) != place:
-            yield Fault(
-                place,
-                f"has the same parameters and seed as {first[run]}.",
-                "Keep one of them, or give them the seeds they were run with.",
-            )
+            yield messages.REPEATED_RUN.fault(place, first=first[run])

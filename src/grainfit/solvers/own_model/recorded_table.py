@@ -5,8 +5,8 @@ from __future__ import annotations
 import hashlib
 import json
 import math
-from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -16,16 +16,26 @@ from typing_extensions import override
 from grainfit.errors import Fault, InputError, RunFailedError
 from grainfit.evaluation import ERROR_SUFFIX, Response
 from grainfit.exchange import finite_parameters
-from grainfit.options.csv_file import read_csv
+from grainfit.options.kinds import Quantity
 from grainfit.solvers.base import Solver, Workspace
+from grainfit.solvers.own_model import table_messages as messages
 from grainfit.solvers.own_model.csv_table import (
     OLD_ERROR_SUFFIX,
     SEED_COLUMN,
     note_old_error_column,
     repeated_runs,
 )
-
-_MOST_FAULTS = 20
+from grainfit.table_files import messages as table_messages
+from grainfit.table_files.headings import Heading
+from grainfit.table_files.reading import (
+    Reading,
+    TableFaults,
+    Wanted,
+    column_of,
+    find_column,
+)
+from grainfit.table_files.table import read_table
+from grainfit.units import is_unit
 
 
 class RecordedTable(Solver):
@@ -39,8 +49,8 @@ class RecordedTable(Solver):
     Parameters
     ----------
     source : path or sequence of mapping
-        A CSV file with a header, comma-separated, decimal points, UTF-8; or its rows as mappings of
-        column to number. Columns that are neither parameters, responses nor ``seed`` are ignored.
+        A table with a header; or its rows as mappings of column to number. Columns that are
+        neither parameters, responses nor ``seed`` are ignored.
     parameters : sequence of str
         Columns of the parameters.
     responses : sequence of str
@@ -53,6 +63,8 @@ class RecordedTable(Solver):
         Largest accepted deviation from a recorded parameter, relative to its range in the table.
     name : str
         Display name.
+    units : mapping of str to str, optional
+        Units of parameters and responses, to convert columns whose headings state others.
 
     Raises
     ------
@@ -72,16 +84,18 @@ class RecordedTable(Solver):
         nearest: bool = False,
         tolerance: float = 1e-6,
         name: str = "table",
+        units: Mapping[str, str] | None = None,
     ) -> None:
         for key, columns in (("parameters", parameters), ("responses", responses)):
             if isinstance(columns, str) or not columns:
-                raise InputError(Fault(key, f"are {columns!r}.", "List the names of the columns."))
+                raise InputError(messages.COLUMNS_NOT_LISTED.fault(key, columns=columns))
         self.name = name
         self._parameters = tuple(parameters)
         self._responses = tuple(responses)
         self._nearest = nearest
         self._tolerance = tolerance
-        rows = _read(source, self._parameters, self._responses)
+        recorded = _read(source, self._parameters, self._responses, units or {})
+        rows, self._understood = recorded.rows, recorded.understood
         self._points = np.array([[row[name] for name in self._parameters] for row in rows])
         self._rows = rows
         span = np.ptp(self._points, axis=0)
@@ -102,6 +116,10 @@ class RecordedTable(Solver):
             "nearest": self._nearest,
             "tolerance": self._tolerance,
         }
+
+    @override
+    def readiness(self) -> str:
+        return f"{self._understood}." if self._understood else super().readiness()
 
     def run_parameters(self, parameters: Mapping[str, float]) -> dict[str, float]:
         """Return the parameters; check that they are those of the table.
@@ -135,16 +153,13 @@ class RecordedTable(Solver):
 
     def _values(self, parameters: Mapping[str, float]) -> dict[str, float]:
         values = finite_parameters(parameters)
+        there = ", ".join(self._parameters)
         faults = [
-            Fault(name, "is not a parameter of the table.", f"It has: {_listed(self._parameters)}.")
+            messages.NO_PARAMETER.fault(name, there=there)
             for name in values
             if name not in self._parameters
         ]
-        faults += [
-            Fault(name, "has no value, and the table has a column of that name.", "Give a value.")
-            for name in self._parameters
-            if name not in values
-        ]
+        faults += [messages.NO_VALUE.fault(name) for name in self._parameters if name not in values]
         if faults:
             raise InputError(faults)
         return values
@@ -161,7 +176,7 @@ class RecordedTable(Solver):
                     f"{name} = {value:.10g}"
                     for name, value in zip(self._parameters, self._points[nearest], strict=True)
                 )
-                raise RunFailedError(f"no run is recorded there; the nearest is at {there}")
+                raise RunFailedError(messages.NO_RUN_THERE(there=there))
             apart = (self._points - self._points[nearest]) / self._scale
             same = np.abs(apart).max(axis=1, initial=0.0) <= self._tolerance
         return [self._rows[i] for i in np.flatnonzero(same)]
@@ -181,88 +196,124 @@ def _hash(rows: Sequence[Mapping[str, float]]) -> str:
     return hashlib.sha256(json.dumps(named, sort_keys=True).encode()).hexdigest()
 
 
-def _listed(names: Sequence[str]) -> str:
-    return ", ".join(names)
+@dataclass(frozen=True)
+class _Recorded:
+    """Rows of numbers with their places, and how the table was understood."""
+
+    rows: list[dict[str, float]]
+    places: list[str]
+    header: str = ""
+    understood: str = ""
 
 
 def _read(
     source: str | Path | Sequence[Mapping[str, Any]],
     parameters: tuple[str, ...],
     responses: tuple[str, ...],
-) -> list[dict[str, float]]:
-    """Read the required and optional columns as numbers."""
+    units: Mapping[str, str],
+) -> _Recorded:
+    """Read the required and the optional columns, or raise `InputError` with all faults."""
+    needed = (*parameters, *responses)
+    optional = (SEED_COLUMN, *(f"{response}{ERROR_SUFFIX}" for response in responses))
+    faults = TableFaults()
     if isinstance(source, (str, Path)):
         file = str(source)
-        numbered = _csv_rows(Path(source))
+        recorded = _of_file(Path(source), needed, optional, units, faults)
     else:
-        file = ""
-        numbered = [(f"row {i}", row) for i, row in enumerate(source, start=1)]
-    if not numbered:
-        raise InputError(Fault("", "holds no runs.", "Give at least one row."), file or "table")
-    optional = [SEED_COLUMN, *(f"{response}{ERROR_SUFFIX}" for response in responses)]
-    columns = [*parameters, *responses, *(name for name in optional if name in numbered[0][1])]
-    _require_columns(numbered[0][1], (*parameters, *responses), file)
-    old = [note_old_error_column(name, responses, f"column {name}") for name in numbered[0][1]]
-    faults = [fault for fault in old if fault]
-    rows = [
-        {name: _number(row, name, place, faults) for name in columns} for place, row in numbered
+        file = "" if source else "table"
+        recorded = _of_rows(source, needed, optional, faults)
+    _note_negative_errors(recorded, faults)
+    if not recorded.rows and not faults.found:
+        faults.note(messages.NO_RUNS.fault(recorded.header))
+    elif not faults.found:
+        for fault in _recorded_twice(recorded, parameters):
+            faults.note(fault)
+    faults.require_none(file)
+    return recorded
+
+
+def _of_file(
+    path: Path,
+    needed: tuple[str, ...],
+    optional: tuple[str, ...],
+    units: Mapping[str, str],
+    faults: TableFaults,
+) -> _Recorded:
+    table = read_table(path)
+    found = {name: find_column(table, name, faults) for name in needed}
+    found |= {name: column_of(table, name) for name in optional}
+    names = {at: name for name, at in found.items() if at is not None}
+    wanted = {at: _wanted(table.headings[at], name, units) for at, name in names.items()}
+    reading = Reading(table, wanted, faults)
+    for heading in reading.ignored:
+        where = reading.of_heading(heading.label)
+        responses = [name.removesuffix(ERROR_SUFFIX) for name in optional]
+        if fault := note_old_error_column(heading.name, responses, where):
+            faults.note(fault)
+    reading.note_slips(optional)
+    faults.require_none(str(path))
+    rows = reading.rows()
+    read = [{name: reading.number(row, at) for at, name in names.items()} for row in rows]
+    return _Recorded(
+        [{name: value for name, value in row.items() if value is not None} for row in read],
+        [f"line {row.line}" for row in rows],
+        f"line {table.line}",
+        reading.describe(),
+    )
+
+
+def _wanted(heading: Heading, name: str, units: Mapping[str, str]) -> Wanted:
+    unit = units.get(name.removesuffix(ERROR_SUFFIX), "")
+    # To know units takes a while, and only a heading with one needs it.
+    converts = unit and heading.unit is not None and is_unit(unit)
+    quantity = Quantity(unit if converts else None)
+    # In a heading that is the name as a whole, brackets are no unit.
+    given = "" if heading.text == name else None
+    return Wanted(quantity, name, given=given, own_unit=unit, is_checked=False)
+
+
+def _of_rows(
+    rows: Sequence[Mapping[str, Any]],
+    needed: tuple[str, ...],
+    optional: tuple[str, ...],
+    faults: TableFaults,
+) -> _Recorded:
+    names = [*needed, *(name for name in optional if rows and name in rows[0])]
+    places = [f"row {number}" for number in range(1, len(rows) + 1)]
+    read = [
+        {name: _number(row, name, place, faults) for name in names}
+        for place, row in zip(places, rows, strict=True)
     ]
-    if not faults:
-        faults.extend(_recorded_twice([place for place, _ in numbered], rows, parameters))
-    if faults:
-        more = len(faults) - _MOST_FAULTS
-        rest = [Fault("", f"and {more} more faults.")] if more > 0 else []
-        raise InputError(faults[:_MOST_FAULTS] + rest, file)
-    return rows
+    return _Recorded(read, places)
 
 
-def _csv_rows(path: Path) -> list[tuple[str, Mapping[str, Any]]]:
-    lines = read_csv(path)
-    header = lines[0][1]
-    repeated = [name for name, count in Counter(header).items() if count > 1 and name]
-    faults = [Fault(f"column {name}", "is there more than once.") for name in repeated]
-    faults += [
-        Fault(f"line {number}", f"has {len(line)} cells, and the header {len(header)}.")
-        for number, line in lines[1:]
-        if len(line) != len(header)
-    ]
-    if faults:
-        raise InputError(faults[:_MOST_FAULTS], str(path))
-    return [(f"line {number}", dict(zip(header, line, strict=True))) for number, line in lines[1:]]
-
-
-def _require_columns(row: Mapping[str, Any], wanted: tuple[str, ...], file: str) -> None:
-    there = list(row)
-    remedy = f"There are: {_listed(there)}."
-    if len(there) == 1 and any(mark in there[0] for mark in ";\t"):
-        remedy = "Separate columns by commas."
-    faults = [Fault(f"column {name}", "is missing.", remedy) for name in wanted if name not in row]
-    if faults:
-        raise InputError(faults, file)
-
-
-def _number(row: Mapping[str, Any], name: str, place: str, faults: list[Fault]) -> float:
+def _number(row: Mapping[str, Any], name: str, place: str, faults: TableFaults) -> float:
     where = f"{place}, column {name}"
     if name not in row:
-        faults.append(Fault(where, "is missing."))
+        faults.note(table_messages.MISSING.fault(where, remedy="Give it in each row."))
         return math.nan
     try:
         value = float(row[name])
     except (TypeError, ValueError):
-        faults.append(Fault(where, f"is {row[name]!r}, not a number.", "Use a decimal point."))
+        shown, remedy = repr(row[name]), table_messages.USE_A_POINT()
+        faults.note(table_messages.NOT_A_NUMBER.fault(where, shown=shown, remedy=remedy))
         return math.nan
     if not math.isfinite(value):
-        faults.append(Fault(where, f"is {value}.", "Leave failed runs out."))
-    elif name.endswith(ERROR_SUFFIX) and value < 0:
-        faults.append(Fault(where, f"is {value}; a standard error is not negative."))
+        faults.note(table_messages.NOT_FINITE.fault(where, number=value))
     return value
 
 
-def _recorded_twice(
-    places: list[str], rows: list[dict[str, float]], parameters: tuple[str, ...]
-) -> Iterator[Fault]:
-    if SEED_COLUMN not in rows[0]:
+def _note_negative_errors(recorded: _Recorded, faults: TableFaults) -> None:
+    for place, row in zip(recorded.places, recorded.rows, strict=True):
+        for name, value in row.items():
+            if name.endswith(ERROR_SUFFIX) and value < 0:
+                where = f"{place}, column {name}"
+                faults.note(messages.NEGATIVE_ERROR.fault(where, value=value))
+
+
+def _recorded_twice(recorded: _Recorded, parameters: tuple[str, ...]) -> Iterator[Fault]:
+    if SEED_COLUMN not in recorded.rows[0]:
         return iter(())
     columns = (*parameters, SEED_COLUMN)
-    keys = (tuple(row[name] for name in columns) for row in rows)
-    return repeated_runs(zip(places, keys, strict=True))
+    keys = (tuple(row[name] for name in columns) for row in recorded.rows)
+    return repeated_runs(zip(recorded.places, keys, strict=True))

@@ -73,7 +73,8 @@ def _table(entry: FileEntry) -> Solver:
     options = _options_but(entry, "file")
     left_out = _left_out(entry)
     columns = [name for name in entry.free if name not in left_out]
-    table = RecordedTable(entry.options["file"], columns, entry.responses, **options)
+    file = entry.options["file"]
+    table = RecordedTable(file, columns, entry.responses, **options, units=entry.units)
     return ParametersFor(table, takes=AllBut(left_out)) if left_out else table
 
 
