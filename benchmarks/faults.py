@@ -1,7 +1,7 @@
 """Inject faults into calibrations and count lost and repeated runs.
 
 Each row is one kind of fault, at random moments, with real processes and a real program that counts
-its own starts (see `grainfit.testing.crash_harness`). After each fault the calibration is started
+its own starts (see `tests.crash.crash_harness`). After each fault the calibration is started
 again; at its end, status, parameters, responses and history are compared with those of an
 undisturbed calibration. With several workers, where the order in which runs finish decides the next
 proposals, and where the record of the proposals is destroyed, only the status is compared.
@@ -11,7 +11,7 @@ Debian's PostgreSQL. Where these are not to be had, the rows are left out.
 Exits with code 1 when a run was lost or repeated, or a result differs.
 
 With --cells, single cells of a finished store are damaged instead, one at a time, and the work
-folder is used with every command (see `grainfit.testing.damaged_cells`). Exits with code 1 when one
+folder is used with every command (see `tests.crash.damaged_cells`). Exits with code 1 when one
 of them neither answers nor ends with a message that names the file.
 
     python benchmarks/faults.py [--kills N] [--seed N] [--json PATH]
@@ -31,7 +31,10 @@ from pathlib import Path
 
 from threadpoolctl import threadpool_limits
 
-from grainfit.testing.crash_harness import (
+# The harness belongs to the tests, which are found from the root of the repository.
+sys.path.append(str(Path(__file__).parents[1]))
+
+from tests.crash.crash_harness import (
     VARIANTS,
     Progress,
     Tally,
@@ -44,8 +47,8 @@ from grainfit.testing.crash_harness import (
     remove_folders,
     truncate_newest,
 )
-from grainfit.testing.damaged_cells import USES, complaints, finished_calibration
-from grainfit.testing.server_faults import cut_connections, restart_servers
+from tests.crash.damaged_cells import USES, complaints, finished_calibration
+from tests.servers.server_faults import cut_connections, restart_servers
 
 #: Called with the work folder; reports every fault.
 Infliction = Callable[[Path, Progress], Tally]

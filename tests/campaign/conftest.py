@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import pytest
 
 from grainfit.campaign.store.store import RunStore
-from grainfit.testing.postgresql_server import PostgresqlServer, postgresql_server, program
+from tests.servers.postgresql_server import PostgresqlServer, postgresql_server, program
 
 
 @pytest.fixture(scope="session")

@@ -13,15 +13,15 @@ import pytest
 
 from grainfit.campaign.store.store import STORE_NAME
 from grainfit.errors import StoreError
-from grainfit.testing.damaged_cells import (
+from grainfit.work_folder.saved_calibration import SavedCalibration
+from grainfit.work_folder.status import read_status
+from tests.crash.damaged_cells import (
     READING,
     USES,
     complaints,
     damage_cell,
     finished_calibration,
 )
-from grainfit.work_folder.saved_calibration import SavedCalibration
-from grainfit.work_folder.status import read_status
 
 
 @pytest.fixture(scope="module")

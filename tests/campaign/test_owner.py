@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 from grainfit.campaign.store.owner import OWNER_NAME, earlier_owner, new_owner, note_owner
-from grainfit.testing.postgresql_server import PostgresqlServer
+from tests.servers.postgresql_server import PostgresqlServer
 
 #: A host: its own kernel's number, host name, and disk, as far as one kernel can give them.
 HOST = """\

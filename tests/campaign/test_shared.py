@@ -22,7 +22,7 @@ from grainfit.errors import StoreError
 from grainfit.evaluation import Proposal, Response
 from grainfit.run_definition import RunDefinition
 from grainfit.solvers.own_model.python_callable import PythonCallable
-from grainfit.testing.postgresql_server import PostgresqlServer
+from tests.servers.postgresql_server import PostgresqlServer
 
 FORK = multiprocessing.get_context("fork")
 

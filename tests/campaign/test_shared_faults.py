@@ -27,8 +27,8 @@ from grainfit.errors import RunFailedError, StoreError, StoreUnreachableError
 from grainfit.evaluation import Evaluation, Proposal, Response
 from grainfit.run_definition import RunDefinition
 from grainfit.solvers.own_model.python_callable import PythonCallable
-from grainfit.testing.postgresql_server import PostgresqlServer
-from grainfit.testing.tcp_forwarder import TcpForwarder, tcp_forwarder
+from tests.servers.postgresql_server import PostgresqlServer
+from tests.servers.tcp_forwarder import TcpForwarder, tcp_forwarder
 
 FORK = multiprocessing.get_context("fork")
 PROBLEM = gf.Problem(

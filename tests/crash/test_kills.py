@@ -1,7 +1,7 @@
 """A calibration that is killed, wherever it is, goes on when it is started again.
 
 Nothing that was finished is lost or made again, and the answer is that of a calibration that nobody
-disturbed. Runs are counted by the program itself, see `grainfit.testing.crash_harness`.
+disturbed. Runs are counted by the program itself, see `tests.crash.crash_harness`.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from grainfit.testing.crash_harness import (
+from tests.crash.crash_harness import (
     VARIANTS,
     Tally,
     Variant,

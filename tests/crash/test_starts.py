@@ -13,7 +13,8 @@ import pytest
 
 from grainfit.campaign.reserve import RESERVE_NAME, Reserve
 from grainfit.campaign.store.store import RunStore
-from grainfit.testing.crash_harness import (
+from grainfit.work_folder.status import read_status
+from tests.crash.crash_harness import (
     PROGRAM,
     Tally,
     Trial,
@@ -22,7 +23,6 @@ from grainfit.testing.crash_harness import (
     is_alive,
     small_disk,
 )
-from grainfit.work_folder.status import read_status
 
 FILE = """
 name = "beads"

@@ -54,6 +54,16 @@ def test_the_wheel_has_every_file_of_the_package_and_no_others(built: Path) -> N
     assert any(name.endswith(".schema.json") for name in files)
 
 
+def test_the_wheel_has_no_helper_of_our_own_tests(built: Path) -> None:
+    (wheel,) = built.glob("*.whl")
+    files = {Path(name).name for name in zipfile.ZipFile(wheel).namelist()}
+    folders = [ROOT / "tests" / "crash", ROOT / "tests" / "servers"]
+    helpers = {path.name for folder in folders for path in folder.glob("*.py")}
+
+    assert "crash_harness.py" in helpers
+    assert not helpers & files
+
+
 def test_the_source_distribution_has_what_documentation_and_tests_need(built: Path) -> None:
     (archive,) = built.glob("*.tar.gz")
     with tarfile.open(archive) as file:

@@ -19,14 +19,16 @@ import tempfile
 import time
 import traceback
 from collections import Counter
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
 from concurrent.futures import Executor, ProcessPoolExecutor
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
 from typing import Any
 from unittest.mock import patch
+
+import psutil
 
 from grainfit.calibration import calibrate as calibration
 from grainfit.campaign.campaign import CampaignOptions
@@ -207,6 +209,7 @@ class Trial:
     ) -> None:
         folder.mkdir(parents=True, exist_ok=True)
         self.variant = variant
+        self.name = f"calibration {folder.name}"
         self.work = work or folder / "work"
         self.log = folder / "program.log"
         self.log.touch()
@@ -395,6 +398,12 @@ class Trial:
         if not condition:
             self._tally.different.append(message)
 
+    def expect_error(self, ending: Ending, errors: Collection[str], words: str) -> None:
+        """Complain unless a start ended with one of some errors, whose message has some words."""
+        self.complain(
+            ending.error in errors and words in ending.message, f"{ending.error}: {ending.message}"
+        )
+
     def compare(self, ending: Ending, reference: Mapping[str, Any]) -> None:
         """Complain if an answer differs from that of the undisturbed calibration."""
         if ending.result is None:
@@ -428,6 +437,78 @@ def undisturbed(variant: Variant, folder: Path) -> tuple[dict[str, Any], float]:
     return ending.result, seconds
 
 
+@dataclass
+class Faults:
+    """Faults of one kind in calibrations of one variant, at random moments.
+
+    Parameters
+    ----------
+    variant : Variant
+        Settings of the calibrations.
+    times : int
+        Number of faults.
+    folder : Path
+        Folder for the calibrations.
+    seed : int
+        Decides the moments.
+    progress : callable
+        Called after each fault.
+    """
+
+    variant: Variant
+    times: int
+    folder: Path
+    seed: int = 1
+    progress: Progress = _silent
+
+    def __post_init__(self) -> None:
+        self.chance = random.Random(self.seed)
+        self.tally = Tally(self.variant.name)
+        self.reference, self._seconds = undisturbed(self.variant, self.folder / "undisturbed")
+
+    @property
+    def enough(self) -> bool:
+        """Whether all faults were injected."""
+        return self.tally.injected >= self.times
+
+    def trials(self) -> Iterator[Trial]:
+        """Yield calibrations until all faults were injected."""
+        number = 0
+        while not self.enough:
+            number += 1
+            trial = Trial(self.variant, self.folder / str(number), self.tally)
+            try:
+                yield trial
+            finally:
+                trial.clear_away()
+
+    def seconds(self) -> float:
+        """Return a random part of the duration of an undisturbed calibration, s."""
+        return self._seconds * self.chance.random()
+
+    def late(self) -> float:
+        """Return a random part of the second half of it, s."""
+        return self._seconds * (0.5 + 0.5 * self.chance.random())
+
+    def count(self) -> None:
+        """Count a fault."""
+        self.tally.injected += 1
+        self.progress(self.tally)
+
+    def judge(self, trial: Trial, ending: Ending) -> None:
+        """Complain about a calibration at its end."""
+        trial.look(f"{trial.name}, end")
+        trial.compare(ending, self.reference)
+
+    def complain_about_repeats(self, trial: Trial, allowed: Mapping[Key, int]) -> None:
+        """Complain about runs that were started again without need."""
+        self.tally.repeated += [
+            f"{trial.name}: {key} was started {count} times"
+            for key, count in trial.starts().items()
+            if count > 1 + allowed.get(key, 0)
+        ]
+
+
 def kill_at_random(
     variant: Variant,
     kills: int,
@@ -436,54 +517,26 @@ def kill_at_random(
     disturb: Callable[[Trial, random.Random], None] | None = None,
     progress: Progress = _silent,
 ) -> Tally:
-    """Kill calibrations of one variant until the number of kills is reached.
+    """Kill calibrations at random moments; ``disturb`` does more harm after each kill.
 
-    A calibration is killed at a random moment of the time that an undisturbed one takes, started
-    again, killed again, and so on until it ends before its turn; then the next one begins.
-
-    Parameters
-    ----------
-    variant : Variant
-        Settings of the calibrations.
-    kills : int
-        Number of kills.
-    folder : Path
-        Folder for the calibrations.
-    seed : int
-        Decides the moments.
-    disturb : callable, optional
-        Does more harm after each kill.
-    progress : callable
-        Called after each kill.
+    A calibration is killed, started again, killed again, and so on until it ends before its turn.
     """
-    moments = random.Random(seed)
-    tally = Tally(variant.name)
-    reference, seconds = undisturbed(variant, folder / "undisturbed")
-    number = 0
-    while tally.injected < kills:
-        number += 1
-        trial = Trial(variant, folder / str(number), tally)
-        try:
-            while True:
-                process = trial.start()
-                # Every fourth one at once: before there is a store, or while it is repaired.
-                longest = seconds * (0.05 if moments.random() < 0.25 else 1.0)
-                if tally.injected == kills or not trial.kill_after(
-                    process, longest * moments.random()
-                ):
-                    break
-                tally.injected += 1
-                trial.look(f"calibration {number}, kill {tally.injected}")
-                if disturb is not None:
-                    disturb(trial, moments)
-                    trial.forget_finished()
-                progress(tally)
-            ending = trial.ending() if trial.ending().result else _end(trial, process)
-            trial.look(f"calibration {number}, end")
-            trial.compare(ending, reference)
-        finally:
-            trial.clear_away()
-    return tally
+    faults = Faults(variant, kills, folder, seed, progress)
+    for trial in faults.trials():
+        process = trial.start()
+        while not faults.enough:
+            # Every fourth one at once: before there is a store, or while it is repaired.
+            share = 0.05 if faults.chance.random() < 0.25 else 1.0
+            if not trial.kill_after(process, share * faults.seconds()):
+                break
+            trial.look(f"kill {faults.tally.injected + 1}")
+            if disturb is not None:
+                disturb(trial, faults.chance)
+                trial.forget_finished()
+            faults.count()
+            process = trial.start()
+        faults.judge(trial, trial.ending() if trial.ending().result else _end(trial, process))
+    return faults.tally
 
 
 def _end(trial: Trial, process: int) -> Ending:
@@ -497,27 +550,9 @@ def _end(trial: Trial, process: int) -> Ending:
 
 
 def kill_solvers(times: int, folder: Path, seed: int = 1, progress: Progress = _silent) -> Tally:
-    """Kill the program of a run, up to twice for each run: only this run must be tried again.
-
-    Parameters
-    ----------
-    times : int
-        Number of faults.
-    folder : Path
-        Folder for the calibrations.
-    seed : int
-        Decides the programs to kill.
-    progress : callable
-        Called after each kill.
-    """
-    variant = Variant("solver killed")
-    tally = Tally(variant.name)
-    chance = random.Random(seed)
-    reference, _ = undisturbed(variant, folder / "undisturbed")
-    number = 0
-    while tally.injected < times:
-        number += 1
-        trial = Trial(variant, folder / str(number), tally)
+    """Kill the program of a run, up to twice for each run: only this run must be tried again."""
+    faults = Faults(Variant("solver killed"), times, folder, seed, progress)
+    for trial in faults.trials():
         seen: set[int] = set()
         killed: Counter[Key] = Counter()
 
@@ -525,31 +560,26 @@ def kill_solvers(times: int, folder: Path, seed: int = 1, progress: Progress = _
             trial: Trial = trial, seen: set[int] = seen, killed: Counter[Key] = killed
         ) -> None:
             for pid, key in trial.programs():
-                if pid in seen or killed[key] == 2 or tally.injected == times:
+                if pid in seen or killed[key] == 2 or faults.enough:
                     continue
                 seen.add(pid)
-                if chance.random() < 0.5 and _kill_program(pid):
+                if faults.chance.random() < 0.5 and _kill_program(pid):
                     killed[key] += 1
-                    tally.injected += 1
-                    progress(tally)
+                    faults.count()
 
-        trial.compare(trial.wait(trial.start(), kill), reference)
-        trial.look(f"calibration {number}")
-        tally.repeated += [
-            f"calibration {number}: {key} was started {count} times, killed {killed[key]} times"
-            for key, count in trial.starts().items()
-            if count > 1 + killed[key]
-        ]
-    return tally
+        faults.judge(trial, trial.wait(trial.start(), kill))
+        faults.complain_about_repeats(trial, killed)
+    return faults.tally
 
 
 def _kill_program(pid: int) -> bool:
     """Kill a program of the calibration, unless it has already ended."""
     try:
-        if "simulate.sh" not in Path(f"/proc/{pid}/cmdline").read_text(encoding="utf-8"):
+        program = psutil.Process(pid)
+        if "simulate.sh" not in " ".join(program.cmdline()):
             return False
-        os.kill(pid, signal.SIGKILL)
-    except (OSError, ValueError):
+        program.kill()
+    except psutil.Error:
         return False
     return True
 
@@ -557,75 +587,47 @@ def _kill_program(pid: int) -> bool:
 def kill_pool_workers(
     times: int, folder: Path, seed: int = 1, progress: Progress = _silent
 ) -> Tally:
-    """Kill a worker of a pool: the calibration ends with a message; a new start continues it.
-
-    Parameters
-    ----------
-    times : int
-        Number of faults.
-    folder : Path
-        Folder for the calibrations.
-    seed : int
-        Decides the moments.
-    progress : callable
-        Called after each kill.
-    """
+    """Kill a worker of a pool: the calibration ends with a message; a new start continues it."""
     variant = Variant("pool worker killed", workers=2, pool=True)
-    tally = Tally(variant.name)
-    chance = random.Random(seed)
-    reference, seconds = undisturbed(variant, folder / "undisturbed")
-    number = 0
-    while tally.injected < times:
-        number += 1
-        trial = Trial(variant, folder / str(number), tally)
-        try:
-            while True:
-                process = trial.start()
-                moment = time.monotonic() + seconds * chance.random()
-                killed: list[int] = []
+    faults = Faults(variant, times, folder, seed, progress)
+    for trial in faults.trials():
+        while True:
+            process = trial.start()
+            moment = time.monotonic() + faults.seconds()
+            killed: list[int] = []
 
-                def kill(
-                    process: int = process, moment: float = moment, killed: list[int] = killed
-                ) -> None:
-                    workers = children(process)
-                    if not killed and workers and time.monotonic() > moment:
-                        killed.append(chance.choice(workers))
-                        os.kill(killed[0], signal.SIGKILL)
+            def kill(
+                process: int = process, moment: float = moment, killed: list[int] = killed
+            ) -> None:
+                workers = children(process)
+                if not killed and workers and time.monotonic() > moment:
+                    killed.append(faults.chance.choice(workers))
+                    os.kill(killed[0], signal.SIGKILL)
 
-                ending = trial.wait(process, kill if tally.injected < times else lambda: None)
-                trial.look(f"calibration {number}, kill {tally.injected}")
-                if ending.result is not None:
-                    break
-                tally.injected += 1
-                trial.complain(
-                    ending.error == "ExecutorError" and "start again" in ending.message,
-                    f"{ending.error}: {ending.message}",
-                )
-                progress(tally)
-            trial.compare(ending, reference)
-        finally:
-            trial.clear_away()
-    return tally
+            ending = trial.wait(process, (lambda: None) if faults.enough else kill)
+            if ending.result is not None:
+                break
+            trial.look(f"kill {faults.tally.injected}")
+            trial.expect_error(ending, ("ExecutorError",), "start again")
+            faults.count()
+        faults.judge(trial, ending)
+    return faults.tally
 
 
 def children(process: int) -> list[int]:
     """Processes that a process has started and that have not ended."""
-    found = []
-    for path in Path("/proc").glob("[0-9]*/stat"):
-        with suppress(OSError):
-            words = path.read_text(encoding="utf-8", errors="replace").rpartition(")")[2].split()
-            if int(words[1]) == process:
-                found.append(int(path.parent.name))
-    return found
+    try:
+        return [child.pid for child in psutil.Process(process).children()]
+    except psutil.Error:
+        return []
 
 
 def is_alive(process: int) -> bool:
     """Whether a process is running; a zombie is not."""
     try:
-        status = Path(f"/proc/{process}/stat").read_text(encoding="utf-8", errors="replace")
-    except OSError:
+        return psutil.Process(process).status() != psutil.STATUS_ZOMBIE
+    except psutil.Error:
         return False
-    return status.rpartition(")")[2].split()[0] != "Z"
 
 
 def truncate_newest(trial: Trial, chance: random.Random) -> None:
@@ -647,52 +649,34 @@ def truncate_newest(trial: Trial, chance: random.Random) -> None:
 
 
 def damage_stores(times: int, folder: Path, seed: int = 1, progress: Progress = _silent) -> Tally:
-    """Truncate the store itself or fill it with zeros, and follow the message.
-
-    Parameters
-    ----------
-    times : int
-        Number of faults.
-    folder : Path
-        Folder for the calibrations.
-    seed : int
-        Decides moment and kind of damage.
-    progress : callable
-        Called after each time.
-    """
+    """Truncate the store itself or fill it with zeros, and follow the message."""
     variant = Variant("store truncated", same_history=False)
-    tally = Tally(variant.name)
-    chance = random.Random(seed)
-    reference, seconds = undisturbed(variant, folder / "undisturbed")
-    while tally.injected < times:
-        trial = Trial(variant, folder / str(tally.injected), tally)
+    faults = Faults(variant, times, folder, seed, progress)
+    for trial in faults.trials():
         store = trial.work / STORE_NAME
-        while trial.kill_after(trial.start(), seconds * (0.5 + 0.5 * chance.random())):
+        while trial.kill_after(trial.start(), faults.late()):
             if store.exists() and store.stat().st_size:
                 break
-        tally.injected += 1
         trial.look("killed")
         trial.look_into_folders()
         size = store.stat().st_size
-        left = chance.choice([0, 100, chance.randrange(size), size - size % 4096 - 4096])
+        left = faults.chance.choice(
+            [0, 100, faults.chance.randrange(size), size - size % 4096 - 4096]
+        )
         os.truncate(store, left)
-        if chance.random() < 0.3:
+        if faults.chance.random() < 0.3:
             os.truncate(store, size)
         trial.forget_finished(folders_only=True)
         ending = trial.wait(trial.start())
         if ending.result is None:
-            trial.complain(
-                ending.error == "StoreError" and f"Move {STORE_NAME} away" in ending.message,
-                f"{ending.error}: {ending.message}",
-            )
+            trial.expect_error(ending, ("StoreError",), f"Move {STORE_NAME} away")
             for name in (STORE_NAME, f"{STORE_NAME}-wal", f"{STORE_NAME}-shm"):
                 if (trial.work / name).exists():
                     (trial.work / name).rename(trial.work / f"{name}.damaged")
             ending = trial.wait(trial.start())
-        trial.look("end")
-        trial.compare(ending, reference)
-        progress(tally)
-    return tally
+        faults.judge(trial, ending)
+        faults.count()
+    return faults.tally
 
 
 def _removable(trial: Trial, whole: bool) -> list[Path]:
@@ -702,29 +686,11 @@ def _removable(trial: Trial, whole: bool) -> list[Path]:
 
 
 def remove_folders(times: int, folder: Path, seed: int = 1, progress: Progress = _silent) -> Tally:
-    """Remove the folder of a run, or the whole work folder, during the runs.
-
-    Parameters
-    ----------
-    times : int
-        Number of removals; the first half of them remove the work folder.
-    folder : Path
-        Folder for the calibrations.
-    seed : int
-        Decides the moments.
-    progress : callable
-        Called after each time.
-    """
-    variant = Variant("folder removed")
-    tally = Tally(variant.name)
-    chance = random.Random(seed)
-    reference, seconds = undisturbed(variant, folder / "undisturbed")
-    number = 0
-    while tally.injected < times:
-        number += 1
-        trial = Trial(variant, folder / str(number), tally)
-        whole = tally.injected < times // 2
-        moment = time.monotonic() + seconds * chance.random()
+    """Remove the work folder during the runs (the first half), or the folder of a run."""
+    faults = Faults(Variant("folder removed"), times, folder, seed, progress)
+    for trial in faults.trials():
+        whole = faults.tally.injected < times // 2
+        moment = time.monotonic() + faults.seconds()
         removed: list[Path] = []
         before: list[int] = []
 
@@ -750,18 +716,13 @@ def remove_folders(times: int, folder: Path, seed: int = 1, progress: Progress =
             # Too late to matter: only the result was left to be written.
             trial.complain(len(trial.programs()) == before[0], "the removal was not noticed")
             continue
-        tally.injected += 1
         if whole:
-            trial.complain(
-                ending.error in ("StoreError", "RunFailedError") and "again" in ending.message,
-                f"{ending.error}: {ending.message}",
-            )
+            trial.expect_error(ending, ("StoreError", "RunFailedError"), "again")
             trial.forget_finished()
             ending = trial.wait(trial.start())
-        trial.look(f"removed {removed[0].name}")
-        trial.compare(ending, reference)
-        progress(tally)
-    return tally
+        faults.judge(trial, ending)
+        faults.count()
+    return faults.tally
 
 
 @contextmanager
@@ -788,48 +749,27 @@ def small_disk(place: Path, size: int) -> Iterator[Path]:
 
 
 def fill_disks(times: int, folder: Path, seed: int = 1, progress: Progress = _silent) -> Tally:
-    """Let the disk become full, then make room and start again.
-
-    Parameters
-    ----------
-    times : int
-        Number of faults.
-    folder : Path
-        Folder for the calibrations.
-    seed : int
-        Decides the size of the disk.
-    progress : callable
-        Called after each time.
-    """
-    variant = Variant("disk full", output=400_000)
-    tally = Tally(variant.name)
-    chance = random.Random(seed)
-    reference, _ = undisturbed(variant, folder / "undisturbed")
-    number = 0
-    while tally.injected < times:
-        number += 1
-        place = folder / str(number)
-        with small_disk(place / "disk", _DISK_BYTES) as disk:
-            trial = Trial(variant, place, tally, work=disk / "work")
+    """Let the disk become full, then make room and start again."""
+    faults = Faults(Variant("disk full", output=400_000), times, folder, seed, progress)
+    for trial in faults.trials():
+        with small_disk(trial.work.parent / "disk", _DISK_BYTES) as disk:
+            trial.work = disk / "work"
             ballast = disk / "ballast"
             # The runs write 7 MB, and 4 MB are reserved if there is room.
-            left = chance.choice([100_000, 4_100_000, 8_200_000, chance.randrange(9_000_000)])
+            left = faults.chance.choice(
+                [100_000, 4_100_000, 8_200_000, faults.chance.randrange(9_000_000)]
+            )
             with ballast.open("wb") as file:
                 os.posix_fallocate(file.fileno(), 0, _DISK_BYTES - left)
             ending = trial.wait(trial.start())
             trial.look("full")
             if ending.result is None:
-                tally.injected += 1
-                trial.complain(
-                    ending.error in ("StoreError", "RunFailedError") and "full" in ending.message,
-                    f"{ending.error}: {ending.message}",
-                )
+                trial.expect_error(ending, ("StoreError", "RunFailedError"), "full")
+                faults.count()
                 ballast.unlink()
                 ending = trial.wait(trial.start())
-            trial.look("room again")
-            trial.compare(ending, reference)
-        progress(tally)
-    return tally
+            faults.judge(trial, ending)
+    return faults.tally
 
 
 def _essence(result: Result) -> dict[str, Any]:
