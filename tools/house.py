@@ -21,7 +21,7 @@ PACKAGE = "grainfit"
 FLOORS: tuple[tuple[str, ...], ...] = (
     ("errors", "lazy"),
     ("messages",),
-    ("checks", "extras", "units", "formatting", "files", "plain_data"),
+    ("checks", "extras", "units", "formatting", "files", "plain_data", "registration"),
     ("options", "tables", "verdict"),
     ("table_files",),
     ("materials",),

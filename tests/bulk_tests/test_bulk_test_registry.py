@@ -11,6 +11,7 @@ import pytest
 
 import grainfit as gf
 from grainfit.bulk_tests import registry
+from grainfit.bulk_tests.base import BulkTest
 from grainfit.bulk_tests.heap import Heap
 from grainfit.calibration_file.build import build_calibration
 from grainfit.calibration_file.load import load_calibration_file
@@ -27,6 +28,12 @@ class SlowHeap(Heap):
     """A heap test of another package."""
 
     type: ClassVar[str] = "slow_heap"
+
+
+class Unfinished(BulkTest):
+    """A test of another package that lacks nearly everything."""
+
+    type: ClassVar[str] = "other"
 
 
 def _clear() -> None:
@@ -71,6 +78,7 @@ def test_it_can_be_used_in_a_calibration_file_and_in_python(install, tmp_path: P
     [
         ("no_such_package:Test", "no_such_package:Test cannot be loaded: ModuleNotFoundError"),
         ("pathlib:Path", "pathlib:Path is not a BulkTest whose type is 'other'"),
+        (f"{__name__}:Unfinished", "is incomplete: title is missing, responses is missing, "),
         (f"{__name__}:SlowHeap", "is not a BulkTest whose type is 'other'"),
     ],
 )

@@ -147,7 +147,7 @@ _MODULE = """
 from dataclasses import dataclass
 from typing import ClassVar
 
-from grainfit import Sequential
+from grainfit import Sequential, Strategy
 from grainfit.options.fields import option
 from grainfit.options.kinds import Whole
 
@@ -156,6 +156,10 @@ from grainfit.options.kinds import Whole
 class Patient(Sequential):
     name: ClassVar[str] = "patient"
     naps: int = option(Whole(0, 9), "Naps between runs.", default=1, example="2")
+
+
+class Unfinished(Strategy):
+    pass
 """
 
 
@@ -201,6 +205,7 @@ app(["run", "--help"])
     [
         ("broken = patience:Impatient", "Impatient"),
         ("broken = patience:Patient", "calls it 'patient'"),
+        ("broken = patience:Unfinished", "is incomplete: name is missing, start is missing"),
         ("broken = patience:option", "no subclass"),
         ("staged = patience:Patient", "another one of this name"),
     ],

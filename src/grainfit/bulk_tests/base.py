@@ -34,6 +34,7 @@ from grainfit.materials.sizes import ParticleSizes
 from grainfit.options.fields import Amount, option, option_keys, read_options
 from grainfit.options.kinds import Quantity
 from grainfit.options.tables import Key
+from grainfit.registration import gaps
 from grainfit.scenes.packing import Column, Footprint, random_column
 from grainfit.scenes.run_output import RunOutput
 from grainfit.scenes.scene import SCENES_REVISION, Scene, time_step
@@ -264,6 +265,16 @@ class BulkTest(ABC):
         except InputError:
             return False
         return not any(trial.material_faults({}))
+
+    @classmethod
+    def missing(cls) -> list[str]:
+        """Return what the class lacks to be used."""
+        found = gaps(cls, ("type", "title", "responses"))
+        responses = getattr(cls, "responses", {})
+        found += [f"{name} is a response and a curve" for name in responses if name in cls.curves]
+        if cls.footprint is BulkTest.footprint and cls.column is BulkTest.column:
+            found.append("footprint is missing")
+        return found
 
     @cached_property
     def setup(self) -> Setup:

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from functools import cache
 from importlib.metadata import entry_points
-from typing import Any
+from typing import Any, cast
 
 from grainfit.bulk_tests import own_scene
 from grainfit.bulk_tests.base import BulkTest, CurveInfo, ResponseInfo
@@ -21,6 +21,7 @@ from grainfit.bulk_tests.heap import Heap as Heap
 from grainfit.bulk_tests.packing import Packing as Packing
 from grainfit.bulk_tests.shear import Shear as Shear
 from grainfit.errors import Fault, InputError
+from grainfit.registration import incomplete, require_complete, require_unique
 from grainfit.run_definition import RunDefinition
 
 ENTRY_POINTS = "grainfit.bulk_tests"
@@ -34,8 +35,14 @@ def _classes(names: Mapping[str, Any]) -> tuple[type[BulkTest], ...]:
     )
 
 
-#: The built-in tests, by name: every test that is imported above.
-BUILT_IN: Mapping[str, type[BulkTest]] = {test.type: test for test in _classes(globals())}
+#: Every test that is imported above.
+_TESTS = _classes(globals())
+for _test in _TESTS:
+    require_complete("bulk test", _test.__name__, _test.missing())
+require_unique("bulk test", (test.type for test in _TESTS))
+
+#: The built-in tests, by name.
+BUILT_IN: Mapping[str, type[BulkTest]] = {test.type: test for test in _TESTS}
 #: The test whose scene and responses the user's own functions give: no laboratory test by itself.
 OWN_SCENE: type[BulkTest] = own_scene.OwnScene
 
@@ -55,22 +62,21 @@ def bulk_tests() -> Mapping[str, type[BulkTest]]:
 
 def _load(point: Any) -> type[BulkTest]:
     try:
-        test = point.load()
+        test: Any = point.load()
     except Exception as error:
-        raise _fault(point, f"cannot be loaded: {type(error).__name__}: {error}") from error
-    if not (isinstance(test, type) and issubclass(test, BulkTest)) or test.type != point.name:
-        raise _fault(point, f"is not a BulkTest whose type is {point.name!r}")
-    return test
+        reason = f"{type(error).__name__}: {error}"
+        raise _fault(point, f"{point.value} cannot be loaded: {reason}.") from error
+    is_test = isinstance(test, type) and issubclass(test, BulkTest)
+    if is_test and (sentence := incomplete("bulk test", point.value, test.missing())):
+        raise _fault(point, sentence)
+    if not is_test or test.type != point.name:
+        raise _fault(point, f"{point.value} is not a BulkTest whose type is {point.name!r}.")
+    return cast(type[BulkTest], test)
 
 
-def _fault(point: Any, message: str) -> InputError:
-    return InputError(
-        Fault(
-            f"bulk test {point.name!r}",
-            f"{point.value} {message}.",
-            "Repair or remove the package that provides it.",
-        )
-    )
+def _fault(point: Any, sentence: str) -> InputError:
+    remedy = "Repair or remove the package that provides it."
+    return InputError(Fault(f"bulk test {point.name!r}", sentence, remedy))
 
 
 def class_of_test(definition: RunDefinition) -> type[BulkTest] | None:

@@ -13,9 +13,11 @@ from grainfit.cards.json_card import render_json
 from grainfit.errors import InputError
 from grainfit.files import write_atomically
 from grainfit.materials.card import CardParameter, CardResponse, MaterialCard
+from grainfit.registration import require_complete
 from grainfit.solvers.dem.lammps.card import render_lammps
 from grainfit.solvers.dem.liggghts.card import render_liggghts
 from grainfit.solvers.dem.yade.card import render_yade
+from grainfit.solvers.registry import DEM_PROGRAMS
 from grainfit.work_folder.saved_calibration import SavedCalibration, read_answer
 
 __all__ = [
@@ -37,6 +39,9 @@ _RENDERERS: Mapping[str, Callable[[MaterialCard], str]] = {
     "json": render_json,
     "csv": render_csv,
 }
+for _program in DEM_PROGRAMS:
+    require_complete("solver", _program, [] if _program in _RENDERERS else ["its card is missing"])
+
 #: Formats of a card.
 FORMATS = tuple(_RENDERERS)
 

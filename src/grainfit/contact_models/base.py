@@ -19,9 +19,9 @@ A new contact model is a folder of `grainfit.contact_models` and a line of
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import dataclass
-from typing import ClassVar, Literal
+from typing import ClassVar, Literal, get_args
 
 from grainfit.contact_models.contact import Contact
 from grainfit.materials.parameters import MaterialParameter
@@ -37,9 +37,9 @@ _COHESIVE = 0.6
 #: more are too soft for their cohesion, which then acts as if they were smaller.
 LARGEST_OVERLAP = 0.05
 
-Kind = Literal["contact", "cohesion", "rolling"]
 #: In the order in which solvers need the keywords.
-KINDS: tuple[Kind, ...] = ("contact", "cohesion", "rolling")
+Kind = Literal["contact", "cohesion", "rolling"]
+KINDS: tuple[Kind, ...] = get_args(Kind)
 
 
 class SolverWords:
@@ -124,6 +124,24 @@ class ContactModel:
         """Return whether a dashpot acts; one whose parameter is not known counts."""
         found = {name: same_on_walls(name, material) for name in self.dashpots}
         return any(not names or max(material[n] for n in names) > 0 for names in found.values())
+
+    def missing(self) -> Iterator[str]:
+        """Iterate over what it lacks to be used."""
+        names = [parameter.name for parameter in self.parameters]
+        if self.kind not in KINDS:
+            yield f"its kind {self.kind!r} is none of {', '.join(KINDS)}"
+        if not names:
+            yield "parameters are missing"
+        if not self.words:
+            yield "no solver has words for it"
+        if self.kind == "cohesion" and self.attraction is None:
+            yield "attraction is missing"
+        for parameter in self.parameters:
+            if gap := parameter.missing():
+                yield f"{parameter.name}: {gap}"
+        for name in self.dashpots:
+            if name not in names:
+                yield f"its dashpot {name} is none of its parameters"
 
     def set_parameters(self, material: Mapping[str, float]) -> list[str]:
         """Return the names of parameters that a material gives another value than the default."""

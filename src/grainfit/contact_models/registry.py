@@ -15,6 +15,7 @@ from grainfit.contact_models.sjkr2.contact_model import SJKR2
 from grainfit.errors import Fault, InputError
 from grainfit.materials.parameters import BODY_PARAMETERS, SECTIONS, MaterialParameter
 from grainfit.materials.walls import PLAIN, on_wall, plain_name, wall_of, walls_among
+from grainfit.registration import require_complete, require_unique
 
 #: A new contact model is a line here. If several models of one kind
 #: have an effect by default, or act through the same parameters, the first one acts.
@@ -27,6 +28,10 @@ CONTACT_MODELS: tuple[ContactModel, ...] = (
     JKR,
     DMT,
 )
+
+require_unique("contact model", (model.name for model in CONTACT_MODELS))
+for _model in CONTACT_MODELS:
+    require_complete("contact model", _model.name, _model.missing())
 
 #: The order of parameters is part of a calibration's identity, so that the first keys keep their
 #: places; those of new models follow in the order of the models.
@@ -192,6 +197,13 @@ def _contradiction(
         f"belongs to the contact model {model.name}; {names} cannot act together.",
         "Leave out the parameters of all but one of them.",
     )
+
+
+def needed_models() -> dict[Kind, tuple[ContactModel, ...]]:
+    """Return the models by kind of which every material has one."""
+    needed = [model for model in CONTACT_MODELS if not model.is_optional]
+    kinds = [kind for kind in KINDS if any(model.kind == kind for model in needed)]
+    return {kind: tuple(model for model in needed if model.kind == kind) for kind in kinds}
 
 
 def selectable_models() -> dict[Kind, tuple[str, ...]]:

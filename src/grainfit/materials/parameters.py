@@ -6,6 +6,7 @@ in `grainfit.contact_models.registry`.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
@@ -54,6 +55,17 @@ class MaterialParameter:
     def key(self) -> str:
         """Key in its section, or in that of its wall."""
         return self.name.rpartition(".")[2]
+
+    def missing(self) -> str:
+        """Return what its declaration lacks, in words; empty if that is nothing."""
+        if self.section not in SECTIONS:
+            return f"its section is none of {', '.join(SECTIONS)}"
+        texts = ("symbol", "description", "example")
+        if gaps := [name for name in texts if not getattr(self, name)]:
+            return f"{' and '.join(gaps)} missing"
+        if not (math.isfinite(self.lowest) and self.lowest < self.highest):
+            return "its limits are no interval"
+        return ""
 
     def of_wall(self, wall: str) -> MaterialParameter:
         """Return the same parameter of a wall with a name.

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from functools import cache
 
 from grainfit.bulk_tests.registry import BUILT_IN, OWN_SCENE, bulk_tests
+from grainfit.contact_models.registry import CONTACT_MODELS, needed_models
+from grainfit.registration import gaps, require_complete, require_unique
 from grainfit.solvers.dem.lammps.program import Lammps
 from grainfit.solvers.dem.liggghts.program import Liggghts
 from grainfit.solvers.dem.program import DeckSolver
@@ -14,10 +16,29 @@ from grainfit.solvers.dem.yade.program import Yade
 from grainfit.solvers.own_model.types_of_test import COMMAND, PYTHON, TABLE
 from grainfit.solvers.type_of_test import TypeOfTest
 
+#: A new DEM program is a class here.
+_PROGRAMS: tuple[type[DeckSolver], ...] = (Lammps, Liggghts, Yade)
+
+
+def _missing(program: type[DeckSolver]) -> Iterator[str]:
+    """Iterate over what a program lacks to be used."""
+    yield from gaps(program, ("name", "title", "usual_name", "install", "deck"))
+    name = getattr(program, "name", "")
+    for kind, models in needed_models().items():
+        if not any(name in model.solvers for model in models):
+            yield f"no contact model of the kind {kind} has words for it"
+
+
+for _program in _PROGRAMS:
+    require_complete("solver", _program.__name__, _missing(_program))
+require_unique("solver", (program.name for program in _PROGRAMS))
+
 #: Programs that run the decks of bulk tests, by name.
-DEM_PROGRAMS: Mapping[str, type[DeckSolver]] = {
-    program.name: program for program in (Lammps, Liggghts, Yade)
-}
+DEM_PROGRAMS: Mapping[str, type[DeckSolver]] = {program.name: program for program in _PROGRAMS}
+for _model in CONTACT_MODELS:
+    _strangers = [name for name in _model.solvers if name not in DEM_PROGRAMS]
+    require_complete("contact model", _model.name, (f"no solver is {n}" for n in _strangers))
+
 #: Types of test that run a custom model.
 OWN_MODELS: tuple[TypeOfTest, ...] = (COMMAND, PYTHON, TABLE)
 

@@ -22,6 +22,7 @@ from grainfit.errors import Fault, InputError
 from grainfit.options.fields import option_keys
 from grainfit.options.kinds import suggest
 from grainfit.options.tables import Key
+from grainfit.registration import gaps, incomplete, require_complete
 from grainfit.strategies import messages
 from grainfit.strategies.base import Strategy
 
@@ -40,7 +41,10 @@ def strategies() -> Mapping[str, type[Strategy]]:
 
     A strategy of another package that cannot be used is left out with a warning.
     """
-    found = {name: EntryPoint(name, at, GROUP).load() for name, at in _BUILT_IN.items()}
+    found: dict[str, type[Strategy]] = {}
+    for name, at in _BUILT_IN.items():
+        found[name] = EntryPoint(name, at, GROUP).load()
+        require_complete("strategy", name, gaps(found[name], ["name"]))
     for point in entry_points(group=GROUP):
         try:
             found[point.name] = _loaded(point, found)
@@ -58,6 +62,8 @@ def _loaded(point: EntryPoint, known: Mapping[str, type[Strategy]]) -> type[Stra
     strategy = point.load()
     if not (isinstance(strategy, type) and issubclass(strategy, Strategy)):
         raise TypeError("it is no subclass of grainfit.Strategy")
+    if sentence := incomplete("strategy", point.value, gaps(strategy, ["name"])):
+        raise TypeError(sentence)
     if strategy.name != point.name:
         raise ValueError(f"its class calls it {strategy.name!r}")
     return strategy

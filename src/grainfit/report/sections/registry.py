@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+import inspect
+from collections.abc import Callable, Iterator, Sequence
+from pathlib import Path
 
+from grainfit.registration import require_complete, require_unique
 from grainfit.report.section import ReportContext, Section
 from grainfit.report.sections.answer.section import answer
 from grainfit.report.sections.convergence.section import convergence
@@ -37,3 +40,17 @@ SECTIONS: Sequence[Callable[[ReportContext], Section | None]] = (
     runs,
     reproduce,
 )
+
+
+def missing(section: Callable[[ReportContext], Section | None]) -> Iterator[str]:
+    """Iterate over what a section lacks: its page, and its place, which is named like it."""
+    place = Path(inspect.getfile(section)).parent
+    if place.name != section.__name__:
+        yield f"its folder is {place.name}"
+    if not (place / "page.html.jinja").is_file():
+        yield "page.html.jinja is missing"
+
+
+require_unique("section of the report", (section.__name__ for section in SECTIONS))
+for _section in SECTIONS:
+    require_complete("section of the report", _section.__name__, missing(_section))

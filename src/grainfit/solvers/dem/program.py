@@ -90,9 +90,9 @@ class DeckSolver(Solver):
     """
 
     #: Name of the program for people, its usual name on the search path, and how to install it.
-    _title: ClassVar[str]
-    _usual: ClassVar[str]
-    _install: ClassVar[str]
+    title: ClassVar[str]
+    usual_name: ClassVar[str]
+    install: ClassVar[str]
     #: Log that the program itself writes into the run folder.
     _own_log: ClassVar[str] = LOG_NAME
     #: Beginning of a line with an error message of the program.
@@ -355,10 +355,10 @@ class DeckSolver(Solver):
 
     def _program(self) -> str:
         """Return the path of the program; raise `SolverNotFoundError` if it is not found."""
-        found = self._find(self.executable or self._usual)
+        found = self._find(self.executable or self.usual_name)
         if found is None:
-            name = self.executable or self._usual
-            raise SolverNotFoundError(f"{self._title} ({name}) is not found. {self._install}")
+            name = self.executable or self.usual_name
+            raise SolverNotFoundError(f"{self.title} ({name}) is not found. {self.install}")
         return str(Path(found).absolute())
 
     def _find(self, program: str) -> str | None:

@@ -28,9 +28,9 @@ class Lammps(DeckSolver):
     """
 
     name = "lammps"
-    _title: ClassVar[str] = "LAMMPS"
-    _usual: ClassVar[str] = "lmp"
-    _install: ClassVar[str] = _INSTALL
+    title: ClassVar[str] = "LAMMPS"
+    usual_name: ClassVar[str] = "lmp"
+    install: ClassVar[str] = _INSTALL
     _own_log: ClassVar[str] = "log.lammps"
     deck: ClassVar[type[SceneDeck]] = LammpsSceneDeck
     speed: ClassVar[Speed] = Speed(2.2e6)

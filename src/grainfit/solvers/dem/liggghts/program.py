@@ -28,9 +28,9 @@ class Liggghts(DeckSolver):
     """LIGGGHTS-PUBLIC, ``liggghts`` on the PATH; see `DeckSolver`."""
 
     name = "liggghts"
-    _title: ClassVar[str] = "LIGGGHTS"
-    _usual: ClassVar[str] = "liggghts"
-    _install: ClassVar[str] = _INSTALL
+    title: ClassVar[str] = "LIGGGHTS"
+    usual_name: ClassVar[str] = "liggghts"
+    install: ClassVar[str] = _INSTALL
     _own_log: ClassVar[str] = "log.liggghts"
     deck: ClassVar[type[SceneDeck]] = LiggghtsSceneDeck
     speed: ClassVar[Speed] = Speed(2.5e6)

@@ -30,9 +30,9 @@ class Yade(DeckSolver):
     """
 
     name = "yade"
-    _title: ClassVar[str] = "YADE"
-    _usual: ClassVar[str] = "yade"
-    _install: ClassVar[str] = _INSTALL
+    title: ClassVar[str] = "YADE"
+    usual_name: ClassVar[str] = "yade"
+    install: ClassVar[str] = _INSTALL
     deck: ClassVar[type[SceneDeck]] = YadeSceneDeck
     speed: ClassVar[Speed] = Speed(0.4e6)
     missing: ClassVar[Mapping[str, str]] = MISSING
