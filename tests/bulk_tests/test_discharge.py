@@ -10,6 +10,7 @@ from typer.testing import CliRunner
 
 import grainfit as gf
 from grainfit.bulk_tests.discharge import Discharge
+from grainfit.bulk_tests.outline import concepts
 from grainfit.calibration_file.plan import describe_plan
 from grainfit.cli.app import app
 from grainfit.errors import InputError
@@ -64,7 +65,7 @@ def test_lammps_refuses_a_round_orifice_before_any_run(tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"(?s)^solver: lammps.*use a slot") as caught:
         Lammps(test, GLASS_BEADS).check()
     assert 'solver = "liggghts"' in str(caught.value)
-    assert not test.concepts() & set(Liggghts.missing)
+    assert not concepts(test) & set(Liggghts.missing)
 
     text = EXAMPLE.read_text(encoding="utf-8")
     text = text.replace('type = "heap"', 'type = "discharge"\norifice = "round"')

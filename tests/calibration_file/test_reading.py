@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 
+from grainfit.bulk_tests.abilities import starter_remarks
 from grainfit.bulk_tests.heap import Heap
 from grainfit.bulk_tests.registry import BUILT_IN
 from grainfit.calibration_file.content import CalibrationFile, SearchOptions
@@ -278,7 +279,7 @@ def test_the_starter_file_of_every_bulk_test_loads_with_any_of_its_options(
     assert len(plain.tests[0].targets) == len(BUILT_IN[name].responses)
     for key in BUILT_IN[name].option_keys():
         option = f"{key.name} = {key.example}"
-        if key.name in BUILT_IN[name].starter_options:
+        if key.name in starter_remarks(BUILT_IN[name]):
             assert text.count(f"\n{option}") == 1, option
             # The default alone would be said of a value that is another one.
             [line] = [line for line in text.splitlines() if line.startswith(option)]

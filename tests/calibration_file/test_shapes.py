@@ -89,7 +89,7 @@ def test_a_free_aspect_ratio_is_a_parameter_of_runs_of_clumps(tmp_path: Path) ->
     assert test is not None
     assert run.parameters["particle.aspect_ratio"] == 1.5
     assert (run.model["test"]["shape"], test.sizes) == ("two_spheres", solver.bulk_test.sizes)
-    clump = test.of_shape(values).sizes.clump
+    clump = test.scene({**BEADS, **values}, 1).sizes.clump
     assert clump is not None
     assert len(clump) == 2
     # Two spheres that touch have half the volume each.

@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from grainfit.bulk_tests.heap import Heap
+from grainfit.bulk_tests.outline import concepts
 from grainfit.bulk_tests.registry import BUILT_IN, bulk_tests
 from grainfit.materials.particle_shape import CLUMPS_REVISION, ParticleShape
 from grainfit.materials.sizes import ParticleSizes
@@ -69,7 +70,7 @@ def test_default_decks_are_those_of_their_revision(tmp_path: Path, name: str, or
     for sizes in (BEADS, MIXTURE):
         test = kind(sizes, **({"orifice": orifice} if orifice else {}))
         for solver in ("lammps", "liggghts"):
-            if not test.concepts() & set(DEM_PROGRAMS[solver].missing):
+            if not concepts(test) & set(DEM_PROGRAMS[solver].missing):
                 deck = write_deck(test, tmp_path / solver, solver, GLASS_BEADS, seed=1)
                 digest.update(deck.read_bytes())
     found = (kind.revision, SCENES_REVISION, digest.hexdigest()[:16])
@@ -95,7 +96,7 @@ def test_clumps_are_those_of_their_revision(family: str, aspect_ratio: float) ->
 def test_yade_decks_are_those_of_their_revision(tmp_path: Path) -> None:
     digest = hashlib.sha256()
     tests = [kind(MIXTURE) for kind in BUILT_IN.values()]
-    for test in (t for t in tests if not t.concepts() & set(DEM_PROGRAMS["yade"].missing)):
+    for test in (t for t in tests if not concepts(t) & set(DEM_PROGRAMS["yade"].missing)):
         deck = write_deck(test, tmp_path / test.type, "yade", GLASS_BEADS, seed=1)
         for path in sorted(deck.parent.glob("*.*")):
             digest.update(path.read_bytes())

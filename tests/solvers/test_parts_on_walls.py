@@ -10,10 +10,8 @@ import numpy as np
 import pytest
 
 import grainfit as gf
-from grainfit.bulk_tests.base import BulkTest
 from grainfit.bulk_tests.heap import Heap
 from grainfit.bulk_tests.natural_units import natural_run
-from grainfit.bulk_tests.registry import BUILT_IN
 from grainfit.errors import InputError
 from grainfit.solvers.base import Workspace
 from grainfit.solvers.dem.program import DeckSolver
@@ -233,11 +231,3 @@ def test_a_wall_of_the_users_scene_that_is_made_of_nothing_is_named(tmp_path: Pa
         own_scene(tmp_path, {"side": "steel"}).scene({}, 1)
     with pytest.raises(InputError, match="is no part of the test"):
         own_scene(tmp_path, {"sides": "steel"}, 0.6).estimate_cost({})
-
-
-@pytest.mark.parametrize("test", BUILT_IN.values(), ids=BUILT_IN)
-def test_own_friction_is_that_of_a_part(test: type[BulkTest]) -> None:
-    assert test.parts is not None
-    assert test.own_friction.keys() <= test.parts.keys()
-    names = {key.name for key in test.option_keys()}
-    assert {option for options in test.own_friction.values() for option in options} <= names

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from grainfit.bulk_tests.abilities import user_functions
 from grainfit.bulk_tests.base import BulkTest
 from grainfit.bulk_tests.coarse_graining import coarse_grained, factor_words
 from grainfit.errors import InputError
@@ -34,7 +35,7 @@ def coarse_graining_notes(solvers: Mapping[str, Solver], problem: Problem) -> tu
 def _note(name: str, solvers: Mapping[str, Solver], problem: Problem) -> str:
     solver, middle = solvers[name], problem.middle
     test = solver.bulk_test
-    if test is None or test.executes():
+    if test is None or user_functions(test):
         # A scene of the user's own has a geometry that only its code knows.
         return ""
     try:
@@ -90,5 +91,5 @@ def _enlarged(
     return {
         name: coarse_grained(solver.bulk_test, factor, solver.run_parameters(values))
         for name, solver in solvers.items()
-        if solver.bulk_test is not None and not solver.bulk_test.executes()
+        if solver.bulk_test is not None and not user_functions(solver.bulk_test)
     }

@@ -11,13 +11,11 @@ from __future__ import annotations
 
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from copy import copy
-from dataclasses import InitVar, dataclass, fields, replace
+from dataclasses import InitVar, dataclass, field, fields, replace
 from functools import cache, cached_property
 from typing import Any, ClassVar, Self
-
-import numpy as np
 
 from grainfit.bulk_tests.refused_factor import with_factor
 from grainfit.bulk_tests.sensitivities import DENSITY, MODULUS, Sensitivities
@@ -25,7 +23,6 @@ from grainfit.bulk_tests.setup import Setup
 from grainfit.bulk_tests.stiffness import UNDER_OWN_WEIGHT, OverlapLaw
 from grainfit.bulk_tests.view import RunView, Shown
 from grainfit.bulk_tests.workload import Workload
-from grainfit.contact_models.registry import MATERIAL_PARAMETERS
 from grainfit.errors import Fault, InputError
 from grainfit.evaluation import Measured
 from grainfit.materials.diameters import Diameters
@@ -45,13 +42,6 @@ GRAVITY = 9.81
 LOWEST_GRAVITY = 1e-3
 #: Share of the Rayleigh time step at which beds come to rest.
 TIME_STEP_FRACTION = 0.12
-#: A material to build a scene with when only its concepts matter: they follow from the options.
-_ANY_MATERIAL: Mapping[str, float] = {
-    "particle.density": 2500.0,
-    "particle.youngs_modulus": 5e6,
-    "particle.poissons_ratio": 0.25,
-    "particle_particle.rolling_friction": 0.1,
-}
 _DIAMETER = Key("diameter", Diameters(), "Particle diameter.", example='"10 mm"')
 
 
@@ -67,11 +57,14 @@ class MeasuredInfo:
         As in ``"ρ_b"``, what follows the first ``_`` being the index.
     description : str
         Name, colon, explanation.
+    absent : str
+        Why a valid run may be without it; empty if none may. A run that needs it has failed then.
     """
 
     unit: str
     symbol: str
     description: str
+    absent: str = field(default="", kw_only=True)
 
     @property
     def words(self) -> str:
@@ -129,46 +122,12 @@ class CurveInfo(MeasuredInfo):
 
 
 @dataclass(frozen=True)
-class CurveRange:
-    """Coordinates beyond which no run of a test has values of a curve.
-
-    Parameters
-    ----------
-    low, high : float
-        Ends, in the unit of the coordinate.
-    low_option, high_option : str
-        Option of the test that is the end; empty where none is.
-    """
-
-    low: float = -math.inf
-    high: float = math.inf
-    low_option: str = ""
-    high_option: str = ""
-
-
-@dataclass(frozen=True)
 class Conditions:
     """Conditions under which a test uses a material: a material card states them."""
 
     sizes: ParticleSizes
     gravity: float
     time_step_fraction: float
-
-
-@dataclass(frozen=True)
-class LocusPoint:
-    """Point of a yield locus that a bulk test gives.
-
-    Parameters
-    ----------
-    normal_stress : float
-        Pa.
-    angle : str
-        Response whose tangent is the shear stress over the normal stress.
-    """
-
-    normal_stress: float
-    angle: str
 
 
 @dataclass(frozen=True)
@@ -199,15 +158,9 @@ class BulkTest(ABC):
     responses: ClassVar[Mapping[str, ResponseInfo]]
     #: Responses that are curves, by name.
     curves: ClassVar[Mapping[str, CurveInfo]] = {}
-    #: Responses that a valid run may be without, with the reason; a run that needs one has failed.
-    absent: ClassVar[Mapping[str, str]] = {}
-    #: Material parameters that its runs depend on, by dotted name.
-    material_parameters: ClassVar[tuple[str, ...]] = tuple(MATERIAL_PARAMETERS)
     #: Parts that can be of different materials, each with its walls in the scene, the part that
     #: touches most particles first; None where every wall of the scene is a part.
     parts: ClassVar[Mapping[str, tuple[str, ...]] | None] = None
-    #: Options that give a part a friction of its own, by part: not one of a wall with a name.
-    own_friction: ClassVar[Mapping[str, tuple[str, ...]]] = {}
     #: View of its runs in a report; None when there is none.
     shown: ClassVar[Shown | None] = None
     #: Bulk density that overlaps of soft particles add, over `stiffness_number`.
@@ -215,13 +168,8 @@ class BulkTest(ABC):
     #: Parameters of which one end of an interval is the worse one for `material_faults`, by name:
     #: 0 for the lower end, 1 for the upper.
     worse_ends: ClassVar[Mapping[str, int]] = {}
-    #: Options that a first calibration file sets to their examples, with a remark: their defaults
-    #: suit few materials.
-    starter_options: ClassVar[Mapping[str, str]] = {}
     #: Rolling friction with walls below which particles roll for longer than the test waits.
     least_wall_rolling_friction: ClassVar[float] = 0.0
-    #: Whether particles of another size and density make the same run, in natural units.
-    is_scalable: ClassVar[bool] = True
     #: Raised whenever the procedure or its evaluation change the outcome of a run.
     revision: ClassVar[int] = 1
 
@@ -334,38 +282,16 @@ class BulkTest(ABC):
         """Names of the responses; None if they are known only after a run."""
         return (*self.responses, *self.curves)
 
-    def with_targets(self, names: Sequence[str]) -> Self:  # noqa: ARG002
-        """Return the test for a calibration with targets for these responses."""
-        return self
-
-    def curve_range(self, name: str) -> CurveRange:  # noqa: ARG002
-        """Return the coordinates that a curve can have by the options; all if that is not known."""
-        return CurveRange()
-
-    @classmethod
-    def shown_of(cls, responses: Collection[str]) -> Shown | None:  # noqa: ARG003
-        """Return the files and the response of a run with these responses to show in a report."""
-        return cls.shown
-
-    def executes(self) -> tuple[str, ...]:
-        """Describe the user's code that a run executes, in one line for each function."""
-        return ()
-
     @property
     def conditions(self) -> Conditions:
         """Conditions under which the test uses the material."""
         return Conditions(self.sizes, float(self.gravity), float(self.time_step_fraction))
 
-    @property
-    def locus_point(self) -> LocusPoint | None:
-        """Point of a yield locus that it gives; None for most tests."""
-        return None
-
     def time_step(self, material: Mapping[str, float]) -> float:
         """Return the time step of a run with this material, s."""
         return time_step(self._sizes_of(material), material, float(self.time_step_fraction))
 
-    def of_shape(self, material: Mapping[str, float]) -> Self:
+    def _of_shape(self, material: Mapping[str, float]) -> Self:
         """Return the test with particles of the aspect ratio of a material; spheres stay so."""
         sizes = self._sizes_of(material)
         return self if sizes == self.sizes else self.with_sizes(sizes)
@@ -417,17 +343,6 @@ class BulkTest(ABC):
         """
         return ()
 
-    @classmethod
-    def options_for(cls, material: Mapping[str, float]) -> dict[str, Amount]:  # noqa: ARG003
-        """Return options that a laboratory would choose where the defaults fail; none by default.
-
-        Parameters
-        ----------
-        material : mapping of str to float
-            Material parameters by dotted name.
-        """
-        return {}
-
     def stiffness_number(self, material: Mapping[str, float]) -> float:
         """Return Young's modulus over the stress that presses particles together.
 
@@ -453,7 +368,7 @@ class BulkTest(ABC):
         seed : int
             Insertion seed.
         """
-        test = self.of_shape(material)
+        test = self._of_shape(material)
         return test.scene_of(test.column(seed), material)
 
     def column(self, seed: int) -> Column:
@@ -482,37 +397,6 @@ class BulkTest(ABC):
         material : mapping of str to float
             Material parameters by dotted name; those with a default may be missing.
         """
-
-    def concepts(self, material: Mapping[str, float] | None = None) -> set[str]:  # noqa: ARG002
-        """Return the concepts of the scene that a solver must have, see `Scene.concepts`.
-
-        Parameters
-        ----------
-        material : mapping of str to float, optional
-            All material parameters, for tests whose concepts follow from them.
-        """
-        shaped = {"clumps"} if self.sizes.shape else set()
-        return self._empty_scene().concepts() | shaped
-
-    def scene_parts(
-        self,
-        material: Mapping[str, float] | None = None,  # noqa: ARG002
-    ) -> Mapping[str, tuple[str, ...]]:
-        """Return the parts of the scene, each with its walls, see `parts`.
-
-        Parameters
-        ----------
-        material : mapping of str to float, optional
-            All material parameters, for tests whose walls follow from them.
-        """
-        if self.parts is not None:
-            return self.parts
-        return parts_of(self._empty_scene())
-
-    def _empty_scene(self) -> Scene:
-        """Return the experiment without particles, which take long to place when they are many."""
-        empty = Column(np.empty((0, 3)), np.empty(0, dtype=np.int64), self.sizes.sauter_diameter)
-        return self.scene_of(empty, _ANY_MATERIAL)
 
     @abstractmethod
     def measure(self, run: RunOutput) -> Mapping[str, Measured]:
@@ -564,9 +448,10 @@ class BulkTest(ABC):
         raise NotImplementedError(f"{self.type} shows nothing of {run.folder}")
 
 
-def parts_of(scene: Scene) -> dict[str, tuple[str, ...]]:
-    """Return every wall of a scene as a part."""
-    return {name: (name,) for name in scene.all_walls()}
+def absent_responses(test: BulkTest | type[BulkTest]) -> dict[str, str]:
+    """Return the responses that a valid run of a test may be without, each with the reason."""
+    known = {**test.responses, **test.curves}
+    return {name: info.absent for name, info in known.items() if info.absent}
 
 
 @cache

@@ -13,6 +13,7 @@ from dataclasses import astuple, dataclass
 from functools import cached_property
 from typing import Any
 
+from grainfit.bulk_tests.abilities import HasUserFunctions
 from grainfit.bulk_tests.base import BulkTest
 from grainfit.bulk_tests.registry import recreate_test
 from grainfit.bulk_tests.sensitivities import DENSITY
@@ -115,7 +116,7 @@ def natural_run(definition: RunDefinition) -> NaturalRun | None:
     """Return a run in natural units; None for a model of the user, or a damaged definition."""
     try:
         test = recreate_test(definition)
-        if test is None or not test.is_scalable:
+        if test is None or isinstance(test, HasUserFunctions):
             return None
         material = with_defaults(definition.parameters)
         scale = Scale(test.sizes.sauter_diameter, material[DENSITY], float(test.gravity))

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass, replace
+from typing import Self
 
 from grainfit.measurement.angle_of_repose import Flank
 from grainfit.measurement.drawing import Drawing
@@ -25,7 +26,7 @@ class Shown:
     noun : str
         What the particles form at the end, such as ``"heap"``.
     response : str
-        The response to show.
+        The response to show; empty for the first one of a run.
     particles : str
         File of the particles at the end.
     picture : str
@@ -36,6 +37,12 @@ class Shown:
     response: str
     particles: str
     picture: str
+
+    def of(self, responses: Collection[str]) -> Self | None:
+        """Return what is shown of a run with these responses; None of one that has none."""
+        if self.response:
+            return self
+        return replace(self, response=next(iter(responses))) if responses else None
 
 
 @dataclass(frozen=True)

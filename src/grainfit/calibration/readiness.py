@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 
-from grainfit.bulk_tests.base import CurveRange
+from grainfit.bulk_tests.abilities import CurveRange, curve_range
 from grainfit.calibration import messages
 from grainfit.errors import Fault, GrainfitError, InputError
 from grainfit.evaluation import response_name
@@ -97,7 +97,7 @@ def _faults_of_curves(test: str, solver: Solver, problem: Problem, tests: int) -
         for curve in problem.curves
         if curve.name in names
         for fault in _faults_of_curve(
-            names[curve.name], curve, solver.bulk_test.curve_range(names[curve.name])
+            names[curve.name], curve, curve_range(solver.bulk_test, names[curve.name])
         )
     ]
 

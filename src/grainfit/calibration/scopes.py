@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 
+from grainfit.bulk_tests.abilities import user_functions
 from grainfit.calibration import messages
 from grainfit.errors import GrainfitError, InputError
 from grainfit.evaluation import response_name
@@ -118,7 +119,7 @@ def _without(solver: Solver, unused: set[str]) -> Solver:
 
 
 def _seconds(problem: Problem, solver: Solver) -> float | None:
-    if solver.bulk_test is not None and solver.bulk_test.executes():
+    if solver.bulk_test is not None and user_functions(solver.bulk_test):
         # The cost is that of a scene of the user, and loading a file executes none of his code.
         return None
     try:

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from grainfit.bulk_tests.abilities import locus_point
 from grainfit.bulk_tests.base import BulkTest
 from grainfit.bulk_tests.registry import recreate_test
 from grainfit.campaign.store.records import RunRecord
@@ -76,7 +77,7 @@ def yield_loci(
     places = {target.name: place for place, target in enumerate(problem.targets)}
     for name, definition in tests.items():
         test = _test(definition)
-        point = test.locus_point if test else None
+        point = locus_point(test) if test else None
         place = places.get(response_name(name, point.angle, len(tests))) if point else None
         if test and point and place is not None:
             found = _Point(point.normal_stress, name, place)

@@ -306,8 +306,8 @@ def _note_missing_material(simulated: list[TestWalls], values: Values, place: Pl
     needed = {
         on_wall(name, wall)
         for one in simulated
-        for name in one.test.material_parameters
-        if MATERIAL_PARAMETERS[name].default is None and name not in without_effect
+        for name, parameter in MATERIAL_PARAMETERS.items()
+        if parameter.default is None and name not in without_effect
         for wall in ([PLAIN] if wall_of(name) is None else one.used(declared))
     }
     named = [wall for wall in declared if wall != PLAIN]

@@ -6,6 +6,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import chain
 
+from grainfit.bulk_tests.abilities import user_functions
 from grainfit.calibration.readiness import Obstacle, obstacles
 from grainfit.calibration_file.build import CalibrationSetup
 from grainfit.calibration_file.cohesion_lines import cohesion_lines
@@ -172,7 +173,7 @@ def _rayleigh_lines(setup: CalibrationSetup) -> Iterator[str]:
 
 
 def _has_code(solver: Solver) -> bool:
-    return solver.bulk_test is not None and bool(solver.bulk_test.executes())
+    return solver.bulk_test is not None and bool(user_functions(solver.bulk_test))
 
 
 def _cost_lines(solver: Solver, problem: Problem) -> Iterator[str]:

@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
+from grainfit.bulk_tests.abilities import user_functions
 from grainfit.bulk_tests.base import BulkTest
 from grainfit.bulk_tests.coarse_graining import coarse_grained, factor_words, sized_for
 from grainfit.bulk_tests.sensitivities import MODULUS
@@ -272,7 +273,7 @@ def _known_tests(setup: CalibrationSetup) -> Iterator[tuple[str, Solver, BulkTes
     """Yield the bulk tests without code of the user."""
     for name, solver in setup.solvers.items():
         test = solver.bulk_test
-        if test is not None and not test.executes():
+        if test is not None and not user_functions(test):
             yield name, solver, test
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 
+from grainfit.bulk_tests.abilities import user_functions
 from grainfit.bulk_tests.base import BulkTest
 from grainfit.errors import InputError
 from grainfit.formatting import counted, millimetres, percent
@@ -39,7 +40,7 @@ def size_lines(
         return
     if sizes.origin is not None:
         yield from sizes.origin.describe(sizes.real)
-    tests = [test for test in bulk_tests.values() if not test.executes()]
+    tests = [test for test in bulk_tests.values() if not user_functions(test)]
     if tests:
         yield from _price(sizes, tests, material)
 
@@ -91,7 +92,7 @@ def size_notes(bulk_tests: Mapping[str, BulkTest]) -> Iterator[str]:
         Simulated tests by name.
     """
     for name, test in bulk_tests.items():
-        if test.executes() or len(test.sizes.diameters) == 1:
+        if user_functions(test) or len(test.sizes.diameters) == 1:
             continue
         numbers = particle_numbers(test.sizes, test.number_of_particles)
         fewest = min(range(len(numbers)), key=lambda i: numbers[i])

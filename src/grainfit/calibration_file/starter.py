@@ -6,8 +6,10 @@ import re
 import textwrap
 from collections.abc import Iterator, Sequence
 
+from grainfit.bulk_tests.abilities import starter_remarks
 from grainfit.bulk_tests.base import BulkTest
 from grainfit.bulk_tests.coarse_graining import coarse_grained
+from grainfit.bulk_tests.outline import concepts
 from grainfit.bulk_tests.registry import bulk_tests
 from grainfit.calibration_file.examples import (
     DIAMETER_OF_EXAMPLES,
@@ -129,7 +131,7 @@ def starter_file(
             known[name](diameter=f"{DIAMETER_OF_EXAMPLES} mm") for name in dict.fromkeys(names)
         ]
         program = DEM_PROGRAMS[solver]
-        faults = [f for test in tests for f in program.concept_faults(test.type, test.concepts())]
+        faults = [f for test in tests for f in program.concept_faults(test.type, concepts(test))]
     if faults:
         raise InputError(faults)
     first = _GLASS_BEADS
@@ -216,8 +218,9 @@ def _test(
     others = ", ".join(f'"{other}"' for other in DEM_PROGRAMS if other != solver)
     yield _with_remark(f'solver = "{solver}"', f"or {others}")
     yield "# Geometry and procedure, as in your laboratory. These defaults follow the diameter d."
+    set_options = starter_remarks(test)
     for key in test.option_keys():
-        yield from _option(key, material, test.starter_options.get(key.name))
+        yield from _option(key, material, set_options.get(key.name))
     for response, info in test.responses.items():
         yield f"targets.{response} = {example_target(response, info.example, material)}"
 

@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from grainfit.bulk_tests.abilities import friction_options
 from grainfit.bulk_tests.base import BulkTest
 from grainfit.calibration_file.parameters import is_value
 from grainfit.materials.walls import PLAIN, WALL_SECTIONS
@@ -129,7 +130,7 @@ class TestWalls:
                 message = f"is {show(wall)}, and there is no [wall.{wall}]."
                 place.at("walls", part).fault(message, remedy)
         parts = self.parts(declared)
-        for part, options in self.test.own_friction.items():
+        for part, options in friction_options(self.test).items():
             for option in options:
                 if part in parts and option in self.table:
                     fault = friction_fault(option, part, parts[part])

@@ -42,10 +42,17 @@ class _Declaration:
     default: str
     example: str
     derived: Derived | None
+    remarks: Mapping[str, str]
 
 
 def option(
-    kind: Kind, description: str, *, example: str, default: Any = None, default_text: str = ""
+    kind: Kind,
+    description: str,
+    *,
+    example: str,
+    default: Any = None,
+    default_text: str = "",
+    **remarks: str,
 ) -> Any:
     """Declare an option as a field of a dataclass; it is given by keyword only.
 
@@ -61,13 +68,15 @@ def option(
         Value of the field when it is not given; a `Derived` one leaves the field None.
     default_text : str
         The default for readers; the value itself when there is one.
+    **remarks : str
+        For those who read the declarations by `option_remarks`.
     """
     derived = default if isinstance(default, Derived) else None
     if derived is not None:
         default, default_text = None, derived.text
     elif default is not None:
         default_text = default_text or f"{default} {getattr(kind, 'unit', '') or ''}".rstrip()
-    declaration = _Declaration(kind, description, default_text, example, derived)
+    declaration = _Declaration(kind, description, default_text, example, derived, remarks)
     return field(default=default, kw_only=True, metadata={_METADATA: declaration})
 
 
@@ -75,6 +84,12 @@ def derived_defaults(owner: type) -> dict[str, Derived]:
     """Return the defaults of a dataclass's options that follow from something else."""
     declared = ((f.name, f.metadata.get(_METADATA)) for f in fields(owner))
     return {name: it.derived for name, it in declared if it is not None and it.derived}
+
+
+def option_remarks(owner: type, name: str) -> dict[str, str]:
+    """Return a remark of a dataclass's options, of those that have it."""
+    declared = ((f.name, f.metadata.get(_METADATA)) for f in fields(owner))
+    return {key: it.remarks[name] for key, it in declared if it is not None and name in it.remarks}
 
 
 def option_keys(owner: type) -> tuple[Key, ...]:

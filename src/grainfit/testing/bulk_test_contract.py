@@ -28,11 +28,11 @@ from typing import Any, ClassVar
 import jsonschema
 import pytest
 
+from grainfit.bulk_tests.abilities import curve_range, friction_options, locus_point
 from grainfit.bulk_tests.base import BulkTest
 from grainfit.bulk_tests.registry import bulk_tests, recreate_test
 from grainfit.bulk_tests.sensitivities import VARIED
 from grainfit.calibration_file.tests_section import layout_of_test
-from grainfit.contact_models.registry import MATERIAL_PARAMETERS
 from grainfit.errors import (
     InputError,
     NotMeasurableError,
@@ -145,7 +145,7 @@ class BulkTestContract:
                 recreate_test(RunDefinition({"test": damaged}, {}, 1))
 
     def test_its_point_of_a_yield_locus_is_one_of_its_responses(self, bulk_test: BulkTest) -> None:
-        point = bulk_test.locus_point
+        point = locus_point(bulk_test)
         assert point is None or (point.normal_stress > 0 and point.angle in bulk_test.responses)
 
     def test_every_wall_of_the_scene_belongs_to_one_part(self, bulk_test: BulkTest) -> None:
@@ -154,6 +154,9 @@ class BulkTestContract:
         assert len(pieces) == len(set(pieces))
         if bulk_test.parts is not None:
             assert bulk_test.scene(self.material, _SEED).all_walls().keys() <= set(pieces)
+
+    def test_friction_of_a_part_is_that_of_one_of_its_parts(self, bulk_test: BulkTest) -> None:
+        assert friction_options(type(bulk_test)).keys() <= (bulk_test.parts or {}).keys()
 
     # --- options -------------------------------------------------------------------------------
 
@@ -222,7 +225,6 @@ class BulkTestContract:
                 assert slopes.keys() <= set(VARIED), name
                 assert known.slopes_at_high_rolling.keys() <= known.slopes.keys(), name
                 assert all(map(math.isfinite, slopes.values())), name
-        assert set(bulk_test.material_parameters) <= set(MATERIAL_PARAMETERS)
         assert bulk_test.conditions.sizes == bulk_test.sizes
         assert 0 < bulk_test.conditions.time_step_fraction <= 1
         assert bulk_test.conditions.gravity >= 0
@@ -300,7 +302,7 @@ class BulkTestContract:
         self, bulk_test: BulkTest, finished: tuple[Path, Mapping[str, Measured]]
     ) -> None:
         for name, curve in curves(finished[1]).items():
-            known = bulk_test.curve_range(name)
+            known = curve_range(bulk_test, name)
             assert known.low <= curve.coordinates[0]
             assert curve.coordinates[-1] <= known.high
             options = {key.name for key in bulk_test.option_keys()}

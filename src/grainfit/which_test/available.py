@@ -6,6 +6,7 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
+from grainfit.bulk_tests.abilities import options_for
 from grainfit.bulk_tests.base import BulkTest
 from grainfit.bulk_tests.coarse_graining import sized_for
 from grainfit.bulk_tests.registry import bulk_tests
@@ -107,7 +108,7 @@ def available_tests(
     present = {s.bulk_test.type for s in solvers.values() if s.bulk_test}
     found: dict[str, Solver] = {}
     refused: dict[str, str] = {}
-    options = {name: kind.options_for(maker.plain_material) for name, kind in known.items()}
+    options = {name: options_for(kind, maker.plain_material) for name, kind in known.items()}
     for name, kind in known.items():
         if name in present or (wanted and name not in wanted):
             continue

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping
 from dataclasses import fields
 
+from grainfit.bulk_tests.abilities import friction_options
 from grainfit.bulk_tests.accuracy import Accuracy
 from grainfit.bulk_tests.base import ResponseInfo
 from grainfit.bulk_tests.sensitivities import VARIED, WALL_SLIDING
@@ -87,7 +88,11 @@ def _frictions_apart(solver: Solver) -> set[str]:
         return set()
     defaults = {field.name: field.default for field in fields(test)}
     # A part whose friction is by default that of the walls was varied with them.
-    apart = [p for p, own in test.own_friction.items() if any(defaults[o] is not None for o in own)]
+    apart = [
+        p
+        for p, own in friction_options(type(test)).items()
+        if any(defaults[o] is not None for o in own)
+    ]
     return {on_wall(WALL_SLIDING, solver.walls[part]) for part in apart if part in solver.walls}
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from grainfit.bulk_tests.base import BulkTest
+from grainfit.bulk_tests.base import BulkTest, absent_responses
 from grainfit.bulk_tests.registry import recreate_test
 from grainfit.campaign.absent_responses import why_absent
 from grainfit.campaign.work_folder import RECORD_NAME, read_record
@@ -66,7 +66,7 @@ def absent_from(path: Path, found: Collection[str]) -> list[str]:
     found : collection of str
         Names of the responses that were measured there.
     """
-    why = why_absent(_test_of(path).absent, found) if path.is_dir() else ""
+    why = why_absent(absent_responses(_test_of(path)), found) if path.is_dir() else ""
     return [f"There is {why}."] if why else []
 
 

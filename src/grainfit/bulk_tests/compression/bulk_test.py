@@ -8,7 +8,8 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import ClassVar
 
-from grainfit.bulk_tests.base import BulkTest, CurveInfo, CurveRange, ResponseInfo
+from grainfit.bulk_tests.abilities import CurveRange
+from grainfit.bulk_tests.base import BulkTest, CurveInfo, ResponseInfo
 from grainfit.bulk_tests.compression.curve import (
     COLUMNS,
     Curve,

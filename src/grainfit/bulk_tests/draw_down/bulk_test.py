@@ -46,6 +46,8 @@ from grainfit.scenes.shapes import Block
 _PICTURE, _VTK = "draw_down.png", "draw_down.vtk"
 #: Surface of the lower floor, when it is another one than that of the walls.
 _FLOOR = "floor"
+#: Remark of a first calibration file on the friction of the floor.
+_STARTER = "by default that of the walls, off which most heaps roll"
 #: Rolling friction of walls on which heaps spread beyond the floor, and that of a rough floor.
 _SMOOTH, _ROUGH = 0.05, 0.5
 
@@ -78,16 +80,9 @@ class DrawDown(BulkTest):
         "shelf": ("left_shelf", "right_shelf", "door"),
         "floor": ("floor",),
     }
-    own_friction: ClassVar[Mapping[str, tuple[str, ...]]] = {
-        "floor": ("floor_sliding_friction", "floor_rolling_friction")
-    }
     revision: ClassVar[int] = 1
     shown: ClassVar[Shown | None] = Shown(
         "draw-down", "angle_of_repose", snapshot_file(END), _PICTURE
-    )
-    starter_options: ClassVar[Mapping[str, str]] = dict.fromkeys(
-        ("floor_sliding_friction", "floor_rolling_friction"),
-        "by default that of the walls, off which most heaps roll",
     )
     #: At 0.005, beads roll off the shelf one by one for more than 7 s.
     least_wall_rolling_friction: ClassVar[float] = 0.02
@@ -195,6 +190,8 @@ class DrawDown(BulkTest):
         "Sliding friction between particles and lower floor.",
         example="0.5",
         default=Derived("that of the walls"),
+        part="floor",
+        starter=_STARTER,
     )
     floor_rolling_friction: Amount | None = option(
         FRICTION,
@@ -202,6 +199,8 @@ class DrawDown(BulkTest):
         "beyond its edges, and the run fails.",
         example="0.3",
         default=Derived("that of the walls"),
+        part="floor",
+        starter=_STARTER,
     )
     settling_time_limit: Amount | None = option(
         TIME,

@@ -9,7 +9,8 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from grainfit.bulk_tests.base import BulkTest, CurveInfo, CurveRange, ResponseInfo
+from grainfit.bulk_tests.abilities import CurveRange
+from grainfit.bulk_tests.base import BulkTest, CurveInfo, ResponseInfo
 from grainfit.bulk_tests.drum.angles import DrumAngles
 from grainfit.bulk_tests.drum.bed import TurningBed
 from grainfit.bulk_tests.drum.setup import FROUDE_NUMBER, DrumSetup

@@ -8,7 +8,8 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any, ClassVar, Self
 
-from grainfit.bulk_tests.base import BulkTest, CurveInfo, CurveRange, ResponseInfo
+from grainfit.bulk_tests.abilities import CurveRange
+from grainfit.bulk_tests.base import BulkTest, CurveInfo, ResponseInfo, absent_responses
 from grainfit.bulk_tests.heap.setup import HeapSetup
 from grainfit.bulk_tests.heap.view import HeapView
 from grainfit.bulk_tests.sensitivities import ROLLING, SLIDING, Sensitivities
@@ -58,6 +59,8 @@ _OUTSIDE_SETUP = (
     "time_step_fraction",
     "views",
 )
+#: Why a heap has no radius, height and profile.
+_AT_EDGE = "the heap reaches the edge of the plate: use a larger plate_radius"
 #: Surface of plate and rim.
 _PLATE = "plate"
 
@@ -93,9 +96,6 @@ class Heap(BulkTest):
         "cylinder": ("cylinder",),
         "plate": ("plate", "rim"),
     }
-    own_friction: ClassVar[Mapping[str, tuple[str, ...]]] = {
-        "plate": ("plate_sliding_friction", "plate_rolling_friction")
-    }
     shown: ClassVar[Shown | None] = Shown("heap", "angle_of_repose", snapshot_file(_HEAP), _PICTURE)
     responses: ClassVar[Mapping[str, ResponseInfo]] = {
         "bulk_density": BULK_DENSITY,
@@ -116,6 +116,7 @@ class Heap(BulkTest):
             "the height of its rim",
             '{ value = "130 mm", uncertainty = "2 mm" }',
             Sensitivities({SLIDING: -0.09, ROLLING: -0.21}, {SLIDING: -0.16, ROLLING: -0.11}, 0.02),
+            absent=_AT_EDGE,
         ),
         "heap_height": ResponseInfo(
             "m",
@@ -123,6 +124,7 @@ class Heap(BulkTest):
             "heap height: highest point of the heap above the plate",
             '{ value = "53 mm", uncertainty = "1 mm" }',
             Sensitivities({SLIDING: 0.17, ROLLING: 0.42}, {SLIDING: 0.33, ROLLING: 0.21}, 0.04),
+            absent=_AT_EDGE,
         ),
     }
 
@@ -134,13 +136,9 @@ class Heap(BulkTest):
             "silhouettes",
             "radius",
             "m",
+            absent=_AT_EDGE,
         ),
     }
-
-    absent: ClassVar[Mapping[str, str]] = dict.fromkeys(
-        ("base_radius", "heap_height", "profile"),
-        "the heap reaches the edge of the plate: use a larger plate_radius",
-    )
 
     particle_count: int | None = option(
         Whole(1),
@@ -199,13 +197,18 @@ class Heap(BulkTest):
         default=Derived("10 d", lambda s: 10 * s.d),
     )
     plate_sliding_friction: Amount = option(
-        FRICTION, "Sliding friction between particles and plate.", example="0.5", default=0.5
+        FRICTION,
+        "Sliding friction between particles and plate.",
+        example="0.5",
+        default=0.5,
+        part="plate",
     )
     plate_rolling_friction: Amount | None = option(
         FRICTION,
         "Rolling friction between particles and plate.",
         example="0.67",
         default=Derived("as between two particles"),
+        part="plate",
     )
     settling_time_limit: Amount | None = option(
         TIME,
@@ -300,7 +303,7 @@ class Heap(BulkTest):
     def target_notes(self, measured: Mapping[str, float | None]) -> Iterator[str]:
         """Yield a remark if the plate is too small for the measured heap, whose size is needed."""
         setup, diameter = self.setup, self.sizes.sauter_diameter
-        needed = [name for name in self.absent if name in measured]
+        needed = [name for name in absent_responses(self) if name in measured]
         angle, radius = measured.get("angle_of_repose"), measured.get("base_radius")
         if not needed or setup.rim_height > 0:
             return

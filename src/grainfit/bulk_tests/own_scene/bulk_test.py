@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import math
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -15,14 +15,12 @@ from grainfit.bulk_tests.base import (
     TIME_STEP_FRACTION,
     BulkTest,
     ResponseInfo,
-    parts_of,
     read_sizes,
 )
 from grainfit.bulk_tests.own_scene.options import OptionValue
 from grainfit.bulk_tests.own_scene.picture import ParticlesView, draw_particles
 from grainfit.bulk_tests.own_scene.user_function import call
 from grainfit.bulk_tests.view import Shown
-from grainfit.bulk_tests.workload import Workload
 from grainfit.contact_models.registry import with_defaults
 from grainfit.errors import Fault, InputError, NotMeasurableError, RunFailedError
 from grainfit.evaluation import Measured, scalars
@@ -120,7 +118,7 @@ class OwnScene(BulkTest):
     type: ClassVar[str] = "scene"
     title: ClassVar[str] = "a scene of your own"
     responses: ClassVar[Mapping[str, ResponseInfo]] = {}
-    is_scalable: ClassVar[bool] = False
+    shown: ClassVar[Shown | None] = Shown("particles", "", snapshot_file(END), _PICTURE)
 
     #: Functions by their option; empty for a test from the record of a run.
     functions: Mapping[str, PythonFile] = field(default_factory=dict)
@@ -226,13 +224,6 @@ class OwnScene(BulkTest):
         test = copy(self)
         test._set(targets=tuple(names))
         return test
-
-    @classmethod
-    def shown_of(cls, responses: Collection[str]) -> Shown | None:
-        """Return the particles, their picture, and the first response, to show in a report."""
-        if not responses:
-            return None
-        return Shown("particles", next(iter(responses)), snapshot_file(END), _PICTURE)
 
     def with_sizes(self, sizes: ParticleSizes) -> Self:
         """Return the test with other particles."""
@@ -346,27 +337,6 @@ class OwnScene(BulkTest):
                 raise InputError(Fault("scene", f"{error.reason.rstrip('.')}.")) from error
         assert self._planned is not None
         return self._planned[1]
-
-    def concepts(self, material: Mapping[str, float] | None = None) -> set[str]:
-        """Return the concepts of the scene; none as long as the material is unknown."""
-        return set() if material is None else self.planned(material).concepts()
-
-    def scene_parts(
-        self, material: Mapping[str, float] | None = None
-    ) -> Mapping[str, tuple[str, ...]]:
-        """Return every wall of the scene as a part; none as long as the material is unknown."""
-        return {} if material is None else parts_of(self.planned(material))
-
-    def workload(self, material: Mapping[str, float]) -> Workload:
-        """Estimate the amount of computation in one run from its scene.
-
-        Raises
-        ------
-        InputError
-            See `planned`.
-        """
-        self.planned(material)
-        return super().workload(material)
 
     def simulated_time(self, material: Mapping[str, float]) -> float:
         """Estimate the simulated time of a run, s."""

@@ -10,11 +10,11 @@ from typing import ClassVar
 
 import numpy as np
 
+from grainfit.bulk_tests.abilities import LocusPoint
 from grainfit.bulk_tests.base import (
     GRAVITY,
     LOWEST_GRAVITY,
     BulkTest,
-    LocusPoint,
     ResponseInfo,
 )
 from grainfit.bulk_tests.sensitivities import DENSITY, MODULUS, ROLLING, SLIDING, Sensitivities
@@ -196,7 +196,7 @@ class Shear(BulkTest):
 
     def scene(self, material: Mapping[str, float], seed: int) -> Scene:
         """Return the experiment with a material and an insertion seed."""
-        test = self.of_shape(material)
+        test = self._of_shape(material)
         column = test.column(seed)
         # Another stream of the same seed: plates do not resemble beds.
         return test._between_plates(column, material, np.random.default_rng([seed, 1]))

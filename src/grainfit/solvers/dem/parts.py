@@ -5,7 +5,9 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator, Mapping
 from dataclasses import fields
 
-from grainfit.bulk_tests.base import BulkTest, parts_of
+from grainfit.bulk_tests.abilities import friction_options
+from grainfit.bulk_tests.base import BulkTest
+from grainfit.bulk_tests.outline import scene_parts, walls_as_parts
 from grainfit.contact_models.registry import with_defaults
 from grainfit.errors import Fault, InputError
 from grainfit.materials.walls import PLAIN, parameters_of, walls_among, with_plain_wall
@@ -75,7 +77,7 @@ class PartsOnWalls:
         scene = self._test.scene(self.material_of_test(values), seed)
         if not self.walls:
             return scene
-        parts = parts_of(scene) if self._test.parts is None else self._test.parts
+        parts = walls_as_parts(scene) if self._test.parts is None else self._test.parts
         faults = [*_part_faults(self.walls, parts), *self._bare_walls(scene, values)]
         if faults:
             raise InputError(faults)
@@ -87,7 +89,7 @@ class PartsOnWalls:
     def require_parts(self, values: Mapping[str, float]) -> None:
         """Raise `InputError` if the scene of the test has not the parts that have a wall."""
         if self.walls:
-            parts = self._test.scene_parts(self.material_of_test(values))
+            parts = scene_parts(self._test, self.material_of_test(values))
             if faults := [*_part_faults(self.walls, parts)]:
                 raise InputError(faults)
 
@@ -138,7 +140,7 @@ def _part_faults(walls: Mapping[str, str], parts: Collection[str]) -> Iterator[F
 def _friction_faults(test: BulkTest, walls: Mapping[str, str]) -> Iterator[Fault]:
     """Friction of a part that is given twice."""
     defaults = {field.name: field.default for field in fields(test)}
-    for part, options in test.own_friction.items():
+    for part, options in friction_options(type(test)).items():
         for option in options:
             if part in walls and getattr(test, option) != defaults[option]:
                 yield friction_fault(option, part, walls[part])

@@ -18,7 +18,9 @@ from typing import Any, ClassVar, Self
 
 from typing_extensions import override
 
-from grainfit.bulk_tests.base import BulkTest
+from grainfit.bulk_tests.abilities import user_functions
+from grainfit.bulk_tests.base import BulkTest, absent_responses
+from grainfit.bulk_tests.outline import concepts
 from grainfit.contact_models.cohesive_contacts import overlap_faults
 from grainfit.contact_models.registry import (
     COHESION,
@@ -149,7 +151,7 @@ class DeckSolver(Solver):
     @override
     def absent(self) -> Mapping[str, str]:
         """Responses that a valid run of the test may be without, with the reason."""
-        return self.test.absent
+        return absent_responses(self.test)
 
     @override
     def filming(self, frames: int, duration: float | None = None) -> Self:
@@ -348,7 +350,7 @@ class DeckSolver(Solver):
         first run only.
         """
         if self.missing:
-            self._require_concepts(self.test.concepts())
+            self._require_concepts(concepts(self.test))
         self.executes()
         if self.executable is None:
             self.version()
@@ -368,7 +370,7 @@ class DeckSolver(Solver):
     @override
     def executes(self) -> tuple[str, ...]:
         """Return the command that runs the decks; raise if its program is not found."""
-        return (shlex.join(self._command(Path(self.deck.file_name))), *self.test.executes())
+        return (shlex.join(self._command(Path(self.deck.file_name))), *user_functions(self.test))
 
     @override
     def readiness(self) -> str:
@@ -390,7 +392,7 @@ class DeckSolver(Solver):
         material = self._parts.material_of_test(values)
         self._parts.require_parts(values)
         if self.missing:
-            self._require_concepts(self.test.concepts(material))
+            self._require_concepts(concepts(self.test, material))
         return self.estimate_cost_of(self.test, material)
 
     @override

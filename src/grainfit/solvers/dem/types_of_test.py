@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 from functools import partial
 
+from grainfit.bulk_tests.abilities import HasUserFunctions
 from grainfit.bulk_tests.base import TIME_STEP_FRACTION, BulkTest
 from grainfit.contact_models.registry import COHESION, contact_law, is_material_parameter
 from grainfit.materials.walls import plain_name, wall_of, walls_among
@@ -97,8 +98,11 @@ def _solver(test: type[BulkTest], programs: Programs, entry: FileEntry) -> Solve
         safe = math.floor(100 * law.time_step_fraction(fixed)) / 100
         options.setdefault("time_step_fraction", min(TIME_STEP_FRACTION, safe))
     assert entry.sizes is not None, "a file with a simulated test has been checked to have sizes"
+    simulated = test(entry.sizes, **options)
+    if isinstance(simulated, HasUserFunctions):
+        simulated = simulated.with_targets(entry.responses)
     solver = programs[entry.options["solver"]](
-        test(entry.sizes, **options).with_targets(entry.responses),
+        simulated,
         fixed,
         entry.options.get("ranks", 1),
         entry.options.get("executable"),

@@ -118,7 +118,7 @@ def shown_runs(
 
 def _shown(record: RunRecord) -> Shown | None:
     test = class_of_test(record.definition)
-    return None if test is None else test.shown_of(record.responses)
+    return None if test is None or test.shown is None else test.shown.of(record.responses)
 
 
 def read_view(run: ShownRun) -> RunView | None:
