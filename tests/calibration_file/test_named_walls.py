@@ -17,7 +17,7 @@ from grainfit.calibration_file.schema import schema_path
 from grainfit.options.places import FileFault
 from grainfit.plots.labels import parameter_label
 from grainfit.preview.preview import preview_tests
-from grainfit.preview.words import wall_words
+from grainfit.preview.scene_text import wall_text
 from grainfit.run_definition import RunDefinition
 from grainfit.solvers.base import Solver
 from grainfit.solvers.own_model.command import Command
@@ -168,7 +168,7 @@ def test_the_preview_says_what_walls_are_made_of(tmp_path: Path) -> None:
     setup = setup_of(tmp_path, TWO_WALLS)
     heap, draw_down = preview_tests(setup.solvers, middle(setup), 1)
 
-    assert wall_words(heap.scene.walls["plate"]).endswith("; surface acrylic")
+    assert wall_text(heap.scene.walls["plate"]).endswith("; surface acrylic")
     assert {name: wall.surface for name, wall in draw_down.scene.walls.items()} == {
         **dict.fromkeys(("left", "right", "left_shelf", "right_shelf", "door"), "steel"),
         "floor": "acrylic",

@@ -24,9 +24,9 @@ from grainfit.materials.sizes import ParticleSizes
 from grainfit.preview import messages
 from grainfit.preview.geometry import feature_edges, geometry_of
 from grainfit.preview.page import preview_page
-from grainfit.preview.picture import COLOURS, draw_geometry
 from grainfit.preview.preview import preview_tests, write_preview
-from grainfit.preview.words import motion_words, stage_words, wall_words
+from grainfit.preview.scene_picture import COLOURS, draw_geometry
+from grainfit.preview.scene_text import motion_text, stage_text, wall_text
 from grainfit.scenes.conditions import AtRest, Elapsed
 from grainfit.scenes.glued import Glued
 from grainfit.scenes.scene import Box, Load, Rotation, Scene, Stage, Velocity, Wall
@@ -155,12 +155,12 @@ def test_a_shape_and_a_motion_of_the_future_are_named_with_their_values() -> Non
     known = scene({"floor": Wall(Plane("z", 0.0)), "star": Wall(Star(5))})  # type: ignore[arg-type]
 
     assert geometry_of(known).not_drawn == ("star",)
-    assert wall_words(known.walls["star"]) == "star: points 5"
-    assert motion_words(Turning(2.5)) == "turning: turns 2.5, along y"
-    turns = motion_words(Rotation("y", 0.5))
+    assert wall_text(known.walls["star"]) == "star: points 5"
+    assert motion_text(Turning(2.5)) == "turning: turns 2.5, along y"
+    turns = motion_text(Rotation("y", 0.5))
     assert turns == "turns at 0.5 rad/s about y"
     moving = Stage("turn", Elapsed(2.0), motions={"floor": Turning(2.5)})  # type: ignore[dict-item]
-    assert stage_words(moving) == "floor turning: turns 2.5, along y; for 2 s"
+    assert stage_text(moving) == "floor turning: turns 2.5, along y; for 2 s"
     (floor,) = geometry_of(replace(known, stages=(moving,))).walls
     assert (floor.state, len(floor.arrows)) == ("moving", 0)
 
@@ -184,7 +184,7 @@ def test_every_test_of_the_bench_has_a_preview(tmp_path: Path, name: str) -> Non
     for wall in found.scene.all_walls():
         assert f"<strong>{wall}</strong>" in text
     for stage in found.scene.stages:
-        assert f"<strong>{stage.name}</strong>: {stage_words(stage)}" in text
+        assert f"<strong>{stage.name}</strong>: {stage_text(stage)}" in text
     data = json.loads(re.search(r'id="data-particles">(.*?)</script>', text, re.DOTALL)[1])
     table = np.frombuffer(base64.b64decode(data["test-1"]["particles"]), "<i2").reshape(-1, 4)
     step = found.geometry.radii[0] / table[0, 3]

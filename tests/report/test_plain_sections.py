@@ -217,7 +217,7 @@ def test_the_answer_has_verdict_values_intervals_and_cost() -> None:
     shown = text(section)
     for words in (
         "Calibrated: every measurement is met within its tolerance.",
-        "probability of 96 %",
+        "Probability that every target is met, by all runs: 96 %.",
         "Particle density of the solid determined to ±1.4 %; particle-particle rolling friction "
         "coefficient only narrowed, 0.48 to 0.571.",
         "particle-particle rolling friction coefficient 0.520 ! narrowed 0.480 … 0.571",

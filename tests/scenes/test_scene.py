@@ -24,14 +24,14 @@ PLATE = Glued(np.array([(0.0, 0.0, 0.2)]), np.array([0]))
 
 
 @pytest.mark.parametrize("module", [conditions, packing, records, scene, shapes])
-def test_all_words_of_a_scene_are_in_one_place(module):
-    words = {
+def test_all_names_of_a_scene_are_in_one_place(module):
+    names = {
         name
         for name, found in vars(module).items()
         if is_dataclass(found) and found.__module__ == module.__name__
     }
-    assert words
-    assert words <= vars(scenes).keys()
+    assert names
+    assert names <= set(dir(scenes))
 
 
 DRUM = Wall(Cylinder(0.1, -0.1, 0.1, "y"))
@@ -182,6 +182,12 @@ def test_glued_sets_add_their_work_and_no_mass():
     # A load of 1 N across 0.3 m, and the particle at three times 1 m/s.
     assert moved.energy_limit == pytest.approx(0.3 + 9 * MASS / 2)
     assert moved.concepts() == {"velocity", "load", "glued"}
+
+
+def test_a_scene_and_its_particles_show_themselves_in_a_line():
+    shown = [repr(part) for part in (scene_of(ONE, {}, frames(0.1)), ONE, PLATE)]
+    assert all(text.startswith("<") and "1 particles" in text for text in shown)
+    assert all("\n" not in text and len(text) < 100 for text in shown)
 
 
 def test_the_energy_limit_is_that_of_the_fall_and_of_the_start():

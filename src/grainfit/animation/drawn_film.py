@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from grainfit.preview.geometry import DrawnWall, Geometry, geometry_of
-from grainfit.preview.picture import AZIMUTH, COLOURS
+from grainfit.preview.scene_picture import AZIMUTH, COLOURS
 from grainfit.report.drawing_data import LARGEST, DrawingScale, packed
 from grainfit.scenes.film import Film, FilmFrame
 from grainfit.scenes.run_output import RunOutput

@@ -9,8 +9,8 @@ from typing import Any
 
 from grainfit.animation.drawn_film import DrawnFilm
 from grainfit.formatting import counted, in_a_row, number, plain
-from grainfit.preview.picture import COLOURS
-from grainfit.preview.words import stage_words
+from grainfit.preview.scene_picture import COLOURS
+from grainfit.preview.scene_text import stage_text
 from grainfit.report.package_page import package_page
 from grainfit.report.rendering import script_json
 from grainfit.scenes.wall_travels import StageSpan
@@ -88,7 +88,7 @@ def _stage(span: StageSpan) -> dict[str, Any]:
     return {
         "name": span.stage.name,
         "remark": span.stage.remark,
-        "words": stage_words(span.stage),
+        "words": stage_text(span.stage),
         "times": f"{number(span.begin, 3)}{end} s" if end else f"from {number(span.begin, 3)} s",
         "outcome": _OUTCOMES.get(span.outcome, span.outcome),
         "is_good": span.outcome in ("at_rest", "done"),

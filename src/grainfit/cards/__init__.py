@@ -50,6 +50,9 @@ FORMATS = tuple(_RENDERERS)
 class WritableCard(MaterialCard):
     """A material card that writes itself for solvers and other programs."""
 
+    def __repr__(self) -> str:
+        return f"<MaterialCard {self.name!r}: {len(self.parameters)} parameters, {self.verdict}>"
+
     def write(self, to: str, path: str | Path) -> Path:
         """Write the card to a file, in place of one that is there; all of it or nothing.
 

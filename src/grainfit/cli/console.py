@@ -279,7 +279,7 @@ def print_preview(
 ) -> None:
     """Print the cost of every test, and where its drawings are."""
     for test in tests:
-        words = f"Test {test.name}, {test.solver}: {test.cost_words}."
+        words = f"Test {test.name}, {test.solver}: {test.cost_text}."
         console.print(plain(words), highlight=False, markup=False)
         if test.problem:
             print_warning(console, plain(test.problem))

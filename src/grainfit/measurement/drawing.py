@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from grainfit.measurement.angle_of_repose import Flank, View
 from grainfit.measurement.silhouette import Silhouette
@@ -15,6 +15,8 @@ from grainfit.measurement.silhouette import Silhouette
 #: Largest deviation of the drawn outline from the rendered one, pixels of the silhouette: a
 #: twentieth of a particle.
 _TOLERANCE = 1.0
+#: Height of a drawing of a curve, room around it, and most points of a curve.
+CURVE_HEIGHT, _SPACE, _MOST_POINTS = 400, 12, 200
 
 
 @dataclass(frozen=True)
@@ -78,6 +80,65 @@ def draw(silhouette: Silhouette, view: View | None = None, target: float | None 
         fitted=tuple(_line(flank, size) for flank in flanks),
         wanted=tuple(_through(_line(flank, size), target) for flank in flanks if target),
     )
+
+
+@dataclass(frozen=True)
+class CurveScale:
+    """Scale of a drawing of a curve: its largest values, and half the width of the drawing, pixels.
+
+    Parameters
+    ----------
+    x, y : float
+        The largest values along the axes, which begin at zero.
+    half_width : int
+        Half the width of the drawing, pixels.
+    """
+
+    x: float
+    y: float
+    half_width: int = 300
+
+    def place(self, x: float, y: float) -> tuple[float, float]:
+        """Return a point in pixels."""
+        across = (2 * x / self.x - 1) * self.half_width
+        return round(across, 1), round(-y / self.y * CURVE_HEIGHT, 1)
+
+    def line(self, start: tuple[float, float], end: tuple[float, float]) -> Line:
+        """Return a line between two points."""
+        return Line(*self.place(*start), *self.place(*end))
+
+    def drawing(
+        self,
+        curves: Sequence[tuple[ArrayLike, ArrayLike]],
+        fitted: Sequence[Line] = (),
+        wanted: Sequence[Line] = (),
+        walls: Sequence[Line] = (),
+    ) -> Drawing:
+        """Draw curves, one after the other, of which each has not too many points.
+
+        Parameters
+        ----------
+        curves : sequence of pair of array_like
+            Values of each.
+        fitted, wanted, walls : sequence of Line
+            As in `Drawing`.
+        """
+        places = [self.place(*point) for curve in curves for point in _thinned(*curve)]
+        points = " ".join(f"{x:.0f},{y:.0f}" for x, y in places)
+        return Drawing(
+            path=f"M{places[0][0]:.0f},0 L{points} L{places[-1][0]:.0f},0Z",
+            half_width=self.half_width + _SPACE,
+            height=CURVE_HEIGHT + _SPACE,
+            fitted=tuple(fitted),
+            wanted=tuple(wanted),
+            walls=tuple(walls),
+        )
+
+
+def _thinned(x: ArrayLike, y: ArrayLike) -> Iterator[tuple[float, float]]:
+    xs, ys = np.asarray(x, dtype=float), np.asarray(y, dtype=float)
+    kept = np.linspace(0, len(xs) - 1, min(len(xs), _MOST_POINTS)).astype(int)
+    return zip(xs[kept].tolist(), ys[kept].tolist(), strict=True)
 
 
 def surface_path(

@@ -83,6 +83,10 @@ class Particles:
                 about = {"name": name, "first": first + 1, "value": values[first]}
                 raise NotMeasurableError(messages.IMPOSSIBLE(wrong=wrong, count=n, **about))
 
+    def __repr__(self) -> str:
+        whole = "" if self.clumps is None else f" of {self.count} clumps"
+        return f"<Particles: {len(self)} spheres{whole}>"
+
     def __len__(self) -> int:
         return len(self.radii)
 

@@ -80,7 +80,7 @@ def _figure(saved: SavedCalibration, analysis: Analysis, target: CurveTarget) ->
                 "zeroline": False,
             },
             "yaxis": {
-                "title": {"text": _axis(_words(target.name), target.unit)},
+                "title": {"text": _axis(_title(target.name), target.unit)},
                 "range": [low - room, high + room],
                 "zeroline": False,
             },
@@ -96,7 +96,7 @@ def _figure(saved: SavedCalibration, analysis: Analysis, target: CurveTarget) ->
     )
 
 
-def _words(name: str) -> str:
+def _title(name: str) -> str:
     info = curve_info(name.rpartition(".")[2])
     return plain(name) if info is None else info.description.partition(":")[0]
 

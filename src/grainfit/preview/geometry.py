@@ -48,6 +48,11 @@ class DrawnWall:
     edges: Array
     arrows: Array
 
+    def moved(self, shift: Array) -> DrawnWall:
+        """Return the wall elsewhere."""
+        there = (self.triangles + shift, self.edges + shift, self.arrows + shift)
+        return DrawnWall(self.name, self.state, *there)
+
 
 @dataclass(frozen=True)
 class DrawnGlued:
@@ -72,6 +77,10 @@ class DrawnGlued:
     positions: Array
     radii: Array
     arrows: Array
+
+    def moved(self, shift: Array) -> DrawnGlued:
+        """Return the glued set elsewhere."""
+        return replace(self, positions=self.positions + shift, arrows=self.arrows + shift)
 
 
 @dataclass(frozen=True)
@@ -251,23 +260,10 @@ def _centred(geometry: Geometry) -> Geometry:
     points = geometry.corners
     shift = -(points.min(axis=0) + points.max(axis=0)) / 2
     shift[2] = -points[:, 2].min()
-    walls = tuple(
-        replace(
-            wall,
-            triangles=wall.triangles + shift,
-            edges=wall.edges + shift,
-            arrows=wall.arrows + shift,
-        )
-        for wall in geometry.walls
-    )
-    glued = tuple(
-        replace(body, positions=body.positions + shift, arrows=body.arrows + shift)
-        for body in geometry.glued
-    )
     return replace(
         geometry,
         positions=geometry.positions + shift,
-        walls=walls,
-        glued=glued,
+        walls=tuple(wall.moved(shift) for wall in geometry.walls),
+        glued=tuple(body.moved(shift) for body in geometry.glued),
         shift=geometry.shift + shift,
     )

@@ -9,9 +9,9 @@ import numpy as np
 
 from grainfit.formatting import counted, in_a_row, plain
 from grainfit.preview.geometry import Geometry, State
-from grainfit.preview.picture import COLOURS
 from grainfit.preview.previewed_test import PreviewedTest
-from grainfit.preview.words import box_words, stage_words, wall_words
+from grainfit.preview.scene_picture import COLOURS
+from grainfit.preview.scene_text import box_text, stage_text, wall_text
 from grainfit.report.drawing_data import DrawingScale
 from grainfit.report.package_page import package_page
 from grainfit.report.rendering import script_json
@@ -51,23 +51,23 @@ def _described(key: str, test: PreviewedTest) -> dict[str, Any]:
         "key": key,
         "name": plain(test.name),
         "solver": test.solver,
-        "cost": test.cost_words,
+        "cost": test.cost_text,
         "problem": plain(test.problem),
         "particles": count,
         "left_out": left_out,
         "glued_count": test.geometry.number_of_glued,
         "legend": [(_STATES[state], COLOURS[state]) for state in COLOURS if state in states],
-        "stages": [(stage.name, stage_words(stage)) for stage in scene.stages],
+        "stages": [(stage.name, stage_text(stage)) for stage in scene.stages],
         "walls": list(_walls(test)),
         "glued": [(b.name, counted(len(b.radii), "particle")) for b in test.geometry.glued],
-        "box": box_words(scene),
+        "box": box_text(scene),
     }
 
 
 def _walls(test: PreviewedTest) -> Iterator[tuple[str, str]]:
     for name, wall in test.scene.all_walls().items():
         drawn = "" if name not in test.geometry.not_drawn else "; not drawn"
-        yield name, f"{plain(wall_words(wall))}{drawn}"
+        yield name, f"{plain(wall_text(wall))}{drawn}"
 
 
 def _scene(geometry: Geometry) -> dict[str, Any]:

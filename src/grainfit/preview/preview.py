@@ -11,8 +11,8 @@ from grainfit.measurement.sheet import OVERSAMPLING, sheet
 from grainfit.preview import messages
 from grainfit.preview.geometry import geometry_of
 from grainfit.preview.page import preview_page
-from grainfit.preview.picture import draw_geometry
 from grainfit.preview.previewed_test import PreviewedTest
+from grainfit.preview.scene_picture import draw_geometry
 from grainfit.solvers.base import Solver
 
 #: Widths of the picture of one test, and of each of several, pixels.
@@ -78,7 +78,7 @@ def write_picture(path: Path, name: str, tests: Sequence[PreviewedTest]) -> None
     """
     width = _WIDE if len(tests) == 1 else _NARROW
     panels = [draw_geometry(test.geometry, width) for test in tests]
-    listed = "; ".join(f"{test.name}: {test.cost_words}" for test in tests)
+    listed = "; ".join(f"{test.name}: {test.cost_text}" for test in tests)
     states = "slate: walls and glued particles; vermilion: those that move; green: put later"
     words = f"{listed}. Colours of loose particles: height; {states}."
     sheet(name, words, panels, width).save(path, "png")

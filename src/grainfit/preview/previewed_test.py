@@ -35,7 +35,7 @@ class PreviewedTest:
     problem: str
 
     @property
-    def cost_words(self) -> str:
+    def cost_text(self) -> str:
         """Particles, steps and cost of a run."""
         if self.cost is None:
             return f"{self.scene.number_of_particles} particles; cannot be simulated"

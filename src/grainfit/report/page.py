@@ -16,7 +16,7 @@ from grainfit.errors import StoreError
 from grainfit.files import write_atomically
 from grainfit.formatting import plain
 from grainfit.report import messages
-from grainfit.report.rendering import render, script_json
+from grainfit.report.rendering import fill_template, script_json
 from grainfit.report.section import ReportContext, Section
 from grainfit.report.sections.registry import SECTIONS
 from grainfit.work_folder.saved_calibration import SavedCalibration
@@ -75,7 +75,7 @@ def render_page(context: ReportContext) -> str:
     """Return the whole page."""
     sections = [section for make in SECTIONS if (section := make(context)) is not None]
     figures = {key: figure for section in sections for key, figure in section.figures.items()}
-    page = render(
+    page = fill_template(
         "page",
         name=plain(context.reading.name) or plain(context.reading.folder.absolute().name),
         written=datetime.now().astimezone().strftime("%d %B %Y, %H:%M"),

@@ -19,7 +19,7 @@ from grainfit.formatting import counted, duration, number, plain, rounded
 _ESCAPES = str.maketrans({sign: f"\\u{ord(sign):04x}" for sign in "<>&"})
 
 
-def render(template: str, **values: Any) -> Markup:
+def fill_template(template: str, **values: Any) -> Markup:
     """Fill in a template of the report; every value is escaped unless it is `Markup`.
 
     Parameters

@@ -20,7 +20,7 @@ from grainfit.metamodels.curve_reduction import Reduction
 from grainfit.plots.figure import Figure
 from grainfit.plots.labels import Label, label_of_parameter, label_of_response
 from grainfit.problem import Parameter, Target
-from grainfit.report.rendering import render
+from grainfit.report.rendering import fill_template
 from grainfit.result import ParameterInterval
 from grainfit.work_folder.saved_calibration import SavedCalibration
 
@@ -130,7 +130,7 @@ def waiting(context: ReportContext, key: str, title: str, reason: str = "") -> S
         In a sentence or two.
     """
     reasons = [reason] if reason else [plain(note) for note in context.analysis.notes]
-    return Section(key, title, render("waiting", reasons=reasons))
+    return Section(key, title, fill_template("waiting", reasons=reasons))
 
 
 def without_metamodel(context: ReportContext) -> list[Label]:

@@ -38,3 +38,6 @@ class Glued:
         n = len(self.size_indices)
         if n == 0 or self.positions.shape != (n, 3):
             raise ValueError(messages.GLUED_COUNT(count=n, shape=self.positions.shape))
+
+    def __repr__(self) -> str:
+        return f"<Glued: {len(self.size_indices)} particles>"

@@ -198,6 +198,9 @@ class Column:
     orientations: NDArray[np.float64] | None = None
     spins: NDArray[np.float64] | None = None
 
+    def __repr__(self) -> str:
+        return f"<Column of {len(self.size_indices)} particles, {self.height:.4g} m high>"
+
     @property
     def turns(self) -> NDArray[np.float64]:
         """Orientations of clumps, also where they are not turned, shape (n, 4)."""

@@ -82,6 +82,9 @@ class RunOutput:
     def __init__(self, folder: Path) -> None:
         self.folder = Path(folder)
 
+    def __repr__(self) -> str:
+        return f"RunOutput({str(self.folder)!r})"
+
     @cached_property
     def stages(self) -> tuple[StageEnd, ...]:
         """Ends of the stages, in order.

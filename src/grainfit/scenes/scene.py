@@ -291,6 +291,10 @@ class Scene:
         if faults:
             raise InputError(faults)
 
+    def __repr__(self) -> str:
+        stages = ", ".join(stage.name for stage in self.stages)
+        return f"<Scene {self.title!r}: {self.number_of_particles} particles, stages {stages}>"
+
     @property
     def law(self) -> ContactLaw:
         """Contact models that act between particles or on any surface."""

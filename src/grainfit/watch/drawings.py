@@ -92,12 +92,12 @@ def _about(key: str, test: str, run: ShownRun, saved: SavedCalibration) -> dict[
         "key": key,
         "run": run.record.identity,
         "title": f"Newest {title}",
-        "words": ", ".join(_words(run, saved)),
+        "words": ", ".join(_captions(run, saved)),
         "ended": run.record.ended,
     }
 
 
-def _words(run: ShownRun, saved: SavedCalibration) -> Iterator[str]:
+def _captions(run: ShownRun, saved: SavedCalibration) -> Iterator[str]:
     kind = class_of_test(run.record.definition)
     info = kind.responses.get(run.shown.response) if kind else None
     unit = unit_for_people(info.unit) if info else ""

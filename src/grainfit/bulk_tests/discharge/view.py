@@ -16,7 +16,7 @@ from grainfit.bulk_tests.shared.validity import arch
 from grainfit.bulk_tests.view import MeasuredDrawing, Outline, RunView, moved
 from grainfit.errors import NotMeasurableError
 from grainfit.evaluation import Response
-from grainfit.measurement.drawing import Drawing, Line, surface_path, wall_line
+from grainfit.measurement.drawing import CurveScale, Drawing, Line, surface_path, wall_line
 from grainfit.measurement.flow_rate import FlowRate, flow_rate, stopped_flow
 from grainfit.measurement.height_map import height_map
 from grainfit.measurement.line_panel import PlottedLine, line_panel
@@ -26,8 +26,8 @@ from grainfit.measurement.side_view import Rectangle, SideView
 
 _PANEL_WIDTH = 560 * OVERSAMPLING
 _MASS_SIZE = (_PANEL_WIDTH, 420 * OVERSAMPLING)
-#: Half the width and the height of the drawing of the mass over time, pixels.
-_HALF_WIDTH, _HEIGHT = 400, 400
+#: Half the width of the drawing of the mass over time, pixels.
+_HALF_WIDTH = 400
 #: Drawings of the container have this many pixels in a particle diameter.
 _PIXELS = 20
 _SPACE = 12
@@ -209,28 +209,17 @@ class DischargeView(RunView):
             flow = self.flow()
         except NotMeasurableError:
             return MeasuredDrawing(self.drawing(), "")
-        full, duration = float(self.mass[0]), float(self.time[-1] - self.time[0])
-        shown = np.linspace(0, len(self.time) - 1, min(len(self.time), 200)).astype(int)
-        across = ((self.time - self.time[0]) / duration * 2 - 1) * _HALF_WIDTH
-        points = " ".join(
-            f"{across[i]:.0f},{-self.mass[i] / full * _HEIGHT:.0f}" for i in shown.tolist()
-        )
-
-        def place(time: float, gone: float) -> tuple[float, float]:
-            x = ((time - float(self.time[0])) / duration * 2 - 1) * _HALF_WIDTH
-            return round(x, 1), round(-(full - gone) / full * _HEIGHT, 1)
+        full, begin = float(self.mass[0]), float(self.time[0])
+        scale = CurveScale(float(self.time[-1]) - begin, full, _HALF_WIDTH)
+        (first, gone), (last, _) = flow.start, flow.end
 
         def line(rate: float) -> Line:
-            later = flow.start[1] + rate * (flow.end[0] - flow.start[0])
-            return Line(*place(*flow.start), *place(flow.end[0], later))
+            later = gone + rate * (last - first)
+            return scale.line((first - begin, full - gone), (last - begin, full - later))
 
-        drawing = Drawing(
-            path=f"M{-_HALF_WIDTH},0 L{points} L{_HALF_WIDTH},0Z",
-            half_width=_HALF_WIDTH + _SPACE,
-            height=_HEIGHT + _SPACE,
-            fitted=(line(flow.value),),
-            wanted=() if target is None else (line(target),),
-        )
+        wanted = [] if target is None else [line(target)]
+        curve = (self.time - begin, self.mass)
+        drawing = scale.drawing([curve], [line(flow.value)], wanted)
         words = (
             "slope of the drawn mass in the container over time, while 10 to 50 % of the mass that "
             "leaves has left"

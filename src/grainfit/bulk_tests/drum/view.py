@@ -53,7 +53,7 @@ def draw_drum(
     flanks: Sequence[Flank] = ()
     with suppress(NotMeasurableError):
         flanks = [flank for name, flank in angles.flanks().items() if name in flanks_of]
-    title, subtitle = _words(angles, measured)
+    title, subtitle = _titles(angles, measured)
     view = SideView(
         particles=seen_along_axis(bed.last, bed.setup),
         extent=_extent(bed.setup, bed.diameter),
@@ -66,7 +66,7 @@ def draw_drum(
     sheet(title, subtitle, panels, _PANEL_WIDTH).save(path)
 
 
-def _words(angles: DrumAngles, measured: Mapping[str, Response] | str) -> tuple[str, str]:
+def _titles(angles: DrumAngles, measured: Mapping[str, Response] | str) -> tuple[str, str]:
     if isinstance(measured, str):
         return "Drum: not valid", measured
     mean = measured["dynamic_angle"]

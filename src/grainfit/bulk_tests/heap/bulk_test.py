@@ -28,9 +28,9 @@ from grainfit.measurement.angle_of_repose import (
 )
 from grainfit.measurement.bulk_density import bulk_density
 from grainfit.measurement.clinging import clinging
+from grainfit.measurement.heap_picture import draw_heap
 from grainfit.measurement.heap_size import base_radius, heap_height, heap_profile, reaches_edge
 from grainfit.measurement.particles import Particles, write_vtk
-from grainfit.measurement.picture import draw_heap
 from grainfit.measurement.silhouette import Silhouette
 from grainfit.options.fields import Amount, Derived, option
 from grainfit.options.kinds import Quantity, Whole

@@ -7,12 +7,9 @@ from dataclasses import dataclass, replace
 
 from grainfit.bulk_tests.shear.flow import Frame, Profile
 from grainfit.bulk_tests.view import MeasuredDrawing, Outline, RunView
-from grainfit.measurement.drawing import Drawing, Line
+from grainfit.measurement.drawing import CurveScale, Drawing
 from grainfit.measurement.particles import Particles
 from grainfit.measurement.side_view import SideView
-
-#: Half the width and the height of the drawing of the velocity profile, pixels.
-_HALF_WIDTH, _HEIGHT, _SPACE = 300, 400, 12
 
 
 @dataclass(frozen=True)
@@ -47,18 +44,11 @@ class ShearView(RunView):
 
     def drawing(self) -> Drawing:
         """Draw the velocity profile: the upper plate moves by the width of the drawing."""
-        points = [self._place(*pair) for pair in self._curve]
-        path = " ".join(f"{x:.0f},{y:.0f}" for x, y in points)
-        left = -_HALF_WIDTH
-        return Drawing(
-            path=f"M{left},0 L{path} L{left},{-_HEIGHT}Z",
-            half_width=_HALF_WIDTH + _SPACE,
-            height=_HEIGHT + _SPACE,
-            walls=(
-                Line(-_HALF_WIDTH, 0, _HALF_WIDTH, 0),
-                Line(-_HALF_WIDTH, -_HEIGHT, _HALF_WIDTH, -_HEIGHT),
-            ),
-        )
+        scale = CurveScale(1.0, 1.0)
+        # The area between the profile and the left side, where the velocity is zero.
+        velocities, heights = zip(*self._curve, (0.0, 1.0), strict=True)
+        walls = [scale.line((0.0, height), (1.0, height)) for height in (0.0, 1.0)]
+        return scale.drawing([(velocities, heights)], walls=walls)
 
     def measured_drawing(self, target: float | None) -> MeasuredDrawing:  # noqa: ARG002
         """Draw the velocity profile beside the words for the measurement of the angle."""
@@ -71,9 +61,6 @@ class ShearView(RunView):
         profile = self.profile
         inner = zip(profile.velocities, profile.heights / profile.gap, strict=True)
         return [(0.0, 0.0), *((float(v), float(z)) for v, z in inner), (1.0, 1.0)]
-
-    def _place(self, velocity: float, height: float) -> tuple[float, float]:
-        return (2 * velocity - 1) * _HALF_WIDTH, -height * _HEIGHT
 
     def outlines(self) -> Sequence[Outline]:
         """Return the rectangles of the plates."""

@@ -22,7 +22,7 @@ from grainfit.formatting import (
     with_unit,
 )
 from grainfit.problem import Parameter
-from grainfit.report.rendering import render
+from grainfit.report.rendering import fill_template
 from grainfit.report.rows import ParameterRow, curve_row, deviation, parameter_row, response_row
 from grainfit.report.section import ReportContext, Section
 from grainfit.report.sections.answer.next_step import next_step
@@ -56,7 +56,7 @@ def answer(context: ReportContext) -> Section:
         curve_row(curve, curves.get(curve.name)) for curve in context.reading.problem.curves
     ]
     tests = _bulk_tests(context)
-    html = render(
+    html = fill_template(
         "answer/page",
         verdict=verdict(context),
         provisional=not context.answer and context.posterior is not None,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from grainfit.plots.convergence_figures import convergence_figures
 from grainfit.plots.expectation import checkpoints
-from grainfit.report.rendering import render
+from grainfit.report.rendering import fill_template
 from grainfit.report.section import ReportContext, Section
 
 _KEY, _TITLE = "convergence", "Convergence"
@@ -13,7 +13,7 @@ _KEY, _TITLE = "convergence", "Convergence"
 def convergence(context: ReportContext) -> Section:
     """Largest deviation and every response over the number of the run."""
     evaluations = context.reading.evaluations
-    html = render(
+    html = fill_template(
         f"{_KEY}/page",
         count=len(evaluations),
         labels=[context.response_label(target.name) for target in context.targets],

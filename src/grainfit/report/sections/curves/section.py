@@ -8,7 +8,7 @@ from typing import Any
 from grainfit.formatting import counted, number, plain, plain_probability
 from grainfit.plots.curves_figures import curve_figures
 from grainfit.problem import CurveTarget
-from grainfit.report.rendering import render
+from grainfit.report.rendering import fill_template
 from grainfit.report.section import ReportContext, Section
 
 _KEY, _TITLE = "curves", "Do the simulated curves follow the measured ones?"
@@ -22,7 +22,7 @@ def curves(context: ReportContext) -> Section | None:
     drawn = curve_figures(context.reading, context.analysis)
     figures = {f"{_KEY}-{index}": figure for index, figure in enumerate(drawn.values())}
     rows = [_row(context, target) for target in targets]
-    html = render(f"{_KEY}/page", rows=rows, figures=list(figures))
+    html = fill_template(f"{_KEY}/page", rows=rows, figures=list(figures))
     return Section(_KEY, _TITLE, html, figures)
 
 

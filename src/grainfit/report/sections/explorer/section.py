@@ -11,7 +11,7 @@ from grainfit.materials.clump_radii import rayleigh_radii
 from grainfit.materials.time_step import RayleighTimeStep
 from grainfit.metamodels.metamodels import Metamodels
 from grainfit.problem import Parameter
-from grainfit.report.rendering import render
+from grainfit.report.rendering import fill_template
 from grainfit.report.section import ReportContext, Section, waiting, without_metamodel
 
 _KEY, _TITLE = "explorer", "What would another parameter set give?"
@@ -22,7 +22,7 @@ def explorer(context: ReportContext) -> Section:
     metamodels = context.analysis.metamodels
     if metamodels is None:
         return waiting(context, _KEY, _TITLE)
-    html = render(
+    html = fill_template(
         f"{_KEY}/page",
         parameters=[
             {"label": context.parameter_label(p.name), "minimum": p.minimum, "maximum": p.maximum}

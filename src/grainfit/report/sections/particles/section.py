@@ -15,7 +15,7 @@ from grainfit.formatting import in_a_row, number, plain, unit_for_people, with_u
 from grainfit.measurement.drawing import Drawing
 from grainfit.plots.labels import Label
 from grainfit.problem import Target
-from grainfit.report.rendering import render
+from grainfit.report.rendering import fill_template
 from grainfit.report.section import ReportContext, Section
 from grainfit.report.sections.particles.drawn_scenes import scene_of, scenes_of_one_scale
 from grainfit.report.sections.particles.shown_runs import (
@@ -79,7 +79,7 @@ def particles(context: ReportContext) -> Section:
         data.update(scenes)
     drawn = [name for name, test in bulk_tests().items() if test.shown is not None]
     nouns = dict.fromkeys(view.noun for view in views)
-    html = render(
+    html = fill_template(
         "particles/page", views=views, begun=bool(reading.evaluations), drawn=in_a_row(drawn, "or")
     )
     title = f"The {next(iter(nouns))}" if len(nouns) == 1 else "The particles"

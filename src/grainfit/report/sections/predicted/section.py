@@ -9,7 +9,7 @@ from typing import Any
 from grainfit.formatting import plain
 from grainfit.plots.leave_one_out import LeaveOneOutCheck, leave_one_out_checks
 from grainfit.plots.predicted_figures import predicted_figure
-from grainfit.report.rendering import render
+from grainfit.report.rendering import fill_template
 from grainfit.report.section import ReportContext, Section, waiting
 
 _KEY, _TITLE = "predicted", "Can the metamodels be trusted?"
@@ -27,9 +27,9 @@ def predicted(context: ReportContext) -> Section:
         return waiting(context, _KEY, _TITLE)
     checks = leave_one_out_checks(context.reading, context.analysis)
     figures = {f"{_KEY}-{index}": predicted_figure(check) for index, check in enumerate(checks)}
-    html = render(
+    html = fill_template(
         f"{_KEY}/page",
-        checks=[_words(check) for check in checks],
+        checks=[_row(check) for check in checks],
         figures=list(figures),
         notes=_notes(context),
     )
@@ -43,7 +43,7 @@ def _notes(context: ReportContext) -> list[str]:
     return [plain(note) for note in context.analysis.notes if note not in elsewhere]
 
 
-def _words(check: LeaveOneOutCheck) -> Mapping[str, Any]:
+def _row(check: LeaveOneOutCheck) -> Mapping[str, Any]:
     q2 = check.left_out.q2
     known = math.isfinite(q2)
     judgement, look = next(

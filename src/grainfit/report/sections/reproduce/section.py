@@ -9,14 +9,14 @@ from importlib.metadata import version
 
 from grainfit.campaign.store.records import RunRecord
 from grainfit.formatting import plain, plain_lines
-from grainfit.report.rendering import render
+from grainfit.report.rendering import fill_template
 from grainfit.report.section import ReportContext, Section
 
 
 def reproduce(context: ReportContext) -> Section:
     """File, command, versions, seeds, date."""
     reading = context.reading
-    html = render(
+    html = fill_template(
         "reproduce/page",
         command=_command(context) if reading.source else "",
         source=plain(reading.source),

@@ -11,7 +11,7 @@ from grainfit.evaluation import Evaluation, name_of_test, names_of_tests
 from grainfit.formatting import number, plain, plain_lines
 from grainfit.plots.convergence_figures import deviation_in_tolerances
 from grainfit.plots.parallel_figures import parallel_figure
-from grainfit.report.rendering import render
+from grainfit.report.rendering import fill_template
 from grainfit.report.section import ReportContext, Section
 
 #: Of a run's identity, as `grainfit runs show` takes it.
@@ -50,7 +50,7 @@ class RunRow:
 def runs(context: ReportContext) -> Section:
     """Table of all parameter sets, with their outcome."""
     evaluations = context.reading.evaluations
-    html = render(
+    html = fill_template(
         "runs/page",
         columns=[
             *(context.parameter_label(parameter.name) for parameter in context.parameters),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from grainfit.formatting import plain
 from grainfit.plots.sensitivity_figures import sensitivity_figures
-from grainfit.report.rendering import render
+from grainfit.report.rendering import fill_template
 from grainfit.report.section import ReportContext, Section, waiting
 
 _KEY, _TITLE = "sensitivity", "Which parameters matter?"
@@ -17,7 +17,7 @@ def sensitivity(context: ReportContext) -> Section:
         return waiting(context, _KEY, _TITLE)
     drawn = sensitivity_figures(context.reading, found)
     figures = {f"{_KEY}-{row}": figure for row, figure in drawn.items()}
-    html = render(
+    html = fill_template(
         f"{_KEY}/page",
         responses=[
             {

@@ -9,7 +9,7 @@ import numpy as np
 
 from grainfit.metamodels.metamodels import Metamodels
 from grainfit.plots.style import STAGES, named_runs
-from grainfit.report.rendering import render
+from grainfit.report.rendering import fill_template
 from grainfit.report.section import ReportContext, Section, waiting, without_metamodel
 from grainfit.report.sections.explorer.section import held_at, held_values
 
@@ -28,7 +28,7 @@ def surfaces(context: ReportContext) -> Section:
     if metamodels is None:
         return waiting(context, _KEY, _TITLE)
     across, up = _leading_pair(context, metamodels)
-    html = render(
+    html = fill_template(
         f"{_KEY}/page",
         parameters=[context.parameter_label(p.name) for p in context.parameters],
         responses=[context.response_label(t.name) for t in metamodels.problem.targets],

@@ -10,7 +10,7 @@ from grainfit.metamodels.metamodels import Metamodels
 from grainfit.metamodels.time_steps import EQUAL_TIME_STEPS
 from grainfit.plots.pareto_figures import pareto_figure, time_unit, why_no_front
 from grainfit.problem import Target
-from grainfit.report.rendering import render
+from grainfit.report.rendering import fill_template
 from grainfit.report.section import ReportContext, Section, waiting
 from grainfit.verdict.options import VERDICT
 
@@ -28,7 +28,7 @@ def tradeoff(context: ReportContext) -> Section:
     gain = _gain(context, front)
     unit, factor = time_unit(float(front.time_steps[-1]))
     times = [factor * float(step) for step in front.time_steps]
-    html = render(
+    html = fill_template(
         f"{_KEY}/page",
         figure=_FIGURE,
         points=[

@@ -8,7 +8,7 @@ from grainfit.bulk_tests.registry import class_of_test
 from grainfit.formatting import plain
 from grainfit.plots.pairs_figures import pairs_figures
 from grainfit.plots.posterior_figures import interval_in_words, posterior_figures
-from grainfit.report.rendering import render
+from grainfit.report.rendering import fill_template
 from grainfit.report.section import ReportContext, Section, waiting, without_metamodel
 
 _KEY, _TITLE = "undetermined", "What do the tests not determine?"
@@ -28,7 +28,7 @@ def undetermined(context: ReportContext) -> Section:
         f"{_KEY}-pair-{i}": figure
         for i, figure in enumerate(pairs_figures(context.reading, posterior))
     }
-    html = render(
+    html = fill_template(
         f"{_KEY}/page",
         verdicts=[plain(verdict) for verdict in found.verdicts],
         further_tests=[plain(test) for test in found.further_tests],

@@ -12,7 +12,7 @@ from grainfit.plots.figure import Figure
 from grainfit.plots.labels import Label
 from grainfit.plots.style import BLUE, GREEN, STAGES, tolerance_band, value_range
 from grainfit.problem import Target
-from grainfit.report.rendering import render
+from grainfit.report.rendering import fill_template
 from grainfit.report.section import ReportContext, Section
 from grainfit.result import ResponseResult, Result
 from grainfit.verdict.evidence import Verified
@@ -73,7 +73,7 @@ def verification(context: ReportContext) -> Section:
     curves = result.curves if result is not None and context.answer else {}
     counts = [len(check.values) for check in found] + [c.verified_runs for c in curves.values()]
     count = max(counts, default=0)
-    html = render(
+    html = fill_template(
         "verification/page",
         rows=[_row(context, check) for check in checks],
         curves={plain(name): found.fresh for name, found in curves.items() if found.fresh},

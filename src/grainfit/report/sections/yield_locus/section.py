@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from grainfit.evaluation import Response
 from grainfit.formatting import plain, rounded
 from grainfit.plots.yield_locus_figures import yield_locus_figures
-from grainfit.report.rendering import render
+from grainfit.report.rendering import fill_template
 from grainfit.report.section import ReportContext, Section
 from grainfit.result import YieldLocusResult
 
@@ -22,7 +22,7 @@ def yield_locus(context: ReportContext) -> Section | None:
     drawn = yield_locus_figures(context.reading)
     figures = {f"{_KEY}-{index}": figure for index, figure in enumerate(drawn)}
     tables = [(plain(", ".join(locus.tests)), list(_rows(locus))) for locus in loci]
-    html = render(f"{_KEY}/page", tables=tables, figures=list(figures))
+    html = fill_template(f"{_KEY}/page", tables=tables, figures=list(figures))
     return Section(_KEY, _TITLE, html, figures)
 
 

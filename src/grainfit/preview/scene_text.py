@@ -71,7 +71,7 @@ def _between(least: float, most: float) -> str:
     return f"after {_s(least)} to {_s(most)}" if least > 0 else f"within {_s(most)}"
 
 
-def _words(table: Mapping[type, Callable[[Any], str]], thing: Any) -> str:
+def _text(table: Mapping[type, Callable[[Any], str]], thing: Any) -> str:
     """Return the words of a table; of a class that it does not know, the name and the fields."""
     known = table.get(type(thing))
     if known is not None:
@@ -81,20 +81,20 @@ def _words(table: Mapping[type, Callable[[Any], str]], thing: Any) -> str:
     return f"{type(thing).__name__.lower()}: {listed}" if listed else type(thing).__name__.lower()
 
 
-def wall_words(wall: Wall) -> str:
+def wall_text(wall: Wall) -> str:
     """Describe a wall: its shape, and its surface if it has one of its own."""
     surface = "" if wall.surface == WALL else f"; surface {wall.surface}"
-    return f"{_words(_SHAPES, wall.shape)}{surface}"
+    return f"{_text(_SHAPES, wall.shape)}{surface}"
 
 
-def motion_words(motion: object) -> str:
+def motion_text(motion: object) -> str:
     """Describe a motion of a wall."""
-    return _words(_MOTIONS, motion)
+    return _text(_MOTIONS, motion)
 
 
-def stage_words(stage: Stage) -> str:
+def stage_text(stage: Stage) -> str:
     """Describe what happens in a stage, and when it ends."""
-    parts = [*_changes(stage), *_motions(stage), _words(_ENDS, stage.until)]
+    parts = [*_changes(stage), *_motions(stage), _text(_ENDS, stage.until)]
     return "; ".join(parts)
 
 
@@ -110,12 +110,12 @@ def _changes(stage: Stage) -> Iterator[str]:
 def _motions(stage: Stage) -> Iterator[str]:
     for name in stage.motions:
         for motion in stage.motions_of(name):
-            yield f"{name} {motion_words(motion)}"
+            yield f"{name} {motion_text(motion)}"
     if stage.series is not None:
         yield f"{in_a_row(stage.series.columns)} recorded every {_s(stage.series.every)}"
 
 
-def box_words(scene: Scene) -> str:
+def box_text(scene: Scene) -> str:
     """Describe the size of the box and its periodic axes."""
     sides = zip(scene.box.low, scene.box.high, strict=True)
     size = " x ".join(_mm(high - low) for low, high in sides)

@@ -7,8 +7,8 @@ from PIL import Image
 from synthetic_heaps import DIAMETER, heap
 
 from grainfit.measurement.angle_of_repose import AngleOfRepose, angle_of_repose
+from grainfit.measurement.heap_picture import draw_heap
 from grainfit.measurement.particles import Particles
-from grainfit.measurement.picture import draw_heap
 
 PLATE = 20 * DIAMETER
 FLANK = np.array([0xD5, 0x5E, 0x00])
