@@ -192,7 +192,7 @@ def test_runs_beyond_the_intervals_teach_but_the_answer_stays_within(
     narrow = gf.Problem([gf.Parameter("sliding", 0.3, 0.8)], [target])
     result = gf.calibrate(narrow, solver, workdir=tmp_path, strategy=strategy)
     saved = gf.open(tmp_path)
-    beyond = [e for e in saved.learnt if e.proposal.parameters["sliding"] > 0.8]
+    beyond = [e for e in saved.warm_start if e.proposal.parameters["sliding"] > 0.8]
     assert beyond
     assert saved.analyse().metamodels.models[0].n == len(saved.known)
     assert result.parameters["sliding"] <= 0.8

@@ -102,7 +102,7 @@ def reading(wanted: Problem, known: Sequence[Evaluation], *, answered: bool) -> 
         strategy="sequential",
         seed=1,
         evaluations=tuple(known),
-        learnt=(),
+        warm_start=(),
         running=0,
         records={},
         result=result_of(wanted, answer) if answered else None,

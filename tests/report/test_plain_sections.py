@@ -154,7 +154,7 @@ def context(
         strategy="sequential",
         seed=7,
         evaluations=tuple(evaluations),
-        learnt=(),
+        warm_start=(),
         running=2 if state == "running" else 0,
         records=records,
         result=result,

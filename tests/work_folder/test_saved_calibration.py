@@ -125,12 +125,12 @@ def test_a_result_is_read_back_or_said_to_be_damaged_and_where(tmp_path: Path) -
             grainfit.Result.from_json(path)
 
 
-def test_what_was_learnt_from_counts_in_all_that_is_said(tmp_path: Path) -> None:
+def test_a_warm_start_counts_in_all_that_is_said(tmp_path: Path) -> None:
     first = grainfit.calibrate(PROBLEM, simulate, workdir=tmp_path)
     other = replace(PROBLEM, targets=[replace(PROBLEM.targets[0], value=25.2)])
     second = grainfit.calibrate(other, simulate, workdir=tmp_path)
     reading = SavedCalibration.open(tmp_path)
-    assert len(reading.learnt) == second.runs.warm_start_runs == first.runs.total
+    assert len(reading.warm_start) == second.runs.warm_start_runs == first.runs.total
     assert len(reading.evaluations) == second.runs.total < first.runs.total
     assert len(reading.known) == first.runs.total + second.runs.total
     page = grainfit.write_report(tmp_path).read_text(encoding="utf-8")

@@ -1,4 +1,4 @@
-"""Responses that valid runs are without: harmless until one of them is needed."""
+"""Responses that a valid run may lack, until a calibration needs them."""
 
 from __future__ import annotations
 
@@ -50,19 +50,19 @@ def absences(solvers: Mapping[str, Solver], evaluations: Iterable[Evaluation]) -
 
 
 def with_needed(record: RunRecord, needed: Collection[str]) -> RunRecord:
-    """Return a run; as failed, if it is without a needed response and knows the reason."""
+    """Return a run, as a failed one if it lacks a needed response and has the reason."""
     has_all = record.responses.keys() >= set(needed)
     if record.status != "finished" or not record.reason or has_all:
         return record
     return replace(record, status="failed", responses={}, kind="evaluation")
 
 
-def judged(
+def failed_if_incomplete(
     records: Mapping[str, RunRecord],
     requests: Iterable[RequestRecord],
     definition: Mapping[str, Any],
 ) -> dict[str, RunRecord]:
-    """Return runs; as failed, if they are without a response that their calibration needs.
+    """Return runs, those that lack a response that their calibration needs as failed ones.
 
     Parameters
     ----------

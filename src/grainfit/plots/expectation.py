@@ -39,7 +39,7 @@ class Expectation:
 
 def checkpoints(saved: SavedCalibration) -> list[int]:
     """Return the numbers of runs after which metamodels are fitted; none without an answer."""
-    most = min(len(saved.evaluations), max(_MOST_FITTED - len(saved.learnt), _FEWEST_FITTED))
+    most = min(len(saved.evaluations), max(_MOST_FITTED - len(saved.warm_start), _FEWEST_FITTED))
     has_answer = saved.result is not None and bool(saved.result.parameters)
     if not has_answer or not can_be_fitted(saved.problem, _known_after(saved, most)):
         return []

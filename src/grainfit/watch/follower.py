@@ -204,7 +204,7 @@ class Follower:
             found = result_so_far(
                 saved.problem,
                 saved.evaluations,
-                saved.learnt,
+                saved.warm_start,
                 options=saved.strategy_options,
                 seed=saved.seed,
             )

@@ -12,10 +12,10 @@ from pathlib import Path
 from typing import get_args
 
 from grainfit.campaign.folder_lock import is_held
-from grainfit.campaign.store.records import CalibrationRecord, RequestRecord
-from grainfit.campaign.store.store import STORE_NAME, RunStore, not_a_work_folder
-from grainfit.campaign.work_folder import RESULT_NAME
-from grainfit.errors import StoreError
+from grainfit.campaign.store.records import CalibrationRecord, RequestRecord, RunRecord
+from grainfit.campaign.store.store import STORE_NAME, UNUSABLE, RunStore, not_a_work_folder
+from grainfit.campaign.work_folder import RESULT_NAME, read_record, run_folder
+from grainfit.errors import GrainfitError, StoreError
 from grainfit.result import Result
 from grainfit.verdict.rule import Status
 
@@ -36,15 +36,59 @@ class OpenFolder:
         The calibration; None if nothing was calibrated yet.
     requests : sequence of RequestRecord
         The parameter sets that it asked for.
-    state : str
-        ``running``, or how it ended; ``interrupted`` also when its process died.
+    is_held : bool
+        Whether a process is at work in the folder.
     """
 
     folder: Path
     store: RunStore
     calibration: CalibrationRecord | None
     requests: Sequence[RequestRecord]
-    state: str
+    is_held: bool
+
+    @property
+    def state(self) -> str:
+        """``running``, or how it ended; ``interrupted`` also when its process died."""
+        if self.calibration is None:
+            return "running" if self.is_held else "not started"
+        # Another command may be at work in the folder of a calibration that has ended.
+        if self.is_held and self.calibration.status == "running":
+            return "running"
+        return "interrupted" if self.calibration.status == "running" else self.calibration.status
+
+    def warm_start_requests(self) -> list[RequestRecord]:
+        """Return the parameter sets of other calibrations that it started from.
+
+        Raises
+        ------
+        StoreError
+            They cannot be read.
+        """
+        with self.naming():
+            known = self.calibration.about.get("learnt", []) if self.calibration else []
+            return [RequestRecord.from_row({"position": 0, **row}) for row in known]
+
+    def records_of(self, requests: Sequence[RequestRecord]) -> dict[str, RunRecord]:
+        """Return the runs of parameter sets by identity, as far as they are kept."""
+        asked = {run for request in requests for run in request.runs.values()}
+        records = self.store.find_many(asked)
+        if self.state == "failed":
+            # Failures that stopped it are forgotten, so that the next start repeats these runs.
+            absent = asked - records.keys()
+            kept = (read_record(run_folder(self.folder, run)) for run in absent)
+            records |= {record.identity: record for record in kept if record is not None}
+        return records
+
+    @contextmanager
+    def naming(self) -> Iterator[None]:
+        """Name the file of a calibration that cannot be read."""
+        try:
+            yield
+        except (GrainfitError, *UNUSABLE) as error:
+            raise StoreError(
+                f"the calibration in {str(self.folder / STORE_NAME)!r} cannot be read: "
+                f"{error!s:.500}. It was written by another version of grainfit, or edited."
+            ) from error
 
     def read_result(self) -> tuple[Result | None, str]:
         """Read the result of the calibration, or why there is none that can be used.
@@ -94,17 +138,8 @@ def open_folder(folder: Path) -> Iterator[OpenFolder]:
     with closing(RunStore.read_only(folder)) as store:
         calibration = store.latest_calibration()
         requests = store.requests(calibration.identity) if calibration else []
-        state = _state(calibration, is_held(folder))
-        if calibration is not None and state not in _STATES:
-            words = f"table calibrations, row {calibration.identity}: status is {state!r:.60}"
-            raise store.damaged(words)
-        yield OpenFolder(folder, store, calibration, requests, state)
-
-
-def _state(calibration: CalibrationRecord | None, held: bool) -> str:
-    if calibration is None:
-        return "running" if held else "not started"
-    # Another command may be at work in the folder of a calibration that has ended.
-    if held and calibration.status == "running":
-        return "running"
-    return "interrupted" if calibration.status == "running" else calibration.status
+        opened = OpenFolder(folder, store, calibration, requests, is_held(folder))
+        if calibration is not None and opened.state not in _STATES:
+            shown = f"status is {opened.state!r:.60}"
+            raise store.damaged(f"table calibrations, row {calibration.identity}: {shown}")
+        yield opened

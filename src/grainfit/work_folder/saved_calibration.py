@@ -2,21 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, get_args
 
 from grainfit.calibration.provenance import Provenance
-from grainfit.campaign.absent_responses import judged
+from grainfit.campaign.absent_responses import failed_if_incomplete
 from grainfit.campaign.campaign import evaluation_of
 from grainfit.campaign.store.records import CalibrationRecord, RequestRecord, RunRecord
-from grainfit.campaign.store.store import STORE_NAME, UNUSABLE
-from grainfit.campaign.work_folder import RESULT_NAME, read_record, run_folder
+from grainfit.campaign.work_folder import RESULT_NAME
 from grainfit.contact_models.registry import material_parameter
-from grainfit.errors import Fault, GrainfitError, InputError, StoreError
+from grainfit.errors import Fault, InputError, StoreError
 from grainfit.evaluation import ERROR_SUFFIX, Evaluation, names_of_tests, response_name
 from grainfit.formatting import counted
 from grainfit.materials.time_step import RayleighTimeStep
@@ -34,7 +32,7 @@ if TYPE_CHECKING:
     from grainfit.analysis import Analysis
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class SavedCalibration:
     """The calibration that was started last in a work folder.
 
@@ -52,7 +50,7 @@ class SavedCalibration:
         Name of the strategy, and its seed.
     evaluations : tuple of Evaluation
         Every parameter set of which all runs have ended, in the order in which it was asked for.
-    learnt : tuple of Evaluation
+    warm_start : tuple of Evaluation
         Evaluations from other calibrations, used for a warm start.
     running : int
         Runs under way.
@@ -90,7 +88,7 @@ class SavedCalibration:
     strategy: str
     seed: int
     evaluations: tuple[Evaluation, ...]
-    learnt: tuple[Evaluation, ...]
+    warm_start: tuple[Evaluation, ...]
     running: int
     records: Mapping[str, RunRecord]
     result: Result | None
@@ -129,16 +127,10 @@ class SavedCalibration:
                     f"nothing has been calibrated in {str(folder)!r} yet. Start 'grainfit run' "
                     "first."
                 )
-            learnt = _learnt(folder, calibration)
-            requests = [*opened.requests, *learnt]
-            asked = {run for request in requests for run in request.runs.values()}
-            records = opened.store.find_many(asked)
-        if opened.state == "failed":
-            # Failures that stopped it are forgotten, so that the next start repeats these runs.
-            kept = (read_record(run_folder(folder, run)) for run in asked - records.keys())
-            records |= {record.identity: record for record in kept if record is not None}
-        with _naming(folder):
-            return _saved(opened, calibration, learnt, records)
+            warm_start = opened.warm_start_requests()
+            records = opened.records_of([*opened.requests, *warm_start])
+        with opened.naming():
+            return _saved(opened, calibration, warm_start, records)
 
     def runs(self) -> pd.DataFrame:
         """Return the runs that this calibration asked for and that have ended, one row for each.
@@ -175,7 +167,7 @@ class SavedCalibration:
     @property
     def known(self) -> tuple[Evaluation, ...]:
         """The evaluations, then those of the warm start that were not asked for again."""
-        return tuple(distinct_runs([*self.evaluations, *self.learnt]))
+        return tuple(distinct_runs([*self.evaluations, *self.warm_start]))
 
     @property
     def intervals(self) -> Mapping[str, ParameterInterval]:
@@ -216,6 +208,10 @@ class SavedCalibration:
         headline = f"{self.name or self.folder.name}: {self.state}"
         return (headline, progress, *filter(None, faults), *answer)
 
+    def __repr__(self) -> str:
+        count = counted(len(self.evaluations), "evaluation")
+        return f"<SavedCalibration {self.name!r}: {self.state}, {count}, in {str(self.folder)!r}>"
+
     def __str__(self) -> str:
         return as_text(self.summary())
 
@@ -231,36 +227,18 @@ class SavedCalibration:
         return analyse(self.problem, self.known, seed=self.seed, answer=answer or None)
 
 
-@contextmanager
-def _naming(folder: Path) -> Iterator[None]:
-    """Name the file of a calibration that cannot be read."""
-    try:
-        yield
-    except (GrainfitError, *UNUSABLE) as error:
-        raise StoreError(
-            f"the calibration in {str(folder / STORE_NAME)!r} cannot be read: {error!s:.500}. "
-            "It was written by another version of grainfit, or edited."
-        ) from error
-
-
-def _learnt(folder: Path, calibration: CalibrationRecord) -> list[RequestRecord]:
-    with _naming(folder):
-        known = calibration.about.get("learnt", [])
-        return [RequestRecord.from_row({"position": 0, **row}) for row in known]
-
-
 def _saved(
     opened: OpenFolder,
     calibration: CalibrationRecord,
-    learnt: Sequence[RequestRecord],
+    warm_start: Sequence[RequestRecord],
     records: Mapping[str, RunRecord],
 ) -> SavedCalibration:
     folder, state = opened.folder, opened.state
     definition, about = calibration.definition, calibration.about
     names = [parameter["name"] for parameter in definition["parameters"]]
-    for request in (*opened.requests, *learnt):
+    for request in (*opened.requests, *warm_start):
         request.require_part_of(names, names_of_tests(definition["tests"]))
-    records = judged(records, (*opened.requests, *learnt), definition)
+    records = failed_if_incomplete(records, (*opened.requests, *warm_start), definition)
     ended = [request for request in opened.requests if _has_ended(request, records)]
     tests = len(names_of_tests(definition["tests"]))
     evaluations = tuple(_evaluation(request, records, tests) for request in ended)
@@ -284,8 +262,8 @@ def _saved(
         strategy=str(definition["strategy"]),
         seed=int(definition["seed"]),
         evaluations=evaluations,
-        learnt=tuple(
-            _evaluation(run, records, tests) for run in learnt if _has_ended(run, records)
+        warm_start=tuple(
+            _evaluation(run, records, tests) for run in warm_start if _has_ended(run, records)
         ),
         running=sum(r.status == "running" for r in records.values()) if running else 0,
         records={identity: record for identity, record in records.items() if identity in used},

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from grainfit.campaign.absent_responses import judged
+from grainfit.campaign.absent_responses import failed_if_incomplete
 from grainfit.campaign.store.records import RequestRecord, RunRecord
 from grainfit.result import Result
 from grainfit.work_folder.open_folder import open_folder
@@ -74,7 +74,7 @@ def read_status(folder: Path) -> WorkdirStatus:
         incomplete = {record.identity: record for record in opened.store.incomplete_runs()}
     calibration, requests = opened.calibration, opened.requests
     if calibration is not None:
-        failed += judged(incomplete, requests, calibration.definition).values()
+        failed += failed_if_incomplete(incomplete, requests, calibration.definition).values()
     running = opened.state == "running"
     result, fault = opened.read_result()
     return WorkdirStatus(

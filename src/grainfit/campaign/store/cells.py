@@ -40,7 +40,7 @@ def read_json(content: str | bytes) -> Any:
 
 
 def read_text(content: bytes) -> str | bytes:
-    """Return a text; what is no valid text stays as it is, and `text` refuses it."""
+    """Decode a cell; bytes that are no UTF-8 text are returned unchanged, for `text` to refuse."""
     try:
         return content.decode()
     except UnicodeDecodeError:
@@ -59,7 +59,7 @@ def finite(value: Any, column: str) -> float:
 
 
 def moment(value: Any, column: str) -> float:
-    """Return a time, seconds since the epoch, of which there is a date."""
+    """Return a time in seconds since the epoch; refuse one outside the calendar."""
     seconds = finite(value, column)
     try:
         datetime.fromtimestamp(seconds, UTC)

@@ -226,7 +226,7 @@ def _cost(context: ReportContext) -> dict[str, Any]:
             **stages,
             failed=sum(len(evaluation.failed_runs) for evaluation in reading.evaluations),
             total=sum(stages.values()),
-            warm_start_runs=sum(len(evaluation.runs) for evaluation in reading.learnt),
+            warm_start_runs=sum(len(evaluation.runs) for evaluation in reading.warm_start),
         )
     )
     return {
