@@ -41,7 +41,6 @@ from calibration_problems import (
     true_parameters,
 )
 from grainfit.evaluation import Evaluation, Proposal, Response
-from grainfit.metamodels.likelihood import standard_uncertainty
 from grainfit.metamodels.metamodels import Metamodels
 from grainfit.problem import Problem, Target
 from grainfit.result import Result
@@ -117,7 +116,7 @@ def _measured(problem: Problem, seed: int) -> Problem:
     targets = [
         Target(
             target.name,
-            target.value + standard_uncertainty(target) * float(random.standard_normal()),
+            target.value + target.standard_uncertainty * float(random.standard_normal()),
             tolerance=target.tolerance,
         )
         for target in problem.targets

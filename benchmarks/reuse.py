@@ -77,7 +77,7 @@ def neighbours(name: str, seed: int) -> dict[float, Outcome]:
             earlier = seed + number * _OTHER
             _calibrate(part_of(whole, earlier, SHARE), source, earlier)
         for reach in REACHES:
-            reuse.REACH = reach
+            reuse.LARGEST_DISTANCE = reach
             result = _calibrate(case, Path(folder) / f"reach {reach}", seed, sources)
             found[reach] = _outcome(case, result)
     return found

@@ -5,8 +5,8 @@ from grainfit import scenes as scenes
 from grainfit import solvers as solvers
 from grainfit import testing as testing
 from grainfit import tests as tests
-from grainfit.analysis import Analysis as Analysis
-from grainfit.analysis import analyse as analyse
+from grainfit.analysis.analysis import Analysis as Analysis
+from grainfit.analysis.analysis import analyse as analyse
 from grainfit.analysis.modulus_study import ModulusStudy as ModulusStudy
 from grainfit.analysis.scatter import RepeatedRuns as RepeatedRuns
 from grainfit.calibration.calibrate import calibrate as calibrate

@@ -94,7 +94,7 @@ class Evaluation:
     failed_runs: Mapping[str, str] = field(default_factory=dict)
 
     @property
-    def yields(self) -> set[str]:
+    def response_names(self) -> set[str]:
         """Names of all responses, curves included."""
         return {*self.responses, *self.curves}
 

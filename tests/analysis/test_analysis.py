@@ -9,7 +9,7 @@ import pytest
 from scipy.stats import qmc
 
 import grainfit
-from grainfit.analysis import Analysis, analyse
+from grainfit.analysis.analysis import Analysis, analyse
 from grainfit.evaluation import Evaluation, Proposal, Response
 from grainfit.materials.time_step import RayleighTimeStep
 from grainfit.problem import Parameter, Problem, Target

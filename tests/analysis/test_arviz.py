@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from given_metamodels import Given, given
 
-from grainfit.analysis import Posterior, sample_posterior
+from grainfit.analysis.posterior import Posterior, sample_posterior
 from grainfit.errors import InputError
 from grainfit.problem import Target
 

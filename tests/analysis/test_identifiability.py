@@ -5,7 +5,8 @@ import math
 import numpy as np
 import pytest
 
-from grainfit.analysis import Identifiability, Posterior, assess_identifiability
+from grainfit.analysis.identifiability import Identifiability, assess_identifiability
+from grainfit.analysis.posterior import Posterior
 from grainfit.problem import Parameter, Problem, Target
 
 SLIDING = Parameter("particle_particle.sliding_friction", 0.0, 1.0)

@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 import grainfit as gf
-from grainfit.analysis import Posterior
 from grainfit.analysis.intervals import parameter_intervals
+from grainfit.analysis.posterior import Posterior
 from grainfit.cards import render
 from grainfit.formatting import plain_ends
 from grainfit.materials.time_step import RayleighTimeStep

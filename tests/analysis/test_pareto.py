@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from given_metamodels import Given
 
-from grainfit.analysis import pareto_front
+from grainfit.analysis.pareto import pareto_front
 from grainfit.materials.time_step import RayleighTimeStep
 from grainfit.metamodels.metamodels import Metamodels
 from grainfit.problem import Parameter, Problem, Target

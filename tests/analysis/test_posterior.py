@@ -8,8 +8,8 @@ import pytest
 from given_metamodels import Given, given, unit_parameters
 from scipy.stats import truncnorm
 
-from grainfit.analysis import Posterior, sample_posterior, standard_uncertainty
 from grainfit.analysis.ensemble import sample_cube
+from grainfit.analysis.posterior import Posterior, sample_posterior
 from grainfit.errors import InputError
 from grainfit.metamodels.kriging import Kriging
 from grainfit.metamodels.metamodels import Metamodels
@@ -175,9 +175,9 @@ def test_too_few_steps_are_said_to_be_too_few() -> None:
 
 
 def test_a_tolerance_alone_is_read_as_an_interval_of_95_percent() -> None:
-    assert standard_uncertainty(Target("y", 30.0, uncertainty=0.4, tolerance=2.0)) == 0.4
-    assert standard_uncertainty(Target("y", 30.0, tolerance=0.98)) == pytest.approx(0.5)
-    assert standard_uncertainty(Target("y", 98.0)) == pytest.approx(1.0)
+    assert Target("y", 30.0, uncertainty=0.4, tolerance=2.0).standard_uncertainty == 0.4
+    assert Target("y", 30.0, tolerance=0.98).standard_uncertainty == pytest.approx(0.5)
+    assert Target("y", 98.0).standard_uncertainty == pytest.approx(1.0)
 
 
 def test_credible_intervals_of_95_percent_hold_the_truth_as_often_as_they_say() -> None:

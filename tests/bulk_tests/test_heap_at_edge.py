@@ -71,7 +71,7 @@ def test_a_run_with_a_target_for_the_size_has_failed_with_the_reason(
     for _ in range(2):
         found = simulated(setup, folder / "work", is_needed=True)
         assert found.failures == {"heap": ABSENT}
-        assert not found.yields
+        assert not found.response_names
         # It is the same run, and would be the same again.
         assert found.reused == 1
 
@@ -80,7 +80,7 @@ def test_the_same_run_keeps_angle_and_density_where_nobody_needs_the_size(folder
     setup = beads(folder, "65 mm", "angle_of_repose")
     for is_needed in (True, False):
         found = simulated(setup, folder / "work", is_needed=is_needed)
-        assert found.yields == {"bulk_density", "angle_of_repose"}
+        assert found.response_names == {"bulk_density", "angle_of_repose"}
         assert not found.failures
         assert found.reused == 1
     assert absences(setup.solvers, [found]) == [f"Seed 1: heap has {ABSENT}."]
@@ -89,7 +89,7 @@ def test_the_same_run_keeps_angle_and_density_where_nobody_needs_the_size(folder
 def test_a_larger_plate_has_a_heap_with_a_size(folder: Path) -> None:
     setup = beads(folder, "120 mm", "base_radius")
     found = simulated(setup, folder / "large", is_needed=True)
-    assert found.yields == set(setup.bulk_tests["heap"].response_names or ())
+    assert found.response_names == set(setup.bulk_tests["heap"].response_names or ())
     assert found.responses["base_radius"].value < 0.11
     assert not absences(setup.solvers, [found])
 

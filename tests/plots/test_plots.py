@@ -11,7 +11,7 @@ import plotly.graph_objects as go
 import pytest
 
 import grainfit as gf
-from grainfit.analysis import Analysis
+from grainfit.analysis.analysis import Analysis
 from grainfit.errors import InputError
 from grainfit.plots import messages
 from grainfit.plots.arrange import arrange, in_columns

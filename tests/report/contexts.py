@@ -14,15 +14,12 @@ from typing import Any
 import numpy as np
 from scipy.stats import qmc
 
-from grainfit.analysis import (
-    Analysis,
-    analyse,
-    assess_identifiability,
-    estimate_sensitivity,
-    pareto_front,
-    sample_posterior,
-)
+from grainfit.analysis.analysis import Analysis, analyse
+from grainfit.analysis.identifiability import assess_identifiability
 from grainfit.analysis.intervals import parameter_intervals
+from grainfit.analysis.pareto import pareto_front
+from grainfit.analysis.posterior import sample_posterior
+from grainfit.analysis.sensitivity import estimate_sensitivity
 from grainfit.contact_models.registry import MATERIAL_PARAMETERS
 from grainfit.evaluation import Evaluation, Proposal, Response
 from grainfit.materials.time_step import RayleighTimeStep

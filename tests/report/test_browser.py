@@ -19,7 +19,7 @@ from scipy.stats import norm
 
 from benchmarks import campaigns, chromium
 from benchmarks.axe import violations
-from grainfit.analysis import Analysis, analyse
+from grainfit.analysis.analysis import Analysis, analyse
 from grainfit.metamodels.metamodels import Metamodels
 from grainfit.report.page import write_report
 

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 import grainfit
-from grainfit.analysis import Analysis
+from grainfit.analysis.analysis import Analysis
 from grainfit.campaign.folder_lock import hold
 from grainfit.errors import StoreError
 from grainfit.report import messages

@@ -20,7 +20,7 @@ from PIL import Image
 
 import grainfit
 from benchmarks import chromium
-from grainfit.analysis import Analysis
+from grainfit.analysis.analysis import Analysis
 from grainfit.bulk_tests.heap import Heap
 from grainfit.bulk_tests.registry import BUILT_IN
 from grainfit.campaign.store.records import RunRecord

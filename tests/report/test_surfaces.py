@@ -14,7 +14,8 @@ import contexts
 import numpy as np
 import pytest
 
-from grainfit.analysis import Analysis, ParetoFront
+from grainfit.analysis.analysis import Analysis
+from grainfit.analysis.pareto import ParetoFront
 from grainfit.campaign.store.records import RunRecord
 from grainfit.errors import InputError
 from grainfit.metamodels.metamodels import Metamodels

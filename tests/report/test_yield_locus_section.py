@@ -18,7 +18,7 @@ from typer.testing import CliRunner
 import grainfit as gf
 from benchmarks import chromium
 from benchmarks.axe import violations
-from grainfit.analysis import Analysis
+from grainfit.analysis.analysis import Analysis
 from grainfit.cli.app import app
 from grainfit.errors import InputError
 from grainfit.plots import messages

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 from grainfit.evaluation import Evaluation
 from grainfit.metamodels.known_runs import (
+    LARGEST_DISTANCE,
     MOST_RUNS,
-    REACH,
-    beyond,
+    distance_outside,
     fit_where_possible,
     nearest_runs,
 )
@@ -75,7 +75,7 @@ def _usable(
     problem: Problem, evaluations: Sequence[Evaluation], notes: list[str]
 ) -> list[Evaluation]:
     """Runs within the intervals, or not far beyond them, that yielded a response."""
-    telling = [e for e in evaluations if not e.yields.isdisjoint(problem.responses)]
+    telling = [e for e in evaluations if not e.response_names.isdisjoint(problem.responses)]
     near = [e for e in telling if _is_near(problem, e.proposal.parameters)]
     if not telling:
         notes.append(
@@ -86,13 +86,13 @@ def _usable(
     elif len(near) < len(telling):
         notes.append(
             f"{len(telling) - len(near)} of {len(telling)} runs are farther outside the intervals "
-            f"than {REACH:.0%} of their widths and are left out."
+            f"than {LARGEST_DISTANCE:.0%} of their widths and are left out."
         )
     return near
 
 
 def _is_near(problem: Problem, values: Mapping[str, float]) -> bool:
-    return _has_all(problem, values) and beyond(problem, values) <= REACH
+    return _has_all(problem, values) and distance_outside(problem, values) <= LARGEST_DISTANCE
 
 
 def _has_all(problem: Problem, values: Mapping[str, float]) -> bool:
@@ -107,10 +107,14 @@ def _chosen(
     notes: list[str],
 ) -> list[Evaluation]:
     """Choose the runs for the metamodels, and say so if some are left out."""
-    holds = answer is not None and _has_all(problem, answer) and beyond(problem, answer) == 0.0
+    holds = (
+        answer is not None
+        and _has_all(problem, answer)
+        and distance_outside(problem, answer) == 0.0
+    )
     chosen = nearest_runs(problem, evaluations, answer if holds else None, seed=seed)
     if len(chosen) < len(evaluations):
-        inside = sum(beyond(problem, e.proposal.parameters) == 0.0 for e in evaluations)
+        inside = sum(distance_outside(problem, e.proposal.parameters) == 0.0 for e in evaluations)
         notes.append(
             f"The analysis rests on {MOST_RUNS} of {len(evaluations)} runs, because its effort "
             f"grows with the cube of their number: {_which(inside, holds)}."

@@ -20,10 +20,10 @@ from grainfit.formatting import (
     with_unit,
 )
 from grainfit.problem import Target
+from grainfit.problem.target import NORMAL_QUANTILE
 from grainfit.tables import Summary, TextTable
 
 #: Half-width of a 95 % interval, in standard errors.
-_NORMAL_QUANTILE = 1.96
 
 
 @dataclass(frozen=True)
@@ -134,7 +134,7 @@ class ModulusStudy(Summary):
         errors = (here.standard_error, there.standard_error)
         half = None
         if errors[0] is not None and errors[1] is not None:
-            half = _NORMAL_QUANTILE * math.hypot(errors[0], errors[1])
+            half = NORMAL_QUANTILE * math.hypot(errors[0], errors[1])
         return here.mean - there.mean, half
 
     def summary(self) -> tuple[str | TextTable, ...]:

@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from statistics import fmean, stdev
 
-from scipy import stats
-
 from grainfit.analysis.curve_scatter import CurveScatter
 from grainfit.analysis.scatter_statistics import (
-    LEVEL,
     MANY_RUNS,
     half_interval_of_mean,
+    interval_of_deviation,
     runs_within,
 )
 from grainfit.errors import Fault, InputError
@@ -78,10 +75,7 @@ class ResponseScatter:
         """
         if self.standard_deviation is None:
             return None
-        freedom = len(self.values) - 1
-        low, high = stats.chi2.ppf([(1 - LEVEL) / 2, (1 + LEVEL) / 2], freedom)
-        squares = freedom * self.standard_deviation**2
-        return math.sqrt(squares / high), math.sqrt(squares / low)
+        return interval_of_deviation(self.standard_deviation, len(self.values))
 
     @property
     def runs_for_tolerance(self) -> int | None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from scipy import stats
+from scipy.special import gammaincinv, ndtri, stdtrit
 
 #: Confidence of all intervals.
 LEVEL = 0.95
@@ -21,7 +21,7 @@ def half_interval_of_mean(count: int) -> float:
     >>> round(half_interval_of_mean(4), 3)
     1.591
     """
-    return float(stats.t.ppf((1 + LEVEL) / 2, count - 1)) / math.sqrt(count)
+    return float(stdtrit(count - 1, (1 + LEVEL) / 2)) / math.sqrt(count)
 
 
 def runs_within(deviation: float, tolerance: float) -> int:
@@ -39,5 +39,19 @@ def runs_within(deviation: float, tolerance: float) -> int:
     >>> runs_within(2.0, 1.0)
     16
     """
-    quantile = float(stats.norm.ppf((1 + LEVEL) / 2))
+    quantile = float(ndtri((1 + LEVEL) / 2))
     return max(1, math.ceil((quantile * deviation / tolerance) ** 2))
+
+
+def interval_of_deviation(deviation: float, count: int) -> tuple[float, float]:
+    """Return the interval of the standard deviation of runs (chi-squared).
+
+    Examples
+    --------
+    >>> tuple(round(end, 3) for end in interval_of_deviation(1.0, 10))
+    (0.688, 1.826)
+    """
+    freedom = count - 1
+    low, high = (2 * float(gammaincinv(freedom / 2, (1 + side * LEVEL) / 2)) for side in (-1, 1))
+    squares = freedom * deviation**2
+    return math.sqrt(squares / high), math.sqrt(squares / low)

@@ -422,7 +422,7 @@ class CalibrationLoop:
             return
         last = tried[-1]
         why = "; ".join(last.failures.values()) or (
-            messages.RESPONSES_MISSING(found=", ".join(sorted(last.yields)) or "nothing")
+            messages.RESPONSES_MISSING(found=", ".join(sorted(last.response_names)) or "nothing")
         )
         short = [about_short_curves(curve, self._evaluations) for curve in self._problem.curves]
         why = " ".join(filter(None, short)) or why

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from math import sqrt
 from statistics import fmean, stdev
 
-from scipy.stats import t as student_t
+from scipy.special import stdtrit
 
 from grainfit.evaluation import Evaluation
 from grainfit.problem import Problem
@@ -121,5 +121,5 @@ def _shift(
 def mean_with_interval(values: Sequence[float]) -> Verified:
     """Return mean, standard error and 95 % confidence interval of at least two values."""
     error = stdev(values) / sqrt(len(values))
-    quantile = float(student_t.ppf(0.975, len(values) - 1))
+    quantile = float(stdtrit(len(values) - 1, 0.975))
     return Verified(fmean(values), error, quantile * error, len(values))

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from grainfit.evaluation import Evaluation
-from grainfit.metamodels.known_runs import beyond
+from grainfit.metamodels.known_runs import distance_outside
 from grainfit.problem import Problem
 from grainfit.strategies.base import Search
 
@@ -26,7 +26,7 @@ def warm_start(search: Search, problem: Problem, known: Sequence[Evaluation]) ->
     known : sequence of Evaluation
         Runs within the intervals and near them.
     """
-    distances = [beyond(problem, e.proposal.parameters) for e in known]
+    distances = [distance_outside(problem, e.proposal.parameters) for e in known]
     search.warm_start([e for e, far in zip(known, distances, strict=True) if far == 0.0])
     if search.learns_beyond_intervals:
         for evaluation, far in zip(known, distances, strict=True):

@@ -16,7 +16,6 @@ from grainfit.campaign.store.records import RunRecord
 from grainfit.errors import InputError
 from grainfit.evaluation import Evaluation, Response, name_of_test, response_name
 from grainfit.measurement.yield_locus import fit_yield_locus
-from grainfit.metamodels.likelihood import standard_uncertainty
 from grainfit.problem import Problem
 from grainfit.result import ResponseResult, YieldLocus, YieldLocusResult
 from grainfit.run_definition import RunDefinition
@@ -109,7 +108,7 @@ def _locus(
     stresses = [point.normal_stress for point in points]
     places = [point.place for point in points]
     targets = [problem.targets[place] for place in places]
-    measured = [Response(target.value, standard_uncertainty(target)) for target in targets]
+    measured = [Response(target.value, target.standard_uncertainty) for target in targets]
     correlations = problem.correlation_matrix[np.ix_(places, places)]
     expected = [
         Response(found.predicted, found.standard_error)

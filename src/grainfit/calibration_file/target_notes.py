@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping
 
+from grainfit.analysis.scatter_statistics import runs_within
 from grainfit.bulk_tests.base import BulkTest
 from grainfit.evaluation import response_name
 from grainfit.formatting import number
@@ -12,8 +13,6 @@ from grainfit.problem import Problem, Target
 
 #: Tolerances that are this many times finer than the scatter from run to run are noted.
 _TIMES_FINER = 5.0
-#: Standard errors of a mean within which it is with 95 % confidence.
-_CONFIDENT = 2.0
 
 
 def target_notes(problem: Problem, tests: Mapping[str, BulkTest], count: int) -> Iterator[str]:
@@ -51,7 +50,7 @@ def _note_on_tolerance(target: Target, scatter: float) -> Iterator[str]:
     tolerated = target.tolerance / abs(target.value) if target.value else math.inf
     if tolerated * _TIMES_FINER >= scatter:
         return
-    runs = (_CONFIDENT * scatter / tolerated) ** 2
+    runs = runs_within(scatter, tolerated)
     yield (
         f"{target.name}: its tolerance, {target.tolerance:g} {target.unit}".rstrip()
         + f", is {number(100 * tolerated, 2)} % of the value, and runs scatter by about "

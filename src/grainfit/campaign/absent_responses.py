@@ -44,7 +44,9 @@ def absences(solvers: Mapping[str, Solver], evaluations: Iterable[Evaluation]) -
     for evaluation in evaluations:
         for test, solver in solvers.items():
             absent = {response_name(test, n, len(solvers)): r for n, r in solver.absent.items()}
-            if test not in evaluation.failures and (why := why_absent(absent, evaluation.yields)):
+            if test not in evaluation.failures and (
+                why := why_absent(absent, evaluation.response_names)
+            ):
                 lines.append(f"Seed {evaluation.proposal.seed}: {test} has {why}.")
     return lines
 

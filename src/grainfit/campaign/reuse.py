@@ -40,7 +40,7 @@ from grainfit.evaluation import (
     run_name,
     scalars,
 )
-from grainfit.metamodels.known_runs import REACH, beyond
+from grainfit.metamodels.known_runs import LARGEST_DISTANCE, distance_outside
 from grainfit.problem import Problem
 from grainfit.run_definition import RunDefinition, identity_of
 from grainfit.solvers.base import Solver
@@ -253,13 +253,13 @@ def runs_of(
             if record.status == "finished" and not needed.get(test, set()) <= set(record.responses):
                 continue
             run = matcher.match(record)
-            if run is not None and beyond(problem, run[0]) <= REACH:
+            if run is not None and distance_outside(problem, run[0]) <= LARGEST_DISTANCE:
                 found[test].append(_Point(*run, {test: record}))
     for test, count in (repeats or {}).items():
         found[test] = _with_further_seeds(found[test], test, count)
-    points = reduce(_together, (found[test] for test in solvers))
+    points = reduce(_joined_points, (found[test] for test in solvers))
     if problem.tests:
-        points += _alone(problem, found, points)
+        points += _points_of_one_test(problem, found, points)
     names = [parameter.name for parameter in problem.parameters]
     return [
         _evaluation(point, names, len(solvers))
@@ -275,7 +275,7 @@ def _evaluation(point: _Point, names: Sequence[str], tests: int) -> Evaluation:
     return evaluation_of(proposal, point.runs, tests, reused=len(point.runs))
 
 
-def _alone(
+def _points_of_one_test(
     problem: Problem, found: Mapping[str, Sequence[_Point]], joined: Iterable[_Point]
 ) -> list[_Point]:
     """Return the runs of a test that have none of the other tests at their point.
@@ -325,7 +325,7 @@ def _with_further_seeds(points: list[_Point], test: str, repeats: int) -> list[_
     return [point for point in joined if key(point, point.seed) not in taken]
 
 
-def _together(points: list[_Point], others: list[_Point]) -> list[_Point]:
+def _joined_points(points: list[_Point], others: list[_Point]) -> list[_Point]:
     """Join points with those of another test that have the same seed and agree in all values."""
     if not points or not others:
         return []

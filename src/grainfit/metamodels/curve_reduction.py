@@ -22,7 +22,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 from scipy import linalg
-from scipy.stats import chi2
+from scipy.special import chdtrc
 from typing_extensions import override
 
 from grainfit.errors import Fault
@@ -228,7 +228,7 @@ class CurveBasis:
             + others @ others / (1 + scatter / self.runs)
         )
         degrees = len(rest) - len(self.components)
-        return float(chi2.sf(square, degrees)) if degrees else 1.0
+        return float(chdtrc(degrees, square)) if degrees else 1.0
 
     @property
     def has_other_shape(self) -> bool:

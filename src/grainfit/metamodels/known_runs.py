@@ -25,13 +25,13 @@ Array = NDArray[np.float64]
 MOST_RUNS = 150
 #: Distance beyond a bound up to which runs are used, as a share of the interval. `python
 #: benchmarks/reuse.py --neighbours` compares values.
-REACH = 0.5
+LARGEST_DISTANCE = 0.5
 
 _RUNS_OF_FIRST_GUESS = 40
 _POINTS_OF_FIRST_GUESS = 1024
 
 
-def beyond(problem: Problem, values: Mapping[str, float]) -> float:
+def distance_outside(problem: Problem, values: Mapping[str, float]) -> float:
     """Return how far beyond the bounds a parameter set lies, as a share of the interval.
 
     0 within all intervals, else the distance beyond the bound that it exceeds most. Parameters
@@ -89,7 +89,7 @@ def nearest_runs(
     """
     if len(evaluations) <= most:
         return list(evaluations)
-    distances = [beyond(problem, e.proposal.parameters) for e in evaluations]
+    distances = [distance_outside(problem, e.proposal.parameters) for e in evaluations]
     inside = [index for index, distance in enumerate(distances) if distance == 0.0]
     if len(inside) > most:
         chosen = _of_those_inside(problem, [evaluations[i] for i in inside], near, seed, most)

@@ -19,7 +19,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy import stats
+from scipy.special import stdtrit
+from scipy.stats import binom
 from threadpoolctl import threadpool_limits
 
 from grainfit.errors import Fault, InputError
@@ -233,7 +234,7 @@ class Kriging:
         Standard deviations are such that 1.96 of them miss it in 5 %; the tails are Student's.
         """
         freedom = self._degrees_of_freedom
-        return float(stats.t.isf(share / 2, freedom)) / math.sqrt(self._inflation)
+        return -float(stdtrit(freedom, share / 2)) / math.sqrt(self._inflation)
 
     @property
     def components(self) -> int:
@@ -277,7 +278,7 @@ class Kriging:
     @cached_property
     def _inflation(self) -> float:
         """Factor that makes 1.96 standard deviations a 95 % interval with an estimated variance."""
-        quantile = float(stats.t.ppf(0.975, self._degrees_of_freedom))
+        quantile = float(stdtrit(self._degrees_of_freedom, 0.975))
         return (quantile / NORMAL_QUANTILE) ** 2
 
     def _combine(self, means: FloatArray, variances: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -657,7 +658,7 @@ class Kriging:
     def _warning_of_coverage(self) -> str:
         quality = self.leave_one_out()
         inside = round(quality.coverage * self.n)
-        if float(stats.binom.cdf(inside, self.n, 0.95)) >= 0.01:
+        if float(binom.cdf(inside, self.n, 0.95)) >= 0.01:
             return ""
         return (
             f"Only {100 * quality.coverage:.0f} % of the runs lie inside their 95 % intervals when "

@@ -8,22 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from grainfit.metamodels.metamodels import Metamodels
-from grainfit.problem import Problem, Target
+from grainfit.problem import Problem
 
 Array = NDArray[np.float64]
-
-#: Half the width of a 95 % interval in standard deviations.
-NORMAL_QUANTILE = 1.96
-
-
-def standard_uncertainty(target: Target) -> float:
-    """Standard uncertainty of a measured value, in its unit.
-
-    If none is given, the tolerance is read as a 95 % interval.
-    """
-    if target.uncertainty is not None:
-        return target.uncertainty
-    return target.tolerance / NORMAL_QUANTILE
 
 
 class Likelihood:
@@ -41,7 +28,7 @@ class Likelihood:
     def __init__(self, problem: Problem) -> None:
         targets = problem.targets
         self._measured = np.array([target.value for target in targets])
-        deviations = np.array([standard_uncertainty(target) for target in targets])
+        deviations = np.array([target.standard_uncertainty for target in targets])
         self._variances = deviations**2
         self._covariance: Array | None = None
         if problem.correlations:

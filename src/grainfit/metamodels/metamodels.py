@@ -328,7 +328,7 @@ class Metamodels:
             Largest number of runs.
         """
         scopes = self.problem.scopes
-        yields = np.array([self.yields([scope.name]) for scope in scopes])
+        yields = np.array([self.yielded_by([scope.name]) for scope in scopes])
         costs = np.array([seconds[scope.name] for scope in scopes])
         counts = np.zeros(len(scopes), dtype=int)
         order: list[str] = []
@@ -352,7 +352,7 @@ class Metamodels:
         inside = self._probability(np.tile(self._targets, (len(counts), 1)), left)
         return np.maximum(inside, np.finfo(float).tiny)
 
-    def yields(self, tests: Collection[str] | None) -> NDArray[np.bool_]:
+    def yielded_by(self, tests: Collection[str] | None) -> NDArray[np.bool_]:
         """Whether runs of some tests yield each target, shape (targets,); None for all tests."""
         targets = self.problem.targets
         if tests is None:

@@ -12,7 +12,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from scipy import stats
+from scipy.special import chdtri
 
 from grainfit.metamodels.predictor import FloatArray
 
@@ -66,6 +66,6 @@ def most_probable(log_densities: Sequence[float], fitted_slopes: int = 0) -> int
     """
     handicap = np.array([0.0, *[_EVIDENCE] * (len(log_densities) - 1)])
     if fitted_slopes:
-        usual = stats.chi2.isf(_GAIN_BY_CHANCE, fitted_slopes) / 2.0
+        usual = float(chdtri(fitted_slopes, _GAIN_BY_CHANCE)) / 2.0
         handicap[-1] = max(EVIDENCE_OF_FITTED, usual)
     return int(np.argmax(np.array(log_densities) - handicap))

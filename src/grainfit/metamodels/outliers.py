@@ -11,8 +11,9 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import stats
 from scipy.spatial.distance import cdist
+from scipy.special import stdtrit
+from scipy.stats import binom
 
 from grainfit.metamodels.growing_scatter import find_growing_scatter
 from grainfit.metamodels.kriging import Kriging
@@ -69,7 +70,7 @@ class Outliers:
         if not self.indices:
             return 0.0
         squares = float((self.residuals**2).sum()) - self.runs * self.shift**2
-        widened = float(stats.t.ppf(0.975, self.runs - 1)) / NORMAL_QUANTILE
+        widened = float(stdtrit(self.runs - 1, 0.975)) / NORMAL_QUANTILE
         return widened**2 * squares / (self.runs * (self.runs - 1))
 
 
@@ -163,7 +164,7 @@ def _are_alone(points: FloatArray, left_out: NDArray[np.intp]) -> bool:
         near = row <= _NEAR * np.sqrt(points.shape[1])
         together, elsewhere = int((near & is_out).sum()), int((~near & is_out).sum())
         share = (elsewhere + 1) / ((~near).sum() + 2)
-        by_chance = stats.binom.sf(together - 1, near.sum(), share)
+        by_chance = binom.sf(together - 1, near.sum(), share)
         if together > 1 and by_chance < _TOGETHER_BY_CHANCE:
             return False
     return True

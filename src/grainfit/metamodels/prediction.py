@@ -5,12 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import stats
+from scipy.special import ndtri
 
 from grainfit.metamodels.predictor import FloatArray
 
 #: Half the width of a 95 % interval in standard deviations.
-NORMAL_QUANTILE = float(stats.norm.ppf(0.975))
+NORMAL_QUANTILE = float(ndtri(0.975))
 
 
 @dataclass(frozen=True)

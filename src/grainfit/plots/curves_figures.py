@@ -8,15 +8,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from grainfit.analysis import Analysis
+from grainfit.analysis.analysis import Analysis
 from grainfit.bulk_tests.registry import curve_info
 from grainfit.formatting import plain, unit_for_people
-from grainfit.metamodels.likelihood import NORMAL_QUANTILE
 from grainfit.plots import messages
 from grainfit.plots.arrange import arrange
 from grainfit.plots.figure import Figure, no_figure
 from grainfit.plots.style import BLUE, GREEN, PURPLE, QUIET
 from grainfit.problem import CurveTarget
+from grainfit.problem.target import NORMAL_QUANTILE
 from grainfit.work_folder.saved_calibration import SavedCalibration
 
 if TYPE_CHECKING:

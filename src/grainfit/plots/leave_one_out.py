@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from grainfit.analysis import Analysis
+from grainfit.analysis.analysis import Analysis
 from grainfit.formatting import plain
 from grainfit.metamodels.kriging import POOR_Q2
 from grainfit.metamodels.metamodels import Metamodels

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from grainfit.analysis import Analysis, Posterior
+from grainfit.analysis.analysis import Analysis
+from grainfit.analysis.posterior import Posterior
 from grainfit.plots import messages
 from grainfit.plots.arrange import arrange, in_columns
 from grainfit.plots.axes import parameter_axis

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
-from grainfit.analysis import Analysis, ParetoFront
+from grainfit.analysis.analysis import Analysis
+from grainfit.analysis.pareto import ParetoFront
 from grainfit.metamodels.metamodels import Metamodels
 from grainfit.plots.arrange import arrange
 from grainfit.plots.figure import Figure, no_figure

@@ -8,7 +8,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from grainfit.analysis import Analysis, Identifiability, Posterior
+from grainfit.analysis.analysis import Analysis
+from grainfit.analysis.identifiability import Identifiability
+from grainfit.analysis.posterior import Posterior
 from grainfit.formatting import ends, number, plain
 from grainfit.materials.card import Determination
 from grainfit.plots.arrange import arrange, in_columns

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from grainfit.analysis import Analysis
+from grainfit.analysis.analysis import Analysis
 from grainfit.formatting import plain
 from grainfit.plots.arrange import arrange, in_columns
 from grainfit.plots.figure import Figure, no_figure

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from grainfit.analysis import Analysis, Sensitivity
+from grainfit.analysis.analysis import Analysis
+from grainfit.analysis.sensitivity import Sensitivity
 from grainfit.formatting import plain
 from grainfit.plots.arrange import arrange
 from grainfit.plots.figure import Figure, no_figure

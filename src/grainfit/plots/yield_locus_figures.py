@@ -8,11 +8,11 @@ from html import escape
 from typing import TYPE_CHECKING, Any
 
 from grainfit.formatting import plain
-from grainfit.metamodels.likelihood import NORMAL_QUANTILE
 from grainfit.plots import messages
 from grainfit.plots.arrange import arrange
 from grainfit.plots.figure import Figure, no_figure
 from grainfit.plots.style import BLUE, GREEN
+from grainfit.problem.target import NORMAL_QUANTILE
 from grainfit.result import YieldLocus, YieldLocusResult
 from grainfit.work_folder.saved_calibration import SavedCalibration
 

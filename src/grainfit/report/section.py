@@ -14,7 +14,8 @@ from typing import Any
 
 from markupsafe import Markup
 
-from grainfit.analysis import Analysis, Posterior
+from grainfit.analysis.analysis import Analysis
+from grainfit.analysis.posterior import Posterior
 from grainfit.formatting import plain
 from grainfit.metamodels.curve_reduction import Reduction
 from grainfit.plots.figure import Figure

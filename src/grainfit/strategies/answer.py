@@ -231,7 +231,7 @@ def answer_from_runs(
     """
     metamodels = Metamodels.fit(problem, evaluations)
     names = set(problem.responses)
-    tried = [e.proposal.parameters for e in evaluations if names <= e.yields]
+    tried = [e.proposal.parameters for e in evaluations if names <= e.response_names]
     if not tried:
         raise RunFailedError("no parameter set gave all responses, so none can be the answer")
     points = np.array([problem.to_unit(values) for values in tried])

@@ -284,7 +284,7 @@ class StrategyContract:
 
         assert under_way
         # Either both ask the same, or both know that they are done.
-        compared = _together(undisturbed, resumed, under_way, workers)
+        compared = _continue_both(undisturbed, resumed, under_way, workers)
         assert compared > 0 or (undisturbed.finished and resumed.finished)
         assert undisturbed.answer() == resumed.answer()
 
@@ -577,7 +577,7 @@ def _take_up(search: Search, asked: Sequence[Proposal], told: Sequence[Proposal]
         search.tell(proposal, heap(proposal))
 
 
-def _together(
+def _continue_both(
     first: Search, second: Search, under_way: list[Proposal], workers: int, most: int = 4
 ) -> int:
     """Continue two searches that must ask the same; return the number of proposals of both."""

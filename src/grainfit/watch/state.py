@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from grainfit.analysis import Analysis
+from grainfit.analysis.analysis import Analysis
 from grainfit.calibration.live_file import LiveState, read_live_state
 from grainfit.campaign.folder_lock import is_held
 from grainfit.campaign.store.records import RequestRecord, RunRecord

@@ -15,11 +15,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from grainfit.problem import Parameter
+from grainfit.problem.target import NORMAL_QUANTILE
 
 Array = NDArray[np.float64]
 
-#: Half the width of a 95 % interval in standard deviations.
-NORMAL_QUANTILE = 1.96
 #: Standard deviation of an even spread over an interval of the length 1.
 _EVEN = math.sqrt(1.0 / 12.0)
 

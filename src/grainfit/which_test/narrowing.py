@@ -17,7 +17,6 @@ from grainfit.bulk_tests.accuracy import Accuracy
 from grainfit.evaluation import response_name
 from grainfit.formatting import in_a_row
 from grainfit.materials.walls import plain_name
-from grainfit.metamodels.likelihood import standard_uncertainty
 from grainfit.problem import Problem
 from grainfit.solvers.base import Solver
 from grainfit.which_test import messages
@@ -130,7 +129,7 @@ def _responses(
     found = []
     for target in problem.targets:
         info, wall = infos[target.name]
-        accuracy = Accuracy(standard_uncertainty(target))
+        accuracy = Accuracy(target.standard_uncertainty)
         found.append(recorded_response(target.name, info, material, target.value, accuracy, wall))
     known = [response for response in found if response is not None]
     return known if len(known) == len(found) else []
@@ -138,7 +137,7 @@ def _responses(
 
 def _errors(problem: Problem, responses: Sequence[CandidateResponse]) -> Array:
     """Covariance of the errors of the measured values and the runs, relative to the values."""
-    relative = [standard_uncertainty(target) / target.value for target in problem.targets]
+    relative = [target.standard_uncertainty / target.value for target in problem.targets]
     between = problem.correlation_matrix - np.eye(len(relative))
     own = np.diag([response.variance() for response in responses])
     return np.asarray(own + between * np.outer(relative, relative))

@@ -18,7 +18,6 @@ from grainfit.errors import Fault, InputError
 from grainfit.evaluation import Evaluation, Proposal, response_name
 from grainfit.formatting import counted, in_unit, number, plain_ends, plain_interval
 from grainfit.metamodels.curve_reduction import ComponentTarget
-from grainfit.metamodels.likelihood import standard_uncertainty
 from grainfit.problem import Parameter, Problem, Target
 from grainfit.tables import TextTable, as_html, as_text
 from grainfit.work_folder.import_table import read_import_table
@@ -59,7 +58,7 @@ class RunsAnalysis:
         targets = metamodels.problem.targets
         if not targets:
             return ""
-        squares = np.array([standard_uncertainty(target) ** 2 for target in targets])
+        squares = np.array([target.standard_uncertainty**2 for target in targets])
         off = np.abs(means - [target.value for target in targets]) / np.sqrt(squares + variances)
         best = int(off.max(axis=1).argmin())
         worst = int(off[best].argmax())
@@ -141,7 +140,7 @@ class RunsAnalysis:
 
 def _response_row(target: Target, expected: np.ndarray) -> tuple[str, ...]:
     low, high = np.quantile(expected, [0.025, 0.975])
-    measured = plain_interval(target.value, standard_uncertainty(target))
+    measured = plain_interval(target.value, target.standard_uncertainty)
     return in_unit(target.name, target.unit), measured, plain_ends(float(low), float(high))
 
 

@@ -17,7 +17,7 @@ from grainfit.campaign.store.records import RunRecord
 from grainfit.campaign.store.store import RunStore
 from grainfit.campaign.work_folder import recover
 from grainfit.errors import Fault, InputError, SolverNotFoundError
-from grainfit.metamodels.known_runs import REACH, beyond
+from grainfit.metamodels.known_runs import LARGEST_DISTANCE, distance_outside
 from grainfit.solvers.base import Solver
 from grainfit.work_folder.import_table import TableRow, read_import_table
 
@@ -267,14 +267,14 @@ def _outside(setup: CalibrationSetup, rows: list[TableRow]) -> Iterator[str]:
             str(row.line)
             for row in rows
             if name in row.parameters
-            and beyond(setup.problem, {name: row.parameters[name]}) > REACH
+            and distance_outside(setup.problem, {name: row.parameters[name]}) > LARGEST_DISTANCE
         ]
         if lines:
             some = ", ".join(lines[:_NAMED_LINES]) + (", ..." if len(lines) > _NAMED_LINES else "")
             ends = f"{parameter.minimum:g} to {parameter.maximum:g} {parameter.unit}".rstrip()
             yield (
-                f"Outside of the interval of {name} ({ends}) by more than {REACH:.0%} of its "
-                f"width, and not used while it is so: line {some}."
+                f"Outside of the interval of {name} ({ends}) by more than "
+                f"{LARGEST_DISTANCE:.0%} of its width, and not used while it is so: line {some}."
             )
 
 

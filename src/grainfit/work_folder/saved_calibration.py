@@ -29,7 +29,7 @@ from grainfit.work_folder.run_table import runs_table
 if TYPE_CHECKING:
     import pandas as pd
 
-    from grainfit.analysis import Analysis
+    from grainfit.analysis.analysis import Analysis
 
 
 @dataclass(frozen=True, repr=False)
@@ -221,7 +221,7 @@ class SavedCalibration:
     @cached_property
     def _analysis(self) -> Analysis:
         # Imported here: SciPy and emcee take a second, and status and exports need neither.
-        from grainfit.analysis import analyse
+        from grainfit.analysis.analysis import analyse
 
         answer = self.result.parameters if self.result else None
         return analyse(self.problem, self.known, seed=self.seed, answer=answer or None)

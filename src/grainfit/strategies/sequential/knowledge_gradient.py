@@ -76,7 +76,7 @@ class KnowledgeGradient:
     def __call__(self, points: Array, yields: NDArray[np.bool_] | None = None) -> Array:
         """Expected improvement by a run at each of some points, shape (m,); not negative.
 
-        ``yields`` says which targets the run yields, see `Metamodels.yields`; all by default.
+        ``yields`` says which targets the run yields, see `Metamodels.yielded_by`; all by default.
         """
         return self.with_unknown(points, yields)[0]
 

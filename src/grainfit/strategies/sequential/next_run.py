@@ -102,7 +102,7 @@ def _most_telling(
     narrowed = narrowed * conditioned.precisions
 
     def worth(scope: TestScope) -> float:
-        gain = float(narrowed[conditioned.yields([scope.name])].sum())
+        gain = float(narrowed[conditioned.yielded_by([scope.name])].sum())
         return gain / float(costs.seconds(scope, point[None])[0])
 
     return NextRun(point, max(scopes, key=worth) if len(scopes) > 1 else scopes[0])
@@ -119,7 +119,7 @@ def _most_improving(
     several = len(belief.problem.scopes) > 1
 
     def best_of(scope: TestScope) -> tuple[float, NextRun]:
-        yields = conditioned.yields([scope.name]) if several else None
+        yields = conditioned.yielded_by([scope.name]) if several else None
 
         def lack(points: Array) -> Array:
             improved, unknown = improvement.with_unknown(points, yields)

@@ -234,7 +234,7 @@ class SequentialSearch(Search):
             places = {
                 tuple(evaluation.proposal.parameters[name] for name in scope.parameters)
                 for evaluation in evaluations
-                if names <= evaluation.yields
+                if names <= evaluation.response_names
             }
             left = self._design_sizes[scope.name] - len(places)
             self._design_sizes[scope.name] = max(0, left)
@@ -450,7 +450,7 @@ class SequentialSearch(Search):
     def _propose_most_useful(self, belief: Belief) -> Proposal | None:
         pending = self._pending_proposals
         points = [belief.problem.to_unit(proposal.parameters) for proposal in pending]
-        yields = [belief.metamodels.yields(proposal.tests) for proposal in pending]
+        yields = [belief.metamodels.yielded_by(proposal.tests) for proposal in pending]
         conditioned = belief.metamodels.condition_on_pending(
             np.array(points).reshape(-1, belief.problem.dimension), np.array(yields)
         )

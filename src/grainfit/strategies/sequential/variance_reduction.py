@@ -53,7 +53,7 @@ class VarianceReduction:
     def __call__(self, points: Array, yields: NDArray[np.bool_]) -> Array:
         """Expected reduction by a run at each of some points, shape (n,).
 
-        ``yields`` says which targets the run yields, see `Metamodels.yields`.
+        ``yields`` says which targets the run yields, see `Metamodels.yielded_by`.
         """
         covariance, variance = self._covariance(points)
         reduction = (covariance**2).mean(axis=1) / (variance + self._scatter_at(points).T)
@@ -90,7 +90,7 @@ def most_narrowing_run(
     starts = np.vstack([points, near, everywhere])
 
     def best_of(scope: TestScope) -> tuple[float, NextRun]:
-        yields = conditioned.yields([scope.name])
+        yields = conditioned.yielded_by([scope.name])
 
         def lack(points: Array) -> Array:
             success = feasibility.success_probability(points)

@@ -222,4 +222,4 @@ class StagedSearch(BatchSearch):
 
     def _successful(self) -> Iterator[Evaluation]:
         names = set(self.problem.responses)
-        return (e for e in self.known if names <= e.yields)
+        return (e for e in self.known if names <= e.response_names)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from grainfit.analysis import ParetoFront
+from grainfit.analysis.pareto import ParetoFront
 from grainfit.metamodels.metamodels import Metamodels
 from grainfit.metamodels.time_steps import EQUAL_TIME_STEPS
 from grainfit.plots.pareto_figures import pareto_figure, time_unit, why_no_front
